@@ -21,23 +21,26 @@ typedef union {
     access->member = (__typeof__(access->member))library_function(                                 \
         access->library, c->version == 3 ? "fmi3" name3 : "fmi2" name2);
 
-/* What an FMU has no use for may be missing from the rest. */
-const char *access_load(Access *access, Component *c) {
+void access_load_values(Access *access, int version) {
     static const char *const types[2][N_TYPES] = {{"Real", "Integer", "Boolean"},
                                                   {"Float64", "Int32", "Boolean"}};
-    const int version = c->version - 2;
+    for (int type = 0; type < N_TYPES; type++) {
+        char name[32];
+        snprintf(name, sizeof name, "fmi%dSet%s", version, types[version - 2][type]);
+        access->set[type] = library_function(access->library, name);
+        name[4] = 'G';
+        access->get[type] = library_function(access->library, name);
+    }
+}
+
+/* What an FMU has no use for may be missing from the rest. */
+const char *access_load(Access *access, Component *c) {
     if (c->version == 2) {
         FMI2_CALLS(TAKE2)
     } else {
         FMI3_CALLS(TAKE3)
     }
-    for (int type = 0; type < N_TYPES; type++) {
-        char name[32];
-        snprintf(name, sizeof name, "fmi%dSet%s", c->version, types[version][type]);
-        access->set[type] = library_function(access->library, name);
-        name[4] = 'G';
-        access->get[type] = library_function(access->library, name);
-    }
+    access_load_values(access, c->version);
     TAKE_STATE(save, "GetFMUState", "GetFMUstate")
     TAKE_STATE(restore, "SetFMUState", "SetFMUstate")
     TAKE_STATE(forget, "FreeFMUState", "FreeFMUstate")
@@ -47,33 +50,38 @@ const char *access_load(Access *access, Component *c) {
     return NULL;
 }
 
-static int pass(void (*function)(void), const Component *c, uint32_t reference, void *value) {
+static int pass(const Instance *x, int part, void (*function)(void), uint32_t reference,
+                void *value) {
     typedef int Pass2(void *, const uint32_t *, size_t, void *);
     typedef int Pass3(void *, const uint32_t *, size_t, void *, size_t);
-    if (!function) {
+    void *instance = PARTS[part].general ? x->general[part].instance : x->components[part].instance;
+    if (!function || !instance) {
         return ERROR;
     }
-    return c->version == 2 ? ((Pass2 *)function)(c->instance, &reference, 1, value)
-                           : ((Pass3 *)function)(c->instance, &reference, 1, value, 1);
+    return version_of(part) == 2 ? ((Pass2 *)function)(instance, &reference, 1, value)
+                                 : ((Pass3 *)function)(instance, &reference, 1, value, 1);
 }
 
-int access_set(const Instance *x, int part, Type type, uint32_t reference, double value) {
+int access_set(Instance *x, int part, Type type, uint32_t reference, double value) {
     PLAIN_HERE;
-    const Component *c = &x->components[part];
+    void (*function)(void) = x->access[part].set[type];
     Value v = {.real = value};
-    if (type == BOOLEAN && c->version == 3) {
+    if (type == BOOLEAN && version_of(part) == 3) {
         v.boolean = value != 0.0;
     } else if (type != REAL) {
         v.integer = (int32_t)value;
     }
-    return pass(x->access[part].set[type], c, reference, &v);
+    if (function && PARTS[part].general && x->general[part].running) {
+        return general_put(x, part, function, reference, &v);
+    }
+    return pass(x, part, function, reference, &v);
 }
 
 int access_get(const Instance *x, int part, Type type, uint32_t reference, double *value) {
     PLAIN_HERE;
-    const Component *c = &x->components[part];
     Value v = {.real = 0.0};
-    const int status = pass(x->access[part].get[type], c, reference, &v);
-    *value = type == REAL ? v.real : type == BOOLEAN && c->version == 3 ? v.boolean : v.integer;
+    const int status = pass(x, part, x->access[part].get[type], reference, &v);
+    const bool is_short = type == BOOLEAN && version_of(part) == 3;
+    *value = type == REAL ? v.real : is_short ? v.boolean : v.integer;
     return status;
 }

@@ -21,8 +21,9 @@ Status report(const Instance *x, Status status, const char *format, ...) {
 }
 
 Status part_failed(Instance *x, int i, const char *call, int status) {
-    const char *message = x->logs[i].message;
-    take_stray(&x->logs[i]);
+    Log *log = x->components[i].log;
+    const char *message = log->message;
+    take_stray(log);
     x->phase = BROKEN;
     return report(x, ERROR, "%s: %s failed (status %d) at t = %.9g s%s%s", PARTS[i].name, call,
                   status, instance_time(x), *message ? ": " : "", message);
@@ -61,7 +62,7 @@ static bool instantiate_part(Instance *x, int i) {
         report(x, ERROR, "the path of the resources is too long: %s", x->resources);
         return false;
     }
-    if (c->version == 2) {
+    if (version_of(i) == 2) {
         uri_of_path(path, resources, sizeof resources);
     } else {
         snprintf(resources, sizeof resources, "%s/", path);
@@ -82,13 +83,13 @@ static bool load_part(Instance *x, int i) {
     c->log = &x->logs[i];
     c->gathered = x->gathered[i];
     snprintf(path, sizeof path, "%s/%s/binaries/%s/%s" SUFFIX, x->resources, part->folder,
-             c->version == 2 ? FOLDER2 : FOLDER3, part->identifier);
+             version_of(i) == 2 ? FOLDER2 : FOLDER3, part->identifier);
     x->access[i].library = library_open(path, reason, sizeof reason);
     if (!x->access[i].library) {
         report(x, ERROR, "%s cannot be loaded: %s", part->name, reason);
         return false;
     }
-    const char *missing = access_load(&x->access[i], c);
+    const char *missing = part->general ? general_load(x, i) : access_load(&x->access[i], c);
     if (missing) {
         report(x, ERROR, "%s: its binary lacks the function %s", part->name, missing);
         return false;
@@ -159,6 +160,9 @@ Instance *instance_new(const char *name, const char *token, const char *resource
 void instance_free(Instance *x) {
     for (int i = 0; x && i < N_PARTS; i++) {
         release(&x->components[i]);
+        if (PARTS[i].general) {
+            general_unload(x, i);
+        }
         if (x->access[i].library) {
             library_close(x->access[i].library);
         }

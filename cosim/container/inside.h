@@ -8,6 +8,7 @@
 
 #include "calls.h"
 #include "face.h"
+#include "general_path.h"
 #include "kernel.h"
 
 enum { N_TYPES = STRING }; /* of values: reals, integers, Booleans */
@@ -36,6 +37,7 @@ typedef struct {
     const char *folder;     /* in the resources */
     const char *identifier; /* of the binary */
     Component wiring;
+    const GeneralComponent *general; /* NULL where the kernel's loop steps it as it is */
 } Part;
 
 /* Functions of a component that the kernel does not call: values other than its signals, and its
@@ -54,6 +56,7 @@ struct Instance {
     Run run;
     Component components[N_PARTS];
     Access access[N_PARTS];
+    GeneralComponent general[N_PARTS];
     Log logs[N_PARTS];
     double gathered[N_PARTS][MOST_INPUTS];
     double rows[2 * WIDTH]; /* of the present and of the next point in time */
@@ -68,9 +71,21 @@ struct Instance {
 /* Take all functions from the binary of a component. Returns the name of one that is missing, or
  * NULL. */
 const char *access_load(Access *access, Component *c);
+void access_load_values(Access *access, int version); /* those for values other than signals */
+
+/* Let a component be on the general path, with the functions of its binary. Likewise. */
+const char *general_load(Instance *x, int part);
+void general_unload(Instance *x, int part);
+/* Set a tunable parameter between two steps, by an event where it has events. */
+int general_put(Instance *x, int part, void (*set)(void), uint32_t reference, void *value);
+
+/* The version of FMI of a component's binary. */
+static inline int version_of(int part) {
+    return (int)(PARTS[part].general ? PARTS[part].general->version : PARTS[part].wiring.version);
+}
 
 /* Set or get one value of a component. Returns an FMI status. */
-int access_set(const Instance *x, int part, Type type, uint32_t reference, double value);
+int access_set(Instance *x, int part, Type type, uint32_t reference, double value);
 int access_get(const Instance *x, int part, Type type, uint32_t reference, double *value);
 
 /* Pass a message on; returns the status. */

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 from collections.abc import Mapping, Sequence
 
 from stickslip.cosim import kernel
+from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.container.variables import TYPES, Shown
 from stickslip.cosim.errors import ParameterError
@@ -18,6 +20,7 @@ from stickslip.fmi.description.variables import Value
 def system_header(
     system: System,
     run: structures.Run,
+    general: Mapping[str, GeneralComponent],
     order: Sequence[str],
     layout: Layout,
     shown: Sequence[Shown],
@@ -28,7 +31,7 @@ def system_header(
 
     Parameters
     ----------
-    run : as ``wire`` returns it
+    run, general : as ``wire`` returns them
     order : components as they step
     folders : component -> folder in the resources
 
@@ -43,6 +46,7 @@ def system_header(
     lines = [
         f"#define STEP {step!r}",
         f"#define JACOBI {int(run.jacobi)}",
+        f"#define GENERAL {int(bool(general))}",
         "typedef struct { int part; Type type; uint32_t reference; double value; } Start;",
         "enum {",
         f"N_PARTS = {len(parts)}, N_INPUTS = {len(system.inputs)}, WIDTH = {max(1, run.width)},",
@@ -51,10 +55,12 @@ def system_header(
     ]
     for i, part in enumerate(parts):
         lines += _lists(i, part)
+        if found := general.get(order[i]):
+            lines += _general(i, found.c, part.n_outputs, step)
     fmus = [system.components[name] for name in order]
     wired = [
         f"{{{_text(name)}, {_text(fmu.token)}, {_text(folders[name])}, {_text(fmu.binary.stem)},"
-        f" {_wiring(i, part)}}}"
+        f" {_wiring(i, part)}, {f'&general{i}' if name in general else 'NULL'}}}"
         for i, (name, fmu, part) in enumerate(zip(order, fmus, parts, strict=True))
     ]
     return "\n".join(
@@ -97,7 +103,48 @@ def _wiring(i: int, part: structures.Component) -> str:
         "n_linked": part.n_linked,
         "tolerance": repr(part.tolerance),
     }
-    return "{" + ", ".join(f".{name} = {value}" for name, value in members.items()) + "}"
+    return _struct(members)
+
+
+def _general(i: int, c: structures.GeneralComponent, n_outputs: int, step: float) -> list[str]:
+    """Return what a component on the general path begins with; the rest is made when it runs."""
+    lines = []
+    for side, groups in (("taken", c.inputs), ("given", c.outputs)):
+        entries = []
+        for k in range(groups.n):
+            g, name = groups.groups[k], f"{side}{i}_{k}"
+            stored = list(structures.STORED.values())[g.stored]
+            values = ctypes.cast(g.values, ctypes.POINTER(stored))[: g.n_values]
+            lines += [
+                f"static const uint32_t {name}[] = {{{', '.join(map(str, g.references[: g.n]))}}};",
+                f"static double {name}_values[] = {{{', '.join(repr(float(v)) for v in values)}}};",
+            ]
+            members = {"name": _text(g.name.decode()), "references": name}
+            members |= {k: getattr(g, k) for k in ("stored", "discrete", "clock", "n", "n_values")}
+            entries.append(_struct(members | {"values": f"{name}_values"}))
+        lines.append(f"static Group {side}{i}[] = {{{', '.join(entries) or '{0}'}}};")
+    for side, ports, n in (
+        ("taken", c.input_ports, c.n_inputs),
+        ("given", c.output_ports, n_outputs),
+    ):
+        rows = [f"{{{p.group}, {p.place}, {p.ahead}}}" for p in ports[:n]]
+        lines.append(f"static const Port {side}{i}_ports[] = {{{', '.join(rows) or '{0}'}}};")
+    fields = ("reference", "asked", "interval", "shift")
+    clocks = [_struct({k: getattr(clock, k) for k in fields}) for clock in c.clocks[: c.n_clocks]]
+    lines.append(f"static Clock clocks{i}[] = {{{', '.join(clocks) or '{0}'}}};")
+    members = {
+        "version": c.version,
+        "event_mode": c.event_mode,
+        "inputs": f"{{{c.inputs.n}, taken{i}}}",
+        "outputs": f"{{{c.outputs.n}, given{i}}}",
+        "input_ports": f"taken{i}_ports",
+        "output_ports": f"given{i}_ports",
+        "n_inputs": c.n_inputs,
+        "near": repr(1e-6 * step),
+        "n_clocks": c.n_clocks,
+        "clocks": f"clocks{i}",
+    }
+    return [*lines, f"static const GeneralComponent general{i} = {_struct(members)};"]
 
 
 def _start(system: System, place: Mapping[str, int], name: str, value: Value) -> str:
@@ -121,6 +168,10 @@ def _variable(system: System, place: Mapping[str, int], layout: Layout, v: Shown
         part, reference = place[component_of(v.source)], system.variable(v.source).reference
     start = 0.0 if v.start is None else float(v.start)  # type: ignore[arg-type]
     return f"{{{_text(v.name)}, {v.type}, {v.role}, {part}, {reference}, {column}, {start!r}}}"
+
+
+def _struct(members: Mapping[str, object]) -> str:
+    return "{" + ", ".join(f".{name} = {value}" for name, value in members.items()) + "}"
 
 
 def _table(head: str, rows: Sequence[str]) -> str:

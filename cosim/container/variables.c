@@ -55,8 +55,9 @@ Status instance_put(Instance *x, uint32_t reference, double value) {
     }
     const int status = access_set(x, v->part, v->type, v->reference, value);
     if (status > WARNING) {
-        const char *message = x->logs[v->part].message;
-        take_stray(&x->logs[v->part]);
+        Log *log = x->components[v->part].log;
+        const char *message = log->message;
+        take_stray(log);
         return report(x, ERROR, "%s = %.9g was refused%s%s", v->name, value, *message ? ": " : "",
                       message);
     }

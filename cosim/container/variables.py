@@ -25,6 +25,11 @@ TYPES = {
 }
 
 
+# What passes through the kernel as a number, and has a value in both standards.
+_SIGNALS = TYPES | dict.fromkeys(("Int8", "UInt8", "Int16", "UInt16", "Enumeration"), "INTEGER")
+_SIGNALS["Float32"] = "REAL"
+
+
 @dataclass(frozen=True)
 class Shown:
     """A variable of a container. Its place in the list is its value reference.
@@ -74,11 +79,21 @@ def _input(system: System, name: str) -> Shown:
     start = system.parameters.get(target, variable.start)
     unit, start = system.unit_of(name), 0.0 if start is None else start
     described = variable.description
-    return Shown(name, "INPUT", TYPES[variable.type], name, unit, start, description=described)
+    if variable.type not in _SIGNALS:
+        raise ConnectionFault(
+            f"input {name} is a {variable.type}, which a container does not show; leave it out"
+        )
+    return Shown(name, "INPUT", _SIGNALS[variable.type], name, unit, start, description=described)
 
 
 def _outputs(system: System, patterns: Sequence[str] | None) -> list[Shown]:
-    every = _variables(system, lambda v: v.causality == "output" and v.is_plain)
+    every = _variables(
+        system, lambda v: v.causality == "output" and v.type in _SIGNALS and not v.dimensions
+    )
+    if hidden := [name for name, source in system.outputs.items() if source not in every]:
+        raise ConnectionFault(
+            f"output {hidden[0]} is an array or of a type that a container does not show"
+        )
     names = dict(system.outputs) if patterns is None else {}
     if not names:
         names = {name: name for name in _matching(every, patterns, ConnectionFault)}
@@ -111,7 +126,7 @@ def _shown(system: System, name: str, role: Role, v: Variable, source: str) -> S
     start = None if role == "OUTPUT" else system.parameters.get(source, v.start)
     limits = (v.minimum, v.maximum, v.nominal)
     unit = system.unit_of(source)
-    return Shown(name, role, TYPES[v.type], source, unit, start, *limits, v.description)
+    return Shown(name, role, _SIGNALS[v.type], source, unit, start, *limits, v.description)
 
 
 def _matching(

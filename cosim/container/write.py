@@ -17,6 +17,7 @@ from stickslip.cosim.container.documentation import index, licences
 from stickslip.cosim.container.tables import system_header
 from stickslip.cosim.container.variables import shown_variables
 from stickslip.cosim.errors import ConnectionFault, ExperimentError, FmuError
+from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.library import UnloadedLibrary
 from stickslip.cosim.kernel.unrolled import unroll
 from stickslip.cosim.ssp.members import zipped
@@ -30,7 +31,9 @@ from stickslip.fmi.files import atomic_write
 from stickslip.fmi.standard import standard_files
 
 _KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "record.h", "steps.h"]
-_KERNEL += ["instance.c"]
+_KERNEL += ["instance.c", "general_path.h"]
+_GENERAL = ["general_path.c", "values.c", "clocks.c", "step_retry.c", "saving.c", "exchange.c"]
+_GENERAL += ["cvode.h"]
 
 
 def write_fmu(
@@ -63,8 +66,8 @@ def write_fmu(
     Raises
     ------
     ConnectionFault, ParameterError, ExperimentError, FmuError
-        When the system has what a container cannot hold: a component with arrays, event mode or
-        by Model Exchange, signals other than 64-bit floating point, algebraic loops.
+        When the system has what a container cannot hold: a component by Model Exchange, of FMI
+        1.0 or with structural parameters, algebraic loops.
     toolchain.ToolchainError
     OSError
         When the file cannot be written.
@@ -75,11 +78,7 @@ def write_fmu(
     if not components:
         raise ConnectionFault(f"{system.name} has no component; add one before it is exported")
     for name, fmu in components.items():
-        if fmu.description.standard == 1:
-            raise FmuError(
-                f"{system.name}: {name} ({fmu.path.name}) is of FMI 1.0, which a container does not"
-                " run; export the model again for FMI 2.0 or 3.0"
-            )
+        _check(fmu, f"{system.name}: {name} ({fmu.path.name})")
     targets = list(platforms or [toolchain.host_platform()])
     if loop := algebraic_loop(system, system.components):
         raise ConnectionFault(
@@ -93,13 +92,8 @@ def write_fmu(
     libraries = {name: UnloadedLibrary(fmu) for name, fmu in components.items()}
     jacobi = coupling == "jacobi"
     run, general = wire(system, layout, order, libraries, jacobi=jacobi, tolerance=None)
-    if general:
-        raise FmuError(
-            f"{system.name}: {', '.join(general)} cannot go into a container: only Co-Simulation"
-            " with scalar signals of 64-bit floating point and without event mode can"
-        )
     folders = _folders(system)
-    header = system_header(system, run, order, layout, shown, folders, step)
+    header = system_header(system, run, general, order, layout, shown, folders, step)
     identifier = re.sub(r"\W", "_", system.name, flags=re.ASCII)
     identifier = identifier if re.match(r"[A-Za-z_]", identifier) else f"_{identifier}"
     times = experiment or DefaultExperiment()
@@ -115,11 +109,11 @@ def write_fmu(
             token,
             shown,
             DefaultExperiment(times.start, times.stop, step, times.tolerance),
-            restores_state=all(fmu.restores_state for fmu in fmus),
-            serializes=all(fmu.serializes and fmu.restores_state for fmu in fmus),
+            restores_state=not general and all(fmu.restores_state for fmu in fmus),
+            serializes=not general and all(fmu.serializes and fmu.restores_state for fmu in fmus),
         )
 
-    sources = _sources(fmi)
+    sources = _sources(fmi, [*_KERNEL, *_GENERAL] if general else _KERNEL)
     if unrolled := unroll(run):
         sources["steps.h"] = unrolled
     content = repr([described(""), header, *sources.values()])
@@ -134,6 +128,19 @@ def write_fmu(
     for name, folder in folders.items():
         members |= _component(system, name, folder, targets)
     return atomic_write(Path(path), zipped(members))
+
+
+def _check(fmu: Fmu, label: str) -> None:
+    """Check that a container can run an FMU."""
+    if fmu.description.standard == 1:
+        what = "is of FMI 1.0; export the model again for FMI 2.0 or 3.0"
+    elif fmu.interface == "model_exchange":
+        what = "runs by Model Exchange, for which a container has no solver; use Co-Simulation"
+    elif fmu.structural:
+        what = f"has the structural parameter {fmu.structural[0]}; export it with fixed dimensions"
+    else:
+        return
+    raise FmuError(f"{label} cannot go into a container: it {what}")
 
 
 def _binaries(
@@ -182,14 +189,14 @@ def _component(
     }
 
 
-def _sources(fmi: int) -> dict[str, str]:
+def _sources(fmi: int, wanted: Iterable[str]) -> dict[str, str]:
     kernel_files = Path(kernel.__file__).parent
     faces = Path(toolchain.__file__).parents[1] / "faces"
     headers = standard_files("c-code").glob("fmi[23]*.h")
     own = [*Path(__file__).parent.glob("*.[ch]"), *faces.glob("*.[ch]")]
     files = {
         file.name: file
-        for file in [*own, *(kernel_files / name for name in _KERNEL)]
+        for file in [*own, *(kernel_files / name for name in wanted)]
         if not file.name.startswith(f"fmi{5 - fmi}")  # the other standard
     }
     files |= {f"system/{file.name}": file for file in headers}

@@ -11,7 +11,7 @@ fmi2Status trigger_clocks(GeneralComponent *f) {
             ticks[j] = false;
             MARK_CALL(g->name);
             if (tick) {
-                TRY_STATUS(answered(
+                TRY_STATUS(noted(
                     f, g->name,
                     (int)((fmi3SetClockTYPE *)g->call)(f->instance, &g->references[j], 1, &tick)));
             }
@@ -27,7 +27,7 @@ fmi2Status note_ticks(GeneralComponent *f) {
         for (size_t j = 0; g->clock && j < g->n; j++) {
             bool tick = false;
             MARK_CALL(g->name);
-            TRY_STATUS(answered(
+            TRY_STATUS(noted(
                 f, g->name,
                 (int)((fmi3GetClockTYPE *)g->call)(f->instance, &g->references[j], 1, &tick)));
             ticks[j] = ticks[j] || tick;

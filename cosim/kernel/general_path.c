@@ -17,7 +17,7 @@ AnyCall *calling(const GeneralComponent *f, enum Call place) {
 #endif
 
 /* A warning is checked here and OK for the kernel. */
-fmi2Status answered(GeneralComponent *f, const char *call, int status) {
+fmi2Status noted(GeneralComponent *f, const char *call, int status) {
     restore_sums();
     if (status == fmi2OK) {
         return fmi2OK;
@@ -38,7 +38,7 @@ fmi2Status answered(GeneralComponent *f, const char *call, int status) {
 }
 
 fmi2Status checked(GeneralComponent *f, enum Call place, int status) {
-    return answered(f, NAMES[f->version - 2][place], status);
+    return noted(f, NAMES[f->version - 2][place], status);
 }
 
 fmi2Status failed_by(GeneralComponent *f, enum Call place, int reason) {
@@ -47,7 +47,7 @@ fmi2Status failed_by(GeneralComponent *f, enum Call place, int reason) {
     return (fmi2Status)reason;
 }
 
-fmi2Status plain(GeneralComponent *f, enum Call place) {
+fmi2Status simple_call(GeneralComponent *f, enum Call place) {
     return checked(f, place, ((int (*)(void *))calling(f, place))(f->instance));
 }
 
@@ -89,7 +89,7 @@ void general_FreeInstance(fmi2Component c) {
 fmi2Status general_Reset(fmi2Component c) {
     GeneralComponent *f = c;
     end_exchange(f);
-    return plain(f, RESET);
+    return simple_call(f, RESET);
 }
 
 fmi2Status general_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
@@ -113,13 +113,13 @@ fmi2Status general_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, f
 fmi2Status general_EnterInitializationMode(fmi2Component c) {
     GeneralComponent *f = c;
     if (f->structure.n) {
-        TRY_STATUS(plain(f, ENTER_CONFIGURATION));
+        TRY_STATUS(simple_call(f, ENTER_CONFIGURATION));
         TRY_STATUS(set_groups(f, &f->structure));
-        TRY_STATUS(plain(f, EXIT_CONFIGURATION));
+        TRY_STATUS(simple_call(f, EXIT_CONFIGURATION));
     }
     TRY_STATUS(set_groups(f, &f->start_values));
     if (f->version == 2) {
-        TRY_STATUS(plain(f, ENTER_INITIALIZATION));
+        TRY_STATUS(simple_call(f, ENTER_INITIALIZATION));
     } else {
         AnyCall *call = calling(f, ENTER_INITIALIZATION);
         TRY_STATUS(checked(
@@ -132,12 +132,12 @@ fmi2Status general_EnterInitializationMode(fmi2Component c) {
 
 fmi2Status general_ExitInitializationMode(fmi2Component c) {
     GeneralComponent *f = c;
-    TRY_STATUS(plain(f, EXIT_INITIALIZATION));
+    TRY_STATUS(simple_call(f, EXIT_INITIALIZATION));
     if (f->model_exchange || f->event_mode) {
         TRY_STATUS(begin_clocks(f));
         TRY_STATUS(trigger_clocks(f));
         TRY_STATUS(update_discrete_states(f));
-        TRY_STATUS(plain(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE));
+        TRY_STATUS(simple_call(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE));
     }
     if (f->model_exchange) {
         TRY_STATUS(begin_exchange(f));
@@ -146,7 +146,7 @@ fmi2Status general_ExitInitializationMode(fmi2Component c) {
     return fmi2OK;
 }
 
-fmi2Status general_Terminate(fmi2Component c) { return plain(c, TERMINATE); }
+fmi2Status general_Terminate(fmi2Component c) { return simple_call(c, TERMINATE); }
 
 /* Once: whether another call is due, and whether the FMU wants to end. */
 static fmi2Status update_once(GeneralComponent *f, bool *again, bool *terminate) {
@@ -196,13 +196,13 @@ fmi2Status update_discrete_states(GeneralComponent *f) {
 }
 
 fmi2Status handle_event(GeneralComponent *f, bool with_inputs) {
-    TRY_STATUS(plain(f, ENTER_EVENT_MODE));
+    TRY_STATUS(simple_call(f, ENTER_EVENT_MODE));
     if (with_inputs) {
         TRY_STATUS(trigger_clocks(f));
         TRY_STATUS(set_groups(f, &f->inputs));
     }
     TRY_STATUS(update_discrete_states(f));
-    return plain(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE);
+    return simple_call(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE);
 }
 
 fmi2Status general_tune(fmi2Component c, const fmi2ValueReference references[], size_t n,
@@ -212,10 +212,10 @@ fmi2Status general_tune(fmi2Component c, const fmi2ValueReference references[], 
     if (!(f->event_mode || f->model_exchange)) {
         return transfer(f, group);
     }
-    TRY_STATUS(plain(f, ENTER_EVENT_MODE));
+    TRY_STATUS(simple_call(f, ENTER_EVENT_MODE));
     TRY_STATUS(transfer(f, group));
     TRY_STATUS(update_discrete_states(f));
-    TRY_STATUS(plain(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE));
+    TRY_STATUS(simple_call(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE));
     return general_go_on(f);
 }
 

@@ -64,7 +64,7 @@ enum Call { GENERAL_CALLS(PLACE) N_CALLS };
     X(UINT32, uint32_t)                                                                            \
     X(INT64, int64_t)                                                                              \
     X(UINT64, uint64_t)                                                                            \
-    X(BOOLEAN, bool)
+    X(TRUTH, bool)
 
 #define STORED(place, type) place,
 enum Stored { STORED_TYPES(STORED) TEXT };
@@ -169,9 +169,9 @@ AnyCall *calling(const GeneralComponent *f, enum Call place);
 #else
 #define calling(f, place) ((f)->call[place])
 #endif
-fmi2Status plain(GeneralComponent *f, enum Call place);
+fmi2Status simple_call(GeneralComponent *f, enum Call place);
 fmi2Status checked(GeneralComponent *f, enum Call place, int status);   /* what the FMU returned */
-fmi2Status answered(GeneralComponent *f, const char *call, int status); /* likewise */
+fmi2Status noted(GeneralComponent *f, const char *call, int status);    /* likewise */
 fmi2Status failed_by(GeneralComponent *f, enum Call place, int reason); /* a Reason */
 fmi2Status step_once(GeneralComponent *f, double t,
                      double h); /* DoStep; its answers are in answers */

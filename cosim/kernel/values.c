@@ -16,7 +16,7 @@ fmi2Status transfer(GeneralComponent *f, const Group *g) {
         status = ((int (*)(void *, const uint32_t *, size_t, void *, size_t))g->call)(
             f->instance, g->references, g->n, g->values, g->n_values);
     }
-    return answered(f, g->name, status);
+    return noted(f, g->name, status);
 }
 
 fmi2Status set_groups(GeneralComponent *f, const Groups *groups) {
@@ -43,8 +43,8 @@ void store(const Group *g, int64_t place, double value) {
     static const double highest[] = {
         [INT8] = INT8_MAX,     [UINT8] = UINT8_MAX, [INT16] = INT16_MAX,
         [UINT16] = UINT16_MAX, [INT32] = INT32_MAX, [UINT32] = UINT32_MAX,
-        [INT64] = 0x1p63,      [UINT64] = 0x1p64,   [BOOLEAN] = 1};
-    if (g->stored > FLOAT32 && g->stored < BOOLEAN) {
+        [INT64] = 0x1p63,      [UINT64] = 0x1p64,   [TRUTH] = 1};
+    if (g->stored > FLOAT32 && g->stored < TRUTH) {
         value = fmax(lowest[g->stored], fmin(highest[g->stored], value));
     }
     switch (g->stored) { STORED_TYPES(STORE) }

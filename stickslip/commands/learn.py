@@ -121,6 +121,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             absent=options.without,
             on_findings=print_findings,
             on_stage=progress.stage,
+            on_generation=progress.generation,
         )
         print_estimation(learned.estimation)
         if learned.tracking:

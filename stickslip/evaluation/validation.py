@@ -14,7 +14,7 @@ from scipy.integrate import cumulative_trapezoid
 from stickslip import cosim
 from stickslip.errors import RigError
 from stickslip.evaluation.motions import Regions, Span, regions_after, trapezoid, windows
-from stickslip.rigs import Rig
+from stickslip.rigs.contract import Rig
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.measurement import Array, measured_velocity
 from stickslip.servo.systems import Compensator, Feed, paper_loop

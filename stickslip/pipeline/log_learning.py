@@ -9,6 +9,7 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
+from stickslip import ga
 from stickslip.identification.estimation import CriterionName, Search
 from stickslip.logs import (
     Description,
@@ -27,7 +28,7 @@ from stickslip.pipeline.learned import LearnedFromRecording, learn_recording
 from stickslip.pipeline.recorded import read_rig
 from stickslip.pipeline.tracking import with_tracking
 from stickslip.planning import LINEAR, Limits
-from stickslip.rigs import Rig
+from stickslip.rigs.contract import Rig
 
 
 def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
@@ -57,6 +58,7 @@ def learn(
     absent: Sequence[str] = (),
     on_findings: Callable[[Iterable[Finding]], object] = lambda _: None,
     on_stage: Callable[[str], object] = lambda _: None,
+    on_generation: Callable[[ga.Optimiser], object] = lambda _: None,
 ) -> LearnedFromRecording:
     """Learn a drive from a log of it, or on a rig; options are those of ``estimation.Task``.
 
@@ -105,6 +107,7 @@ def learn(
             seeds=seeds,
             search=search,
             on_stage=on_stage,
+            on_generation=on_generation,
         )
         on_stage("trying the compensator")
         learned = try_compensator(

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from stickslip.logs import Controller, Reading, Recording
 from stickslip.planning import LINEAR, Limits, plan
-from stickslip.rigs import Rig
+from stickslip.rigs.contract import Rig
 from stickslip.servo.velocity_loop import VelocityLoop
 
 

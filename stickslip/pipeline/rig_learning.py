@@ -11,7 +11,7 @@ from stickslip.evaluation import validation
 from stickslip.evaluation.validation import Validation
 from stickslip.identification.stages import Estimate, Identification, identify
 from stickslip.pipeline.learned import Learned, Loops
-from stickslip.rigs import Rig
+from stickslip.rigs.contract import Rig
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.specification import LoopSpecification

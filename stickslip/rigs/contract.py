@@ -5,12 +5,10 @@ Identification and learning get a rig, never the drive's parameters or its true 
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol, Self
@@ -22,6 +20,7 @@ from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.errors import LimitError, RigError, UsageError
 from stickslip.fmi.process import temporary_folder
 from stickslip.ga import CandidateFailed
+from stickslip.rigs.limits import RigLimits, Watch
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.measurement import Array
 from stickslip.servo.specification import LoopSpecification
@@ -30,8 +29,6 @@ from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 COMMISSIONING = LoopSpecification(bandwidth=50.0, phase_margin=60.0, T_s=5e-4, tau_f=5e-4)
 """The loop of a recording: soft, so that it bears a third and three times its nominal mass."""
-SPEED_OVER = 5e-3
-"""Time over which the measured speed is a mean, so that encoder steps do not count [s]."""
 
 
 @dataclass(frozen=True)
@@ -98,111 +95,31 @@ class Log:
         return pd.DataFrame({"time": self.t, "position": self.x_enc, "force": self.F_m})
 
 
-@dataclass(frozen=True)
-class RigLimits:
-    """What aborts a motion; all are to be given, infinity for what is not to be watched.
+def commissioning_loop(sheet: Datasheet, T_s: float = COMMISSIONING.T_s) -> VelocityLoop:
+    """Return the loop of a recording, for the mass of the datasheet."""
+    return design_velocity_loop(sheet.axis(sheet.mass, 0.0), replace(COMMISSIONING, T_s=T_s))
 
-    Attributes
-    ----------
-    travel : lowest and highest position, from where motions begin [m]; leave room to stop
-    speed : [m/s]
-    force : of the motor [N]
-    following_error : between the position and the integral of the velocity command [m]
+
+def refuse(limits: RigLimits, command: Command) -> None:
+    """Check a command before anything moves.
 
     Raises
     ------
-    UsageError
-        When a limit is not positive, or the travel does not contain 0.
+    LimitError
+        When the command itself exceeds a limit.
     """
-
-    travel: tuple[float, float]
-    speed: float
-    force: float
-    following_error: float
-
-    def __post_init__(self) -> None:
-        for name in ("speed", "force", "following_error"):
-            if not getattr(self, name) > 0.0:
-                raise UsageError(f"{name} = {getattr(self, name)}: expected more than 0")
-        if not self.travel[0] < 0.0 < self.travel[1]:
-            raise UsageError(f"travel = {self.travel}: expected a range around 0")
-
-    def refuse(self, command: Command) -> None:
-        """Check a command before anything moves.
-
-        Raises
-        ------
-        LimitError
-            When the command itself exceeds a limit.
-        """
-        watch = Watch(self, command.T_s)
-        driven = command.added_force if command.force is None else command.force
-        checks: list[tuple[Array, Callable[[float], str]]] = []
-        if driven is not None:
-            checks.append((driven, watch.force))
-        if command.velocity is not None:
-            path = command.T_s * np.concatenate([[0.0], np.cumsum(command.velocity)])
-            checks += [(command.velocity, watch.speed), (path, watch.position)]
-        for values, fault in checks:
-            for value in (float(values.max()), float(values.min())):
-                if found := fault(value):
-                    raise LimitError(f"the command exceeds a limit, nothing has moved: {found}")
-
-
-class Watch:
-    """Compares the samples of a motion with limits, while it runs or afterwards."""
-
-    def __init__(self, limits: RigLimits, T_s: float) -> None:
-        self.limits, self.T_s = limits, T_s
-        self._last: deque[float] = deque(maxlen=1 + max(1, round(SPEED_OVER / T_s)))
-        self._commanded: float | None = None
-
-    def position(self, x: float) -> str:
-        """Return what is wrong with a position [m], or an empty text."""
-        low, high = self.limits.travel
-        return "" if low <= x <= high else f"position {x:.6g} m; expected {low:g} to {high:g} m"
-
-    def speed(self, v: float) -> str:
-        """Return what is wrong with a velocity [m/s], or an empty text."""
-        most = self.limits.speed
-        return "" if abs(v) <= most else f"speed {abs(v):.4g} m/s; expected at most {most:g} m/s"
-
-    def force(self, F: float) -> str:
-        """Return what is wrong with a force [N], or an empty text."""
-        most = self.limits.force
-        return "" if abs(F) <= most else f"force {abs(F):.4g} N; expected at most {most:g} N"
-
-    def following(self, error: float) -> str:
-        """Return what is wrong with a following error [m], or an empty text."""
-        most = self.limits.following_error
-        if abs(error) <= most:
-            return ""
-        return f"following error {abs(error):.4g} m; expected at most {most:g} m"
-
-    def sample(self, x: float, F: float, v_cmd: float | None) -> str:
-        """Take the next sample; return which limit it exceeds, or an empty text.
-
-        Parameters
-        ----------
-        x, F : measured position from where motions begin [m], and force [N]
-        v_cmd : the velocity that holds from this sample on [m/s]; None without a velocity loop
-        """
-        if not (math.isfinite(x) and math.isfinite(F)):
-            return f"position {x} m and force {F} N; expected finite values"
-        self._last.append(x)
-        full = len(self._last) == self._last.maxlen
-        v = (x - self._last[0]) / (self.T_s * (len(self._last) - 1)) if full else 0.0
-        found = self.position(x) or self.speed(v) or self.force(F)
-        if v_cmd is not None:
-            self._commanded = x if self._commanded is None else self._commanded
-            found = found or self.following(self._commanded - x)
-            self._commanded += self.T_s * v_cmd
-        return found
-
-
-def commissioning_loop(sheet: Datasheet) -> VelocityLoop:
-    """Return the loop of a recording, for the mass of the datasheet."""
-    return design_velocity_loop(sheet.axis(sheet.mass, 0.0), COMMISSIONING)
+    watch = Watch(limits, command.T_s)
+    driven = command.added_force if command.force is None else command.force
+    checks: list[tuple[Array, Callable[[float], str]]] = []
+    if driven is not None:
+        checks.append((driven, watch.force))
+    if command.velocity is not None:
+        path = command.T_s * np.concatenate([[0.0], np.cumsum(command.velocity)])
+        checks += [(command.velocity, watch.speed), (path, watch.position)]
+    for values, fault in checks:
+        for value in (float(values.max()), float(values.min())):
+            if found := fault(value):
+                raise LimitError(f"the command exceeds a limit, nothing has moved: {found}")
 
 
 class Recorded(Protocol):
@@ -272,7 +189,7 @@ class Rig(ABC):
         """
         if self.limits is None:
             return self.move(command)
-        self.limits.refuse(command)
+        refuse(self.limits, command)
         log = self.move(command)
         watch, velocity = Watch(self.limits, self.T_s), command.velocity
         commanded = [None] * len(command) if velocity is None else velocity.tolist()
@@ -285,7 +202,7 @@ class Rig(ABC):
     @property
     def loop(self) -> VelocityLoop:
         """The loop in which the drive is recorded; a soft one for the mass of the datasheet."""
-        return commissioning_loop(self.datasheet)
+        return commissioning_loop(self.datasheet, self.T_s)
 
     def push(self, force: Array) -> Log:
         """Command a force (n,) [N], one value a sample, without any loop."""

@@ -10,7 +10,8 @@ from stickslip import cosim
 from stickslip.catalog.parameters import estimated
 from stickslip.fmi.process import temporary_folder
 from stickslip.ga import SimulatedCost
-from stickslip.rigs.contract import Command, Log, Recorded, Rig, RigLimits, Trial
+from stickslip.rigs.contract import Command, Log, Recorded, Rig, Trial
+from stickslip.rigs.limits import RigLimits
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Changes, Feed, build_fmus, paper_loop, servo_loop

@@ -17,8 +17,7 @@ from stickslip import ga
 from stickslip.catalog.parameters import unit_of
 from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.stages import Estimate
-from stickslip.rigs import Rig
-from stickslip.rigs.contract import Recorded
+from stickslip.rigs.contract import Recorded, Rig
 from stickslip.servo.measurement import CUTOFF, Array, smoothed
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop

@@ -1,13 +1,17 @@
 """``stickslip learn``: from a log to a folder of results."""
 
+import io
 import json
 from functools import partial
+from itertools import pairwise
 
 import pytest
 from fmpy import read_model_description
 
 from stickslip.cli import main
+from stickslip.commands.progress import TerminalProgress
 from stickslip.identification.estimation import Search
+from stickslip.progress import shown_by, steps
 from stickslip.report.page import Picture
 from stickslip.results.learned_folder import FILES
 
@@ -60,6 +64,7 @@ def test_ctrl_c_while_the_results_are_written_keeps_the_search(log, folder, tmp_
     assert (tmp_path / "learned.json").read_bytes() == (folder / "learned.json").read_bytes()
 
 
+STEPS: list[tuple[int, int]] = []
 TWO_SEEDS = ["--criterion", "inverse", "--seeds", "2", "--seed", "3"]
 
 
@@ -70,8 +75,33 @@ def of_two_seeds(log, tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stickslip.identification.estimation.Search", partial(Search, evaluations=40))
         patch.setattr("stickslip.report.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
-        assert main(["learn", "--log", str(log), *TWO_SEEDS, "--out", str(out)]) == 0
+        with shown_by(lambda done, of: STEPS.append((done, of))):
+            assert main(["learn", "--log", str(log), *TWO_SEEDS, "--out", str(out)]) == 0
     return out
+
+
+@pytest.mark.usefixtures("of_two_seeds")
+def test_searching_judging_and_trying_tell_how_far_they_are():
+    judged = STEPS.index((2, 3))
+    assert STEPS[0] == (0, 3)  # starts of a fit, which ends when two lead to the same minimum
+    assert STEPS[judged : judged + 2] == [(2, 3), (3, 3)]
+    tried = STEPS[judged + 2 :]
+    assert tried[0][0] == 0 < tried[0][1]
+    assert tried[-1][0] == tried[-1][1]
+    assert all(b in ((a[0] + 1, a[1]), (0, b[1])) for a, b in pairwise(tried))
+
+
+def test_a_terminal_shows_stages_and_the_remaining_time(monkeypatch):
+    for terminal in (False, True):
+        stream = io.StringIO()
+        monkeypatch.setattr(stream, "isatty", lambda shown=terminal: shown, raising=False)
+        monkeypatch.setattr("sys.stderr", stream)
+        with TerminalProgress() as progress:
+            progress.stage("fitting")
+            for _ in steps("abcd"):
+                pass
+        assert ("fitting ...\n" in stream.getvalue()) is terminal
+        assert ("0/4 [00:00<" in stream.getvalue()) is terminal
 
 
 @pytest.mark.usefixtures("without_pictures")

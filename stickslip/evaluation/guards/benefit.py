@@ -31,6 +31,7 @@ from stickslip.evaluation.guards.family import MOVES, Command, Drive
 from stickslip.evaluation.guards.trial import axis_values
 from stickslip.identification.criteria.runs import Runs
 from stickslip.models import Law
+from stickslip.progress import steps
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -348,7 +349,10 @@ class Bench:
             cell, errors = cells[k]
             return _rows(*cell, errors, runs.errors(*cell, variant.share(self.law, share)))
 
-        whole = runs.each(partial(tried, share=1.0), range(len(cells)))
+        whole, batch = list[Rows](), 4 * self.workers
+        for begin in steps(range(0, len(cells), batch)):
+            ahead = range(len(cells))[begin : begin + batch]
+            whole += runs.each(partial(tried, share=1.0), ahead)
         full = tuple(chain.from_iterable(whole))
 
         def checked(k: int, share: float) -> Rows:
@@ -361,7 +365,7 @@ class Bench:
         order = sorted(range(len(cells)), key=lambda k: -max(one.ratio for one in whole[k]))
         for share in shares if variant.has_feedforward else shares[:1]:
             rows: dict[int, Rows] = {}
-            for begin in range(0, len(order), self.workers):
+            for begin in steps(range(0, len(order), self.workers)):
                 some = order[begin : begin + self.workers]
                 rows |= zip(some, runs.each(partial(checked, share=share), some), strict=True)
                 if any(one.is_worse for k in some for one in rows[k]):

@@ -51,6 +51,7 @@ from stickslip.identification.fitting.multistart import (
 from stickslip.identification.fitting.search import Search, search, solve_linear
 from stickslip.identification.fitting.start import CONTRADICTED, Start, begin
 from stickslip.identification.sliding.friction_curve import VARYING, Interval
+from stickslip.progress import step
 from stickslip.servo.measurement import Array
 
 UNEXPLAINED = 4.0
@@ -130,6 +131,7 @@ def _learn(
                 criterion = InverseModel.name
                 reason = f"{why}, so the drive has what the model has not, and the force decides"
         on_stage("judging what is known")
+        step(0, 3)
         # Beside the loop, only sliding motion tells mass and friction apart whatever the law.
         sliding = {} if criterion == OutputError.name else start.beside(found.parameters)
         model_error = corrected.model_error if corrected else float("nan")
@@ -144,9 +146,11 @@ def _learn(
         known = {name: identifiability(name, best, errors, degrees) for name in names}
         known = of_sliding(known, sliding, start.space)
         errors |= {name: one.standard_error for name, one in sliding.items()}
+        step(1, 3)
         change = change_of_friction(inverse, found.parameters)
         believed = check is not None and not check.error > AGREES
         held_out = check_held_out(inverse, found, task, task.gains if believed else None, scale)
+        step(2, 3)
         faults = (
             *task.faults,
             *found_faults(best, criterion, check, model_error, change),
@@ -162,6 +166,7 @@ def _learn(
         bounded = {name: values[name] for name in start.space.bounded}
         fitted = {**best.parameters, **shown, **bounded}
         goodness = goodness_of_fit(task.fmus, recording, inverse, fitted, task.gains, check)
+        step(3, 3)
     return Estimation(
         recording,
         criterion,
@@ -279,16 +284,20 @@ def _output_error(
         criterion = whole.over(space)
         lag = LAG * recording.T_s
         begins = [space.encode({**at, "delay": lag}) for at in (found.parameters, start.line)]
+        step(0, 4)
         criterion.whiten(space.decode(begins[0]))
         fitted = fit(criterion, begins[:1], ROUGH)
+        step(1, 4)
         explained = again.residuals(fitted.parameters, 0.0, np.random.default_rng(task.seed), 1)
         if criterion.unexplained(fitted.parameters, explained[0]) > UNEXPLAINED:
             # Whitened, a model that is far from the recording has further local minima.
             criterion.whitening = np.ones(1)
             fitted = select(variants(criterion, fit(criterion, begins, BASIN), BASIN), 1.0).fit
             criterion = criterion.over(fitted.space)
+        step(2, 4)
         criterion.whiten(fitted.parameters)
         selection = select(variants(criterion, fit(criterion, [fitted.q], ROUGH), ROUGH))
+        step(3, 4)
         criterion = criterion.over(selection.fit.space)
         criterion.whiten(selection.fit.parameters)
         fitted = fit(criterion, [selection.fit.q])

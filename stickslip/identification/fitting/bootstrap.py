@@ -29,6 +29,7 @@ from stickslip.identification.criteria.motion import position_noise
 from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.fitting.fit import Fit, linearised
 from stickslip.logs import Recording
+from stickslip.progress import steps
 from stickslip.servo.measurement import Array
 
 RUNS = 30
@@ -119,7 +120,7 @@ def correct(criterion: OutputError, fitted: Fit, again: Resimulation, seed: int)
     rng = np.random.default_rng(seed)
     noise = float(np.sqrt(max(fitted.variance - step**2 / 12.0, 1e-6 * fitted.variance)))
     at = fitted
-    for runs in (*FEW, RUNS):
+    for runs in steps((*FEW, RUNS)):
         raws = again.residuals(at.parameters, noise, rng, runs)
         moves = np.array([at.shift(criterion.white(raw)) for raw in raws])
         q = criterion.space.inside(at.q + at.step() - moves.mean(axis=0))

@@ -12,6 +12,7 @@ from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.fitting.fit import BLOCKS, FTOL, Criterion, Fit, fit
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, identifiability
 from stickslip.identification.fitting.start import Start
+from stickslip.progress import steps
 from stickslip.servo.measurement import Array
 
 STEEPER = 0.5
@@ -36,7 +37,8 @@ def best_fit(inverse: InverseModel, start: Start, values: Values) -> Fit:
     usual = {**values, **{name: start.line[name] for name in known if name in start.line}}
     if "v_s" in usual:
         usual["v_s"] *= STEEPER
-    return fit(inverse, [inverse.space.encode(at) for at in (values, start.line, usual)])
+    starts = [inverse.space.encode(at) for at in (values, start.line, usual)]
+    return fit(inverse, steps(starts))
 
 
 def without_stribeck(criterion: Criterion, found: Fit) -> Fit:

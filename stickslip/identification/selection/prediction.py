@@ -27,6 +27,7 @@ from stickslip.identification.selection.candidates import Candidate, candidates
 from stickslip.identification.selection.folds import Fold, blocks, folds
 from stickslip.identification.selection.noise import encoder_error, explained
 from stickslip.logs import Recording
+from stickslip.progress import steps
 from stickslip.servo.measurement import Array
 
 POINTS = 32
@@ -122,7 +123,7 @@ def predictions(
     with threadpool_limits(limits=1, user_api="blas"):
         if gains is not None:
             gains = _believed(scaled, scale.values(gains))
-        for candidate in candidates() if among is None else among:
+        for candidate in steps(candidates() if among is None else tuple(among)):
             with (
                 candidate_fmus(candidate.law.name) as fmus,
                 InverseModel(fmus, scaled, workers=workers, law=candidate.law) as inverse,

@@ -14,7 +14,7 @@ from stickslip.identification.stages.friction_map import FrictionMap, measure_fr
 from stickslip.identification.stages.inertia import Inertia, measure_inertia
 from stickslip.identification.stages.presliding import Presliding, measure_presliding
 from stickslip.models import Law
-from stickslip.rigs import Rig
+from stickslip.rigs.contract import Rig
 from stickslip.servo.specification import LoopSpecification
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 

@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 from stickslip.errors import IdentificationError
 from stickslip.identification.stages.estimate import Estimate, covariance, unseen
 from stickslip.identification.stages.sliding import measure_sliding
-from stickslip.rigs import Rig
+from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, measured_velocity
 from stickslip.servo.velocity_loop import VelocityLoop
 

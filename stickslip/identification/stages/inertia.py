@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.errors import IdentificationError
 from stickslip.identification.stages.estimate import Estimate, covariance
-from stickslip.rigs import Rig
+from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, smoothed
 
 FREQUENCY = 5.0  # of the force [Hz]

@@ -12,7 +12,7 @@ from stickslip import cosim
 from stickslip.catalog.parameters import presliding
 from stickslip.identification.stages.estimate import UNKNOWN, Estimate, covariance
 from stickslip.models import LawParameter
-from stickslip.rigs import Log, Rig
+from stickslip.rigs.contract import Log, Rig
 from stickslip.servo.measurement import Array
 
 LEVELS = (0.6, 0.0, -0.6, 0.3, -0.3, 0.7, 0.1, -0.5, 0.5, -0.7, 0.2, -0.2, 0.65, -0.4, 0.4, 0.0)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.rigs import Rig
+from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.servo.velocity_loop import VelocityLoop
 

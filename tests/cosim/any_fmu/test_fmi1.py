@@ -86,5 +86,7 @@ def test_what_is_not_run_is_one_line(tmp_path, binary):
         cosim.Fmu(fmu.pack(tmp_path / "lacking.fmu", described([lacking]), binary))
     system = cosim.System()
     system.add("a", fmu.pack(tmp_path / "old.fmu", described(), binary))
-    with pytest.raises(cosim.FmuError, match=r"a \(old.fmu\) is of FMI 1.0"):
+    with pytest.raises(
+        cosim.FmuError, match=r"a \(old.fmu\) cannot go into a container: it is of FMI 1"
+    ):
         cosim.write_fmu(system, tmp_path / "out.fmu", step=0.1)

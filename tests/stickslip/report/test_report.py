@@ -37,7 +37,7 @@ from stickslip.report.quantity import number, parameter_estimate, parameter_valu
 from stickslip.report.reproduction import FIGURES, TITLE, sections, write_report
 from stickslip.report.reproduction.identification import PRIOR
 from stickslip.report.style import house_style
-from stickslip.rigs import Log
+from stickslip.rigs.contract import Log
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import FEEDS

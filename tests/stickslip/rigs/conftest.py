@@ -2,11 +2,12 @@
 
 import pytest
 
-from stickslip.servo.systems import build_fmus
+from stickslip.models import build_fmu
 
 
 @pytest.fixture(scope="package")
 def fmus(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fmus")
-    build_fmus(folder, {})
+    for name in ("drive", "velocity_controller", "nominal_loop", "compensator"):
+        build_fmu(name, folder)
     return folder

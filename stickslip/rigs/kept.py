@@ -1,0 +1,101 @@
+"""A rig whose logs are kept, so that what was interrupted goes on where it was."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from stickslip.errors import LimitError, RigError
+from stickslip.fmi.files import atomic_write
+from stickslip.rigs.contract import Command, Log, Rig
+from stickslip.rigs.lines import LOOP
+from stickslip.servo.velocity_loop import VelocityLoop
+
+
+class KeptRig(Rig):
+    """Runs motions on another rig and keeps each log in a folder; a motion that is kept is not run.
+
+    What learns is deterministic: from the same logs follow the same commands. So the same program
+    started again with the same folder goes through what was done without moving the drive, and on
+    from there. A motion that was begun and whose log is missing is never repeated by itself.
+
+    The folder has ``motion-0001.npz`` and so on, with t, x_enc, F_m and the signals of the command.
+
+    Parameters
+    ----------
+    rig : runs the motions, within its limits
+    folder : for the logs; is made where it is missing
+    """
+
+    def __init__(self, rig: Rig, folder: Path | str) -> None:
+        super().__init__(rig.datasheet, rig.T_s, None, rig.law.name)
+        self.name, self._rig, self._folder = rig.name, rig, Path(folder)
+        self._folder.mkdir(parents=True, exist_ok=True)
+        self._motion = 0
+
+    @property
+    def loop(self) -> VelocityLoop:
+        """The loop of the rig that runs the motions."""
+        return self._rig.loop
+
+    def move(self, command: Command) -> Log:
+        """Return the log that is kept of this motion, or run it and keep its log.
+
+        Raises
+        ------
+        RigError
+            When the folder is of another run, or the motion was begun before and has no log.
+        """
+        self._motion += 1
+        kept = self._folder / f"motion-{self._motion:04d}.npz"
+        begun = kept.with_suffix(".json")
+        key = _key_of(command)
+        if kept.is_file():
+            with np.load(kept, allow_pickle=False) as content:
+                self._compare(kept, str(content["command"]), key)
+                return Log(*(content[name] for name in ("t", "x_enc", "F_m")))
+        if begun.is_file():
+            state = json.loads(begun.read_text(encoding="utf-8"))
+            self._compare(begun, state["command"], key)
+            if state["limit"]:
+                raise LimitError(state["limit"])
+            raise RigError(
+                f"{begun}: motion {self._motion} of {len(command) * self.T_s:.4g} s was begun and "
+                "has no log; it is not repeated by itself. Look at the drive, then delete this "
+                "file to run it again"
+            )
+        atomic_write(begun, json.dumps({"command": key, "limit": ""}))
+        try:
+            log = self._rig.run(command)
+        except LimitError as fault:
+            atomic_write(begun, json.dumps({"command": key, "limit": str(fault)}))
+            raise
+        stream = io.BytesIO()
+        content = {"command": key, "t": log.t, "x_enc": log.x_enc, "F_m": log.F_m}
+        np.savez(stream, **cast("Any", content | command.signals))
+        atomic_write(kept, stream.getvalue())
+        begun.unlink()
+        return log
+
+    def _compare(self, file: Path, kept: str, asked: str) -> None:
+        if kept != asked:
+            raise RigError(
+                f"{file}: is of another command than motion {self._motion} of this run; expected "
+                "the same program, settings and version. Use another folder for another run"
+            )
+
+
+def _key_of(command: Command) -> str:
+    """Return a hash of all that a command says."""
+    loop, filtered = command.loop, command.loop.velocity_filter
+    gains = {name: getattr(loop, name) for name in LOOP}
+    said = {"T_s": command.T_s, **gains, "filter": filtered.parameters() if filtered else None}
+    key = hashlib.sha256(json.dumps(said, default=float).encode())
+    for name, values in sorted(command.signals.items()):
+        key.update(name.encode() + np.asarray(values, dtype="<f8").tobytes())
+    return key.hexdigest()

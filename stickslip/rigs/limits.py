@@ -1,0 +1,93 @@
+"""What aborts a motion, looked at sample by sample."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+from stickslip.errors import UsageError
+
+SPEED_OVER = 5e-3
+"""Time over which the measured speed is a mean, so that encoder steps do not count [s]."""
+
+
+@dataclass(frozen=True)
+class RigLimits:
+    """What aborts a motion; all are to be given, infinity for what is not to be watched.
+
+    Attributes
+    ----------
+    travel : lowest and highest position, from where motions begin [m]; leave room to stop
+    speed : [m/s]
+    force : of the motor [N]
+    following_error : between the position and the integral of the velocity command [m]
+
+    Raises
+    ------
+    UsageError
+        When a limit is not positive, or the travel does not contain 0.
+    """
+
+    travel: tuple[float, float]
+    speed: float
+    force: float
+    following_error: float
+
+    def __post_init__(self) -> None:
+        for name in ("speed", "force", "following_error"):
+            if not getattr(self, name) > 0.0:
+                raise UsageError(f"{name} = {getattr(self, name)}: expected more than 0")
+        if not self.travel[0] < 0.0 < self.travel[1]:
+            raise UsageError(f"travel = {self.travel}: expected a range around 0")
+
+
+class Watch:
+    """Compares the samples of a motion with limits, while it runs or afterwards."""
+
+    def __init__(self, limits: RigLimits, T_s: float) -> None:
+        self.limits, self.T_s = limits, T_s
+        self._last: deque[float] = deque(maxlen=1 + max(1, round(SPEED_OVER / T_s)))
+        self._commanded: float | None = None
+
+    def position(self, x: float) -> str:
+        """Return what is wrong with a position [m], or an empty text."""
+        low, high = self.limits.travel
+        return "" if low <= x <= high else f"position {x:.6g} m; expected {low:g} to {high:g} m"
+
+    def speed(self, v: float) -> str:
+        """Return what is wrong with a velocity [m/s], or an empty text."""
+        most = self.limits.speed
+        return "" if abs(v) <= most else f"speed {abs(v):.4g} m/s; expected at most {most:g} m/s"
+
+    def force(self, F: float) -> str:
+        """Return what is wrong with a force [N], or an empty text."""
+        most = self.limits.force
+        return "" if abs(F) <= most else f"force {abs(F):.4g} N; expected at most {most:g} N"
+
+    def following(self, error: float) -> str:
+        """Return what is wrong with a following error [m], or an empty text."""
+        most = self.limits.following_error
+        if abs(error) <= most:
+            return ""
+        return f"following error {abs(error):.4g} m; expected at most {most:g} m"
+
+    def sample(self, x: float, F: float, v_cmd: float | None) -> str:
+        """Take the next sample; return which limit it exceeds, or an empty text.
+
+        Parameters
+        ----------
+        x, F : measured position from where motions begin [m], and force [N]
+        v_cmd : the velocity that holds from this sample on [m/s]; None without a velocity loop
+        """
+        if not (math.isfinite(x) and math.isfinite(F)):
+            return f"position {x} m and force {F} N; expected finite values"
+        self._last.append(x)
+        full = len(self._last) == self._last.maxlen
+        v = (x - self._last[0]) / (self.T_s * (len(self._last) - 1)) if full else 0.0
+        found = self.position(x) or self.speed(v) or self.force(F)
+        if v_cmd is not None:
+            self._commanded = x if self._commanded is None else self._commanded
+            found = found or self.following(self._commanded - x)
+            self._commanded += self.T_s * v_cmd
+        return found

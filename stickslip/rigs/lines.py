@@ -1,0 +1,57 @@
+"""JSON objects, one a line, as rig and server exchange them (docs/rig.md)."""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from stickslip.cosim.signals.signals import Array
+
+PROTOCOL = 1
+LOOP = ("K_p", "K_i", "tau_f", "m_ff", "K_x", "velocity_feedforward")
+"""What a motion says of its velocity loop; units as in ``VelocityLoop``."""
+CHUNK = 500
+"""Most samples of a signal in one message."""
+LONGEST = 2**20
+"""Most bytes of a line."""
+
+
+def line_of(message: Mapping[str, Any]) -> bytes:
+    """Return a message as a line; numbers keep all their bits."""
+    return json.dumps(message, allow_nan=False).encode() + b"\n"
+
+
+def crc_of(signals: Mapping[str, Array]) -> int:
+    """Return the CRC-32 of signals (n,): little-endian doubles, in the order of their names."""
+    crc = 0
+    for name in sorted(signals):
+        crc = zlib.crc32(np.asarray(signals[name], dtype="<f8").tobytes(), crc)
+    return crc
+
+
+class Lines:
+    """Bytes as they arrive, cut into messages."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+
+    def messages(self, received: bytes) -> Iterator[dict[str, Any]]:
+        """Yield the messages that are complete.
+
+        Raises
+        ------
+        ValueError
+            When a line is too long or is not a JSON object.
+        """
+        *lines, self._rest = (self._rest + received).split(b"\n")
+        if len(self._rest) > LONGEST:
+            raise ValueError(f"a line is longer than {LONGEST} bytes")
+        for line in lines:
+            message = json.loads(line)
+            if not isinstance(message, dict):
+                raise ValueError("a line is not a JSON object")  # noqa: TRY004 - what was received
+            yield message

@@ -1,0 +1,210 @@
+"""A rig in another process, behind a socket: the protocol is in docs/rig.md."""
+
+from __future__ import annotations
+
+import secrets
+import socket
+import time
+from contextlib import suppress
+from dataclasses import asdict, replace
+from typing import Any, Self
+
+import numpy as np
+
+from stickslip.errors import LimitError, RigError, UsageError
+from stickslip.planning import Limits
+from stickslip.planning.parts import approach
+from stickslip.rigs.contract import Command, Log, Rig
+from stickslip.rigs.limits import RigLimits
+from stickslip.rigs.lines import CHUNK, LOOP, PROTOCOL, Lines, crc_of, line_of
+from stickslip.servo.axis import ControlError
+from stickslip.servo.datasheet import Datasheet
+
+NEAR = 2e-5
+"""Distance from 0 at which a motion may begin [m]."""
+RETURNS, RETURN_SPEED, DWELL, K_X = 5, 0.02, 0.5, 20.0
+"""Most moves back to 0, their speed [m/s], rest at their end [s] and position gain [1/s]."""
+MARGIN = 1e-3
+"""By how much a move back may overshoot where it begins [m]."""
+
+
+class SocketRig(Rig):
+    """A drive behind a socket, such as that of ``stickslip serve``.
+
+    Requests that get no answer are repeated; a motion is started once, whatever is lost or doubled.
+    The drive stops by itself when this program does not ask for ``heartbeat`` seconds.
+
+    Parameters
+    ----------
+    address : "host:port"
+    datasheet : what is known of the drive
+    limits : that abort a motion, there and here
+    law : friction law of the compensator
+    patience : how long a lost connection is tried again [s]
+    retry : after which time a request is repeated [s]
+
+    Raises
+    ------
+    RigError
+        When nobody answers, or not with this protocol.
+    """
+
+    def __init__(
+        self,
+        address: str,
+        datasheet: Datasheet,
+        limits: RigLimits,
+        law: str = "lugre",
+        *,
+        patience: float = 5.0,
+        retry: float = 0.1,
+    ) -> None:
+        host, _, port = address.rpartition(":")
+        if not (host and port.isdigit()):
+            raise UsageError(f"rig {address!r}: expected HOST:PORT")
+        self.name, self._place = address, (host, int(port))
+        self._patience, self._retry = patience, retry
+        self._session = secrets.token_hex(8)
+        self._socket: socket.socket | None = None
+        self._seq, self._heard = 0, 0.0
+        hello = self._request("hello", protocol=PROTOCOL)
+        super().__init__(datasheet, float(hello["T_s"]), limits, law)
+        self._limits = limits
+        self._heartbeat, self._motion = float(hello["heartbeat"]), int(hello["last"])
+
+    def move(self, command: Command) -> Log:
+        """Move back to 0 if the drive stands elsewhere, run a motion, and return its log."""
+        if command.loop.velocity_filter is not None:
+            raise RigError(f"{self.name}: cannot run a velocity filter in the drive")
+        self._return()
+        return self._run(command, self._limits)
+
+    def close(self) -> None:
+        """Close the connection; the drive is at rest."""
+        super().close()
+        self._disconnect()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def _return(self) -> None:
+        """Move to 0, by a position loop around the velocity loop."""
+        for _ in range(RETURNS):
+            x = float(self._request("read", motion=self._motion, **{"from": 0})["position"])
+            if abs(x) <= NEAR:
+                return
+            speed = min(RETURN_SPEED, 0.5 * self._limits.speed)
+            moves = Limits(speed=speed, acceleration=1.0, rate=1.0 / self.T_s)
+            velocity = np.append(approach(moves, -x), np.zeros(round(DWELL / self.T_s)))
+            try:
+                loop = self.loop.changed(K_x=K_X)
+            except ControlError as fault:
+                raise RigError(f"{self.name}: no loop for moves back to 0 ({fault})") from fault
+            low, high = self._limits.travel
+            room = min(low, x - MARGIN), max(high, x + MARGIN)
+            back = Command(self.T_s, loop, velocity=velocity)
+            self._run(back, replace(self._limits, travel=room))
+        raise RigError(
+            f"{self.name}: the drive does not return to where motions begin; it stands at {x:.4g} m"
+        )
+
+    def _run(self, command: Command, limits: RigLimits) -> Log:
+        """Load a motion, start it, and read its log until the drive is at rest."""
+        signals, n = command.signals, len(command)
+        motion = self._motion + 1
+        begin = 0
+        while begin < n:
+            part = {name: one[begin : begin + CHUNK].tolist() for name, one in signals.items()}
+            values = {"from": begin, "values": part}
+            begin = int(self._request("load", motion=motion, **values)["loaded"])
+        loop = {name: getattr(command.loop, name) for name in LOOP}
+        x: list[float] = []
+        F: list[float] = []
+        try:
+            self._motion = motion
+            start = {"samples": n, "crc": crc_of(signals), "loop": loop, "limits": asdict(limits)}
+            self._request("start", motion=motion, **start)
+            while True:
+                reply = self._request("read", motion=motion, **{"from": len(x)})
+                x += reply["values"]["x_enc"]
+                F += reply["values"]["F_m"]
+                if len(x) == reply["samples"]:
+                    if reply["state"] in ("done", "aborted"):
+                        break
+                    time.sleep(min(0.02, 0.1 * self._heartbeat))
+        except BaseException:
+            self._stop(motion)
+            raise
+        if reply["state"] == "aborted" or len(x) != n:
+            kind = LimitError if reply["limit"] else RigError
+            raise kind(f"{self.name}: motion {motion} of {n * self.T_s:.4g} s: {reply['reason']}")
+        return Log(np.asarray(np.arange(n) * self.T_s), np.array(x), np.array(F))
+
+    def _stop(self, motion: int) -> None:
+        """Stop the drive, if it can still be told; else it stops without heartbeat."""
+        self._patience, patience = min(self._patience, 1.0), self._patience
+        with suppress(RigError):
+            self._request("stop", motion=motion)
+        self._patience = patience
+
+    def _request(self, what: str, **fields: Any) -> dict[str, Any]:
+        """Send a request until it is answered, over a new connection if need be.
+
+        Raises
+        ------
+        RigError
+            When it is refused, or not answered for ``patience``.
+        """
+        first, why = self._seq + 1, "it does not answer"
+        give_up = time.monotonic() + self._patience
+        while time.monotonic() < give_up:
+            try:
+                reply = self._exchange(what, fields, first)
+            except (OSError, ValueError) as fault:
+                self._disconnect()
+                why = str(fault)
+                time.sleep(min(self._retry, 0.05))
+                continue
+            if reply is None:
+                continue
+            self._heard = max(self._heard, float(reply["clock"]))
+            if "error" in reply:
+                raise RigError(f"{self.name} refuses to {what}: {reply['error']}")
+            return reply
+        raise RigError(
+            f"{self.name}: connection lost for {self._patience:g} s ({why}); the drive stops by "
+            "itself. Look at it before going on: a motion is not repeated"
+        )
+
+    def _exchange(self, what: str, fields: dict[str, Any], first: int) -> dict[str, Any] | None:
+        """Send a request once and wait for an answer to it, also to one sent before."""
+        if self._socket is None:
+            self._socket = socket.create_connection(self._place, self._patience)
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._lines, self._waiting = Lines(), list[dict[str, Any]]()
+        self._seq += 1
+        message = {"seq": self._seq, "session": self._session, "do": what, "heard": self._heard}
+        self._socket.settimeout(self._retry)
+        self._socket.sendall(line_of({**message, **fields}))
+        give_up = time.monotonic() + self._retry
+        while (left := give_up - time.monotonic()) > 0.0:
+            self._socket.settimeout(left)
+            try:
+                received = self._socket.recv(65536)
+            except TimeoutError:
+                return None
+            if not received:
+                raise OSError("the connection was closed")
+            for reply in self._lines.messages(received):
+                if isinstance(reply.get("seq"), int) and first <= reply["seq"] <= self._seq:
+                    found = reply
+                    break
+            else:
+                continue
+            return found
+        return None
+
+    def _disconnect(self) -> None:
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None

@@ -1,0 +1,242 @@
+"""A drive behind a socket: the log of the FMU, one start whatever is lost, and always a stop."""
+
+import itertools
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stickslip import Command, Datasheet, FmuRig, RigLimits, SocketRig
+from stickslip.errors import LimitError, RigError
+from stickslip.rigs.lines import LOOP, Lines, crc_of, line_of
+from stickslip.rigs.served_drive import Ports, ServedDrive
+from stickslip.rigs.server import Server
+from stickslip.servo import datasheet
+
+WIDE = RigLimits(travel=(-0.2, 0.2), speed=1.0, force=250.0, following_error=0.05)
+T_S = datasheet.LOOP.T_s
+
+
+@contextmanager
+def served(fmus, *, fast=True, heartbeat=5.0):
+    """Return the drive and the port of a server in a thread."""
+    controller = fmus / "velocity_controller.fmu"
+    drive = ServedDrive(fmus / "drive.fmu", controller, T_S, Ports())
+    server = Server(drive, ("localhost", 0), "drive", heartbeat=heartbeat, fast=fast)
+    end = threading.Event()
+    thread = threading.Thread(target=server.serve, args=(end.is_set,))
+    thread.start()
+    try:
+        yield drive, server.port
+    finally:
+        end.set()
+        thread.join()
+        drive.close()
+
+
+def rig_at(port, limits=WIDE, **how):
+    return SocketRig(f"localhost:{port}", Datasheet(), limits, **how)
+
+
+def command_of(rig, n=450):
+    t = np.arange(n) * rig.T_s
+    v = 0.03 * np.sin(2 * np.pi * 5 * t)
+    return Command(rig.T_s, rig.loop, velocity=v, added_force=2.0 * np.sign(v))
+
+
+@contextmanager
+def bad_line(port):
+    """Return the port of a relay that loses, delays and doubles messages, and cuts connections."""
+    every = {"cut": 31, "lost": 7, "late": 9, "doubled": 11}
+    number, counts = itertools.count(1), dict.fromkeys(every, 0)
+    listener = socket.create_server(("localhost", 0))
+    end = threading.Event()
+
+    def pass_on(source, sink):
+        late, lines = [], Lines()
+        try:
+            while received := source.recv(65536):
+                for line in map(line_of, lines.messages(received)):
+                    k = next(number)
+                    fate = next((name for name, n in every.items() if k % n == 0), "")
+                    if fate:
+                        counts[fate] += 1
+                    if fate == "cut":
+                        return
+                    if fate == "late":  # behind the next one
+                        late.append(line)
+                        continue
+                    sink.sendall(line * {"lost": 0, "doubled": 2}.get(fate, 1) + b"".join(late))
+                    late = []
+        except OSError:
+            pass
+        finally:
+            for one in (source, sink):
+                with suppress(OSError):
+                    one.shutdown(socket.SHUT_RDWR)
+                one.close()
+
+    def accept():
+        while not end.is_set():
+            try:
+                near, _ = listener.accept()
+            except OSError:
+                return
+            far = socket.create_connection(("localhost", port))
+            for pair in ((near, far), (far, near)):
+                threading.Thread(target=pass_on, args=pair, daemon=True).start()
+
+    threading.Thread(target=accept, daemon=True).start()
+    try:
+        yield listener.getsockname()[1], counts
+    finally:
+        end.set()
+        listener.close()
+
+
+def test_the_first_motion_is_that_of_the_fmu_and_each_begins_at_0(fmus):
+    with served(fmus) as (drive, port), rig_at(port) as rig:
+        near = FmuRig(fmus, Datasheet(), T_S)
+        command = command_of(rig)
+        found, expected = rig.run(command), near.run(command)
+        np.testing.assert_array_equal(found.x_enc, expected.x_enc)
+        np.testing.assert_array_equal(found.F_m, expected.F_m)
+        assert abs(drive.position) > 1e-4
+        second = rig.run(command)
+        assert abs(second.x_enc[0]) <= 2e-5
+        np.testing.assert_allclose(second.x_enc, expected.x_enc, atol=1e-4)
+        pushed = rig.push(np.full(200, 20.0))
+        assert pushed.x_enc[-1] > 5e-3
+        assert drive.state == "idle"
+
+
+def test_messages_that_are_lost_late_or_doubled_change_nothing(fmus):
+    with served(fmus) as (drive, port), rig_at(port) as rig:
+        expected, again = (rig.run(command_of(rig, 2000)) for _ in range(2))
+        motions = drive.motion
+    with (
+        served(fmus) as (drive, port),
+        bad_line(port) as (relay, counts),
+        rig_at(relay, retry=0.05) as rig,
+    ):
+        found = [rig.run(command_of(rig, 2000)) for _ in range(2)]
+        assert drive.motion == motions
+    for one, other in zip(found, (expected, again), strict=True):
+        np.testing.assert_array_equal(one.x_enc, other.x_enc)
+        np.testing.assert_array_equal(one.F_m, other.F_m)
+    assert min(counts.values()) > 0, counts
+
+
+class Raw:
+    """A client that sends what it is told to."""
+
+    def __init__(self, port):
+        self._socket = socket.create_connection(("localhost", port))
+        self._seq, self._lines = itertools.count(1), Lines()
+        self.last = self.ask("hello", protocol=1)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._socket.close()
+
+    def ask(self, what, **fields):
+        heard = {"heard": getattr(self, "last", {}).get("clock", 0.0)}
+        message = {"seq": next(self._seq), "session": "a", "do": what, **heard, **fields}
+        self._socket.sendall(line_of(message))
+        while True:
+            for reply in self._lines.messages(self._socket.recv(65536)):
+                self.last = reply
+                return reply
+
+    def load(self, motion=1, n=4000):
+        signals = {"v_cmd": np.full(n, 0.02)}
+        for k in range(0, n, 500):
+            part = {"v_cmd": signals["v_cmd"][k : k + 500].tolist()}
+            self.ask("load", motion=motion, values=part, **{"from": k})
+        loop = dict.fromkeys(LOOP, 0.0) | {"K_p": 1500.0, "K_i": 1e5, "tau_f": 5e-4}
+        loop["velocity_feedforward"] = 1.0
+        limits = {"travel": [-1, 1], "speed": 1, "force": 250, "following_error": 1}
+        return {"samples": n, "crc": crc_of(signals), "loop": loop, "limits": limits}
+
+
+def test_a_drive_that_nobody_asks_about_stops(fmus):
+    with served(fmus, fast=False, heartbeat=0.2) as (drive, port), Raw(port) as raw:
+        start = raw.load()
+        raw.ask("start", motion=1, **start)
+        heard = raw.last["clock"]
+        for _ in range(5):  # the same heartbeat again and again does not count
+            time.sleep(0.06)
+            raw.ask("read", motion=1, heard=heard, **{"from": 10**6})
+        time.sleep(0.4)
+        reply = raw.ask("read", motion=1, **{"from": 0})
+        assert reply["state"] == "aborted"
+        assert "no heartbeat for 0.2 s" in reply["reason"]
+        assert 0.1 < reply["samples"] * T_S < 0.5
+        assert drive.state == "idle"
+        where = raw.last["position"]
+        time.sleep(0.05)
+        assert raw.ask("read", motion=1, **{"from": 0})["position"] == where
+
+
+def test_a_start_is_obeyed_once_and_never_late(fmus):
+    with served(fmus, heartbeat=0.2) as (drive, port), Raw(port) as raw:
+        start, heard = raw.load(n=200), raw.last["clock"]
+        time.sleep(0.25)
+        late = raw.ask("start", motion=1, **start, heard=heard)
+        assert "older than 0.2 s" in late["error"]
+        assert drive.motion == 0
+        assert "not what was sent" in raw.ask("start", motion=1, **{**start, "crc": 1})["error"]
+        raw.ask("start", motion=1, **start)
+        while raw.ask("read", motion=1, **{"from": 0})["state"] != "done":
+            pass
+        where = raw.last["position"]
+        assert raw.ask("start", motion=1, **start)["state"] == "done"
+        assert raw.ask("read", motion=1, **{"from": 0})["position"] == where
+        assert "has been started" in raw.ask("load", motion=1, values={}, **{"from": 0})["error"]
+        for wrong in ("jump", "start"):
+            assert "error" in raw.ask(wrong, motion=2)
+        assert "protocol 1" in raw.ask("load", motion="x")["error"]
+
+
+def test_a_limit_aborts_in_the_drive_and_another_program_has_to_wait(fmus):
+    with served(fmus) as (drive, port):
+        with rig_at(port, replace(WIDE, travel=(-0.01, 0.01))) as rig:
+            with pytest.raises(LimitError, match=r"aborted at 0\.\d+ s: position 0\.01\d* m"):
+                rig.push(np.full(2000, 20.0))
+            assert drive.state == "idle"
+            assert 0.01 < drive.position < 0.06
+            rig.follow(np.full(100, 0.01), rig.loop)  # the next begins at 0 again
+        with rig_at(port) as first, rig_at(port), pytest.raises(RigError, match="another program"):
+            first.push(np.zeros(10))
+
+
+def test_a_server_that_is_killed_is_one_error(fmus):
+    command = [sys.executable, "-m", "stickslip", "serve", str(fmus / "drive.fmu"), "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        port = server.stdout.readline().split(":")[-1]
+        with rig_at(int(port), patience=0.5) as rig:
+            killer = threading.Timer(0.3, server.send_signal, [signal.SIGKILL])
+            killer.start()
+            with pytest.raises(RigError, match=r"connection lost for 0\.5 s .*is not repeated"):
+                rig.follow(np.full(4000, 0.02), rig.loop)
+
+
+def test_a_drive_that_fails_says_so_and_moves_no_more(fmus, monkeypatch):
+    with served(fmus) as (drive, port), rig_at(port) as rig:
+        step, calls = drive._drive.step, itertools.count()
+        monkeypatch.setattr(
+            drive._drive, "step", lambda **u: step(**u) if next(calls) < 100 else [np.nan, 0.0]
+        )
+        with pytest.raises(RigError, match=r"motion 1 of .* failed: position nan m, force 0\.0 N"):
+            rig.run(command_of(rig))
+        with pytest.raises(RigError, match="refuses to start: the drive FMU failed"):
+            rig.run(command_of(rig))
