@@ -101,13 +101,15 @@ def permitted(module: str, tree: ast.Module) -> set[ast.AST]:
         for item in cls.body
         if isinstance(item, ast.FunctionDef) and f"{module}.{cls.name}.{item.name}" in THIN_METHODS
     ]
+    if not methods:
+        return set()
     results = {method.returns.id for method in methods if isinstance(method.returns, ast.Name)}
     inside = {node for method in methods for node in ast.walk(method)}
     elsewhere = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and n not in inside}
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom):
             names = {alias.asname or alias.name for alias in node.names}
-            if methods and names <= results - elsewhere:
+            if names <= results - elsewhere:
                 inside.add(node)
     return inside
 

@@ -6,6 +6,7 @@ import argparse
 import io
 from collections.abc import Mapping
 from contextlib import ExitStack
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 PICTURES = (".png", ".svg", ".pdf")
 WRITERS = {".csv": "to_csv", ".parquet": "to_parquet", ".xlsx": "to_excel"}
 """Methods of a result, by suffix."""
+LIBRARIES = {".parquet": ("pyarrow", "parquet"), ".xlsx": ("openpyxl", "excel")}
+"""What a suffix needs, and the extra that installs it."""
 SIGNAL = ("signal", "unit", "min", "max", "end")
 WINDOW = Path()
 _MOST = 8  # names in a warning
@@ -85,6 +88,11 @@ def run(options: argparse.Namespace) -> Answer:
     """Run, write the samples if asked to, and print the range and end of each signal."""
     if options.out and options.out.suffix not in WRITERS:
         raise UsageError(f"{options.out}: expected a file that ends in {or_(WRITERS)}")
+    library, extra = LIBRARIES.get(options.out.suffix, ("", "")) if options.out else ("", "")
+    if library and find_spec(library) is None:  # before a run whose result it would lose
+        raise UsageError(
+            f"{options.out}: needs {library}; install it with pip install 'stickslip[{extra}]'"
+        )
     if options.look is not None and options.real_time is None:
         raise UsageError("--look is for --real-time; give it")
     if options.hold and not options.input:

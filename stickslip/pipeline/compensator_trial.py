@@ -25,7 +25,7 @@ from stickslip.evaluation.guards import (
 )
 from stickslip.evaluation.guards.family import RESERVE
 from stickslip.identification.controller.controller_check import AGREES
-from stickslip.identification.criteria.motion import position_of
+from stickslip.identification.criteria.motion import encoder_noise, position_of
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.fitting.conservative import bounded_by
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
@@ -85,12 +85,15 @@ def try_compensator(
     scale = top / VALIDATION.height
     command = replace(VALIDATION, height=top, slope=scale * VALIDATION.slope)
     strongest = float(np.max(np.abs(estimation.figures.measured)))
+    recording = reading.recording
+    step = recording.encoder_step or 1e-6 * top
     sheet = Datasheet(
         peak_force=reading.force_limit or 1e3 * strongest,
         tau_i=loop.axis.tau_i,
-        encoder_step=reading.recording.encoder_step or 1e-6 * top,
+        encoder_step=step,
+        encoder_noise=encoder_noise(position_of(recording), step) if compensator else 0.0,
     )
-    law, rotary = estimation.law, reading.recording.motion == "rotary"
+    law, rotary = estimation.law, recording.motion == "rotary"
     drives = family(law, learned.friction, command, known_friction(estimation))
     errors = {
         name: estimation.known[name].standard_error

@@ -70,7 +70,7 @@ LOOP_UNITS = {
     "L_v": "1/s",
     "L_d": "N/m",
 }
-DATASHEET = {"peak_force": "N", "tau_i": "s", "encoder_step": "m"}
+DATASHEET = {"peak_force": "N", "tau_i": "s", "encoder_step": "m", "encoder_noise": "m"}
 TRAPEZOID = {"height": "m/s", "slope": "m/s2", "plateau": "s", "begin": "s"}
 _GAINS = ("L_x", "L_v", "L_d")
 _AXIS = ("m", "b", "tau_i")
@@ -631,7 +631,8 @@ class LearnedFile:
         """Motor and encoder; the paper's by default."""
         entry = self._entry("datasheet") or {}
         if not set(entry) <= set(DATASHEET) or not all(
-            value > 0.0 or (name == "tau_i" and value == 0.0) for name, value in entry.items()
+            value > 0.0 or (name in ("tau_i", "encoder_noise") and value == 0.0)
+            for name, value in entry.items()
         ):
             raise UsageError(
                 f"{self.path}: datasheet: expected {', '.join(DATASHEET)}, each above 0; "

@@ -11,6 +11,7 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from threading import Lock
 from typing import Any, Protocol, Self
 
 import numpy as np
@@ -310,6 +311,7 @@ class _TrialCost(AbstractContextManager["_TrialCost"]):
         cost: Callable[[Recorded], float],
     ) -> None:
         self._trials, self._names, self._cost = trials, names, cost
+        self._one = Lock()  # workers wait for the drive, of which there is one
 
     def __enter__(self) -> Self:
         self._run = self._trials.__enter__()
@@ -320,7 +322,8 @@ class _TrialCost(AbstractContextManager["_TrialCost"]):
 
     def __call__(self, values: Array) -> float:
         try:
-            recorded = self._run(dict(zip(self._names, values.tolist(), strict=True)))
+            with self._one:
+                recorded = self._run(dict(zip(self._names, values.tolist(), strict=True)))
         except LimitError as fault:
             raise CandidateFailed(str(fault)) from fault
         return self._cost(recorded)

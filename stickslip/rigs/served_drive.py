@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from stickslip.errors import UsageError
 from stickslip.fmucheck.description.reading import read_description
 from stickslip.fmucheck.document import read_document
 from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.calls import CallFailed
 from stickslip.rigs.limits import RigLimits, Watch
 
 DECELERATION = 2.0
@@ -101,6 +103,7 @@ class ServedDrive:
     x, F : log of that motion, a value each sample [m], [N]
     reason : why that motion was aborted, or empty
     at_limit : whether a limit aborted it
+    failed : why it can run no motion any more, or empty
     """
 
     def __init__(self, drive: Path, controller: Path, T_s: float, ports: Ports) -> None:
@@ -110,6 +113,7 @@ class ServedDrive:
         self._controller = Stepper(controller, T_s, signals, ["u"])
         self._measured = self._drive.begin()
         self.state, self.motion, self.reason, self.at_limit = "idle", 0, "", False
+        self.failed = ""
         self.x: list[float] = []
         self.F: list[float] = []
 
@@ -150,15 +154,27 @@ class ServedDrive:
         values = self._next() if self.state == "moving" else self._ramp()
         if self.state == "idle":
             return
-        u = values.get("F")
-        if u is None:
-            (u,) = self._controller.step(x_enc=self.position, **values)
-        self._measured = self._drive.step(**{self._ports.u: u})
+        try:
+            u = values.get("F")
+            if u is None:
+                (u,) = self._controller.step(x_enc=self.position, **values)
+            measured = self._drive.step(**{self._ports.u: u})
+        except CallFailed as fault:
+            self._fail(str(fault))
+            return
+        if not all(map(math.isfinite, measured)):
+            self._fail(f"position {measured[0]} m, force {measured[1]} N")
+            return
+        self._measured = measured
 
     def close(self) -> None:
         """Free the FMUs."""
         self._drive.close()
         self._controller.close()
+
+    def _fail(self, what: str) -> None:
+        self.failed = self.reason = f"the drive FMU failed: {what}"
+        self.state = "idle"
 
     def _look(self) -> None:
         """Log a sample, and stop at the end or at a limit."""

@@ -176,8 +176,8 @@ class Server:
             return {"state": self._state}
         if motion < drive.motion or motion != self._loading:
             raise Refusal(f"motion {motion} is not loaded, or is past")
-        if drive.state != "idle":
-            raise Refusal(f"motion {drive.motion} still runs")
+        if drive.state != "idle" or drive.failed:
+            raise Refusal(drive.failed or f"motion {drive.motion} still runs")
         if time.monotonic() > self._lease:
             raise Refusal(f"motion {motion}: the request is older than {self._heartbeat:g} s")
         signals = {name: np.array(values) for name, values in self._loaded.items()}

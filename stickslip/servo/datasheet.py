@@ -19,6 +19,7 @@ class Datasheet:
     tau_i : time constant of the amplifier's current loop [s]
     encoder_step : resolution of the encoder [m]
     force_noise : standard deviation of the measured motor force [N]
+    encoder_noise : that of the position beside the steps [m]
     """
 
     mass: float = 5.5
@@ -26,6 +27,7 @@ class Datasheet:
     tau_i: float = 1e-4
     encoder_step: float = 4e-7
     force_noise: float = 0.05
+    encoder_noise: float = 0.0
 
     def axis(self, m: float, b: float) -> Axis:
         """Return the axis without friction, for a mass [kg] and viscous friction [N s/m]."""

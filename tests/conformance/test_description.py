@@ -195,7 +195,7 @@ def test_the_same_sources_give_the_same_bytes_in_another_folder_and_cache(
 ):
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path_factory.mktemp("cache")))
     folder = tmp_path_factory.mktemp("elsewhere")
-    for name in ("drive", "stage"):  # each takes the others' path through the exporter
-        for version in (2, 3):
-            again = models.build_fmu(name, folder, fmi=version)
-            assert again.read_bytes() == build(name, version).path.read_bytes()
+    # Each takes the others' path through the exporter.
+    for name, version in (("drive", 2), ("stage", 3)):
+        again = models.build_fmu(name, folder, fmi=version)
+        assert again.read_bytes() == build(name, version).path.read_bytes()

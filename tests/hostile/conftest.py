@@ -4,12 +4,13 @@ import pytest
 
 from stickslip.cosim import kernel
 from tests.corpus.defects import reference
-from tests.corpus.hostile import fmus
+from tests.corpus.hostile import faults, fmus
 
 
 @pytest.fixture(scope="session", autouse=True)
 def compiled():
     kernel.built()
     kernel.built(marked=True)
+    faults.library("m->environment")  # the argument that the cases give
     fmus.library()
     reference.library()

@@ -100,6 +100,13 @@ def test_commands_on_fmus_load_no_large_library(stage):
     assert not LARGE & loaded[-1]
 
 
+def test_a_library_that_is_missing_is_named_before_the_run(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("stickslip.commands.simulate.find_spec", lambda _: None)
+    for out, extra in (("a.xlsx", "excel"), ("a.parquet", "parquet")):
+        line = complaint(capsys, "simulate", tmp_path / "none.fmu", "--out", tmp_path / out)
+        assert f"pip install 'stickslip[{extra}]'" in line
+
+
 def test_build_makes_both_versions_of_all_models(tmp_path, capsys):
     assert main(["build", "--out", str(tmp_path)]) == 0
     assert len(capsys.readouterr().out.split()) == 2 * len(models.model_names())

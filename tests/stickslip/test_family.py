@@ -219,3 +219,16 @@ def test_any_chain_of_compensators_is_tried(tmp_path):
     assert some.rows[0].ratio < 0.8
     assert not static.has_feedforward
     assert static.share(LUGRE, 0.5) == static
+
+
+def test_drives_of_the_family_have_the_noise_of_the_log(tmp_path):
+    """Behind noise on the encoder, an observer of its velocity leaves more of the error."""
+    observer = Variant("observer", (Compensator("it", "lugre_observer", {**TABLE_2, "k_e": 1.0}),))
+    slow = commands(VALIDATION, 5e-4, TABLE_2)[2:3]
+    ratios = []
+    for noise in (0.0, 4e-7):
+        sheet, folder = Datasheet(encoder_noise=noise), tmp_path / f"{noise}"
+        own = [Drive("it", "lugre", TABLE_2)]
+        [benefit] = Bench(folder, LUGRE, PAPER, own, slow, datasheet=sheet).benefits([observer])
+        ratios.append(benefit.fitted_ratio)
+    assert ratios[1] > 1.1 * ratios[0]

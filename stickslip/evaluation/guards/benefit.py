@@ -398,7 +398,9 @@ class _Runs(ExitStack):
     def __init__(self, bench: Bench, variant: Variant) -> None:
         super().__init__()
         loop = bench.loop
-        self.T_s, self.axis = loop.T_s, axis_values(loop, bench.datasheet)
+        noise = bench.datasheet.encoder_noise
+        optics = {"noise": noise > 0.0, "noise_x": noise, "noise_F": 0.0}
+        self.T_s, self.axis = loop.T_s, {**axis_values(loop, bench.datasheet), **optics}
         self.n = max(len(command.v_cmd) for command in bench.commands)
         self.commands = {
             command.name: loop.commands(
@@ -454,8 +456,9 @@ class _Runs(ExitStack):
         )
 
     def means(self, drive: Drive, command: Command, variant: Variant) -> Errors:
-        """Return the root mean square of the errors at the levels of friction ``LEVELS``."""
-        law = friction_law(drive.law)
-        levels = (law.share(drive.parameters, level) for level in LEVELS)
-        found = [self.errors(replace(drive, parameters=one), command, variant) for one in levels]
+        """Return the root mean square of the errors at the levels ``LEVELS``, with other noise."""
+        law, found = friction_law(drive.law), []
+        for seed, level in enumerate(LEVELS):
+            parameters = {**law.share(drive.parameters, level), "seed": seed}
+            found.append(self.errors(replace(drive, parameters=parameters), command, variant))
         return tuple(math.sqrt(sum(x * x for x in of) / len(of)) for of in zip(*found, strict=True))

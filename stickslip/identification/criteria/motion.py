@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,6 +10,11 @@ import numpy as np
 from stickslip.errors import UsageError
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array, derivative, smoothed
+
+_FEW = 200
+"""Samples in motion that are too few to show the noise of an encoder."""
+_MEDIAN = 0.6745
+"""Median of the absolute value of normal noise, over its standard deviation."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +39,21 @@ def position_noise(position: Array, step: float) -> float:
     """
     third = float(np.mean(np.diff(position, 3) ** 2)) / 20.0
     return float(np.sqrt(max(third, step**2 / 12.0, np.finfo(float).tiny)))
+
+
+def encoder_noise(position: Array, step: float) -> float:
+    """Return the standard deviation [m] of the noise on a position (n,) [m], beside its steps.
+
+    It is the median of high differences where the drive moves a step a sample, in which even
+    motion at few samples per second vanishes. At rest the steps hide the noise.
+    """
+    order = 6  # of the differences
+    high = np.abs(np.diff(position, order))
+    high = high[np.abs(position[order:] - position[:-order]) > order * step]
+    if len(high) < _FEW:
+        return 0.0
+    deviation = float(np.median(high)) / (_MEDIAN * math.sqrt(math.comb(2 * order, order)))
+    return math.sqrt(max(deviation**2 - step**2 / 12.0, 0.0))
 
 
 def velocity_noise(noise: float, T_s: float, cutoff: float) -> float:

@@ -37,10 +37,10 @@ SLOWEST = 0.01
 """Speed from which on the drive slides, as a share of its top speed."""
 NOISY = 4.0
 """The same in standard deviations of the velocity's noise."""
-STEADY = 4.0
+STEADY = 5.0
 """Largest ratio of speeds within such a distance: friction follows a change of speed over a path,
 so that it is not that of a steady speed while a drive sticks and slips."""
-GUARD = 0.32
+GUARD = 0.64
 """Distance from rows that are not used, in periods of the cut-off."""
 HARMONICS, KNOTS, STEPS = 40, 10, 6
 """Size of the bases along the guide, over speed, and over the travel since a reversal."""

@@ -8,7 +8,7 @@ import pytest
 
 from stickslip.catalog.parameters import friction_law
 from stickslip.catalog.space import ParameterSpace
-from stickslip.identification.criteria.motion import position_noise
+from stickslip.identification.criteria.motion import encoder_noise, position_noise
 from stickslip.identification.fitting.fit import fit
 from stickslip.identification.fitting.multistart import select, variants, without_stribeck
 
@@ -99,3 +99,16 @@ def test_noise_is_told_from_motion():
     motion, noise = 0.02 * np.sin(3.0 * t), np.random.default_rng(1).normal(0.0, 2e-7, len(t))
     assert position_noise(motion + noise, 0.0) == pytest.approx(2e-7, rel=0.03)
     assert position_noise(motion, 4e-7) == pytest.approx(4e-7 / np.sqrt(12.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("step", [0.0, 4e-7])
+@pytest.mark.parametrize("rate", [2000.0, 100.0])
+def test_noise_of_an_encoder_is_told_from_its_steps(rate, step):
+    """Also from motion at few samples per second, and from jumps of the acceleration."""
+    t = np.arange(40_000) / rate
+    motion = 0.02 * np.abs(np.sin(3.0 * t))
+    for noise in (0.0, 3e-7):
+        shown = motion + np.random.default_rng(1).normal(0.0, noise, len(t))
+        shown = step * np.round(shown / step) if step else shown
+        assert encoder_noise(shown, step) == pytest.approx(noise, rel=0.1, abs=0.2 * step + 1e-8)
+    assert encoder_noise(np.zeros(len(t)), step) == 0.0

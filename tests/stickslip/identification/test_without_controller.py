@@ -90,4 +90,4 @@ def test_a_stand_in_that_shakes_the_drive_otherwise_is_not_believed(told, candid
         assert alike == believed
         assert bias.any()
         assert learned.fit.parameters == (corrected if alike else found).parameters
-        assert learned.errors["F_c"] > found.errors()["F_c"]
+        assert learned.errors["sigma_0"] > found.errors()["sigma_0"]  # the motion tells F_c

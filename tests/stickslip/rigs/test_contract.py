@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Command, FmuRig, Log, Rig, RigLimits
+from stickslip import Command, FmuRig, Limits, Log, Rig, RigLimits, learn
 from stickslip.errors import LimitError, RigError, UsageError
+from stickslip.pipeline.recorded import read_rig
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.learning import VelocityCost
@@ -89,6 +90,17 @@ def test_a_candidate_that_a_limit_aborts_has_failed_and_another_fault_ends_the_l
         assert type(failed.value).__name__ == "CandidateFailed"
         assert cost.fatal == (RigError,)
     assert not rig.moved
+
+
+def test_learn_records_the_rig_in_its_loop_and_limits_hold_for_the_experiment():
+    with pytest.raises(LimitError, match="nothing has moved: speed"):
+        learn(Ideal(replace(WIDE, speed=0.03)))
+    rig = Ideal(WIDE)
+    reading = read_rig(rig, Limits(duration=2.0, speed=0.02))
+    assert reading.controller.K_p == rig.loop.K_p
+    assert len(reading.recording.t) == 4001
+    moved = rig.T_s * np.cumsum(reading.recording.velocity_command[:-1])
+    np.testing.assert_allclose(reading.recording.position[1:], moved, atol=1e-15)
 
 
 @pytest.mark.parametrize("signals", [{}, {"velocity": [0.0], "force": [0.0]}, {"force": [np.nan]}])

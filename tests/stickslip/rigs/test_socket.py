@@ -228,3 +228,15 @@ def test_a_server_that_is_killed_is_one_error(fmus):
             killer.start()
             with pytest.raises(RigError, match=r"connection lost for 0\.5 s .*is not repeated"):
                 rig.follow(np.full(4000, 0.02), rig.loop)
+
+
+def test_a_drive_that_fails_says_so_and_moves_no_more(fmus, monkeypatch):
+    with served(fmus) as (drive, port), rig_at(port) as rig:
+        step, calls = drive._drive.step, itertools.count()
+        monkeypatch.setattr(
+            drive._drive, "step", lambda **u: step(**u) if next(calls) < 100 else [np.nan, 0.0]
+        )
+        with pytest.raises(RigError, match=r"motion 1 of .* failed: position nan m, force 0\.0 N"):
+            rig.run(command_of(rig))
+        with pytest.raises(RigError, match="refuses to start: the drive FMU failed"):
+            rig.run(command_of(rig))
