@@ -26,7 +26,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, NullLocator
 from scipy.stats import binomtest
 
-from stickslip.catalog.parameters import PAPER, UNITS
+from stickslip.catalog.parameters import PAPER, unit_of
 from stickslip.errors import StickslipError
 from stickslip.identification.estimation import Estimation, Task, candidate_fmus, learn
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
@@ -198,7 +198,7 @@ def _rows(drive: RandomDrive, estimation: Estimation) -> Iterator[dict[str, obje
         known = {name: known[name] for name in ("m", "b")}
     for name, found in known.items():
         if name in truth:
-            yield _row(name, UNITS[name], truth[name], found, abs(truth[name]))
+            yield _row(name, unit_of(name), truth[name], found, abs(truth[name]))
     curve = estimation.friction_curve
     if curve is None:
         return
