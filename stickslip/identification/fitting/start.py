@@ -55,19 +55,22 @@ class Start:
         return {"m": mass, "b": viscous, "F_0": self.curve.offset}
 
     def beside(self, values: Values) -> dict[str, Interval]:
-        """Return what sliding shows, with the viscous friction of a law's values within it.
+        """Return what sliding shows, with a law's viscous friction and constant force within it.
 
-        The law's Coulomb friction belongs to its own viscous friction. Where both contradict the
-        friction curve the straight line through it gives them: a speed counts the less the wider
-        the curve's interval there is and the more friction of the law rises towards rest, and the
-        errors at all speeds may be alike.
+        The law's Coulomb friction belongs to them. Where it contradicts the friction curve, the
+        straight line through the curve gives Coulomb and viscous friction: a speed counts the less
+        the wider the curve's interval there is and the more friction of the law rises towards rest,
+        and the errors at all speeds may be alike.
         """
         found = self.sliding
         if self.curve is None or not found:
             return found
         if self.disagreement(values) <= CONTRADICTED:
-            value = float(np.clip(values["b"], found["b"].low, found["b"].high))
-            return {**found, "b": replace(found["b"], value=value)}
+            own = {name: found[name] for name in ("b", "F_0")}
+            return found | {
+                name: replace(one, value=float(np.clip(values[name], one.low, one.high)))
+                for name, one in own.items()
+            }
         curve, viscous = self.curve, found["b"]
         rise = level(values, curve.speed) - values["F_c"]
         half = np.hypot(0.5 * (curve.high - curve.low), rise)

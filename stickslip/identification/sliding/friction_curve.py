@@ -7,15 +7,17 @@ s is the travel since the last reversal. ``curve``, ``asymmetry``, ``ripple``, `
 and ``drift`` are smooth functions whose sizes follow from the recording (random effects): what a
 drive does not have costs no precision. All terms are low-passed alike.
 
-The regression is made with two low-passes and from two distances since a reversal on. A bias by
-encoder noise changes with the low-pass, and one by bristles that still bend with the distance, so
-the differences between the four show what is not known and are a part of the intervals.
+The regression is made with two low-passes, over two distances along which the speed was held, and
+with two guards around what is left out. A bias by encoder noise changes with the low-pass, one by
+bristles that still bend with the distance, and one by slips with the guard, so the differences
+between the eight show what is not known and are a part of the intervals.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -37,11 +39,11 @@ SLOWEST = 0.01
 """Speed from which on the drive slides, as a share of its top speed."""
 NOISY = 4.0
 """The same in standard deviations of the velocity's noise."""
-STEADY = 5.0
+STEADY = 4.0
 """Largest ratio of speeds within such a distance: friction follows a change of speed over a path,
 so that it is not that of a steady speed while a drive sticks and slips."""
-GUARD = 0.64
-"""Distance from rows that are not used, in periods of the cut-off."""
+GUARDS = (0.32, 0.64)
+"""Distances from rows that are not used, in periods of the cut-off."""
 HARMONICS, KNOTS, STEPS = 40, 10, 6
 """Size of the bases along the guide, over speed, and over the travel since a reversal."""
 LEAST = 300
@@ -144,10 +146,11 @@ def friction_curve(
     noise = position_noise(position, step)
     first = _samples_per_row(position, T_s, noise)
     rows = [_Rows.of(position, force, T_s, noise, first * factor) for factor in (1, 2)]
-    speeds = rows[-1].speeds(DISTANCES[-1])
+    speeds = rows[-1].speeds(DISTANCES[-1], GUARDS[-1])
     if speeds is None:
         return None
-    found = [row.estimate(distance, speeds) for row in rows for distance in DISTANCES]
+    ways = product(rows, DISTANCES, GUARDS)
+    found = [row.estimate(distance, guard, speeds) for row, distance, guard in ways]
     estimates = [one for one in found if one is not None]
     if len(estimates) < len(found):
         return None
@@ -237,7 +240,7 @@ class _Rows:
         logged = smoothed(force[:n].reshape(-1, q).mean(axis=1), T, cutoff)
         return cls(T, cutoff, x, v, derivative(v, T), logged, path, s, ahead, slides, top, slowest)
 
-    def used(self, distance: float) -> NDArray[np.intp]:
+    def used(self, distance: float, guard: float) -> NDArray[np.intp]:
         """Return the rows before which it slid evenly for this share of its travel."""
         path = pd.to_timedelta(self.path / (distance * np.ptp(self.x)), unit="s")
         speed = pd.Series(np.abs(self.v), path)
@@ -246,23 +249,25 @@ class _Rows:
         good = self.slides & steady.to_numpy() & (self.path > distance * np.ptp(self.x))
         edge = int(4.0 / self.cutoff / self.T)
         good[:edge] = good[len(good) - edge :] = False
-        guard = int(GUARD / self.cutoff / self.T)
-        near = np.convolve(~good, np.ones(2 * guard + 1), "same") > 0.5
+        rows = int(guard / self.cutoff / self.T)
+        near = np.convolve(~good, np.ones(2 * rows + 1), "same") > 0.5
         return np.flatnonzero(~near)
 
-    def speeds(self, distance: float) -> Array | None:
-        used = self.used(distance)
+    def speeds(self, distance: float, guard: float) -> Array | None:
+        used = self.used(distance, guard)
         if len(used) < LEAST:
             return None
         low, high = np.quantile(np.abs(self.v[used]), SPAN)
         return np.geomspace(low, high, SPEEDS)
 
-    def estimate(self, distance: float, speeds: Array) -> tuple[Array, Array, Array, Array] | None:
+    def estimate(
+        self, distance: float, guard: float, speeds: Array
+    ) -> tuple[Array, Array, Array, Array] | None:
         """Return m, b, F_0 and the friction at k speeds (3 + k,), and their variances.
 
         Beside them: root mean squares of the forces of ``VARYING``, and their standard errors.
         """
-        used = self.used(distance)
+        used = self.used(distance, guard)
         if len(used) < LEAST:
             return None
         speed, ahead = np.maximum(np.abs(self.v), self.slowest), self.ahead[:, np.newaxis]
