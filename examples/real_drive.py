@@ -1,7 +1,7 @@
 """A drive learned behind a socket, within limits.
 
     stickslip build drive --out fmus
-    stickslip serve fmus/drive.fmu &
+    stickslip serve fmus/fmi2/drive.fmu &
     python examples/real_drive.py [HOST:PORT]
 
 Each log is kept in drive_1/motions: started again after an interruption, the program goes on there.

@@ -94,8 +94,17 @@ class Process:
         self._told = 0
         self._peak = self._inherited = 0.0  # MB
         library = kernel.built(marked=True)
-        self.shared = shared = Shared.make(n)
+        self.shared = Shared.make(n)
         self._folders = ExitStack()
+        with ExitStack() as undone:  # by an error, or Ctrl-C, before the child is ready
+            undone.callback(self._folders.close)
+            self._start(specification, limits, library, undone)
+            undone.pop_all()
+
+    def _start(
+        self, specification: Specification, limits: Isolation, library: Path, undone: ExitStack
+    ) -> None:
+        shared = self.shared
         self._room = self._folders.enter_context(temporary_folder())
         self.state = self._room / "state"
         self._guard, entered = self._guarded(specification, limits.allow, library)
@@ -127,16 +136,17 @@ class Process:
                     cwd=None if stays else self._room,
                     env=os.environ | own,
                 )
+                pipes = self._process.stdin, self._process.stdout, self._process.stderr
+                requests, replies, printed = (pipe for pipe in pipes if pipe)
+                self._drain = threading.Thread(target=self._take, args=(printed,), daemon=True)
+                self._drain.start()
+                undone.callback(self.end)
         finally:
             shared.close_files()
             if self._guard:
                 self._guard.close_file()
-        pipes = self._process.stdin, self._process.stdout, self._process.stderr
-        requests, replies, printed = (pipe for pipe in pipes if pipe)
         kind = ThreadedAnswers if sys.platform == "win32" else Answers
         self._answers = kind(requests.fileno(), replies.fileno(), token)
-        self._drain = threading.Thread(target=self._take, args=(printed,), daemon=True)
-        self._drain.start()
         self._clock = _Clock()
         self._answers.send(parcel)
         self._wait(_START_UP, math.inf)

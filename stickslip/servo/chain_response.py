@@ -28,8 +28,12 @@ SETTLED = 400
 """Samples at the operating point before the impulse."""
 SPEED = 0.01
 """Operating point by default [m/s]."""
-CHANGES = {"x_enc": 1e-9, "F_motor": 1e-6, "v_est": 1e-9, "u": 1e-6}
-"""Size of the impulse [m, N, m/s, N]: small against a Stribeck velocity and a presliding force."""
+CHANGES = {"x_enc": 1e-8, "F_motor": 1e-4, "v_est": 1e-9, "u": 1e-4}
+"""Size of the impulse [m, N, m/s, N]: small against a Stribeck velocity and a presliding force.
+
+An observer's force is rounded by some 1e-10 N, because its gain multiplies a position of some
+centimetres; the response to the impulse must be large against it.
+"""
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,9 @@ def test_json_has_every_file_and_finding(sound, broken, capsys):
     assert first["file"] == str(sound)
     assert first["errors"] == 0
     finding = next(f for f in second["findings"] if f["rule"] == "undefined-unit")
-    assert set(finding) == {"severity", "rule", "place", "message", "section", "advice"}
+    words = {"severity", "rule", "place", "message", "section", "advice"}
+    assert set(finding) == words | {"count", "others"}
+    assert all(f["count"] > len(f["others"]) for f in second["findings"])
     assert finding["severity"] == "error"
     assert second["errors"] == sum(f["severity"] == "error" for f in second["findings"])
 

@@ -284,6 +284,7 @@ def test_a_loop_counts_only_where_c_does(tmp_path):
     """FOR has a fixed bound and a step of 1; other loops become WHILE."""
     model = models.load_model("static_feedforward")
     code = (model.folder / "model.c").read_text()
+    shutil.copy(model.folder / "README.md", tmp_path)  # the header states its equations
     for loop, shown in (
         ("int i = 0; i < 9; i++", "FOR i := 0 TO 8 DO"),
         ("int i = 9; i >= 2; i--", "FOR i := 9 TO 2 BY -1 DO"),

@@ -1,6 +1,7 @@
 """A drive behind a socket: the log of the FMU, one start whatever is lost, and always a stop."""
 
 import itertools
+import runpy
 import signal
 import socket
 import subprocess
@@ -9,10 +10,12 @@ import threading
 import time
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import stickslip
 from stickslip import Command, Datasheet, FmuRig, RigLimits, SocketRig
 from stickslip.errors import LimitError, RigError
 from stickslip.rigs.lines import LOOP, Lines, crc_of, line_of
@@ -240,3 +243,32 @@ def test_a_drive_that_fails_says_so_and_moves_no_more(fmus, monkeypatch):
             rig.run(command_of(rig))
         with pytest.raises(RigError, match="refuses to start: the drive FMU failed"):
             rig.run(command_of(rig))
+
+
+def test_the_example_moves_a_served_drive_within_its_limits_and_keeps_the_logs(
+    fmus, tmp_path, monkeypatch
+):
+    """Up to the learning, which takes half a minute: two motions instead of it."""
+    example = Path(__file__).parents[3] / "examples" / "real_drive.py"
+    done, moved = [], []
+
+    def learn(rig, limits):
+        log = rig.run(command_of(rig))
+        done.append((limits, log))
+        with pytest.raises(LimitError):
+            rig.push(np.full(200, 150.0))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(stickslip, "learn", learn)
+    monkeypatch.chdir(tmp_path)
+    for _ in range(2):  # the second goes on with the logs of the first
+        with served(fmus) as (drive, port):
+            monkeypatch.setattr(sys, "argv", [str(example), f"localhost:{port}"])
+            with pytest.raises(KeyboardInterrupt):
+                runpy.run_path(str(example))
+            moved.append(drive.motion)
+    assert moved == [1, 0]
+    (limits, first), (_, second) = done
+    assert limits.speed == 0.04
+    np.testing.assert_array_equal(first.x_enc, second.x_enc)
+    assert (tmp_path / "drive_1/motions/motion-0001.npz").exists()
