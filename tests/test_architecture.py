@@ -44,9 +44,20 @@ def modules(package: str) -> Iterator[Path]:
     yield from sorted((ROOT / package).rglob("*.py"))
 
 
-def imported(tree: ast.AST) -> Iterator[str]:
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@cache
+def imports(tree: ast.Module) -> tuple[ast.AST, ...]:
+    """Return the import statements of a module, wherever in it."""
+    return tuple(n for n in ast.walk(tree) if isinstance(n, ast.Import | ast.ImportFrom))
+
+
+def imported(tree: ast.Module) -> Iterator[str]:
     """Yield the packages of stickslip that a module imports, by folder, wherever in it."""
-    for node in ast.walk(tree):
+    for node in imports(tree):
         names = []
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
@@ -64,7 +75,7 @@ def test_arrows_run_down(package):
     wrong = [
         f"{path.relative_to(ROOT)} imports {name}"
         for path in modules(package)
-        for name in imported(ast.parse(path.read_text(encoding="utf-8")))
+        for name in imported(parsed(path))
         if name not in {package, *ALLOWED[package]}
     ]
     assert not wrong
@@ -78,7 +89,7 @@ def sources() -> dict[str, ast.Module]:
         for path in modules(package):
             name = ".".join(path.relative_to(ROOT / package).with_suffix("").parts)
             name = f"{imported_as(package)}.{name}".removesuffix(".__init__")
-            found[name] = ast.parse(path.read_text(encoding="utf-8"))
+            found[name] = parsed(path)
     return found
 
 
@@ -119,7 +130,7 @@ def test_no_circle_of_modules():
     graph = {}
     for module, tree in sources().items():
         skipped = permitted(module, tree)
-        nodes = (node for node in ast.walk(tree) if node not in skipped)
+        nodes = (node for node in imports(tree) if node not in skipped)
         graph[module] = {name for node in nodes for name in targets(node)} - {module}
     try:
         TopologicalSorter(graph).prepare()
@@ -136,7 +147,7 @@ def test_rooms_of_cosim_have_an_order():
             continue
         skipped = permitted(module, tree)
         room = module.split(".")[2]
-        for node in ast.walk(tree):
+        for node in imports(tree):
             for name in () if node in skipped else targets(node):
                 other = name.split(".")[2:3]
                 if name.startswith("stickslip.cosim.") and place[other[0]] > place[room]:
@@ -152,7 +163,7 @@ def test_nothing_is_imported_relatively(package):
     relative = [
         str(path.relative_to(ROOT))
         for path in modules(package)
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in imports(parsed(path))
         if isinstance(node, ast.ImportFrom) and node.level
     ]
     assert not relative
@@ -163,7 +174,7 @@ def test_every_module_has_a_docstring(package):
     silent = [
         str(path.relative_to(ROOT))
         for path in modules(package)
-        if not ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+        if not ast.get_docstring(parsed(path))
     ]
     assert not silent
 

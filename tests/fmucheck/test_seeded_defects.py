@@ -1,12 +1,16 @@
 """Every seeded defect is found by the rule that is meant for it."""
 
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from stickslip import fmucheck
 from stickslip.fmi.process import sandbox
+from stickslip.fmucheck import rules
+from stickslip.fmucheck.running import parent
+from stickslip.fmucheck.running.loading import GATES
 from tests.corpus.defects import binaries, descriptions, files
 from tests.corpus.defects.reference import binary_name, members, pack, with_defect
 
@@ -19,6 +23,12 @@ BINARIES = {
 # Each defect of a binary in one version of the standard, in turn; the benchmark takes both.
 TURNS = [seeds[place % len(seeds)] for place, seeds in enumerate(BINARIES.values())]
 SEEDS = [*descriptions.SEEDS, *files.SEEDS, *TURNS]
+# What a rule of the second process compares with, another rule leaves in the first.
+LEFT_BY = {
+    "other-process-differs": "second-run-differs",
+    "state-lost-in-other-process": "serialised-state-differs",
+}
+ALONE = ("warns", "time", "nominal", "bytes-point")
 
 
 def report_of(path, rule=None):
@@ -32,14 +42,39 @@ def test_the_sound_fmu_is_found_sound(tmp_path, version):
     assert list(report) == []
 
 
+def try_only(monkeypatch, rule):
+    """Leave out what a run tries beside one rule and those without which none is tried."""
+    needed = {*GATES, rule, LEFT_BY.get(rule)}
+    tried = parent._tried
+
+    def try_needed(job, *arguments):
+        if job.stage == "rerunning" != fmucheck.RULES[rule].stage:
+            return iter(())
+        others = {each.id for each in rules.stage(job.stage)} - needed
+        left = frozenset((kind, other) for kind in job.libraries for other in others)
+        return tried(replace(job, tried=left), *arguments)
+
+    monkeypatch.setattr(parent, "_tried", try_needed)
+
+
 @pytest.mark.parametrize("seed", SEEDS, ids=lambda seed: seed.name)
-def test_seeded_defect_is_found(tmp_path, seed):
+def test_seeded_defect_is_found(tmp_path, monkeypatch, seed):
+    """Of the rules that run it, the one for the defect is tried, however the process ends all."""
     with warnings.catch_warnings(action="ignore"):  # zipfile: two members of one name
         path = seed.make(tmp_path)
+    if fmucheck.RULES[seed.rule].stage in ("running", "rerunning"):
+        try_only(monkeypatch, seed.rule)
     report = report_of(path, seed.rule)
     assert seed.rule in report.rules
     assert "rule-not-tried" not in report.rules
     assert [p.name for p in tmp_path.iterdir()] == ["reference.fmu"]
+
+
+@pytest.mark.parametrize("what", ALONE)
+def test_no_other_rule_finds_the_defect(tmp_path, what):
+    """Every rule is tried."""
+    (seed,) = (seed for seed in TURNS if seed.what == what)
+    assert report_of(seed.make(tmp_path)).rules == {seed.rule}
 
 
 @pytest.mark.skipif(bool(sandbox.unavailable()), reason=sandbox.unavailable())

@@ -9,7 +9,7 @@ from tests.corpus.hostile import faults, fmus
 
 @pytest.fixture(scope="session", autouse=True)
 def compiled():
-    kernel.built()
+    kernel.load()
     kernel.built(marked=True)
     faults.library("m->environment")  # the argument that the cases give
     fmus.library()

@@ -1,12 +1,14 @@
 """``simulate`` runs FMUs in processes of their own by default."""
 
 import os
+import shutil
 import subprocess
 import sys
 
 import pytest
 
 from stickslip.cli import main
+from stickslip.cosim import kernel
 from stickslip.fmi import toolchain
 from tests.corpus.hostile import fmus
 
@@ -56,8 +58,10 @@ def test_a_damaged_kernel_is_built_again(tmp_path, monkeypatch):
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
     path = fmus.write(tmp_path / "sound.fmu")
     command = [sys.executable, "-m", "stickslip", "simulate", str(path)]
-    for keep in (None, 1000):
-        for library in (tmp_path / "cache" / "libraries").rglob("*.so"):
-            os.truncate(library, keep)
-        done = subprocess.run(command, capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
+    sound = kernel.built(marked=True)
+    damaged = tmp_path / "cache" / "libraries" / sound.parent.name / sound.name
+    shutil.copytree(sound.parent, damaged.parent)
+    os.truncate(damaged, 1000)
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert damaged.stat().st_size == sound.stat().st_size

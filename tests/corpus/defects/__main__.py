@@ -59,8 +59,10 @@ def finders(seed: Seed) -> tuple[bool, bool, bool]:
     with tempfile.TemporaryDirectory() as folder:
         path = seed.make(Path(folder))
         runs = fmucheck.RULES[seed.rule].stage in RUNS
-        ours = seed.rule in fmucheck.check(path, run=runs, timeout=2.0).rules
-        return ours, fmpy_complains(path), toolbox_complains(path)
+        rules = fmucheck.check(path, run=runs, timeout=2.0).rules
+        if "rule-not-tried" in rules:
+            raise RuntimeError(f"{seed.name}: a rule could not be tried")
+        return seed.rule in rules, fmpy_complains(path), toolbox_complains(path)
 
 
 def sound(version: int) -> tuple[bool, bool, bool]:

@@ -138,6 +138,11 @@ def test_the_time_limit_holds_while_progress_is_reported(hostile):
     assert reported
 
 
+def test_a_step_has_a_limit_of_its_own(hostile):
+    with pytest.raises(cosim.FmuCrashed, match=r"DoStep did not return within 0\.4 s"):
+        run(hostile("DoStep hang 3"), cosim.Isolation(patience=0.4))
+
+
 def test_the_time_limit_holds_while_nobody_reads_the_request(hostile):
     """The child is stopped, and the inputs are more than a pipe holds."""
     limits = cosim.Isolation(timeout=1.0)
