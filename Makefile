@@ -7,7 +7,7 @@ NOT_SANITIZED := --ignore tests/conformance/test_platforms.py \
 SPREAD := --numprocesses auto --maxprocesses 8 --dist loadfile
 
 .DEFAULT_GOAL := help
-.PHONY: help setup reproduce test quick test-platforms check format notebooks sanitize bench clean
+.PHONY: help setup reproduce test quick thorough test-platforms check format notebooks sanitize bench clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' Makefile
@@ -22,6 +22,9 @@ test: .venv/tested ## run the tests, on all cores
 
 quick: .venv/tested ## run the quick tier of the tests, a minute on two cores
 	$(BIN)/python -m pytest $(SPREAD) --quick
+
+thorough: .venv/tested ## run the tests that learn many logs or run a drive hundreds of times
+	$(BIN)/python -m pytest -m thorough
 
 test-platforms: .venv/tested ## run FMUs of other platforms: needs qemu-user, libc6-arm64-cross, wine
 	$(BIN)/python -m pytest -m platforms

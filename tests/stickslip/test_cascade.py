@@ -122,7 +122,7 @@ def test_a_log_of_a_cascade_gives_the_drive_and_less_position_error(tmp_path):
     pd.DataFrame(log).to_csv(tmp_path / "log.csv", index=False)
     gains = {key: getattr(loop, key) for key in ("K_x", "K_p", "K_i", "tau_f")}
     given = Description(controller="P-PI", gains=gains, tau_i=start["tau_i"])
-    learned = learn(tmp_path / "log.csv", given, compensator="lugre")
+    learned = learn(tmp_path / "log.csv", given)
     assert learned.estimation.criterion == "output error"
     known = learned.estimation.known
     for key in ("m", "b", "F_c"):
@@ -132,7 +132,7 @@ def test_a_log_of_a_cascade_gives_the_drive_and_less_position_error(tmp_path):
     assert learned.designed.known
     assert (found.K_x, found.velocity_feedforward) == (40.0, 0.0)
     assert {row.figure for row in learned.trial.benefit.rows} == {"velocity", "position"}
-    assert set(learned.trial.holds) == {"none", learned.trial.benefit.variant.name}
+    assert {"none", learned.trial.benefit.variant.name} <= set(learned.trial.holds)
     assert not learned.refusal
     # On the true drive, on other commands; its position against that without friction.
     chain = [Compensator("compensator", "compensator", learned.compensator)]

@@ -317,7 +317,7 @@ def _quantities(
     weights[3:, FIXED.index("F_c")] = 1.0
     weights[3:, FIXED.index("b")] = speeds
     weights[3:, found.places["curve"]] = size * _hats(np.log(speeds), knots)
-    variance = np.einsum("ij,jk,ik->i", weights, found.covariance, weights)
+    variance = np.sum(weights @ found.covariance * weights, axis=1)
     return weights @ found.coefficients, variance
 
 
@@ -328,7 +328,7 @@ def _varying(found: Regression, groups: Mapping[str, Array]) -> tuple[Array, Arr
         x, place = groups[name], found.places[name]
         forces.append(float(np.std(x @ found.coefficients[place])))
         covariance = found.covariance[place, place]
-        errors.append(float(np.sqrt(np.mean(np.einsum("ij,jk,ik->i", x, covariance, x)))))
+        errors.append(float(np.sqrt(np.mean(np.sum(x @ covariance * x, axis=1)))))
     return np.array(forces), np.array(errors)
 
 

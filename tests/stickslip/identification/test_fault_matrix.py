@@ -5,7 +5,7 @@ import pytest
 from tests.fault_matrix.cells import check_all, learn_all
 from tests.fault_matrix.faults import FAULTS, cases
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.thorough]
 
 TOLD = {
     "none": "silent",

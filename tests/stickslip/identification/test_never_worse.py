@@ -8,7 +8,7 @@ from stickslip.results.learned import LearnedFile
 from stickslip.results.learned_folder import write_learned
 from tests.never_worse import DRIVES, WORSE, learn, tried
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.thorough]
 
 
 @pytest.fixture(scope="module")
