@@ -28,8 +28,21 @@ KINDS = {
 CASES = [(model, 3) for model in MODELS] + [(model, 2) for model in KINDS.values()]
 
 
+USUAL = ("stage", "stage_gms", "drive", "velocity_controller", "lugre_network")
+"""Models whose calls are tried in every run of the tests; compiling a fuzzer takes a second."""
+
+
 @pytest.mark.parametrize(
-    ("model", "version"), CASES, ids=[f"{model.name}-fmi{version}" for model, version in CASES]
+    ("model", "version"),
+    [
+        pytest.param(
+            model,
+            version,
+            id=f"{model.name}-fmi{version}",
+            marks=() if model.name in USUAL else pytest.mark.thorough,
+        )
+        for model, version in CASES
+    ],
 )
 def test_random_calls(model, version, compiler, tmp_path):
     thorough = model.name in ("stage", "velocity_controller")

@@ -30,6 +30,7 @@ def test_a_change_of_friction_is_found_whatever_the_law(name, drift, truth, cand
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize(("drift", "flagged"), [(0.0, False), (0.3, True)])
 def test_no_parameter_is_well_identified_where_friction_changes(
     drift, flagged, candidates, tmp_path

@@ -27,6 +27,7 @@ def reductions(found):
     return table[(table["metric"] == "E_rms")]["reduction"].to_numpy()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("law", ["dahl", "coulomb_stribeck", "gms"])
 def test_the_law_of_the_drive_is_learned(tmp_path, quiet, law):
     found = reproduce(Options(truth={"law": law}, law=law), tmp_path, quiet)
