@@ -8,6 +8,7 @@ import base64
 import json
 import re
 import sys
+import textwrap
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -73,7 +74,8 @@ def _api() -> str:
     lines += ["Quantities are in SI units unless a docstring states another.", ""]
     for heading, group in names.items():
         lines += _heading(heading, "-")
-        lines += [".. currentmodule:: stickslip", "", ".. autosummary::", "   :toctree: api", ""]
+        lines += [".. currentmodule:: stickslip", "", ".. autosummary::", "   :toctree: api"]
+        lines += ["   :nosignatures:", ""]
         lines += [*(f"   {name}" for name in sorted(group, key=str.lower)), ""]
     return "\n".join(lines)
 
@@ -104,6 +106,7 @@ def _choices(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentPars
 def _options(parser: argparse.ArgumentParser) -> list[str]:
     """Return the usage of a command, and what its words mean."""
     usage = parser.format_usage().removeprefix("usage: ").strip()
+    usage = re.sub(r"\[-h\]\s+\[--json\]\s+\[-q\]\s+\[-v\]\s+\[--debug\]\s*", "", usage)
     lines = [".. code-block:: text", "", *(f"   {row.strip()}" for row in usage.splitlines()), ""]
     formatter = parser._get_formatter()  # noqa: SLF001 - it writes metavars and defaults as --help
     for action in parser._actions:  # noqa: SLF001
@@ -137,7 +140,8 @@ def _samples(folder: Path) -> None:
             reading = read_recording(path)
             np.testing.assert_allclose(reading.recording.position, X, atol=1e-9)
             found = [str(finding).partition("; --column")[0] for finding in reading.findings]
-            path.with_suffix(".txt").write_text("\n".join(found), encoding="utf-8")
+            lines = [textwrap.fill(line, 80, subsequent_indent="    ") for line in found]
+            path.with_suffix(".txt").write_text("\n".join(lines), encoding="utf-8")
 
 
 def _heading(text: str, line: str) -> list[str]:
