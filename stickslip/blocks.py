@@ -183,10 +183,21 @@ def _block(
 ) -> cosim.Fmu:
     from stickslip.models import LinearSystem  # as in ``linear``
 
+    def with_units(names: Sequence[str]) -> dict[str, str | None]:
+        return {one: (units or {}).get(one) for one in names}
+
     states = [f"x[{k}]" for k in range(len(matrices["A"]))]
-    named = ({one: (units or {}).get(one) for one in names} for names in (inputs, ["y"], states))
-    wires = dict(zip(("inputs", "outputs", "states"), named, strict=True))
-    return linear(LinearSystem(name, **matrices, dt=dt, **wires, x0=np.zeros(len(states))))
+    return linear(
+        LinearSystem(
+            name,
+            **matrices,
+            dt=dt,
+            inputs=with_units(inputs),
+            outputs=with_units(["y"]),
+            states=with_units(states),
+            x0=np.zeros(len(states)),
+        )
+    )
 
 
 def _converted(thing: object) -> cosim.Component | None:
