@@ -26,7 +26,7 @@ import format_writers as writers  # noqa: E402 - of the tests
 from vendor_texts import FILES, F, T, V, X  # noqa: E402
 
 HEADINGS = {
-    "Systems and runs": ("cosim", "contents", "simulation", "sweeping"),
+    "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),
     "Models and friction laws": ("models", "laws", "evaluation.phenomena"),
     "Velocity loops and frequency responses": ("servo", "cosim.control", "report.bode"),
     "Learning": ("logs", "planning", "pipeline", "results"),
@@ -60,13 +60,13 @@ def _api() -> str:
     names: dict[str, list[str]] = {heading: [] for heading in HEADINGS}
     stub = (ROOT / "stickslip" / "__init__.pyi").read_text(encoding="utf-8")
     for node in ast.parse(stub).body:
-        if isinstance(node, ast.ImportFrom) and node.module:
-            package = node.module.removeprefix("stickslip.")
+        for alias in node.names if isinstance(node, ast.ImportFrom) else ():
+            package = f"{node.module}.{alias.name}".removeprefix("stickslip.")
             while package not in place:
                 package = package.rpartition(".")[0]
                 if not package:
-                    raise KeyError(f"{node.module} has no heading in docs/generate.py")
-            names[place[package]] += [alias.name for alias in node.names]
+                    raise KeyError(f"{alias.name} has no heading in docs/generate.py")
+            names[place[package]].append(alias.name)
     missing = {*stickslip.__all__} - {name for group in names.values() for name in group}
     if missing:
         raise KeyError(f"stickslip/__init__.pyi lacks {', '.join(sorted(missing))}")
