@@ -51,6 +51,7 @@ def _write(rows: list[tuple[str, str, float, str]]) -> None:
     head = ("measured", "case", "value", "unit")
     with (OUT / "coupling.csv").open("w", newline="") as file:
         csv.writer(file).writerows([head, *rows])
-    lines = ["| " + " | ".join(head) + " |", "|---|---|---|---|"]
+    lines = ["# Cost of coupling, measured", ""]
+    lines += ["| " + " | ".join(head) + " |", "|---|---|---|---|"]
     lines += [f"| {group} | {name} | {value:.3g} | {unit} |" for group, name, value, unit in rows]
     (OUT / "coupling.md").write_text("\n".join(lines) + "\n")
