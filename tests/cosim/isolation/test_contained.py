@@ -297,7 +297,7 @@ def test_what_this_installation_compiled_runs_here_and_what_is_foreign_in_a_chil
     system.add("plant", path)
     with (
         system.prepare(step=0.01, stop=0.1) as simulation,
-        pytest.raises(cosim.FmuCrashed, match="died of SIGSEGV at t = 0.02"),
+        pytest.raises(cosim.FmuCrashed, match=r"died of SIGSEGV at t = 0\.02"),
     ):
         simulation.run()
     assert system.prepare(step=0.01, stop=0.1, isolation=None).spec.limits is None
