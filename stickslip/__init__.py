@@ -16,9 +16,10 @@ from importlib import import_module
 _PLACES = {
     "stickslip.cosim": (
         *("Adaptive", "Coupling", "Fmu", "Function", "Record", "Result", "Scenario", "Simulation"),
-        *("SineSweep", "Specification", "System", "Table", "Trapezoid"),
+        *("SineSweep", "Specification", "Table", "Trapezoid"),
         *("read_ssp", "read_tables", "write_fmu", "write_ssp"),
     ),
+    "stickslip.blocks": ("System",),
     "stickslip.cosim.control": ("linearise", "measure_response"),
     "stickslip.contents": ("info",),
     "stickslip.evaluation.arena.comparison": ("arena",),
@@ -55,7 +56,7 @@ _PLACES = {
 }
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 
-__all__ = [*_PLACE]
+__all__ = [*_PLACE, "blocks"]
 
 
 def __getattr__(name: str) -> object:
@@ -64,6 +65,8 @@ def __getattr__(name: str) -> object:
         from importlib.metadata import version  # late, for those who start quickly
 
         return version("stickslip")
+    if name == "blocks":
+        return import_module("stickslip.blocks")
     if name not in _PLACE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(_PLACE[name]), name)
@@ -72,4 +75,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_PLACE, "__version__"})
+    return sorted({*globals(), *__all__, "__version__"})

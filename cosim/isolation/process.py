@@ -130,8 +130,8 @@ class Process:
             modules=modules,
         )
         token = secrets.token_bytes(TOKEN_SIZE)
-        modules = os.pathsep.join(os.path.abspath(path) for path in sys.path if path)  # noqa: PTH100
-        own = {"PYTHONPATH": modules, "OPENBLAS_NUM_THREADS": "1"}
+        search = os.pathsep.join(os.path.abspath(path) for path in sys.path if path)  # noqa: PTH100
+        own = {"PYTHONPATH": search, "OPENBLAS_NUM_THREADS": "1"}
         files = shared.files
         if self._guard:
             files = (*files, self._guard.file)

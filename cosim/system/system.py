@@ -7,9 +7,9 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from stickslip.cosim.component import Component, Interface
+from stickslip.cosim.component import CONVERTERS, Component, Interface
 from stickslip.cosim.errors import ConnectionFault, CosimError, ParameterError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.names import check_name, component_of, variable_of
@@ -98,7 +98,7 @@ class System:
     def add(
         self,
         name: str,
-        fmu: Component | str | os.PathLike[str],
+        fmu: object,
         parameters: Mapping[str, object] | None = None,
         *,
         interface: Interface | None = None,
@@ -107,7 +107,8 @@ class System:
 
         Parameters
         ----------
-        fmu : an FMU or its path, or a Function
+        fmu : an FMU or its path, or a Function; of ``ss.System`` also a linear system of
+            python-control, or a Python function of the inputs that its parameters name
         interface : by which an FMU is run: ``co_simulation``, the default where it has one, or
             ``model_exchange``
 
@@ -121,11 +122,7 @@ class System:
             raise ConnectionFault(
                 f"{self.name} already has a component {name!r}; choose another name"
             )
-        if not isinstance(fmu, Component):
-            fmu = Fmu(fmu, interface=interface)
-        elif isinstance(fmu, Fmu) and interface not in (None, fmu.interface):
-            fmu = Fmu(fmu.path, interface=interface)
-        self.components[name] = fmu
+        self.components[name] = _component(name, fmu, interface)
         try:
             for variable, value in (parameters or {}).items():
                 self.set(f"{name}.{variable}", value)
@@ -398,6 +395,22 @@ class System:
     def _set_link(self, target: str, link: Link) -> None:
         if link != PLAIN:
             self.links[target] = link
+
+
+def _component(name: str, thing: Any, interface: Interface | None) -> Component:
+    """Return what ``System.add`` was given as a component."""
+    if isinstance(thing, Fmu) and interface not in (None, thing.interface):
+        thing = thing.path
+    if isinstance(thing, str | os.PathLike):
+        return Fmu(thing, interface=interface)
+    if isinstance(thing, Component):
+        return thing
+    for convert in CONVERTERS:
+        if (component := convert(thing)) is not None:
+            return component
+    raise ConnectionFault(
+        f"{name}: a {type(thing).__name__} is no component; expected an FMU, its path or a Function"
+    )
 
 
 @dataclass(frozen=True)
