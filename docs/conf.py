@@ -31,8 +31,9 @@ extensions = [
     "sphinx_design",
 ]
 suppress_warnings = ["myst.header"]  # a README of a model begins where its table does
-templates_path = ["_templates"]
+templates_path = [str(HERE / "_templates")]  # else it is below the root
 
+smartquotes = False  # two hyphens begin an option
 myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 3
 nb_execution_mode = "off"  # notebooks are stored with outputs, which tests compare

@@ -63,7 +63,8 @@ def block_diagram(components: Mapping[str, str], wires: Sequence[Wire]) -> str:
     for name in boxes.keys() - components.keys():
         boxes[name].inputs, boxes[name].outputs = [], []
     column = _columns(list(boxes), ends)
-    drawn, back = [], []
+    drawn: list[tuple[Wire, list[str]]] = []
+    back: list[tuple[Wire, list[str]]] = []
     for wire, (begin, end) in zip(wires, ends, strict=True):
         path = [begin]
         for place in range(column[begin] + 1, column[end]):

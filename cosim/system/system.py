@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from stickslip.cosim.component import CONVERTERS, Component, Interface
 from stickslip.cosim.errors import ConnectionFault, CosimError, ParameterError
@@ -17,9 +18,10 @@ from stickslip.cosim.system.connections import End, check_connection, pairs, tra
 from stickslip.cosim.system.coupling import Coupling, Method
 from stickslip.cosim.system.display import html_table
 from stickslip.cosim.system.drawing import block_diagram
-from stickslip.cosim.system.isolation import Isolation
+from stickslip.cosim.system.isolation import Isolated, Isolation
 from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.scaling import PLAIN, Link, Transform
+from stickslip.fmi import toolchain
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import shown, suggestion
@@ -344,7 +346,7 @@ class System:
         compiled: bool = False,
         tolerance: float | None = None,
         allow_nan: bool = False,
-        isolation: Isolation | Literal["process"] | None = None,
+        isolation: Isolated = "foreign",
     ) -> Simulation:
         """Instantiate the FMUs for any number of runs.
 
@@ -367,7 +369,9 @@ class System:
             with adaptive steps 1e-5 of their tolerance
         allow_nan : whether outputs may be NaN or infinite. By default such a value ends the run
         isolation : ``process`` lets the FMUs live in a process of their own, which they may crash;
-            an Isolation says how long and how much memory they may take
+            an Isolation says how long and how much memory they may take. ``foreign`` does so on
+            Linux if the binary of an FMU was not compiled by this installation, and all components
+            are FMUs. None keeps all in this process
 
         Raises
         ------
@@ -448,11 +452,30 @@ class Specification:
     compiled: bool = False
     tolerance: float | None = None
     allow_nan: bool = False
-    isolation: Isolation | Literal["process"] | None = None
+    isolation: Isolated = "foreign"
+
+    @property
+    def limits(self) -> Isolation | None:
+        """The limits of the process that the FMUs have for themselves, None where they have none.
+
+        Raises
+        ------
+        ExperimentError
+            When ``isolation`` is unknown.
+        """
+        limits = Isolation.of(self.isolation)
+        components = self.system.components.values()
+        if self.isolation == "foreign" and (
+            sys.platform != "linux"
+            or not all(isinstance(component, Fmu) for component in components)
+            or all(map(toolchain.compiled_here, {component.binary for component in components}))
+        ):
+            return None
+        return limits
 
     def prepare(self) -> Simulation:
         """Instantiate the FMUs, here or in a process of their own."""
-        limits = Isolation.of(self.isolation)
+        limits = self.limits
         if limits is None:
             from stickslip.cosim.run.simulation import Simulation
 
