@@ -66,6 +66,7 @@ def _write(folder: Path, rows: list[tuple[str, str, float, str]]) -> None:
     head = ("measured", "case", "value", "unit")
     with (folder / "coupling.csv").open("w", newline="") as file:
         csv.writer(file).writerows([head, *rows])
-    lines = ["| " + " | ".join(head) + " |", "|---|---|---|---|"]
+    lines = ["# Cost of coupling, measured", ""]
+    lines += ["| " + " | ".join(head) + " |", "|---|---|---|---|"]
     lines += [f"| {group} | {name} | {value:.3g} | {unit} |" for group, name, value, unit in rows]
     (folder / "coupling.md").write_text("\n".join(lines) + "\n")
