@@ -109,7 +109,7 @@ def _read_binding(binding: Any, node: Node) -> dict[str, Given]:
     root = _content(binding, node, _SET, "ssv", "ssd:ParameterValues/ssv:ParameterSet")
     definitions = Definitions.of(root).within(node.document.definitions)
     prefix = binding.get("prefix", "")
-    given = {}
+    given: dict[str, Given] = {}
     for parameter in root.iterfind("ssv:Parameters/ssv:Parameter", NAMESPACES):
         name, value = prefix + attribute(parameter, "name"), _read_value(parameter, definitions)
         if name in given and (value.value, value.unit) != (given[name].value, given[name].unit):
