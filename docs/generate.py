@@ -55,13 +55,13 @@ def write(folder: Path) -> None:
 
 
 def _api() -> str:
-    """Return the page of the public names, by heading; a public package has a heading of its own."""
+    """Return the page of the public names, by heading; packages have headings of their own."""
     place = {package: heading for heading, packages in HEADINGS.items() for package in packages}
     names: dict[str, list[str]] = {heading: [] for heading in HEADINGS}
     for name in stickslip.__all__:
         value = getattr(stickslip, name)
         if inspect.ismodule(value):
-            inner = (one for one in value.__all__ if one not in stickslip.__all__)
+            inner = {*getattr(value, "__all__", ())} - {*stickslip.__all__}
             listed = [f"{name}.{one}" for one in inner if callable(getattr(value, one))]
             names[f"stickslip.{name}"] = listed
             continue
@@ -71,7 +71,7 @@ def _api() -> str:
         names.setdefault(place.get(package, "Others"), []).append(name)
     lines = [*_heading("Python", "="), "``import stickslip as ss`` gives these names."]
     lines += ["Quantities are in SI units unless a docstring states another.", ""]
-    for heading, group in names.items():
+    for heading, group in ((heading, group) for heading, group in names.items() if group):
         lines += _heading(heading, "-")
         lines += [".. currentmodule:: stickslip", "", ".. autosummary::", "   :toctree: api"]
         lines += ["   :nosignatures:", ""]

@@ -8,12 +8,15 @@ the values of your drive, or add a compensator to CHAINS: a model of models/comp
 parameters, alone or behind another.
 """
 
+import tempfile
+
 import numpy as np
 
 import stickslip as ss
 
 DRIVE = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
 ENCODER = 4e-7  # m
+FOLDER = tempfile.mkdtemp(prefix="compare_compensators_")  # of the FMUs
 COMMAND = ss.Trapezoid(height=0.040, slope=0.055, plateau=0.2, begin=0.1)  # m/s, m/s2, s, s
 REVERSAL = 0.1 + 2 * 0.040 / 0.055 + 0.2  # s
 
@@ -38,14 +41,15 @@ CHAINS = {
 
 def error(chain: list[ss.Compensator], share: float) -> float:
     """Return the RMS velocity error [mm/s] after the reversal, with a share of the friction."""
-    friction = {name: value * (share if name != "v_s" else 1.0) for name, value in DRIVE.items()}
-    system = ss.closed_loop(loop, chain, drive={**friction, "encoder_step": ENCODER})
-    result = ss.simulate(system, stop=1.9, step=loop.T_s, inputs={"v_cmd": COMMAND})
-    after = (result.time > REVERSAL) & (result.time < REVERSAL + 0.1)
-    return 1e3 * float(np.sqrt(np.mean((result["drive.v"] - result["nominal.v_r"])[after] ** 2)))
+    system = ss.closed_loop(loop, chain, folder=FOLDER, drive={"encoder_step": ENCODER})
+    friction = {f"drive.{n}": value * (share if n != "v_s" else 1.0) for n, value in DRIVE.items()}
+    signals = {"v_cmd": COMMAND}
+    run = ss.simulate(system, stop=1.9, step=loop.T_s, parameters=friction, inputs=signals)
+    after = (run.time > REVERSAL) & (run.time < REVERSAL + 0.1)
+    return 1e3 * float(np.sqrt(np.mean((run["drive.v"] - run["nominal.v_r"])[after] ** 2)))
 
 
 print(f"{'RMS error [mm/s]':22}{'as assumed':>12}{'half':>12}{'Ms':>8}")
 for name, chain in CHAINS.items():
-    peak = ss.robustness(loop, chain, friction=DRIVE["F_c"]).peak
+    peak = ss.robustness(loop, chain, friction=DRIVE["F_c"], folder=FOLDER).peak
     print(f"{name:22}{error(chain, 1.0):12.3f}{error(chain, 0.5):12.3f}{peak:8.2f}")
