@@ -7,8 +7,21 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 
 import generate  # noqa: E402 - it lies beside this file
+from sphinx.application import Sphinx  # noqa: E402
 
 generate.write(HERE / "_generated")
+
+
+def _list(_: Sphinx, page: str, source: list[str]) -> None:
+    """Put the pages of a folder below its README, which lists them in a table."""
+    if page in ("docs/decisions/README", "docs/measurements/README"):
+        source[0] += "\n```{toctree}\n:hidden:\n:glob:\n\n[0-9a-z]*\n```\n"
+
+
+def setup(app: Sphinx) -> None:
+    """Connect what this project adds to Sphinx."""
+    app.connect("source-read", _list)
+
 
 project = "stickslip"
 author = "The stickslip authors"
@@ -31,13 +44,15 @@ extensions = [
     "sphinx_design",
 ]
 suppress_warnings = ["myst.header"]  # a README of a model begins where its table does
-templates_path = ["_templates"]
+templates_path = [str(HERE / "_templates")]  # else it is below the root
 
+smartquotes = False  # two hyphens begin an option
 myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 3
 nb_execution_mode = "off"  # notebooks are stored with outputs, which tests compare
 
 autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
 autodoc_typehints = "signature"
 python_maximum_signature_line_length = 88
 numpydoc_show_class_members = False

@@ -8,6 +8,7 @@ import base64
 import json
 import re
 import sys
+import textwrap
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -25,7 +26,7 @@ import format_writers as writers  # noqa: E402 - of the tests
 from vendor_texts import FILES, F, T, V, X  # noqa: E402
 
 HEADINGS = {
-    "Systems and runs": ("cosim", "contents", "simulation", "sweeping"),
+    "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),
     "Models and friction laws": ("models", "laws", "evaluation.phenomena"),
     "Velocity loops and frequency responses": ("servo", "cosim.control", "report.bode"),
     "Learning": ("logs", "planning", "pipeline", "results"),
@@ -59,13 +60,13 @@ def _api() -> str:
     names: dict[str, list[str]] = {heading: [] for heading in HEADINGS}
     stub = (ROOT / "stickslip" / "__init__.pyi").read_text(encoding="utf-8")
     for node in ast.parse(stub).body:
-        if isinstance(node, ast.ImportFrom) and node.module:
-            package = node.module.removeprefix("stickslip.")
+        for alias in node.names if isinstance(node, ast.ImportFrom) else ():
+            package = f"{node.module}.{alias.name}".removeprefix("stickslip.")
             while package not in place:
                 package = package.rpartition(".")[0]
                 if not package:
-                    raise KeyError(f"{node.module} has no heading in docs/generate.py")
-            names[place[package]] += [alias.name for alias in node.names]
+                    raise KeyError(f"{alias.name} has no heading in docs/generate.py")
+            names[place[package]].append(alias.name)
     missing = {*stickslip.__all__} - {name for group in names.values() for name in group}
     if missing:
         raise KeyError(f"stickslip/__init__.pyi lacks {', '.join(sorted(missing))}")
@@ -73,7 +74,8 @@ def _api() -> str:
     lines += ["Quantities are in SI units unless a docstring states another.", ""]
     for heading, group in names.items():
         lines += _heading(heading, "-")
-        lines += [".. currentmodule:: stickslip", "", ".. autosummary::", "   :toctree: api", ""]
+        lines += [".. currentmodule:: stickslip", "", ".. autosummary::", "   :toctree: api"]
+        lines += ["   :nosignatures:", ""]
         lines += [*(f"   {name}" for name in sorted(group, key=str.lower)), ""]
     return "\n".join(lines)
 
@@ -104,6 +106,7 @@ def _choices(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentPars
 def _options(parser: argparse.ArgumentParser) -> list[str]:
     """Return the usage of a command, and what its words mean."""
     usage = parser.format_usage().removeprefix("usage: ").strip()
+    usage = re.sub(r"\[-h\]\s+\[--json\]\s+\[-q\]\s+\[-v\]\s+\[--debug\]\s*", "", usage)
     lines = [".. code-block:: text", "", *(f"   {row.strip()}" for row in usage.splitlines()), ""]
     formatter = parser._get_formatter()  # noqa: SLF001 - it writes metavars and defaults as --help
     for action in parser._actions:  # noqa: SLF001
@@ -137,7 +140,8 @@ def _samples(folder: Path) -> None:
             reading = read_recording(path)
             np.testing.assert_allclose(reading.recording.position, X, atol=1e-9)
             found = [str(finding).partition("; --column")[0] for finding in reading.findings]
-            path.with_suffix(".txt").write_text("\n".join(found), encoding="utf-8")
+            lines = [textwrap.fill(line, 80, subsequent_indent="    ") for line in found]
+            path.with_suffix(".txt").write_text("\n".join(lines), encoding="utf-8")
 
 
 def _heading(text: str, line: str) -> list[str]:

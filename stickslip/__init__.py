@@ -54,9 +54,10 @@ _PLACES = {
     "stickslip.simulation": ("simulate",),
     "stickslip.sweeping": ("optimise", "sweep"),
 }
+_BELOW = ("blocks", "cosim", "fmucheck", "ga", "models", "servo")
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 
-__all__ = [*_PLACE, "blocks"]
+__all__ = [*_PLACE, *_BELOW]
 
 
 def __getattr__(name: str) -> object:
@@ -65,8 +66,8 @@ def __getattr__(name: str) -> object:
         from importlib.metadata import version  # late, for those who start quickly
 
         return version("stickslip")
-    if name == "blocks":
-        return import_module("stickslip.blocks")
+    if name in _BELOW:
+        return import_module(f"stickslip.{name}")
     if name not in _PLACE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(_PLACE[name]), name)

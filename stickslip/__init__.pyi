@@ -1,4 +1,9 @@
 from stickslip import blocks as blocks
+from stickslip import cosim as cosim
+from stickslip import fmucheck as fmucheck
+from stickslip import ga as ga
+from stickslip import models as models
+from stickslip import servo as servo
 from stickslip.blocks import System as System
 from stickslip.contents import info as info
 from stickslip.cosim import Adaptive as Adaptive

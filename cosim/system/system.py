@@ -17,6 +17,7 @@ from stickslip.cosim.fmu.values import converted, resized
 from stickslip.cosim.system.connections import End, check_connection, pairs, transform
 from stickslip.cosim.system.coupling import Coupling, Method
 from stickslip.cosim.system.display import html_table
+from stickslip.cosim.system.drawing import block_diagram
 from stickslip.cosim.system.isolation import Isolated, Isolation
 from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.scaling import PLAIN, Link, Transform
@@ -27,6 +28,10 @@ from stickslip.fmi.messages import shown, suggestion
 
 if TYPE_CHECKING:
     from stickslip.cosim.run.simulation import Simulation
+
+
+_SHOWN = 12
+"""Start values of a component that a notebook shows."""
 
 
 @dataclass(frozen=True)
@@ -76,23 +81,40 @@ class System:
     def __repr__(self) -> str:
         return f"System({self.name}: {', '.join(self.components) or 'empty'})"
 
+    def diagram(self) -> str:
+        """Return the system as a block diagram, an SVG element in the colour of the text around."""
+        wires = [
+            ((component_of(source), variable_of(source)), (component_of(to), variable_of(to)))
+            for to, source in self.connections.items()
+        ]
+        wires = [
+            (("", name), (component_of(to), variable_of(to)))
+            for name, targets in self.inputs.items()
+            for to in targets
+        ] + wires
+        wires += [
+            ((component_of(source), variable_of(source)), ("", name))
+            for name, source in self.outputs.items()
+        ]
+        return block_diagram({name: part.label for name, part in self.components.items()}, wires)
+
     def _repr_html_(self) -> str:
-        """Return the tables that a notebook shows: components, and what is connected to what."""
-        values = {
-            name: ", ".join(
-                f"{variable_of(key)} = {value!r}"
-                for key, value in self.parameters.items()
-                if component_of(key) == name
-            )
-            for name in self.components
-        }
+        """Return what a notebook shows: the diagram, and tables of components and connections."""
+        values = dict.fromkeys(self.components, "")
+        for name in self.components:
+            own = [key for key in self.parameters if component_of(key) == name]
+            some = [f"{variable_of(key)} = {self.parameters[key]!r}" for key in own[:_SHOWN]]
+            more = [f"{len(own) - _SHOWN} more"] if len(own) > _SHOWN else []
+            values[name] = ", ".join(some + more)
         parts = [(name, part.label, values[name]) for name, part in self.components.items()]
         exposed = [(name, target) for name, targets in self.inputs.items() for target in targets]
         pairs = [*exposed, *((source, target) for target, source in self.connections.items())]
         pairs += [(source, f"output {name}") for name, source in self.outputs.items()]
         wires = [(source, target, self.unit(source) or "") for source, target in pairs]
-        return html_table(("component", "", "set"), parts, self.name, words=3) + html_table(
-            ("from", "to", "unit"), wires, words=3
+        return (
+            self.diagram()
+            + html_table(("component", "", "set"), parts, self.name, words=3)
+            + html_table(("from", "to", "unit"), wires, words=3)
         )
 
     def add(
