@@ -259,7 +259,7 @@ def _cells(
 
 def build(folder: Path, plan: Plan) -> None:
     """Build a folder of FMUs for each drive; only the drive FMU has its true parameters."""
-    common = folder / "entrants"
+    common = folder / ".entrants"  # the name of no drive
     build_entrants(common, [plan.entrant(name) for name in ("none", *plan.entrants)])
     for drive in plan.drives:
         own = folder / drive.name
