@@ -7,7 +7,7 @@ NOT_SANITIZED := --ignore tests/conformance/test_platforms.py \
 SPREAD := --numprocesses auto --maxprocesses 8 --dist loadfile
 
 .DEFAULT_GOAL := help
-.PHONY: help setup reproduce test quick thorough test-platforms check format notebooks sanitize bench clean
+.PHONY: help setup reproduce test quick thorough test-platforms check docs format notebooks sanitize bench clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' Makefile
@@ -36,6 +36,9 @@ check: .venv/checked ## lint, types and C format
 	@ln -sfn $(addprefix $(CURDIR)/,$(wildcard stickslip/*) cosim fmi fmucheck ga models) .typed/stickslip
 	cd .typed && ../$(BIN)/mypy --config-file ../pyproject.toml
 	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.c' '*.h')
+
+docs: .venv/documented ## build the documentation into docs/_build, without a network
+	$(BIN)/python -m sphinx -b html -W --keep-going -q -j auto -c docs . docs/_build/html
 
 format: .venv/checked ## format Python and C
 	$(BIN)/ruff check --fix .
@@ -70,4 +73,8 @@ clean: ## remove the environment and all that git ignores
 
 .venv/checked: pyproject.toml setup.py | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --editable '.[check]'
+	touch $@ .venv/installed
+
+.venv/documented: pyproject.toml setup.py | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --editable '.[docs]'
 	touch $@ .venv/installed

@@ -1,6 +1,10 @@
-"""Speed as ratios inside one run: ``python -m benchmarks [NAME ...]``. Absolute times vary."""
+"""Speed as ratios inside one run: ``python -m benchmarks [NAME ...]``. Absolute times vary.
 
-import sys
+Figures are printed. ``--write`` also replaces ``results/coupling`` by what was measured.
+"""
+
+import argparse
+import shutil
 import tempfile
 from pathlib import Path
 
@@ -21,8 +25,25 @@ BENCHMARKS = {
     "speed": speed,
 }
 
+KEPT = Path(__file__).parents[1] / "results" / "coupling"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(BENCHMARKS))
+    parser.add_argument("--write", action="store_true", help="replace results/coupling")
+    options = parser.parse_args()
+    if unknown := set(options.names) - BENCHMARKS.keys():
+        parser.error(f"no benchmark is called {', '.join(sorted(unknown))}")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for chosen in options.names or BENCHMARKS:
+            benchmark = BENCHMARKS[chosen]
+            print(f"\n{benchmark.__doc__.strip()}\n{table(benchmark.measure(folder))}")
+            if benchmark is report and options.write:
+                for file in report.NAMES:
+                    shutil.copy(folder / file, KEPT)
+
+
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as folder:
-        for name in sys.argv[1:] or BENCHMARKS:
-            benchmark = BENCHMARKS[name]
-            print(f"\n{benchmark.__doc__.strip()}\n{table(benchmark.measure(Path(folder)))}")
+    main()

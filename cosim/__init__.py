@@ -32,7 +32,7 @@ from stickslip.cosim.signals.signals import Signal, SineSweep, Table, Trapezoid
 from stickslip.cosim.signals.tables import read_tables
 from stickslip.cosim.ssp import read_ssp, variants, write_ssp
 from stickslip.cosim.system.coupling import Adaptive, Coupling
-from stickslip.cosim.system.isolation import Isolation
+from stickslip.cosim.system.isolation import Isolated, Isolation
 from stickslip.cosim.system.record import Deviation, Record
 from stickslip.cosim.system.scaling import Link, Scaling, ValueMap
 from stickslip.cosim.system.system import Specification, System
@@ -53,6 +53,7 @@ __all__ = [
     "FmuCrashed",
     "FmuError",
     "Function",
+    "Isolated",
     "Isolation",
     "Link",
     "ParameterError",

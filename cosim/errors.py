@@ -6,6 +6,7 @@ CosimError(Fault)
     ParameterError(ValueError)     no such start value, or not this value
     SignalError(ValueError)        an input signal or a table of it is unusable
     ExperimentError(ValueError)    times that make no run
+    LinearisationError(ValueError) an FMU or system has no states, or not those asked for
     SspError(ValueError)           the file is not a readable system structure package
     SimulationError(RuntimeError)  an FMU failed during a run
         FmuCrashed                 it ended its process, or had to be ended with it
@@ -37,6 +38,10 @@ class SignalError(CosimError, ValueError):
 
 class ExperimentError(CosimError, ValueError):
     """Start, stop and step make no run, or an option of it is unknown."""
+
+
+class LinearisationError(CosimError, ValueError):
+    """An FMU or system has no states, or not those that are asked for."""
 
 
 class SspError(CosimError, ValueError):

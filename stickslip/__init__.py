@@ -16,9 +16,10 @@ from importlib import import_module
 _PLACES = {
     "stickslip.cosim": (
         *("Adaptive", "Coupling", "Fmu", "Function", "Record", "Result", "Scenario", "Simulation"),
-        *("SineSweep", "Specification", "System", "Table", "Trapezoid"),
+        *("SineSweep", "Specification", "Table", "Trapezoid"),
         *("read_ssp", "read_tables", "write_fmu", "write_ssp"),
     ),
+    "stickslip.blocks": ("System",),
     "stickslip.cosim.control": ("linearise", "measure_response"),
     "stickslip.contents": ("info",),
     "stickslip.evaluation.arena.comparison": ("arena",),
@@ -53,9 +54,10 @@ _PLACES = {
     "stickslip.simulation": ("simulate",),
     "stickslip.sweeping": ("optimise", "sweep"),
 }
+_BELOW = ("blocks", "cosim", "fmucheck", "ga", "models", "servo")
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 
-__all__ = [*_PLACE]
+__all__ = [*_PLACE, *_BELOW]
 
 
 def __getattr__(name: str) -> object:
@@ -64,6 +66,8 @@ def __getattr__(name: str) -> object:
         from importlib.metadata import version  # late, for those who start quickly
 
         return version("stickslip")
+    if name in _BELOW:
+        return import_module(f"stickslip.{name}")
     if name not in _PLACE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(_PLACE[name]), name)
@@ -72,4 +76,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_PLACE, "__version__"})
+    return sorted({*globals(), *__all__, "__version__"})

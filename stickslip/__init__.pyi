@@ -1,3 +1,10 @@
+from stickslip import blocks as blocks
+from stickslip import cosim as cosim
+from stickslip import fmucheck as fmucheck
+from stickslip import ga as ga
+from stickslip import models as models
+from stickslip import servo as servo
+from stickslip.blocks import System as System
 from stickslip.contents import info as info
 from stickslip.cosim import Adaptive as Adaptive
 from stickslip.cosim import Coupling as Coupling
@@ -9,7 +16,6 @@ from stickslip.cosim import Scenario as Scenario
 from stickslip.cosim import Simulation as Simulation
 from stickslip.cosim import SineSweep as SineSweep
 from stickslip.cosim import Specification as Specification
-from stickslip.cosim import System as System
 from stickslip.cosim import Table as Table
 from stickslip.cosim import Trapezoid as Trapezoid
 from stickslip.cosim import read_ssp as read_ssp

@@ -1,9 +1,12 @@
 """The documents: the index of decisions, links, and words that were replaced."""
 
 import re
+import shlex
 from pathlib import Path
 
 import pytest
+
+from stickslip import cli
 
 ROOT = Path(__file__).parents[1]
 DECISIONS = sorted((ROOT / "docs" / "decisions").glob("[0-9]*.md"))
@@ -72,3 +75,21 @@ def test_no_replaced_word(path):
         for match in re.finditer(pattern, re.sub(r"`[^`]*`", "", line), re.IGNORECASE)
     }
     assert not found
+
+
+def test_commands_are_accepted(capsys):
+    """Every command in a block has words that the command line knows."""
+    refused, tried = [], 0
+    for path in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]:
+        text = path.read_text(encoding="utf-8").replace("\\\n", "")
+        for line in re.findall(r"^ {4}(?:\.venv/bin/)?stickslip (.+)$", text, re.MULTILINE):
+            if "[" in line:  # how words may be combined
+                continue
+            words = shlex.split(line, comments=True)
+            tried += 1
+            try:
+                cli._parser(words).parse_args(words)
+            except SystemExit:
+                refused.append(f"{name(path)}: stickslip {line}: {capsys.readouterr().err}")
+    assert tried > 30
+    assert not refused

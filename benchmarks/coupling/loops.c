@@ -81,13 +81,53 @@ EXPORT int plain(long n, double h, double *kept) {
     return s;
 }
 
+/* The same in Gauss-Seidel order: each sees what those before it gave. */
+EXPORT int in_turn(long n, double h, double *kept) {
+    ANSWERS
+    double vx[2] = {0.0, 0.0}, uf[2] = {0.0, 0.0};
+    int s = restart();
+    for (long k = 0; k < n; k++) {
+        const double t = (double)k * h;
+        (void)t;
+        s |= SET(C, R0, 1, vx);
+        s |= STEP(C);
+        s |= GET(C, R1, 1, &uf[0]);
+        double *row = kept + 4 * k;
+        row[0] = uf[0];
+        s |= SET(M, R01, 2, uf);
+        s |= STEP(M);
+        s |= GET(M, R23, 2, vx);
+        s |= SET(F, R0, 1, vx);
+        s |= STEP(F);
+        s |= GET(F, R1, 1, &uf[1]);
+        row[1] = vx[0];
+        row[2] = vx[1];
+        row[3] = uf[1];
+    }
+    return s;
+}
+
 /* Start again, set two parameters, run, sum up the squared error; nothing is kept. */
-EXPORT double candidate(long n, double h, double K_p, double K_i) {
+EXPORT double candidate(long n, double h, double K_p, double K_i, bool turns) {
     ANSWERS
     const double gains[2] = {K_p, K_i};
     double v = 0.0, uf[2] = {0.0, 0.0}, cost = 0.0;
     int s = restart() | SET(C, R45, 2, gains);
-    for (long k = 0; k < n; k++) {
+    for (long k = 0; turns && k < n; k++) {
+        const double t = (double)k * h;
+        (void)t;
+        s |= SET(C, R0, 1, &v);
+        s |= STEP(C);
+        s |= GET(C, R1, 1, &uf[0]);
+        s |= SET(M, R01, 2, uf);
+        s |= STEP(M);
+        s |= GET(M, R23, 1, &v);
+        s |= SET(F, R0, 1, &v);
+        s |= STEP(F);
+        s |= GET(F, R1, 1, &uf[1]);
+        cost += (0.2 - v) * (0.2 - v);
+    }
+    for (long k = 0; !turns && k < n; k++) {
         const double t = (double)k * h;
         (void)t;
         s |= SET(C, R0, 1, &v) | SET(M, R01, 2, uf) | SET(F, R0, 1, &v);

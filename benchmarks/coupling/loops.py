@@ -13,7 +13,7 @@ _CALLS = ("DoStep", "Reset", "EnterInitializationMode", "ExitInitializationMode"
 
 
 class Loops:
-    """``plain``, ``candidate`` and ``fused`` for one FMI version."""
+    """``plain``, ``in_turn``, ``candidate`` and ``fused`` for one FMI version."""
 
     def __init__(self, version: int, library: Path | None = None) -> None:
         self._library = ctypes.CDLL(str(library or compiled(version)))
@@ -26,12 +26,16 @@ class Loops:
         """Return u, v, x, f after each step."""
         return self._run(self._library.plain, n)
 
+    def in_turn(self, n: int) -> np.ndarray:
+        """Return the same in Gauss-Seidel order."""
+        return self._run(self._library.in_turn, n)
+
     def fused(self, n: int) -> np.ndarray:
         return self._run(self._library.fused, n)
 
-    def candidate(self, n: int, K_p: float, K_i: float) -> float:
+    def candidate(self, n: int, K_p: float, K_i: float, *, turns: bool = False) -> float:
         numbers = (ctypes.c_double(value) for value in (ring.STEP, K_p, K_i))
-        return self._library.candidate(ctypes.c_long(n), *numbers)
+        return self._library.candidate(ctypes.c_long(n), *numbers, ctypes.c_bool(turns))
 
     def _run(self, loop, n: int) -> np.ndarray:
         kept = np.empty((n, 4))

@@ -17,7 +17,9 @@ from stickslip import cosim
 N = 100_000  # steps
 CANDIDATE = 10_000
 PLAIN = "plain C loop over FMI pointers, all recorded"
+IN_TURN = "plain C loop, Gauss-Seidel"
 CANDIDATE_LOOP = "C loop with reset"
+CANDIDATE_IN_TURN = "C loop with reset, Gauss-Seidel"
 
 
 def measure(folder: Path, version: int) -> dict[str, float]:
@@ -27,6 +29,7 @@ def measure(folder: Path, version: int) -> dict[str, float]:
     cases: dict[str, Callable[[], object]] = {
         "fused C loop, no FMI": lambda: loops.fused(N),
         PLAIN: lambda: loops.plain(N),
+        IN_TURN: lambda: loops.in_turn(N),
     }
     if gcc := _with_gcc(folder, version):
         cases["plain C loop, by gcc"] = lambda: gcc.plain(N)
@@ -34,11 +37,13 @@ def measure(folder: Path, version: int) -> dict[str, float]:
         "cosim, Jacobi": {"coupling": "jacobi"},
         "cosim, Jacobi, two signals recorded": {"coupling": "jacobi", "record": ["mass.*"]},
         "cosim, Gauss-Seidel": {},
+        "cosim, Gauss-Seidel, two signals recorded": {"record": ["mass.*"]},
     }.items():
         for compiled in (False, True):
             simulation = _prepare(system, N, compiled=compiled, **options)
             cases[name + ", compiled" * compiled] = simulation.run
     np.testing.assert_array_equal(loops.plain(N), cases["cosim, Jacobi"]().values[1:])
+    np.testing.assert_array_equal(loops.in_turn(N), cases["cosim, Gauss-Seidel"]().values[1:])
     return interleaved(cases, 21)
 
 
@@ -61,17 +66,22 @@ def measure_candidate(folder: Path, version: int) -> dict[str, float]:
         return float(error @ error)
 
     cases: dict[str, Callable[[], float]] = {
-        CANDIDATE_LOOP: lambda: loops.candidate(CANDIDATE, *gains.values())
+        CANDIDATE_LOOP: lambda: loops.candidate(CANDIDATE, *gains.values()),
+        CANDIDATE_IN_TURN: lambda: loops.candidate(CANDIDATE, *gains.values(), turns=True),
     }
     if gcc := _with_gcc(folder, version):
         cases[f"{CANDIDATE_LOOP}, by gcc"] = lambda: gcc.candidate(CANDIDATE, *gains.values())
     for name, record in records.items():
-        for compiled in (False, True):
-            simulation = _prepare(
-                system, CANDIDATE, coupling="jacobi", record=record, compiled=compiled
-            )
-            cases["cosim" + name + ", compiled" * compiled] = lambda s=simulation: cost_of(s)
-    np.testing.assert_allclose([case() for case in cases.values()], cases["cosim"](), rtol=1e-12)
+        for coupling, order in (("jacobi", ""), ("gauss_seidel", ", Gauss-Seidel")):
+            for compiled in (False, True):
+                simulation = _prepare(
+                    system, CANDIDATE, coupling=coupling, record=record, compiled=compiled
+                )
+                case = "cosim" + order + name + ", compiled" * compiled
+                cases[case] = lambda s=simulation: cost_of(s)
+    for name, case in cases.items():
+        loop = CANDIDATE_IN_TURN if "Gauss-Seidel" in name else CANDIDATE_LOOP
+        np.testing.assert_allclose(case(), cases[loop](), rtol=1e-12)
     return interleaved(cases, 201)
 
 

@@ -47,8 +47,14 @@ class Layout:
         return len(self.columns) if self.whole else len(self.recorded) / record.every
 
     @classmethod
-    def of(cls, system: System, record: Record) -> Layout:
-        """Lay out a system of which ``record`` is to be kept."""
+    def of(cls, system: System, record: Record, turn: Iterable[str] | None = None) -> Layout:
+        """Lay out a system of which ``record`` is to be kept.
+
+        Parameters
+        ----------
+        turn : the components in the order in which they step one after the other; None where all
+            inputs are of one point in time
+        """
         texts = _texts(system, record.wanted)
         kept = _select(system, record.wanted, texts)
         summed = {
@@ -66,7 +72,7 @@ class Layout:
         usual = _columns(system, outputs, outputs)
         recorded = sorted(kept, key=usual.__getitem__)
         whole = len(recorded) == len(usual) and record.every == 1 and record.keep == "all"
-        columns = usual if whole else _columns(system, outputs, _neighbours(system))
+        columns = usual if whole else _columns(system, outputs, turn or _neighbours(system))
         return cls(columns, outputs, linked, recorded, summed, whole, texts)
 
 
@@ -78,7 +84,9 @@ def _columns(system: System, outputs: dict[str, list[str]], order: Iterable[str]
 def _neighbours(system: System) -> list[str]:
     """Return the components so that the sources of one component are neighbours.
 
-    What lies side by side in a row needs not be gathered.
+    What lies side by side in a row needs not be gathered. The sources of a component that steps in
+    its turn are of two rows: those that step before it are side by side in the order of the steps,
+    and the last column of a row is beside the first of the next.
     """
     sources: dict[str, list[str]] = {component: [] for component in system.components}
     for target, source in system.connections.items():

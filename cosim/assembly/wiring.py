@@ -79,7 +79,7 @@ def wire(
         elif offsets == list(range(offsets[0], offsets[0] + len(offsets))) and not scaled:
             slot.input_offset = offsets[0]
         else:
-            slot.inputs = kernel.SCATTERED
+            slot.inputs = kernel.PAIR if len(offsets) == 2 and not scaled else kernel.SCATTERED
             slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
             slot.gathered = (ctypes.c_double * len(offsets))()
         read = [system.variable(output) for output in outputs]

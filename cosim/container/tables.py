@@ -6,7 +6,6 @@ import ctypes
 import json
 from collections.abc import Mapping, Sequence
 
-from stickslip.cosim import kernel
 from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.container.variables import TYPES, Shown
@@ -78,7 +77,7 @@ def _lists(i: int, part: structures.Component) -> list[str]:
     lists = [
         ("uint32_t", "read", part.input_references[:n]),
         ("uint32_t", "shown", part.output_references[:outputs]),
-        ("int64_t", "from", part.input_offsets[:n] if part.inputs == kernel.SCATTERED else []),
+        ("int64_t", "from", part.input_offsets[:n] if part.input_offsets else []),
         ("double", "scale", part.scales[: 2 * n] if part.scales else []),
     ]
     return [
@@ -98,7 +97,7 @@ def _wiring(i: int, part: structures.Component) -> str:
         "n_outputs": part.n_outputs,
         "output_references": f"shown{i}" if part.n_outputs else "NULL",
         "column": part.column,
-        "input_offsets": f"from{i}" if part.inputs == kernel.SCATTERED else "NULL",
+        "input_offsets": f"from{i}" if part.input_offsets else "NULL",
         "scales": f"scale{i}" if part.scales else "NULL",
         "n_linked": part.n_linked,
         "tolerance": repr(part.tolerance),

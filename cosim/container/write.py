@@ -153,7 +153,7 @@ def _binaries(
         flags = ["-DEXPORT=", "-Wno-unused-parameter"]
         flags += ["-ldl"] if target.suffix == ".so" else []
         return toolchain.shared_library(
-            name, sources, platform=target, flags=flags, exports=functions
+            name, sources, platform=target, flags=flags, exports=functions, loads=True
         )
 
     return toolchain.binaries(fmi, targets, build)

@@ -3,9 +3,9 @@
 LinearisationError(CosimError)   an FMU or system has not the states, inputs or outputs it needs
 """
 
-from stickslip.cosim.control.exchange import LinearisationError
 from stickslip.cosim.control.linearise import linearise, nonlinear_system
 from stickslip.cosim.control.sweep import MeasuredResponse, measure_response
+from stickslip.cosim.errors import LinearisationError
 
 __all__ = [
     "LinearisationError",

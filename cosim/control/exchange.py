@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from fmpy.fmi2 import FMU2Model
 from fmpy.fmi3 import FMU3Model, fmi3Float64
 from numpy.typing import NDArray
 
-from stickslip.cosim.errors import CosimError
+from stickslip.cosim.errors import LinearisationError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.kernel.arithmetic import plain_arithmetic
@@ -20,10 +20,6 @@ from stickslip.fmi.description.attributes import flag
 
 Array = NDArray[np.float64]
 _MOST_EVENTS = 1000
-
-
-class LinearisationError(CosimError, ValueError):
-    """An FMU or system has no states, or not those that are asked for."""
 
 
 class Exchange:
@@ -48,7 +44,7 @@ class Exchange:
     change = float(np.cbrt(np.finfo(float).eps))  # balances rounding and curvature
 
     @plain_arithmetic()
-    def __init__(self, fmu: Fmu, parameters: Mapping[str, object]) -> None:
+    def __init__(self, fmu: Fmu, parameters: Mapping[str, object], outputs: Sequence[str]) -> None:
         if fmu.has_arrays:
             raise LinearisationError(f"{fmu.path}: it has arrays; only scalars are supported here")
         derivatives = fmu.description.derivatives
@@ -57,9 +53,8 @@ class Exchange:
         self._rates = [fmu.variables[name] for name in derivatives]
         signals = [v for v in fmu.variables.values() if v.is_plain]
         inputs = [v for v in signals if v.causality == "input"]
-        outputs = [v for v in signals if v.causality == "output"]
         self.states = tuple(state for state in derivatives.values() if state is not None)
-        self.inputs, self.outputs = (tuple(v.name for v in vs) for vs in (inputs, outputs))
+        self.inputs, self.outputs = tuple(v.name for v in inputs), tuple(outputs)
         self._references = {v.name: v.reference for v in signals}
         self._fmu, self._version3 = fmu, fmu.version == 3
         provides = "providesDirectionalDerivative" + ("s" if self._version3 else "")

@@ -9,14 +9,15 @@ import control
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.cosim.control.exchange import Exchange, LinearisationError
-from stickslip.cosim.control.step_map import StepMap, alone
+from stickslip.cosim.control.dynamics import Dynamics, dynamics
+from stickslip.cosim.control.step_map import alone
+from stickslip.cosim.errors import LinearisationError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.system.system import System
+from stickslip.cosim.system.isolation import Isolated
+from stickslip.cosim.system.system import Specification, System
 from stickslip.fmi.messages import suggestion
 
 Array = NDArray[np.float64]
-Dynamics = Exchange | StepMap
 
 
 def linearise(
@@ -28,6 +29,7 @@ def linearise(
     outputs: Sequence[str] | None = None,
     step: float | None = None,
     change: float | None = None,
+    isolation: Isolated = "foreign",
 ) -> control.StateSpace:
     """Return an FMU or a system as a state space at an operating point.
 
@@ -45,6 +47,7 @@ def linearise(
     step : communication step [s]; needed for a system and for Co-Simulation only
     change : by which share of its size (value or nominal value) a variable is moved for
         differences: 6e-6 for derivatives, 1e-3 over a step, where an integrator may add noise
+    isolation : which FMUs live in a process of their own, see ``System.prepare``
 
     Returns
     -------
@@ -61,18 +64,18 @@ def linearise(
         again on the way.
     FmuError, SimulationError
     """
-    dynamics = _dynamics(model, parameters or {}, outputs, step)
-    names = _names(dynamics)
-    x = _point(names["states"], dynamics.x0, states, "state")
-    u = _point(names["inputs"], dynamics.u0, inputs, "input")
-    dynamics.put(x, u)
-    jacobian = dynamics.jacobian(x, u)
+    found = _dynamics(model, parameters or {}, outputs, step, isolation)
+    names = _names(found)
+    x = _point(names["states"], found.x0, states, "state")
+    u = _point(names["inputs"], found.u0, inputs, "input")
+    found.put(x, u)
+    jacobian = found.jacobian(x, u)
     if jacobian is None:
-        jacobian = _differences(dynamics, x, u, change or dynamics.change)
+        jacobian = _differences(found, x, u, change or found.change)
     n = len(x)
     return control.ss(
-        *(jacobian[:n, :n], jacobian[:n, n:], jacobian[n:, :n], jacobian[n:, n:], dynamics.dt),
-        **_names(dynamics, dot="_"),
+        *(jacobian[:n, :n], jacobian[:n, n:], jacobian[n:, :n], jacobian[n:, n:], found.dt),
+        **_names(found, dot="_"),
     )
 
 
@@ -82,19 +85,20 @@ def nonlinear_system(
     parameters: Mapping[str, object] | None = None,
     outputs: Sequence[str] | None = None,
     step: float | None = None,
+    isolation: Isolated = "foreign",
 ) -> control.NonlinearIOSystem:
     """Return an FMU or a system as a nonlinear I/O system of python-control.
 
     Arguments and errors are those of ``linearise``. In continuous time its events are not followed:
     it stays in the mode in which it starts. In discrete time every step is a run from its state.
     """
-    dynamics = _dynamics(model, parameters or {}, outputs, step)
-    dynamics.put(dynamics.x0, dynamics.u0)
+    found = _dynamics(model, parameters or {}, outputs, step, isolation)
+    found.put(found.x0, found.u0)
     return control.NonlinearIOSystem(
-        lambda t, x, u, _: dynamics.rates(t, np.atleast_1d(x), np.atleast_1d(u)),
-        lambda t, x, u, _: dynamics.shown(t, np.atleast_1d(x), np.atleast_1d(u)),
-        dt=dynamics.dt,
-        **_names(dynamics, dot="_"),
+        lambda t, x, u, _: found.rates(t, np.atleast_1d(x), np.atleast_1d(u)),
+        lambda t, x, u, _: found.shown(t, np.atleast_1d(x), np.atleast_1d(u)),
+        dt=found.dt,
+        **_names(found, dot="_"),
     )
 
 
@@ -103,27 +107,33 @@ def _dynamics(
     parameters: Mapping[str, object],
     outputs: Sequence[str] | None,
     step: float | None,
+    isolation: Isolated,
 ) -> Dynamics:
     if not isinstance(model, Fmu | System):
         model = Fmu(model)
     if isinstance(model, Fmu):
+        plain = [v.name for v in model.variables.values() if v.causality == "output" and v.is_plain]
+        chosen = _chosen(outputs, plain)
         if step is None and "model_exchange" in model.interfaces:
-            dynamics = Exchange(Fmu(model.path, interface="model_exchange"), parameters)
-            dynamics.outputs = _chosen(outputs, dynamics.outputs)
-            return dynamics
-        ways = [v.name for v in model.variables.values() if v.causality == "output" and v.is_plain]
-        prefixed = [f"fmu.{name}" for name in _chosen(outputs, ways)]
-        return StepMap(alone(model, parameters), prefixed, _needed(step, model.path), "fmu.")
+            system = alone(Fmu(model.path, interface="model_exchange"), {})
+            spec = Specification(system, 1.0, 2.0, isolation=isolation)
+            return dynamics(spec, chosen, parameters=parameters)
+        step = _needed(step, model.path)
+        spec = Specification(alone(model, parameters), step, 2 * step, isolation=isolation)
+        return dynamics(spec, [f"fmu.{name}" for name in chosen], "fmu.")
     system = model.copy()
     for name, value in parameters.items():
         system.set(name, value)
+    fmus = system.fmus("linearisation")
     shown = system.outputs.values() or [
         f"{name}.{v.name}"
-        for name, fmu in system.components.items()
+        for name, fmu in fmus.items()
         for v in fmu.variables.values()
         if v.causality == "output" and v.is_plain
     ]
-    return StepMap(system, _chosen(outputs, [*shown]), _needed(step, system.name))
+    step = _needed(step, system.name)
+    spec = Specification(system, step, 2 * step, isolation=isolation)
+    return dynamics(spec, _chosen(outputs, [*shown]))
 
 
 def _needed(step: float | None, what: object) -> float:

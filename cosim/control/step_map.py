@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.cosim.control.exchange import LinearisationError
-from stickslip.cosim.errors import SimulationError
+from stickslip.cosim.errors import LinearisationError, SimulationError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.signals import Input
@@ -66,7 +65,7 @@ class StepMap:
             if v.causality == "output" and v.is_plain
         }
         record = tuple(dict.fromkeys([*self._watched, *self.outputs]))
-        self._simulation = system.prepare(step=step, stop=2 * step, record=record)
+        self._simulation = system.prepare(step=step, stop=2 * step, record=record, isolation=None)
         values = [system.parameters.get(name, v.start) for name, v in variables.items()]
         self.x0 = np.array([float(v) if isinstance(v, int | float) else 0.0 for v in values])
         self.x_size = np.array([abs(v.nominal or 1.0) for v in variables.values()])

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.cosim.errors import ExperimentError
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.signals.signals import Input
+from stickslip.cosim.system.isolation import Isolated
 from stickslip.cosim.system.system import System
 
 Array = NDArray[np.float64]
@@ -77,6 +78,7 @@ def measure_response(
     offset: float = 0.0,
     inputs: Mapping[str, Input] | None = None,
     parameters: Mapping[str, object] | None = None,
+    isolation: Isolated = "foreign",
 ) -> MeasuredResponse:
     """Run a system once for each frequency, with a sine at one input.
 
@@ -97,6 +99,7 @@ def measure_response(
     settled : change of the fundamentals, relative to them, over the second half of the settling [1]
     longest : time beyond which it is not doubled, with a warning [s]; 500,000 steps by default
     inputs, parameters : of every run, as for ``Simulation.run``
+    isolation : which FMUs live in a process of their own, see ``System.prepare``
 
     Raises
     ------
@@ -120,7 +123,10 @@ def measure_response(
         reached[k] = periods / (n * step)
         before = int(np.ceil(max(settle * reached[k], 1.0) * n / periods))
         while True:
-            with system.prepare(step=step, stop=(before + n) * step, record=names) as simulation:
+            stop = (before + n) * step
+            with system.prepare(
+                step=step, stop=stop, record=names, isolation=isolation
+            ) as simulation:
                 sine = offset + amplitude * np.sin(2 * np.pi * reached[k] * simulation.time)
                 result = simulation.run(parameters, {**(inputs or {}), input: sine})
             evaluated = _evaluated(result, names, before, n, periods)

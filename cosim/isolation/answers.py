@@ -43,6 +43,7 @@ class Answers:
         self._requests, self._replies, self._token = requests, replies, token
         self._unsent = memoryview(b"")
         self._received = bytearray()
+        self._begun = False  # whether there was a message
         self._open()
 
     def _open(self) -> None:
@@ -90,6 +91,12 @@ class Answers:
     def _taken(self) -> Reply | None:
         """Take the first answer out of what was received; None where it is not whole yet."""
         received = self._received
+        if not self._begun:  # Python may print as it starts, by a sitecustomize
+            place = received.find(self._token)
+            self._begun = place >= 0
+            del received[: place if self._begun else 1 - TOKEN_SIZE]
+            if not self._begun:
+                return None
         if received[:TOKEN_SIZE] != self._token[: len(received)]:
             return NONSENSE
         if len(received) < _HEAD.size:

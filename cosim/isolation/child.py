@@ -11,7 +11,7 @@ import select
 import signal
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -52,11 +52,10 @@ def main(name: str, size: int, token: bytes) -> None:
     marks.use(shared.mark, Path(order["kernel"]))
     _limit(order["memory"])
     resets.lines.update(order["resets"])
+    for module in order["modules"]:
+        with suppress(ImportError, OSError):
+            import_module(module)
     if order["sandbox"]:
-        components = order["specification"].system.components.values()
-        if any(c.interface == "model_exchange" for c in components):
-            with suppress(ImportError, OSError):  # it starts programs to find its libraries
-                import_module("fmpy.sundials.libraries")
         sandbox.enter(**order["sandbox"])
     reply()
     served = _Served(order["specification"], shared, reply)
@@ -113,6 +112,10 @@ class _Served:
         self._simulation = Simulation(self._specification, self._room)
         self._simulation.before_repetition = lambda: self._reply(repeats=True)
         return {"accuracy": self._simulation.accuracy}
+
+    def call(self, function: Callable[..., object], arguments: Sequence[Any]) -> dict[str, object]:
+        """Call a function of ours, which takes the specification before its arguments."""
+        return {"result": function(self._specification, *arguments)}
 
     def save(self, path: str) -> dict[str, object]:
         self._prepared.save(path)

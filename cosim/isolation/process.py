@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import logging
 import math
 import os
@@ -19,8 +20,8 @@ from pathlib import Path
 from queue import Empty
 from typing import IO, NoReturn
 
-from stickslip.cosim import kernel
-from stickslip.cosim.errors import FmuCrashed
+from stickslip.cosim import errors, kernel
+from stickslip.cosim.errors import CosimError, FmuCrashed, SimulationError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.library import prepare_library
 from stickslip.cosim.isolation.answers import NONSENSE, TOKEN_SIZE, Answers, Reply, ThreadedAnswers
@@ -76,21 +77,28 @@ class Process:
     ----------
     order : names of the components as they step
     n : numbers that a result may have
+    modules : that the child imports before it enters the sandbox, because they start programs
 
     Attributes
     ----------
     repeats : whether it repeats the run that it was asked for, to see what a reset does
     runs : that it has done
     state : a file in a folder that the child may write, for states
+    stands_for : the file of the user that ``state`` stands for in messages
     """
 
     def __init__(
-        self, specification: Specification, limits: Isolation, order: Sequence[str], n: int
+        self,
+        specification: Specification,
+        limits: Isolation,
+        order: Sequence[str],
+        n: int,
+        modules: tuple[str, ...] = (),
     ) -> None:
         self._system, self._order, self._limits = specification.system, order, limits
         self._parent = os.getpid()
         self._tail = b""
-        self.repeats, self.runs = False, 0
+        self.repeats, self.runs, self.stands_for = False, 0, ""
         self._told = 0
         self._peak = self._inherited = 0.0  # MB
         library = kernel.built(marked=True)
@@ -98,11 +106,16 @@ class Process:
         self._folders = ExitStack()
         with ExitStack() as undone:  # by an error, or Ctrl-C, before the child is ready
             undone.callback(self._folders.close)
-            self._start(specification, limits, library, undone)
+            self._start(specification, limits, library, modules, undone)
             undone.pop_all()
 
     def _start(
-        self, specification: Specification, limits: Isolation, library: Path, undone: ExitStack
+        self,
+        specification: Specification,
+        limits: Isolation,
+        library: Path,
+        modules: tuple[str, ...],
+        undone: ExitStack,
     ) -> None:
         shared = self.shared
         self._room = self._folders.enter_context(temporary_folder())
@@ -114,10 +127,11 @@ class Process:
             memory=limits.memory,
             resets=dict(resets.lines),
             sandbox=entered,
+            modules=modules,
         )
         token = secrets.token_bytes(TOKEN_SIZE)
-        modules = os.pathsep.join(os.path.abspath(path) for path in sys.path if path)  # noqa: PTH100
-        own = {"PYTHONPATH": modules, "OPENBLAS_NUM_THREADS": "1"}
+        search = os.pathsep.join(os.path.abspath(path) for path in sys.path if path)  # noqa: PTH100
+        own = {"PYTHONPATH": search, "OPENBLAS_NUM_THREADS": "1"}
         files = shared.files
         if self._guard:
             files = (*files, self._guard.file)
@@ -229,6 +243,29 @@ class Process:
             self._die(f"took more than the {self._limits.memory:g} MB it may")
         return reply
 
+    def told(self, reply: Reply) -> Reply:
+        """Log what an answer brings, and what the sandbox denied; return the answer.
+
+        Raises
+        ------
+        CosimError, ValueError, TypeError, OSError
+            That the child reports.
+        """
+        known: dict[str, str] = reply.get("resets", {})
+        for line in dict.fromkeys(known.values()):
+            resets.declare([Path(binary) for binary in known if known[binary] == line], line)
+        for level, line in reply.get("logged", ()):
+            if line not in known.values():
+                _log.log(level, line)
+        denied = self.denied()
+        if "error" in reply:
+            message = reply["message"].replace(str(self.state), self.stands_for)
+            reply["message"] = "; ".join([message, *denied])
+            _raise(reply)
+        for line in denied:
+            _log.warning(line)
+        return reply
+
     def end(self) -> None:
         """End the child with all that it started; a forked process leaves it alone."""
         if self._parent != os.getpid() or self._process.returncode is not None:
@@ -305,7 +342,8 @@ class Process:
         self._let_go()
         if what is None:
             raise self._crashed(status)
-        raise crashed(self.shared.mark, self._system, self._order, what, denied=self.denied())
+        last = self._last_line()
+        raise crashed(self.shared.mark, self._system, self._order, what, last, self.denied())
 
     def _crashed(self, status: int | None) -> FmuCrashed:
         memory = self._limits.memory
@@ -366,6 +404,16 @@ class Process:
         with suppress(OSError, ValueError):
             while part := pipe.read(2**16):
                 self._tail = (self._tail + part)[-2000:]
+
+
+def _raise(reply: Reply) -> NoReturn:
+    """Raise the error that the child reported."""
+    if "file" in reply:
+        raise OSError(*reply["file"])
+    kind = getattr(errors, reply["error"], None) or getattr(builtins, reply["error"], None)
+    if isinstance(kind, type) and issubclass(kind, CosimError | ValueError | TypeError | OSError):
+        raise kind(reply["message"])
+    raise SimulationError(f"{reply['error']}: {reply['message']}")
 
 
 def _hung(seconds: float) -> str:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import builtins
 import inspect
-import logging
 import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
@@ -12,11 +10,10 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NoReturn
+from typing import Any
 from weakref import finalize
 
-from stickslip.cosim import errors
-from stickslip.cosim.errors import CosimError, FmuCrashed, SimulationError
+from stickslip.cosim.errors import FmuCrashed
 from stickslip.cosim.isolation.answers import Reply
 from stickslip.cosim.isolation.parcel import Tabulated, portable_inputs
 from stickslip.cosim.isolation.process import Process
@@ -30,7 +27,6 @@ from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.system import Specification
 from stickslip.fmi.files import atomic_write
 
-_log = logging.getLogger(__name__)
 _BIND_RUN = inspect.signature(Simulation.run).bind
 _BIND_RESUME = inspect.signature(Simulation.resume).bind
 
@@ -194,32 +190,23 @@ class IsolatedSimulation(Simulation):
         slack: float = 0.0,
     ) -> Reply:
         process = self._living()
+        process.stands_for = self._state_path
         try:
             reply = process.ask(what, dict(arguments), progress, slack)
         except BaseException:  # also Ctrl-C: the child is in the middle of something
             self._give_up()
             raise
-        known: dict[str, str] = reply.get("resets", {})
-        for line in dict.fromkeys(known.values()):
-            resets.declare([Path(binary) for binary in known if known[binary] == line], line)
-        for level, line in reply.get("logged", ()):
-            if line not in known.values():
-                _log.log(level, line)
-        denied = process.denied()
-        if "error" in reply:
-            message = reply["message"].replace(str(process.state), self._state_path)
-            reply["message"] = "; ".join([message, *denied])
-            _raise(reply)
-        for line in denied:
-            _log.warning(line)
-        return reply
+        return process.told(reply)
 
     def _living(self) -> Process:
         """Return the child; start one and prepare the simulation in it where there is none."""
         if self._process is None:
             rows = len(self.time) + 1
             n = rows * (len(self._layout.recorded) + 1)
-            self._process = Process(self.spec, self._limits, self.order, n)
+            components = self.spec.system.components.values()
+            solver = any(fmu.interface == "model_exchange" for fmu in components)
+            modules = ("fmpy.sundials.libraries",) if solver else ()
+            self._process = Process(self.spec, self._limits, self.order, n, modules)
             self._end = finalize(self, self._process.end)
             try:
                 self._accuracy = self._ask("prepare")["accuracy"]
@@ -231,13 +218,3 @@ class IsolatedSimulation(Simulation):
     def _give_up(self) -> None:
         self._process = None
         self._end()
-
-
-def _raise(reply: Reply) -> NoReturn:
-    """Raise the error that the child reported."""
-    if "file" in reply:
-        raise OSError(*reply["file"])
-    kind = getattr(errors, reply["error"], None) or getattr(builtins, reply["error"], None)
-    if isinstance(kind, type) and issubclass(kind, CosimError | ValueError | TypeError | OSError):
-        raise kind(reply["message"])
-    raise SimulationError(f"{reply['error']}: {reply['message']}")

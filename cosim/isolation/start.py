@@ -1,7 +1,8 @@
 """The first lines of a child: ``python start.py SHARED SIZE TOKEN``.
 
 ``stickslip.cosim`` would import all it has, which takes longer than many a run; a child needs a
-third of it. So it gets an empty package of that name, whose modules it imports one by one.
+third of it. So it gets an empty package of that name, whose modules it imports one by one; so it
+does for ``stickslip.cosim.control``, which would import python-control.
 """
 
 import sys
@@ -9,9 +10,14 @@ from pathlib import Path
 from types import ModuleType
 
 if __name__ == "__main__":
-    package = ModuleType("stickslip.cosim")
-    package.__path__ = [str(Path(__file__).parent.parent)]
-    sys.modules[package.__name__] = package
+    folder = Path(__file__).parent.parent
+    for name, place in (
+        ("stickslip.cosim", folder),
+        ("stickslip.cosim.control", folder / "control"),
+    ):
+        package = ModuleType(name)
+        package.__path__ = [str(place)]
+        sys.modules[name] = package
     from stickslip.cosim.isolation.child import main
 
     main(sys.argv[1], int(sys.argv[2]), bytes.fromhex(sys.argv[3]))

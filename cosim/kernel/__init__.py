@@ -17,7 +17,7 @@ _FLAGS = ("-fno-tree-slp-vectorize", "-falign-loops=64")
 
 FINISHED, PAUSED, FAILED, HALTED = range(4)
 
-SIDE_BY_SIDE, SCATTERED, NONE = range(3)  # how a component finds its inputs in a row
+SIDE_BY_SIDE, PAIR, SCATTERED, NONE = range(4)  # how a component finds its inputs in a row
 
 # Values of ``Run.status``: FMI statuses, then the kernel's own reasons.
 OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)

@@ -62,24 +62,24 @@ static inline void restore_plain(void) {
  * ones are flushed. Traps and the precision of x87 do not show. */
 typedef float Four __attribute__((vector_size(16)));
 typedef int32_t Bits __attribute__((vector_size(16)));
-static inline bool adds_plainly(void) {
+static inline unsigned wrong_sums(void) {
     static const Four a = {1.0F, 1.0F, 0x1p-140F, 0.0F}, b = {0x1p-40F, -0x1p-40F, 0x1p-140F, 0.0F};
     static const Four sum = {1.0F, 1.0F, 0x1p-139F, 0.0F};
 #ifdef __x86_64__
     Four x = a;
     __asm__ volatile("" : "+x"(x));
-    return __builtin_ia32_movmskps((Four)((Bits)(x + b) == (Bits)sum)) == 15;
+    return (unsigned)__builtin_ia32_movmskps((Four)((Bits)(x + b) == (Bits)sum)) ^ 15U;
 #else
     Four x = a;
     __asm__ volatile("" : "+w"(x));
     typedef uint64_t Halves __attribute__((vector_size(16)));
     const Halves d = (Halves)(x + b) ^ (Halves)sum;
-    return (d[0] | d[1]) == 0;
+    return (d[0] | d[1]) != 0;
 #endif
 }
 
 static inline void restore_sums(void) {
-    if (__builtin_expect(!adds_plainly(), 0)) {
+    if (__builtin_expect(wrong_sums() != 0, 0)) {
         make_plain();
     }
 }

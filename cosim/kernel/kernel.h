@@ -119,8 +119,8 @@ typedef struct {
     char warning[1024];
 } Log;
 
-/* How a component finds its inputs in a row. */
-enum Inputs { SIDE_BY_SIDE, SCATTERED, NONE };
+/* How a component finds its inputs in a row; PAIR: two that are scattered, as they are. */
+enum Inputs { SIDE_BY_SIDE, PAIR, SCATTERED, NONE };
 
 /* What a step reads comes first and close together: with thousands of components, memory decides.
  */
@@ -135,7 +135,7 @@ typedef struct {
     const uint32_t *output_references;
     int64_t column; /* of the first output in a row */
     Calls call;
-    const int64_t *input_offsets; /* of each input, and where they are gathered, if SCATTERED */
+    const int64_t *input_offsets; /* of each input, and where they are gathered, if scattered */
     double *gathered;
     const double *scales; /* n_inputs factors, then as many offsets; NULL where nothing is scaled */
     const Map *maps;      /* n_inputs; NULL where nothing is mapped */

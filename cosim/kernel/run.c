@@ -99,18 +99,20 @@ static bool initialise(Run *run) {
 
 /* A sum is not finite if one of its terms is not. Where it only overflows, all are looked at. */
 static bool looks_finite(const double *values, int64_t n) {
-    double sums[4] = {0.0, 0.0, 0.0, 0.0};
+    typedef double Pair __attribute__((vector_size(16), aligned(8), may_alias));
+    Pair sums[4] = {{0.0}};
     int64_t i = 0;
-    for (; i + 3 < n; i += 4) {
-        sums[0] += values[i];
-        sums[1] += values[i + 1];
-        sums[2] += values[i + 2];
-        sums[3] += values[i + 3];
+    for (; i + 7 < n; i += 8) {
+        for (int64_t j = 0; j < 4; j++) {
+            sums[j] += *(const Pair *)(values + i + 2 * j);
+        }
     }
+    double sum = 0.0;
     for (; i < n; i++) {
-        sums[0] += values[i];
+        sum += values[i];
     }
-    return isfinite(sums[0] + sums[1] + sums[2] + sums[3]);
+    const Pair all = sums[0] + sums[1] + sums[2] + sums[3];
+    return isfinite(sum + all[0] + all[1]);
 }
 
 /* Look at the outputs in row n of the components before end; blame the first that is not finite. */
@@ -189,9 +191,9 @@ static bool step_block(Run *run, int64_t end) {
         memcpy(row_of(run, n), run->external + n * run->n_external,
                (size_t)run->n_external * sizeof(double));
     }
-    const bool stepped = run->coupling              ? couple_until(run, end)
-                         : UNLIKELY(run->disturbed) ? walk_disturbed(run, end)
-                                                    : step_until(run, end);
+    const bool stepped = run->coupling                   ? couple_until(run, end)
+                         : UNLIKELY(run->disturbed != 0) ? walk_disturbed(run, end)
+                                                         : step_until(run, end);
     restore_plain();
     TRY(stepped || trace_back(run, first + 1));
     return close_rows(run);

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from stickslip.cosim import kernel
 from stickslip.cosim.kernel import structures
 
 MOST_COMPONENTS = 64  # beyond, the code would crowd itself out of the processor's cache
@@ -65,7 +64,7 @@ def _references(i: int, c: structures.Component) -> list[str]:
 
 def _set(i: int, c: structures.Component) -> str:
     values = f"now + {c.input_offset}"
-    if c.inputs == kernel.SCATTERED:
+    if c.input_offsets:
         terms = [f"now[{offset}]" for offset in c.input_offsets[: c.n_inputs]]
         if c.scales:
             factors, shifts = c.scales[: c.n_inputs], c.scales[c.n_inputs : 2 * c.n_inputs]

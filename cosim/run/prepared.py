@@ -69,10 +69,12 @@ class Prepared:
         spec, system = self.spec, self.spec.system
         n_steps = count_steps(spec.start, spec.stop, spec.step)
         check_tolerance(spec.tolerance)
-        groups = group(system, Coupling.of(spec.coupling))
+        coupling = Coupling.of(spec.coupling)
+        groups = group(system, coupling)
         self.order = [name for members in groups for name in members.components]
+        turn = None if coupling.method == "jacobi" else self.order
         record = Record.of(spec.record)
-        self._layout = layout = Layout.of(system, record)
+        self._layout = layout = Layout.of(system, record, turn)
         check_start_values(system)
         self._kept = 1 + len(system.inputs) + layout.kept_per_point(record)
         check_memory(n_steps + 1, self._kept)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip.cosim.run.display import draw, summary
+from stickslip.cosim.run.labelled import to_xarray, with_pint
 from stickslip.cosim.run.texts import Changes
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.system import System
@@ -19,6 +20,7 @@ from stickslip.fmi.messages import suggestion
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
     from matplotlib.axes import Axes
 
 
@@ -143,10 +145,19 @@ class Result:
         """Unit of each signal; None where its FMU gives none."""
         return {name: self._system.unit(name) for name in self.names}
 
-    def frame(self) -> pd.DataFrame:
+    def frame(self, *, pint: bool = False) -> pd.DataFrame:
         """Return a table with the time (s) as index; ``attrs["units"]`` holds the units.
 
         Variables of type String come after the signals.
+
+        Parameters
+        ----------
+        pint : whether its columns are quantities of Pint
+
+        Raises
+        ------
+        CosimError
+            When pint-pandas is not installed, or Pint does not know a unit.
         """
         import pandas as pd  # late, for those who start quickly
 
@@ -155,7 +166,19 @@ class Result:
         for name, texts in self.texts.items():
             frame[name] = texts
         frame.attrs["units"] = self.units
+        if pint:
+            return with_pint(frame, {name: self._system.unit_of(name) for name in self.names})
         return frame
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return a data set along ``time`` (s); the attribute ``units`` holds the unit of each.
+
+        Raises
+        ------
+        CosimError
+            When xarray is not installed.
+        """
+        return to_xarray(self.frame())
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""

@@ -45,7 +45,7 @@ class Isolation:
             raise ExperimentError(f"isolation: {fault}") from None
 
     @classmethod
-    def of(cls, what: Isolation | Literal["process"] | None) -> Self | Isolation | None:
+    def of(cls, what: Isolated) -> Self | Isolation | None:
         """Return the settings behind a word.
 
         Raises
@@ -55,6 +55,14 @@ class Isolation:
         """
         if what is None or isinstance(what, Isolation):
             return what
-        if what != "process":
-            raise ExperimentError(f"isolation is {what!r}, expected 'process', Isolation() or None")
+        if what not in ("process", "foreign"):
+            raise ExperimentError(
+                f"isolation is {what!r}, expected 'foreign', 'process', Isolation() or None"
+            )
         return cls()
+
+
+Isolated = Isolation | Literal["foreign", "process"] | None
+"""Which FMUs live in a process of their own: ``process`` and an Isolation mean all and None means
+none. ``foreign``, the default, means those systems with an FMU whose binary was not compiled by
+this installation, on Linux; a system with Python functions stays in the calling process."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any
 
-from stickslip.cosim.component import Component, Interface
+from stickslip.cosim.component import CONVERTERS, Component, Interface
 from stickslip.cosim.errors import ConnectionFault, CosimError, ParameterError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.names import check_name, component_of, variable_of
@@ -16,15 +17,21 @@ from stickslip.cosim.fmu.values import converted, resized
 from stickslip.cosim.system.connections import End, check_connection, pairs, transform
 from stickslip.cosim.system.coupling import Coupling, Method
 from stickslip.cosim.system.display import html_table
-from stickslip.cosim.system.isolation import Isolation
+from stickslip.cosim.system.drawing import block_diagram
+from stickslip.cosim.system.isolation import Isolated, Isolation
 from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.scaling import PLAIN, Link, Transform
+from stickslip.fmi import toolchain
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import shown, suggestion
 
 if TYPE_CHECKING:
     from stickslip.cosim.run.simulation import Simulation
+
+
+_SHOWN = 12
+"""Start values of a component that a notebook shows."""
 
 
 @dataclass(frozen=True)
@@ -74,29 +81,46 @@ class System:
     def __repr__(self) -> str:
         return f"System({self.name}: {', '.join(self.components) or 'empty'})"
 
+    def diagram(self) -> str:
+        """Return the system as a block diagram, an SVG element in the colour of the text around."""
+        wires = [
+            ((component_of(source), variable_of(source)), (component_of(to), variable_of(to)))
+            for to, source in self.connections.items()
+        ]
+        wires = [
+            (("", name), (component_of(to), variable_of(to)))
+            for name, targets in self.inputs.items()
+            for to in targets
+        ] + wires
+        wires += [
+            ((component_of(source), variable_of(source)), ("", name))
+            for name, source in self.outputs.items()
+        ]
+        return block_diagram({name: part.label for name, part in self.components.items()}, wires)
+
     def _repr_html_(self) -> str:
-        """Return the tables that a notebook shows: components, and what is connected to what."""
-        values = {
-            name: ", ".join(
-                f"{variable_of(key)} = {value!r}"
-                for key, value in self.parameters.items()
-                if component_of(key) == name
-            )
-            for name in self.components
-        }
+        """Return what a notebook shows: the diagram, and tables of components and connections."""
+        values = dict.fromkeys(self.components, "")
+        for name in self.components:
+            own = [key for key in self.parameters if component_of(key) == name]
+            some = [f"{variable_of(key)} = {self.parameters[key]!r}" for key in own[:_SHOWN]]
+            more = [f"{len(own) - _SHOWN} more"] if len(own) > _SHOWN else []
+            values[name] = ", ".join(some + more)
         parts = [(name, part.label, values[name]) for name, part in self.components.items()]
         exposed = [(name, target) for name, targets in self.inputs.items() for target in targets]
         pairs = [*exposed, *((source, target) for target, source in self.connections.items())]
         pairs += [(source, f"output {name}") for name, source in self.outputs.items()]
         wires = [(source, target, self.unit(source) or "") for source, target in pairs]
-        return html_table(("component", "", "set"), parts, self.name, words=3) + html_table(
-            ("from", "to", "unit"), wires, words=3
+        return (
+            self.diagram()
+            + html_table(("component", "", "set"), parts, self.name, words=3)
+            + html_table(("from", "to", "unit"), wires, words=3)
         )
 
     def add(
         self,
         name: str,
-        fmu: Component | str | os.PathLike[str],
+        fmu: object,
         parameters: Mapping[str, object] | None = None,
         *,
         interface: Interface | None = None,
@@ -105,7 +129,8 @@ class System:
 
         Parameters
         ----------
-        fmu : an FMU or its path, or a Function
+        fmu : an FMU or its path, or a Function; of ``ss.System`` also a linear system of
+            python-control, or a Python function of the inputs that its parameters name
         interface : by which an FMU is run: ``co_simulation``, the default where it has one, or
             ``model_exchange``
 
@@ -119,11 +144,7 @@ class System:
             raise ConnectionFault(
                 f"{self.name} already has a component {name!r}; choose another name"
             )
-        if not isinstance(fmu, Component):
-            fmu = Fmu(fmu, interface=interface)
-        elif isinstance(fmu, Fmu) and interface not in (None, fmu.interface):
-            fmu = Fmu(fmu.path, interface=interface)
-        self.components[name] = fmu
+        self.components[name] = _component(name, fmu, interface)
         try:
             for variable, value in (parameters or {}).items():
                 self.set(f"{name}.{variable}", value)
@@ -325,7 +346,7 @@ class System:
         compiled: bool = False,
         tolerance: float | None = None,
         allow_nan: bool = False,
-        isolation: Isolation | Literal["process"] | None = None,
+        isolation: Isolated = "foreign",
     ) -> Simulation:
         """Instantiate the FMUs for any number of runs.
 
@@ -348,7 +369,9 @@ class System:
             with adaptive steps 1e-5 of their tolerance
         allow_nan : whether outputs may be NaN or infinite. By default such a value ends the run
         isolation : ``process`` lets the FMUs live in a process of their own, which they may crash;
-            an Isolation says how long and how much memory they may take
+            an Isolation says how long and how much memory they may take. ``foreign`` does so on
+            Linux if the binary of an FMU was not compiled by this installation, and all components
+            are FMUs. None keeps all in this process
 
         Raises
         ------
@@ -396,6 +419,22 @@ class System:
             self.links[target] = link
 
 
+def _component(name: str, thing: Any, interface: Interface | None) -> Component:
+    """Return what ``System.add`` was given as a component."""
+    if isinstance(thing, Fmu) and interface not in (None, thing.interface):
+        thing = thing.path
+    if isinstance(thing, str | os.PathLike):
+        return Fmu(thing, interface=interface)
+    if isinstance(thing, Component):
+        return thing
+    for convert in CONVERTERS:
+        if (component := convert(thing)) is not None:
+            return component
+    raise ConnectionFault(
+        f"{name}: a {type(thing).__name__} is no component; expected an FMU, its path or a Function"
+    )
+
+
 @dataclass(frozen=True)
 class Specification:
     """All settings of a simulation; pickles, so that each worker can prepare its own.
@@ -413,11 +452,30 @@ class Specification:
     compiled: bool = False
     tolerance: float | None = None
     allow_nan: bool = False
-    isolation: Isolation | Literal["process"] | None = None
+    isolation: Isolated = "foreign"
+
+    @property
+    def limits(self) -> Isolation | None:
+        """The limits of the process that the FMUs have for themselves, None where they have none.
+
+        Raises
+        ------
+        ExperimentError
+            When ``isolation`` is unknown.
+        """
+        limits = Isolation.of(self.isolation)
+        components = self.system.components.values()
+        if self.isolation == "foreign" and (
+            sys.platform != "linux"
+            or not all(isinstance(component, Fmu) for component in components)
+            or all(map(toolchain.compiled_here, {component.binary for component in components}))
+        ):
+            return None
+        return limits
 
     def prepare(self) -> Simulation:
         """Instantiate the FMUs, here or in a process of their own."""
-        limits = Isolation.of(self.isolation)
+        limits = self.limits
         if limits is None:
             from stickslip.cosim.run.simulation import Simulation
 

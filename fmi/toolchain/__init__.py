@@ -11,7 +11,7 @@ It knows C files and platforms.
 
 from stickslip.fmi.toolchain.binaries import binaries, standard_functions
 from stickslip.fmi.toolchain.cache import cache_directory
-from stickslip.fmi.toolchain.compiler import shared_library
+from stickslip.fmi.toolchain.compiler import compiled_here, shared_library
 from stickslip.fmi.toolchain.errors import (
     CompilationFailed,
     CompilerMissing,
@@ -29,6 +29,7 @@ __all__ = [
     "WrongExports",
     "binaries",
     "cache_directory",
+    "compiled_here",
     "host_platform",
     "shared_library",
     "standard_functions",

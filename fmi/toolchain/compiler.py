@@ -40,6 +40,7 @@ def shared_library(
     flags: Sequence[str] = (),
     standalone: bool = False,
     exports: Collection[str] | None = None,
+    loads: bool = False,
 ) -> Path:
     """Compile the ``.c`` files among ``files`` into one shared library and return its path.
 
@@ -58,6 +59,7 @@ def shared_library(
     standalone : on Windows, link with the system alone instead of a C runtime, which may be absent
         there and takes a minute to compile; the sources may then call nothing of it but ``mem...``
     exports : the names that the library must export, these and no others; not looked at if None
+    loads : whether it loads other libraries, so that ``compiled_here`` does not vouch for it
 
     Raises
     ------
@@ -85,7 +87,28 @@ def shared_library(
                     _check_exports(linked, exports, library.name)
                 atomic_write(library, linked)
                 atomic_write(_hash_file(library), hashlib.sha256(linked).hexdigest())
+    if not loads:
+        _note(_hash_file(library).read_text())
     return library
+
+
+def compiled_here(library: Path) -> bool:
+    """Return whether a library has the bytes of one that was compiled into this cache."""
+    try:
+        return _noted(hashlib.sha256(library.read_bytes()).hexdigest()).exists()
+    except OSError:
+        return False
+
+
+def _note(digest: str) -> None:
+    with suppress(OSError):  # a cache that is read only
+        if not _noted(digest).exists():
+            _noted(digest).parent.mkdir(exist_ok=True)
+            _noted(digest).touch()
+
+
+def _noted(digest: str) -> Path:
+    return cache_directory() / "compiled" / digest
 
 
 @contextmanager

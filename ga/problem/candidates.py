@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Literal, Self
+from typing import Self
 from uuid import uuid4
 
 from stickslip import cosim
@@ -43,7 +43,7 @@ class SimulatedCost:
     names: Sequence[str]
     cost: Callable[[cosim.Result], float]
     inputs: Mapping[str, Input] = field(default_factory=dict)
-    isolation: cosim.Isolation | Literal["process"] | None = None
+    isolation: cosim.Isolated = None
     _token: str = field(default_factory=lambda: uuid4().hex, init=False, repr=False)
 
     @property

@@ -42,7 +42,8 @@ def read_isolated(path: str, data: bytes, module: str, title: str) -> list[Signa
     with child_process(command, env=os.environ | search, **pipes) as process:
         try:
             output, errors = process.communicate(data, TIMEOUT)
-            with np.load(io.BytesIO(output), allow_pickle=False) as found:
+            begin = output.find(b"PK\x03\x04")  # Python may print as it starts
+            with np.load(io.BytesIO(output[begin:]), allow_pickle=False) as found:
                 described = json.loads(found["signals"].item())
                 if described is None:
                     return bytes(found["arr_0"]).decode()

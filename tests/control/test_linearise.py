@@ -178,3 +178,16 @@ def test_wrong_names_are_told(tmp_path):
         assert message in str(error.value)
     with pytest.raises(LinearisationError, match=r"give step="):
         linearise(models.export_lti(control.ss(0.5, 1, 1, 0, 0.1), tmp_path, name="lag"))
+
+
+@pytest.mark.parametrize("step", [None, 0.02])
+def test_in_a_process_of_its_own_it_is_the_same_bit_for_bit(step, tmp_path):
+    path = models.export_lti(random_system(0.0), tmp_path)
+    here, there = (linearise(path, step=step, isolation=i) for i in (None, "process"))
+    for name in "ABCD":
+        np.testing.assert_array_equal(getattr(there, name), getattr(here, name))
+    system = nonlinear_system(path, step=step, isolation="process")
+    x = np.arange(5.0)
+    np.testing.assert_allclose(system.dynamics(0, x, np.ones(2)), here.A @ x + here.B @ [1, 1])
+    with pytest.raises(LinearisationError, match="no output 'z'"):
+        linearise(path, step=step, outputs=["z"], isolation="process")

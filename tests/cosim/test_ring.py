@@ -27,9 +27,9 @@ def loops(version):
     return Loops(version)
 
 
-def prepare(system, n=N, **options):
+def prepare(system, n=N, coupling="jacobi", **options):
     times = {"step": ring.STEP, "stop": n * ring.STEP}
-    return system.prepare(**times, coupling="jacobi", constant_step=True, **options)
+    return system.prepare(**times, coupling=coupling, constant_step=True, **options)
 
 
 @pytest.mark.parametrize("compiled", [False, True], ids=["tables", "compiled"])
@@ -42,18 +42,28 @@ def test_every_signal_is_that_of_the_plain_c_loop_to_the_bit(system, loops, comp
     assert result["mass.x"][-1] == 1.9996644444403784
 
 
-def test_recording_some_changes_no_bit(system, loops):
-    with prepare(system, record=["mass.x"]) as simulation:
-        np.testing.assert_array_equal(simulation.run()["mass.x"][1:], loops.plain(N)[:, 2])
+@pytest.mark.parametrize("compiled", [False, True], ids=["tables", "compiled"])
+def test_in_gauss_seidel_order_too(system, loops, compiled):
+    with prepare(system, 1_000, "gauss_seidel", compiled=compiled) as simulation:
+        np.testing.assert_array_equal(simulation.run().values[1:], loops.in_turn(1_000))
+
+
+@pytest.mark.parametrize("coupling", ["jacobi", "gauss_seidel"])
+def test_recording_some_changes_no_bit(system, loops, coupling):
+    loop = loops.plain if coupling == "jacobi" else loops.in_turn
+    with prepare(system, 1_000, coupling, record=["mass.x"]) as simulation:
+        np.testing.assert_array_equal(simulation.run()["mass.x"][1:], loop(1_000)[:, 2])
 
 
 @pytest.mark.parametrize("compiled", [False, True], ids=["tables", "compiled"])
-def test_a_candidate_costs_what_the_c_loop_says_to_the_bit(system, loops, compiled):
+@pytest.mark.parametrize("coupling", ["jacobi", "gauss_seidel"])
+def test_a_candidate_costs_what_the_c_loop_says_to_the_bit(system, loops, coupling, compiled):
     cost = cosim.Deviation("mass.v", 0.2, begin=ring.STEP)
     record = cosim.Record(sum_of_squares={"cost": cost})
-    with prepare(system, 10_000, record=record, compiled=compiled) as simulation:
+    with prepare(system, 10_000, coupling, record=record, compiled=compiled) as simulation:
         result = simulation.run({"controller.K_p": 41.0, "controller.K_i": 910.0})
-    assert result.sum_of_squares["cost"] == loops.candidate(10_000, 41.0, 910.0)
+    turns = coupling == "gauss_seidel"
+    assert result.sum_of_squares["cost"] == loops.candidate(10_000, 41.0, 910.0, turns=turns)
 
 
 def test_rings_of_more_fmus_than_a_group_step_all_of_them(tmp_path):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 pytestmark = pytest.mark.slow
 
@@ -16,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 @pytest.fixture(scope="module")
 def printed(tmp_path_factory):
     """Return what each piece of code prints."""
-    pages = ("README.md", "docs/python.md", "docs/adaptation.md")
+    pages = ("README.md", "docs/python.md", "docs/cosimulation.md", "docs/adaptation.md")
     text = "".join((ROOT / page).read_text(encoding="utf-8") for page in pages)
     found = []
     for code in re.findall(r"```python\n(.*?)```", text, flags=re.S):
@@ -62,6 +63,23 @@ def test_the_notch_comes_back_with_its_poles(printed):
     poles = [complex(p.replace(" ", "")) for p in re.findall(r"[\d.]+ *[-+] *[\d.]+j", printed[3])]
     expected = np.exp(1e-3 * np.roots([1, 200, 4e4]))
     assert sorted(poles, key=np.imag) == pytest.approx(sorted(expected, key=np.imag), abs=1e-6)
+
+
+def test_errors_of_coupling_fall_with_the_step_and_the_degree(printed):
+    """A mass with Dahl friction on a spring, against scipy's solution."""
+    m, b, sigma_0, F_c = 5.557, 6.6135, 3.9162e5, 5.999
+
+    def rates(_, state):
+        x, v, F = state
+        return v, (20.0 - 4e4 * x - b * v - F) / m, sigma_0 * (v - abs(v) * F / F_c)
+
+    run = solve_ivp(rates, (0.0, 0.1), (0.0, 0.0, 0.0), "Radau", rtol=1e-9, atol=1e-12)
+    lines = re.findall(r"degree \d: x = (.*) um", printed[-2])
+    ends = np.array([[float(x) for x in line.split(", ")] for line in lines])
+    errors = abs(ends - 1e6 * run.y[0, -1])
+    assert errors.shape == (3, 3)
+    assert np.all(errors[:, 1:] < 0.7 * errors[:, :-1])  # halved steps
+    assert errors[0, -1] > 10.0 * errors[2, -1]
 
 
 def test_the_scale_follows_the_friction_of_a_drive_that_gets_warm(printed):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
 import subprocess
@@ -299,3 +300,12 @@ def test_the_package_loads_nothing_large():
         [sys.executable, "-c", code], check=True, capture_output=True, text=True
     )
     assert not {"numpy", "scipy", "pandas", "lxml", "stickslip.cosim"} & {*loaded.stdout.split()}
+
+
+def test_what_the_output_cannot_encode_is_escaped(tmp_path, monkeypatch):
+    system = cosim.System("schräg → ab")
+    path = cosim.write_ssp(system, tmp_path / "e.ssp")
+    output = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    monkeypatch.setattr(sys, "stdout", output)
+    assert run("info", path) == 0
+    assert rb"schr\xe4g \u2192 ab" in output.buffer.getvalue()

@@ -21,8 +21,8 @@ def test_the_committed_tables_are_those_of_this_code(results):
     assert learned["F_c"] == pytest.approx(fresh_learned["F_c"], rel=0.005)
 
 
-def test_the_readme_quotes_the_committed_table():
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+def test_the_documents_quote_the_committed_table():
+    page = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
     for file, column, label in (
         ("table4", "paper_without", "without compensation, real stage (paper)"),
         ("table4", "without", "without compensation, simulated drive, calibrated to this row"),
@@ -33,7 +33,7 @@ def test_the_readme_quotes_the_committed_table():
     ):
         table = pd.read_csv(COMMITTED / f"{file}.csv").query("velocity == 'measured'")
         figures = " | ".join(f"{value:.2f}" for value in table[column])
-        assert f"| {label} | {figures} |" in readme
+        assert f"| {label} | {figures} |" in page
 
 
 def test_the_readme_names_files_that_exist():

@@ -104,7 +104,11 @@ def _framed(content: bytes, token: bytes = TOKEN, check: int | None = None) -> b
     ],
 )
 def test_nonsense_is_no_answer(kind, content):
+    """But for what Python prints as it starts, before the first answer."""
     with connected(kind) as (answers, write, _):
+        os.write(write, b"printed by a sitecustomize\n")
+        send(write, TOKEN, b"{}")
+        assert answers.get(10.0) == {}
         os.write(write, content[:60_000])
         if len(content) > 60_000:
             threading.Thread(target=os.write, args=(write, content[60_000:])).start()

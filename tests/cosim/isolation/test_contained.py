@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from stickslip.cosim.control import linearise
 from tests.corpus.hostile import fmus
 
 pytestmark = [
@@ -253,6 +254,7 @@ import os
 for number in {closed}:
     os.close(number)
 from stickslip import cosim
+from stickslip.cosim.control import linearise
 system = cosim.System("loop")
 system.add("plant", {str(path)!r})
 with system.prepare(step=0.01, stop=0.1, isolation="process") as simulation:
@@ -285,3 +287,25 @@ def test_it_ends_with_its_parent_however_that_ends(hostile, number):
 def test_an_export_does_not_load_what_it_packs(tmp_path, hostile):
     path = cosim.write_fmu(hostile("load segv"), tmp_path / "packed.fmu", step=0.01)
     assert path.is_file()
+
+
+def test_what_this_installation_compiled_runs_here_and_what_is_foreign_in_a_child(tmp_path):
+    """By default; one byte makes a binary foreign."""
+    binaries = {fmus.place(): fmus.library() + b"\0"}
+    path = fmus.write(tmp_path / "foreign.fmu", "DoStep segv 3", binaries=binaries)
+    system = cosim.System("loop")
+    system.add("plant", path)
+    with (
+        system.prepare(step=0.01, stop=0.1) as simulation,
+        pytest.raises(cosim.FmuCrashed, match=r"died of SIGSEGV at t = 0\.02"),
+    ):
+        simulation.run()
+    assert system.prepare(step=0.01, stop=0.1, isolation=None).spec.limits is None
+    with pytest.raises(cosim.FmuCrashed, match="fmi2DoStep died of SIGSEGV"):
+        linearise(path, step=0.01)
+    known = cosim.System("known")
+    known.add("plant", fmus.write(tmp_path / "known.fmu"))
+    assert cosim.Specification(known, 0.01, 0.1).limits is None
+    packed = cosim.System("packed")
+    packed.add("container", cosim.write_fmu(known, tmp_path / "packed.fmu", step=0.01))
+    assert cosim.Specification(packed, 0.01, 0.1).limits == cosim.Isolation()

@@ -119,7 +119,7 @@ def test_mistakes_of_the_caller_are_those_of_the_caller(fmus):
     system = loop(fmus)
     with pytest.raises(cosim.ExperimentError, match="does not divide"):
         system.prepare(step=0.3, stop=1.0, isolation="process")
-    with pytest.raises(cosim.ExperimentError, match="expected 'process'"):
+    with pytest.raises(cosim.ExperimentError, match="expected 'foreign', 'process'"):
         system.prepare(step=0.1, stop=1.0, isolation="thread")
     with pytest.raises(cosim.ExperimentError, match="timeout is 0"):
         cosim.Isolation(timeout=0)

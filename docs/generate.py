@@ -1,0 +1,162 @@
+"""Pages that follow from the code: public names, commands, samples of logs, pictures."""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import base64
+import json
+import re
+import sys
+import textwrap
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+import stickslip
+from stickslip import cli
+from stickslip.logs import read_recording
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "tests" / "stickslip" / "logs"))
+
+import format_writers as writers  # noqa: E402 - of the tests
+from vendor_texts import FILES, F, T, V, X  # noqa: E402
+
+HEADINGS = {
+    "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),
+    "Models and friction laws": ("models", "laws", "evaluation.phenomena"),
+    "Velocity loops and frequency responses": ("servo", "cosim.control", "report.bode"),
+    "Learning": ("logs", "planning", "pipeline", "results"),
+    "Drives": ("rigs",),
+    "Comparison and checks": ("evaluation.arena", "fmucheck", "fmi"),
+}
+"""The packages whose public names stand under each heading; the longest name counts."""
+
+
+def write(folder: Path) -> None:
+    """Write all pages; what is equal keeps its time, so that only changes are built again."""
+    _samples(folder / "samples")
+    pages: dict[str, str | bytes] = {"api.rst": _api(), "cli.rst": _commands()}
+    for path in sorted((ROOT / "notebooks").glob("*.ipynb")):
+        pages[f"{path.stem}.png"] = _picture(path)
+    spec = find_spec("sphinx-mathjax-offline")
+    if spec and spec.origin:  # of its 24 MB, what pages load
+        source = Path(spec.origin).parent / "static" / "mathjax" / "tex-svg.js"
+        pages["static/mathjax.js"] = source.read_bytes()
+    for name, content in pages.items():
+        data = content.encode() if isinstance(content, str) else content
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.exists() or path.read_bytes() != data:
+            path.write_bytes(data)
+
+
+def _api() -> str:
+    """Return the page of the public names, by heading."""
+    place = {package: heading for heading, packages in HEADINGS.items() for package in packages}
+    names: dict[str, list[str]] = {heading: [] for heading in HEADINGS}
+    stub = (ROOT / "stickslip" / "__init__.pyi").read_text(encoding="utf-8")
+    for node in ast.parse(stub).body:
+        for alias in node.names if isinstance(node, ast.ImportFrom) else ():
+            package = f"{node.module}.{alias.name}".removeprefix("stickslip.")
+            while package not in place:
+                package = package.rpartition(".")[0]
+                if not package:
+                    raise KeyError(f"{alias.name} has no heading in docs/generate.py")
+            names[place[package]].append(alias.name)
+    missing = {*stickslip.__all__} - {name for group in names.values() for name in group}
+    if missing:
+        raise KeyError(f"stickslip/__init__.pyi lacks {', '.join(sorted(missing))}")
+    lines = [*_heading("Python", "="), "``import stickslip as ss`` gives these names."]
+    lines += ["Quantities are in SI units unless a docstring states another.", ""]
+    for heading, group in names.items():
+        lines += _heading(heading, "-")
+        lines += [".. currentmodule:: stickslip", "", ".. autosummary::", "   :toctree: api"]
+        lines += ["   :nosignatures:", ""]
+        lines += [*(f"   {name}" for name in sorted(group, key=str.lower)), ""]
+    return "\n".join(lines)
+
+
+def _commands() -> str:
+    """Return the page of all commands."""
+    lines = [*_heading("Command line", "="), "Files and options come in any order. Each command"]
+    lines += ["has ``--json``, ``--quiet``, ``--verbose`` and ``--debug``.", ""]
+    for name, does in cli.COMMANDS.items():
+        parser = _choices(cli._parser([name]))[name]  # noqa: SLF001 - the parser is its content
+        lines += [*_heading(f"stickslip {name}", "-"), f"{does[0].upper()}{_plain(does[1:])}.", ""]
+        exports = _choices(parser)
+        for what, inner in exports.items():
+            lines += [*_heading(f"stickslip {name} {what}", "~"), *_options(inner)]
+        if not exports:
+            lines += _options(parser)
+    return "\n".join(lines)
+
+
+def _choices(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    """Return the commands of a parser by name."""
+    for action in parser._actions:  # noqa: SLF001 - argparse has no other list of them
+        if action.nargs == argparse.PARSER:
+            return dict(action.choices)
+    return {}
+
+
+def _options(parser: argparse.ArgumentParser) -> list[str]:
+    """Return the usage of a command, and what its words mean."""
+    usage = parser.format_usage().removeprefix("usage: ").strip()
+    usage = re.sub(r"\[-h\]\s+\[--json\]\s+\[-q\]\s+\[-v\]\s+\[--debug\]\s*", "", usage)
+    lines = [".. code-block:: text", "", *(f"   {row.strip()}" for row in usage.splitlines()), ""]
+    formatter = parser._get_formatter()  # noqa: SLF001 - it writes metavars and defaults as --help
+    for action in parser._actions:  # noqa: SLF001
+        common = {"-h", "--json", "-q", "-v", "--debug"} & {*action.option_strings}
+        if common or action.help == argparse.SUPPRESS:
+            continue
+        words = formatter._format_action_invocation(action)  # noqa: SLF001
+        text = formatter._expand_help(action) if action.help else ""  # noqa: SLF001
+        lines += [f"``{words}``", f"   {_plain(text) or 'see the usage.'}", ""]
+    return lines
+
+
+def _samples(folder: Path) -> None:
+    """Write a small log of each format, and beside it what is detected in it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in ("twincat pairs", "startdrive", "tia"):
+        (folder / f"{name.partition(' ')[0]}.csv").write_bytes(FILES[name].encode("latin-1"))
+    columns = {"time [s]": T, "position [mm]": 1e3 * X, "force [N]": F, "v_cmd [mm/s]": 1e3 * V}
+    table = pd.DataFrame(columns)
+    table.to_csv(folder / "plain.csv", index=False, float_format="%.9g")
+    table.to_parquet(folder / "parquet.parquet")
+    named = {name.partition(" [")[0]: values for name, values in columns.items()}
+    writers.tdms(folder / "tdms.tdms", columns)
+    writers.mdf(folder / "mdf.mf4", columns)
+    writers.excel(folder / "excel.xlsx", columns)
+    writers.hdf5(folder / "hdf5.h5", columns)
+    writers.simulink(folder / "simulink.mat", {**named, "position": X, "v_cmd": V})
+    writers.cells(folder / "dspace.mat", columns)
+    for path in [*folder.iterdir()]:
+        if path.suffix != ".txt":
+            reading = read_recording(path)
+            np.testing.assert_allclose(reading.recording.position, X, atol=1e-9)
+            found = [str(finding).partition("; --column")[0] for finding in reading.findings]
+            lines = [textwrap.fill(line, 80, subsequent_indent="    ") for line in found]
+            path.with_suffix(".txt").write_text("\n".join(lines), encoding="utf-8")
+
+
+def _heading(text: str, line: str) -> list[str]:
+    return [text, line * len(text), ""]
+
+
+def _plain(text: str) -> str:
+    """Return text as it is, without roles and emphasis."""
+    return re.sub(r"([\\*`|_])", r"\\\1", " ".join(text.split()))
+
+
+def _picture(path: Path) -> bytes:
+    """Return the first picture of a notebook."""
+    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
+        for output in cell.get("outputs", ()):
+            if "image/png" in output.get("data", {}):
+                return base64.b64decode("".join(output["data"]["image/png"]))
+    raise ValueError(f"{path} shows no picture")
