@@ -181,6 +181,6 @@ def _recordable(system: System, name: str) -> list[str]:
     elements = [element for element in variable.elements() if element.is_signal]
     if not elements:
         raise ConnectionFault(
-            f"cannot record {name}: it is {variable.type}, expected a number or Boolean"
+            f"cannot record {name}: it is {variable.type}, expected a number, Boolean or String"
         )
     return [f"{component_of(name)}.{element.name}" for element in elements]
