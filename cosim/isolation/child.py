@@ -152,6 +152,7 @@ class _Served:
             "shape": result.values.shape,
             "stopped": result.stopped,
             "sums": result.sum_of_squares,
+            "texts": result.changes,
             "effort": dict(simulation.effort),
             "pacing": pacing and [pacing.looks, pacing.overruns, pacing.worst],
         }

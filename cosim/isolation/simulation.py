@@ -179,7 +179,8 @@ class IsolatedSimulation(Simulation):
         time = numbers[len(numbers) - n :].copy()
         values = numbers[: n * width].reshape(n, width).copy()
         names, system = self._layout.recorded, self.spec.system
-        return Result(time, values, names, system, reply["stopped"], reply["sums"])
+        texts = reply["texts"]
+        return Result(time, values, names, system, reply["stopped"], reply["sums"], texts)
 
     def _ask(
         self,
