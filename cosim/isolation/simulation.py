@@ -13,6 +13,8 @@ from types import MappingProxyType
 from typing import Any
 from weakref import finalize
 
+import numpy as np
+
 from stickslip.cosim.errors import FmuCrashed
 from stickslip.cosim.isolation.answers import Reply
 from stickslip.cosim.isolation.parcel import Tabulated, portable_inputs

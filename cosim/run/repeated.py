@@ -217,7 +217,7 @@ class Repeated(Stepping):
 def _digest(*arrays: Array) -> int:
     found = 0
     for array in arrays:
-        found = zlib.crc32(np.ascontiguousarray(array), found)
+        found = zlib.crc32(np.ascontiguousarray(array).data, found)
     return found
 
 

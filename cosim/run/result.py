@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from stickslip.cosim.run.display import draw, summary
 from stickslip.cosim.run.labelled import to_xarray, with_pint
@@ -19,6 +23,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
+
+_ROWS = 10_000  # of a CSV file, as numbers of Python at the same time
 
 
 class Result:
@@ -160,7 +166,13 @@ class Result:
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
-        return atomic_write(Path(path), self.frame().to_csv(lineterminator="\n", na_rep="nan"))
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(["time", *self.names])
+        for i in range(0, len(self.time), _ROWS):
+            rows = slice(i, i + _ROWS)
+            writer.writerows(np.column_stack([self.time[rows], self.values[rows]]).tolist())
+        return atomic_write(Path(path), text.getvalue())
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals; units are in the metadata of the columns.
