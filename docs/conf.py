@@ -2,11 +2,13 @@
 
 import sys
 from pathlib import Path
+from typing import Any
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 
 import generate  # noqa: E402 - it lies beside this file
+from numpydoc.docscrape import NumpyDocString  # noqa: E402
 from sphinx.application import Sphinx  # noqa: E402
 
 generate.write(HERE / "_generated")
@@ -18,9 +20,19 @@ def _list(_: Sphinx, page: str, source: list[str]) -> None:
         source[0] += "\n```{toctree}\n:hidden:\n:glob:\n\n[0-9a-z]*\n```\n"
 
 
+def _refer(*event: Any) -> None:
+    """Show the section Source of docstrings as numpydoc's References."""
+    lines = event[-1]
+    for k, line in enumerate(lines[:-1]):
+        if line == "Source" and lines[k + 1] == "------":
+            lines[k : k + 2] = ["References", "----------"]
+
+
 def setup(app: Sphinx) -> None:
-    """Connect what this project adds to Sphinx."""
+    """Connect what this project adds to Sphinx and numpydoc."""
+    NumpyDocString.sections["Source"] = []
     app.connect("source-read", _list)
+    app.connect("autodoc-process-docstring", _refer, priority=400)
 
 
 project = "stickslip"

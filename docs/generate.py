@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import ast
 import base64
+import inspect
 import json
 import re
 import sys
@@ -26,7 +26,7 @@ import format_writers as writers  # noqa: E402 - of the tests
 from vendor_texts import FILES, F, T, V, X  # noqa: E402
 
 HEADINGS = {
-    "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),
+    "Systems and runs": ("cosim", "contents", "simulation", "sweeping"),
     "Models and friction laws": ("models", "laws", "evaluation.phenomena"),
     "Velocity loops and frequency responses": ("servo", "cosim.control", "report.bode"),
     "Learning": ("logs", "planning", "pipeline", "results"),
@@ -55,29 +55,35 @@ def write(folder: Path) -> None:
 
 
 def _api() -> str:
-    """Return the page of the public names, by heading."""
+    """Return the page of the public names, by heading; packages have headings of their own."""
     place = {package: heading for heading, packages in HEADINGS.items() for package in packages}
     names: dict[str, list[str]] = {heading: [] for heading in HEADINGS}
-    stub = (ROOT / "stickslip" / "__init__.pyi").read_text(encoding="utf-8")
-    for node in ast.parse(stub).body:
-        for alias in node.names if isinstance(node, ast.ImportFrom) else ():
-            package = f"{node.module}.{alias.name}".removeprefix("stickslip.")
-            while package not in place:
-                package = package.rpartition(".")[0]
-                if not package:
-                    raise KeyError(f"{alias.name} has no heading in docs/generate.py")
-            names[place[package]].append(alias.name)
-    missing = {*stickslip.__all__} - {name for group in names.values() for name in group}
-    if missing:
-        raise KeyError(f"stickslip/__init__.pyi lacks {', '.join(sorted(missing))}")
+    for name in stickslip.__all__:
+        value = getattr(stickslip, name)
+        if inspect.ismodule(value):
+            inner = {*getattr(value, "__all__", ())} - {*stickslip.__all__}
+            listed = [f"{name}.{one}" for one in inner if callable(getattr(value, one))]
+            names[f"stickslip.{name}"] = listed
+            continue
+        package = _package(name)
+        while package and package not in place:
+            package = package.rpartition(".")[0]
+        names.setdefault(place.get(package, "Others"), []).append(name)
     lines = [*_heading("Python", "="), "``import stickslip as ss`` gives these names."]
     lines += ["Quantities are in SI units unless a docstring states another.", ""]
-    for heading, group in names.items():
+    for heading, group in ((heading, group) for heading, group in names.items() if group):
         lines += _heading(heading, "-")
         lines += [".. currentmodule:: stickslip", "", ".. autosummary::", "   :toctree: api"]
         lines += ["   :nosignatures:", ""]
         lines += [*(f"   {name}" for name in sorted(group, key=str.lower)), ""]
     return "\n".join(lines)
+
+
+def _package(name: str) -> str:
+    """Return where the declarations for type checkers take a public name from."""
+    stub = (ROOT / "stickslip" / "__init__.pyi").read_text(encoding="utf-8")
+    found = re.search(rf"^from stickslip\.(\S+) import {name} as {name}$", stub, re.MULTILINE)
+    return found[1] if found else ""
 
 
 def _commands() -> str:

@@ -17,6 +17,7 @@ as published.
         CallOrderError(RuntimeError)   ask and tell out of turn
         CandidateFailed                a candidate cannot be evaluated; raised by the cost
         NothingLearned                 every candidate of the first generation failed
+        WorkersLost(RuntimeError)      a Dask cluster is gone, or has no workers
     Interrupted(KeyboardInterrupt)     Ctrl-C; says what is kept and how to go on
 """
 
@@ -37,6 +38,7 @@ from stickslip.ga.errors import (
     NothingLearned,
     SettingsError,
     StateError,
+    WorkersLost,
 )
 from stickslip.ga.execution.executors import executor
 from stickslip.ga.execution.learning import Learned, learn
@@ -70,6 +72,7 @@ __all__ = [
     "SettingsError",
     "SimulatedCost",
     "StateError",
+    "WorkersLost",
     "crossover_probability",
     "executor",
     "fitness",

@@ -13,6 +13,8 @@ from stickslip.cosim.signals.signals import Input, sampled
 from stickslip.errors import UsageError
 from stickslip.simulation import simulate
 
+_MOST_STEPS = 1e8
+
 
 def run_law(
     law: str,
@@ -47,7 +49,7 @@ def run_law(
     Raises
     ------
     UsageError
-        When not one of velocity, position and force is given.
+        When not one of velocity, position and force is given, or the times make no run.
     UnknownLaw, StartValueError
         When there is no such law or parameter.
     """
@@ -56,6 +58,11 @@ def run_law(
     if len(more) != 1 or signal is None:
         raise UsageError("expected one of velocity, position and force")
     model, driven = ("stage", "u") if name == "force" else ("compensator", "v")
+    if not (0.0 < step < math.inf and 0.0 < stop < math.inf and stop / step <= _MOST_STEPS):
+        raise UsageError(
+            f"stop = {stop} s and step = {step} s: expected positive numbers, at most"
+            f" {_MOST_STEPS:g} steps"
+        )
     steps = math.ceil(stop / step - 1e-6)
     if name == "position":
         time = np.arange(steps + 1, dtype=np.float64) * step

@@ -25,6 +25,7 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, *args: Any, **settings: Any) -> None:
         super().__init__(*args, **settings)
+        self._negative_number_matcher = _NUMBER  # also -1e-3, before Python 3.14
         common = self.add_argument_group("common options")
         for names, text in {
             ("--json",): "print the result as JSON, and nothing else on standard output",

@@ -46,6 +46,11 @@ def simulate(
     CosimError
         When the file cannot be read or the run fails.
     """
+    if not isinstance(inputs, Mapping | None):
+        raise UsageError(
+            f"inputs is a {type(inputs).__name__}; expected a mapping from names to signals, such"
+            " as cosim.read_tables returns of a file"
+        )
     model = Model.of(path)
     for name, value in (parameters or {}).items():
         model.set(name, value)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ import pandas as pd
 from stickslip import cosim, ga
 from stickslip.cosim.signals.signals import Input
 from stickslip.errors import UsageError
+from stickslip.fmi.messages import printable
 from stickslip.simulation import Model
 from stickslip.tuning.jobs import Outcome, run_jobs
 
@@ -82,17 +84,23 @@ def sweep(
     Raises
     ------
     UsageError
-        When there is nothing to vary or to evaluate.
+        When there is nothing to vary or to evaluate, a name comes twice, or a figure is not a
+        number.
     CosimError
         When the system, a name or an input is wrong.
     """
-    values = {name: [float(value) for value in some] for name, some in parameters.items()}
+    values = {name: _values(name, some) for name, some in parameters.items()}
     if not values or not all(values.values()) or not figures:
         raise UsageError("a sweep needs parameters with values, and figures")
+    if taken := sorted({*values, "reason"} & {*figures}):
+        raise UsageError(f"figure {taken[0]!r}: has the name of another column; choose another")
     model, specification, signals = _prepared(system, stop, step, inputs, options)
     names = [model.qualified(name) for name in values]
+    if len({*names}) < len(names):
+        raise UsageError(f"a parameter comes twice: {', '.join(values)}")
     for name, some in zip(names, values.values(), strict=True):
-        model.system.checked(name, some[0])
+        for value in some:
+            model.system.checked(name, value)
     grid = list(product(*values.values()))
     rows: dict[int, Mapping[str, Any]] = {}
     with ga.SimulatedCost(specification, names, _nothing, signals) as cost:
@@ -140,7 +148,7 @@ def optimise(
     Raises
     ------
     UsageError
-        When a range has not three numbers.
+        When a range has not three numbers, or the cost, the seed or the budget is not a number.
     GaError
         When a range or setting makes no sense, or every run of the first generation failed.
     CosimError
@@ -149,16 +157,22 @@ def optimise(
     model, specification, signals = _prepared(system, stop, step, inputs, options)
     genes = []
     for name, span in ranges.items():
-        if len(span) != 3:
+        three = _values(name, span)
+        if len(three) != 3:
             raise UsageError(f"{name}: expected (lowest, start, highest), got {tuple(span)}")
-        low, start, high = span
+        low, start, high = three
         unit = model.system.unit(model.qualified(name)) or ""
         genes.append(ga.Gene(name, low, high, start, unit, linear=low <= 0.0))
+    if not (isinstance(evaluations, int) and isinstance(seed, int) and seed >= 0):
+        raise UsageError(
+            f"evaluations = {evaluations!r} and seed = {seed!r}: expected whole numbers, the seed"
+            " 0 or more"
+        )
     limits = ga.Limits(evaluations=evaluations)
     search = ga.optimiser(algorithm, ga.Problem(genes), limits, seed)
     names = [model.qualified(name) for name in ranges]
     with (
-        ga.SimulatedCost(specification, names, cost, signals) as evaluate,
+        ga.SimulatedCost(specification, names, partial(_cost, cost), signals) as evaluate,
         ga.executor(where, workers) as executor,
     ):
         found = ga.learn(search, evaluate, executor)
@@ -181,7 +195,26 @@ def _evaluated(run: _Run, _seed: int, _stage: object = None) -> Outcome:
         result = run.cost.result(np.array(run.values))
     except ga.CandidateFailed as failure:
         return Outcome(reason=str(failure))
-    return Outcome(json.dumps({name: float(of(result)) for name, of in run.figures.items()}))
+    figures = {name: _number(f"figure {name!r}", of(result)) for name, of in run.figures.items()}
+    return Outcome(json.dumps(figures))
+
+
+def _cost(cost: Figure, result: cosim.Result) -> float:
+    return _number("the cost", cost(result))
+
+
+def _values(name: str, some: Iterable[float]) -> list[float]:
+    """Return the values of a parameter."""
+    if isinstance(some, str) or not isinstance(some, Iterable):
+        raise UsageError(f"{name}: expected its values in a list, got {printable(repr(some), 80)}")
+    return [_number(name, value) for value in some]
+
+
+def _number(what: str, value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise UsageError(f"{what}: expected a number, got {printable(repr(value), 80)}") from None
 
 
 def _nothing(_: cosim.Result) -> float:

@@ -110,6 +110,8 @@ def measure_response(
     wanted = np.atleast_1d(np.asarray(f, dtype=float))
     if periods < 2 or periods % 2:
         raise ExperimentError(f"periods is {periods}; expected an even number, 2 or more")
+    if not wanted.size:
+        raise ExperimentError("frequencies: expected one or more, got none")
     if not ((wanted > 0.0) & (wanted * step <= 1 / _LEAST)).all():
         raise ExperimentError(
             f"frequencies must lie above 0 and up to {1 / (_LEAST * step):g} Hz, a quarter of the"

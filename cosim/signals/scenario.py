@@ -180,6 +180,11 @@ class Scenario:
         end: float = math.inf,
     ) -> Scenario:
         """Add white Gaussian noise of a standard deviation, in the unit of the signal."""
+        if not 0.0 <= deviation < math.inf or not isinstance(seed, int) or seed < 0:
+            raise SignalError(
+                f"noise on {name}: deviation {deviation} and seed {seed!r}, expected a finite"
+                " deviation and a whole seed, each 0 or more"
+            )
         return self._with(name, _Noise(begin, end, deviation, seed))
 
     def stick(self, name: str, begin: float, end: float = math.inf) -> Scenario:
@@ -197,7 +202,8 @@ class Scenario:
         tables: dict[str, Disturbance] = {}
         for name, event in self.events:
             table = tables.setdefault(name, Disturbance.of(len(time)))
-            event.apply(time, table)
+            with np.errstate(over="ignore"):
+                event.apply(time, table)
             if not np.isfinite([table.add, table.ends]).all():
                 raise SignalError(f"scenario: {name} would not be finite")
         return tables

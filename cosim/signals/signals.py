@@ -40,12 +40,24 @@ class SineSweep:
     amplitude : at the begin and the end, in the unit of the input
     duration : s
     begin : s
+
+    Raises
+    ------
+    SignalError
+        When one is not finite, the duration not positive, or a range not two numbers.
     """
 
     frequency: tuple[float, float]
     amplitude: tuple[float, float]
     duration: float
     begin: float = 0.0
+
+    def __post_init__(self) -> None:
+        numbers = (self.frequency, self.amplitude, (self.duration, self.begin))
+        if _numbers(self, *numbers).shape != (3, 2) or not self.duration > 0.0:
+            raise SignalError(
+                f"{self}: expected two frequencies, two amplitudes and a positive duration"
+            )
 
     def sample(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) in s."""
@@ -67,12 +79,22 @@ class Trapezoid:
     slope : of the ramps, in the unit of the input per s; positive
     plateau : how long each of the two lasts, s
     begin : s
+
+    Raises
+    ------
+    SignalError
+        When one is not finite, the slope not positive, or the plateau negative.
     """
 
     height: float
     slope: float
     plateau: float
     begin: float = 0.0
+
+    def __post_init__(self) -> None:
+        _numbers(self, self.height, self.slope, self.plateau, self.begin)
+        if not (self.slope > 0.0 and self.plateau >= 0.0):
+            raise SignalError(f"{self}: expected a slope above 0 and a plateau of 0 or more")
 
     def sample(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) in s."""
@@ -105,7 +127,12 @@ class Table:
 
     def __post_init__(self) -> None:
         for name in ("time", "values"):
-            object.__setattr__(self, name, np.array(getattr(self, name), dtype=np.float64))
+            try:
+                values = np.array(getattr(self, name), dtype=np.float64)
+            except (TypeError, ValueError):
+                shown = str(getattr(self, name))[:80]
+                raise SignalError(f"{name} of a table: expected numbers, got {shown}") from None
+            object.__setattr__(self, name, values)
         t, x = self.time, self.values
         if t.ndim != 1 or t.shape != x.shape or not len(t):
             raise SignalError(
@@ -179,6 +206,17 @@ class Table:
         return np.unique(self.time[1:][jumps])
 
 
+def _numbers(signal: object, *given: Any) -> Array:
+    """Return what a signal is made of as an array; all of it has to be finite."""
+    try:
+        numbers = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        numbers = np.array(np.nan)
+    if not np.isfinite(numbers).all():
+        raise SignalError(f"{signal}: expected finite numbers")
+    return numbers
+
+
 def _slack(t: Array) -> Array:
     """Return how far from the times t (s) another may lie that is meant to be the same, in s."""
     steps = np.abs(np.diff(np.ravel(t)))
@@ -206,6 +244,11 @@ def sampled(name: str, signal: Input, time: Array) -> Array:
     SignalError
         When it has the wrong shape, is not finite or holds no numbers.
     """
+    if hasattr(signal, "columns"):
+        raise SignalError(
+            f"input {name!r}: expected a signal, a function, an array or a number, got a"
+            f" {type(signal).__name__}; Table(time, values) takes its columns"
+        )
     if hasattr(signal, "sample"):
         signal = signal.sample(time)
     elif callable(signal):

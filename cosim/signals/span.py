@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.cosim.errors import SignalError
+
 
 def slack(t: Any, step: float) -> Any:
     """Return how far from times t (s) another may lie that is meant to be the same, in s.
@@ -20,10 +22,20 @@ def slack(t: Any, step: float) -> Any:
 
 @dataclass(frozen=True)
 class Span:
-    """From ``begin`` up to, not including, ``end`` (s)."""
+    """From ``begin`` up to, not including, ``end`` (s).
+
+    Raises
+    ------
+    SignalError
+        When it is empty.
+    """
 
     begin: float
     end: float
+
+    def __post_init__(self) -> None:
+        if not self.begin < self.end:
+            raise SignalError(f"from {self.begin} s to {self.end} s: expected begin before end")
 
     def covers(self, time: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return which of the points in time (n,) of a run lie in it, (n,)."""

@@ -32,8 +32,13 @@ class Definitions:
     @classmethod
     def of(cls, root: Any) -> Definitions:
         """Read all definitions below an element."""
+        units: dict[str, Unit] = {}
+        for element in root.iter(tag("ssc:Unit")):
+            unit = _read_unit(element)
+            if units.setdefault(unit.name, unit) != unit:
+                raise SspError(f"{place(element)}: unit {unit.name!r} has two definitions")
         return cls(
-            {unit.name: unit for unit in map(_read_unit, root.iter(tag("ssc:Unit")))},
+            units,
             {attribute(e, "name"): _items(e) for e in root.iter(tag("ssc:Enumeration")) if len(e)},
         )
 

@@ -109,18 +109,24 @@ def _read_binding(binding: Any, node: Node) -> dict[str, Given]:
     root = _content(binding, node, _SET, "ssv", "ssd:ParameterValues/ssv:ParameterSet")
     definitions = Definitions.of(root).within(node.document.definitions)
     prefix = binding.get("prefix", "")
-    given = {}
+    given: dict[str, Given] = {}
     for parameter in root.iterfind("ssv:Parameters/ssv:Parameter", NAMESPACES):
-        given[prefix + attribute(parameter, "name")] = _read_value(parameter, definitions)
+        name, value = prefix + attribute(parameter, "name"), _read_value(parameter, definitions)
+        if name in given and (value.value, value.unit) != (given[name].value, given[name].unit):
+            raise SspError(f"{place(parameter)}: {name!r} has two values in one set; keep one")
+        given[name] = value
     mapping = binding.find("ssd:ParameterMapping", NAMESPACES)
     if mapping is None:
         return given
     root = _content(mapping, node, _MAPPING, "ssm", "ssm:ParameterMapping")
-    return {
-        attribute(entry, "target"): _mapped(entry, given)
-        for entry in root.iterfind("ssm:MappingEntry", NAMESPACES)
-        if entry.get("source") != ""  # the target keeps its value, as in OMSimulator
-    }
+    mapped: dict[str, Given] = {}
+    for entry in root.iterfind("ssm:MappingEntry", NAMESPACES):
+        if entry.get("source") == "":  # the target keeps its value, as in OMSimulator
+            continue
+        if (target := attribute(entry, "target")) in mapped:
+            raise SspError(f"{place(entry)}: target {target!r} has two sources; keep one")
+        mapped[target] = _mapped(entry, given)
+    return mapped
 
 
 def _content(element: Any, node: Node, kind: str, part: str, path: str) -> Any:

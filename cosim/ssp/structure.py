@@ -104,7 +104,9 @@ def _system(
     connectors = read_connectors(body, document.definitions)
     node = Node(path, document, element, body, document, connectors)
     for entry in body.iterfind("ssd:SignalDictionaries/ssd:SignalDictionary", NAMESPACES):
-        node.dictionaries[attribute(entry, "name")] = _entries(entry, document)
+        if (name := attribute(entry, "name")) in node.dictionaries:
+            raise SspError(f"{place(entry)}: there are two signal dictionaries {name!r}")
+        node.dictionaries[name] = _entries(entry, document)
     for child in body.iterfind("ssd:Elements/*", NAMESPACES):
         name = attribute(child, "name")
         if not name or "." in name or SEPARATOR in name:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from numbers import Real
 
 from stickslip.cosim.errors import ExperimentError
 
@@ -14,6 +15,9 @@ _NUMBER = 8  # bytes
 
 def count_steps(start: float, stop: float, step: float) -> int:
     """Return how many steps lead from start to stop (all in s)."""
+    for name, value in (("start", start), ("stop", stop), ("step", step)):
+        if not isinstance(value, Real):
+            raise ExperimentError(f"{name} is {value!r:.80}, expected a number, in s")
     if not (all(map(math.isfinite, (start, stop, step))) and step > 0 and stop > start):
         raise ExperimentError(
             f"start {start} s, stop {stop} s and step {step} s must be finite, the step must be"

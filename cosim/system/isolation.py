@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Literal, Self
 
 from stickslip.cosim.errors import ExperimentError
 from stickslip.fmi.process.sandbox import permissions
+
+_MOST = 1e9
+"""Of a time or of memory; 30 years or a petabyte."""
 
 
 @dataclass(frozen=True)
@@ -37,8 +39,11 @@ class Isolation:
     def __post_init__(self) -> None:
         for name in ("timeout", "patience", "memory"):
             value = getattr(self, name)
-            if value is not None and not 0 < value < math.inf:
-                raise ExperimentError(f"isolation: {name} is {value}, expected a positive number")
+            if value is not None and not 0 < value < _MOST:
+                most = f" below {_MOST:g}" if value >= _MOST else ""
+                raise ExperimentError(
+                    f"isolation: {name} is {value}, expected a positive number{most}"
+                )
         try:
             permissions(self.allow)
         except ValueError as fault:

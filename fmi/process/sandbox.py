@@ -134,12 +134,15 @@ def permissions(allow: Iterable[str]) -> tuple[list[str], frozenset[str]]:
     Raises
     ------
     ValueError
-        When a word is not ``network``, ``exec`` or ``files=DIR``.
+        When a word is not ``network``, ``exec`` or ``files=DIR`` with a folder.
     """
     folders, words = [], set()
     for word in allow:
         if word.startswith("files="):
-            folders.append(str(Path(word.removeprefix("files=")).absolute()))
+            folder = Path(word.removeprefix("files=")).absolute()
+            if word == "files=" or not folder.is_dir():
+                raise ValueError(f"allow is {word!r}, expected a folder that exists as DIR")
+            folders.append(str(folder))
         elif word in (NETWORK, EXEC):
             words.add(word)
         else:

@@ -8,19 +8,21 @@ from __future__ import annotations
 
 import logging
 import math
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any, ParamSpec, TypeVar
 
-from stickslip.ga.errors import SettingsError
+from stickslip.ga.errors import SettingsError, WorkersLost
 from stickslip.ga.execution.evaluation import Evaluate, Packed
 from stickslip.ga.execution.interrupts import without_interrupts
 
+_log = logging.getLogger(__name__)
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -34,6 +36,12 @@ LEAN = {
     "distributed.worker.profile.enabled": False,
 }
 """What a cluster of ours leaves out: a tenth of the workers' time on a machine of two cores."""
+
+WITHOUT_WORKERS = 60.0
+"""How long a scheduler that has no workers is waited for [s]."""
+
+LOOK = 1.0
+"""How often the workers of a scheduler are counted while it is watched [s]."""
 
 RECOUNT = 5.0
 """How long the number of workers is believed [s]."""
@@ -85,7 +93,7 @@ class DaskWorkers(Executor):
 
     def packed(self, evaluate: Evaluate) -> Packed:
         """Send a cost, even one of a notebook, to all workers that there are and will be."""
-        packed = Packed.of(import_module("cloudpickle").dumps(evaluate))
+        packed = Packed.of(import_module("cloudpickle").dumps, evaluate)
         if packed.name not in self._sent:
             self._client.register_plugin(_keeping(packed), packed.name)
             self._sent.add(packed.name)
@@ -94,6 +102,8 @@ class DaskWorkers(Executor):
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Let go of the workers, which go on without us."""
         del cancel_futures
+        if self._client.status != "running":
+            return
         self._executor.shutdown(wait)
         for name in self._sent:
             self._client.unregister_worker_plugin(name)
@@ -116,29 +126,109 @@ def _keeping(packed: Packed) -> Any:
 
 @contextmanager
 def cluster(where: str, workers: int) -> Iterator[DaskWorkers]:
-    """Open the workers of a running scheduler, or ``local`` ones; see `ga.executor`."""
+    """Open the workers of a running scheduler, or ``local`` ones; see `ga.executor`.
+
+    Raises
+    ------
+    WorkersLost
+        When the connection to the scheduler is lost, or it has no workers for too long.
+    """
     if find_spec("distributed") is None:
         raise SettingsError(
             f"workers {where!r} need the package distributed; pip install stickslip[dask]"
         )
     distributed: Any = import_module("distributed")
     with ExitStack() as stack:
+        stack.enter_context(_silenced())
         scheduler = where
         if where == "local":
             dask: Any = import_module("dask")
             with without_interrupts(), dask.config.set(LEAN):
-                started = distributed.LocalCluster(
-                    n_workers=workers,
-                    threads_per_worker=1,
-                    processes=True,
-                    dashboard_address=":0",
-                    silence_logs=logging.ERROR,
-                )
+                try:
+                    started = distributed.LocalCluster(
+                        n_workers=workers,
+                        threads_per_worker=1,
+                        processes=True,
+                        dashboard_address=":0",
+                        silence_logs=logging.CRITICAL,
+                    )
+                except RuntimeError as error:  # a worker does not start
+                    raise SettingsError(
+                        f"Dask cannot start workers on this machine: {error}; they need a /dev/shm"
+                        " that can be written; use threads (--pool threads)"
+                    ) from error
             scheduler = stack.enter_context(started)
         else:
             _require_reachable(where)
         client = stack.enter_context(distributed.Client(scheduler))
-        yield stack.enter_context(DaskWorkers(client))
+        # What waits for a lost connection is cancelled already.
+        client._timeout = LOOK  # noqa: SLF001
+        watch = _Watch(client, where)
+        stack.callback(watch.ended.set)
+        try:
+            yield stack.enter_context(DaskWorkers(client))
+        except Exception:  # what Dask raises once it has no scheduler
+            if client.status == "running":
+                raise
+            raise WorkersLost(watch.reason) from None
+
+
+@contextmanager
+def _silenced() -> Iterator[None]:
+    """Keep Dask from logging in lines of its own what becomes one error of ours."""
+    loggers = [
+        logging.getLogger(name)
+        for name in logging.root.manager.loggerDict
+        if name.split(".")[0] in ("asyncio", "distributed", "tornado")
+    ]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
+
+
+class _Watch:
+    """Closes a client whose scheduler has no workers for too long, which cancels all tasks.
+
+    Attributes
+    ----------
+    ended : to be set at the end
+    reason : why the client is closed
+    """
+
+    def __init__(self, client: Any, where: str) -> None:
+        self.ended = threading.Event()
+        self.reason = f"the connection to the Dask scheduler at {where} is lost"
+        self._client, self._where = client, where
+        self._missing = 0.0
+        self._look()
+        threading.Thread(target=self._run, daemon=True).start()
+
+    def _run(self) -> None:
+        while not self.ended.wait(LOOK) and self._client.status == "running":
+            with suppress(Exception):  # the scheduler is gone, which is noticed where it is used
+                self._look()
+
+    def _look(self) -> None:
+        if self._client.ncores():
+            self._missing = 0.0
+            return
+        if not self._missing:
+            _log.warning(
+                "the Dask scheduler at %s has no workers; waiting up to %g s for one",
+                *(self._where, WITHOUT_WORKERS),
+            )
+        self._missing += LOOK
+        if self._missing > WITHOUT_WORKERS:
+            self.reason = (
+                f"the Dask scheduler at {self._where} had no workers for {WITHOUT_WORKERS:g} s;"
+                f" start some, as by: dask worker {self._where}"
+            )
+            self._client.close(timeout=LOOK)
 
 
 def _require_reachable(address: str) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from stickslip.fmi.process import cancel_all, result_of
 from stickslip.ga.arrays import Array
-from stickslip.ga.errors import CandidateFailed
+from stickslip.ga.errors import CandidateFailed, SettingsError
 
 T = TypeVar("T")
 
@@ -30,6 +30,8 @@ ALONE = 2
 """How often a candidate whose worker died is tried alone."""
 
 DIED = "the worker process that ran it died"
+
+_UNPICKLABLE = pickle.PicklingError, AttributeError, TypeError
 
 _FATAL: tuple[type[Exception], ...] = (OSError, ImportError, MemoryError, CancelledError)
 """The machine's fault, not the candidate's: the run ends, and can be resumed."""
@@ -145,15 +147,30 @@ class _Task:
 
 
 def received(future: Future[T]) -> T | None:
-    """Wait for what a worker sends, and return it; None if the worker died."""
+    """Wait for what a worker sends, and return it; None if the worker died.
+
+    Raises
+    ------
+    SettingsError
+        When what was sent to it, or its result, does not pickle.
+    """
     try:  # futures of Dask are not those of concurrent.futures
         return result_of(future) if isinstance(future, Future) else future.result()
     except BrokenExecutor:
         return None
     except Exception as error:
+        if isinstance(error, _UNPICKLABLE) and "pickle" in str(error):
+            raise _unsent(error) from None
         if type(error).__name__ == "KilledWorker":  # of distributed, which need not be there
             return None
         raise
+
+
+def _unsent(error: Exception) -> SettingsError:
+    return SettingsError(
+        f"the cost cannot be sent to another process ({error}); define its functions at the top of"
+        " a module, not as a lambda or in another function, or use threads"
+    )
 
 
 @dataclass(frozen=True)
@@ -185,8 +202,18 @@ class Packed:
     content: bytes | None
 
     @classmethod
-    def of(cls, content: bytes) -> Packed:
-        """Give a content its name."""
+    def of(cls, dumps: Callable[[Any], bytes], evaluate: Evaluate) -> Packed:
+        """Pickle a cost by a function such as ``pickle.dumps``.
+
+        Raises
+        ------
+        SettingsError
+            When it does not pickle.
+        """
+        try:
+            content = dumps(evaluate)
+        except _UNPICKLABLE as error:
+            raise _unsent(error) from None
         return cls(hashlib.sha256(content).hexdigest(), content)
 
     def keep(self) -> None:

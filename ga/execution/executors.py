@@ -47,6 +47,7 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
     ------
     SettingsError : no such place, no worker at all, no scheduler that answers at the address, or
         ``distributed`` is not installed
+    WorkersLost : the connection to the scheduler is lost, or it has had no workers for a minute
     """
     if workers < 1:
         raise SettingsError(f"workers must be at least 1, got {workers}")
@@ -94,7 +95,7 @@ class Processes(Executor):
 
     def packed(self, evaluate: Evaluate) -> Packed:
         """Return a cost as a process gets it."""
-        return Packed.of(pickle.dumps(evaluate))
+        return Packed.of(pickle.dumps, evaluate)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End the processes."""

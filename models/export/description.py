@@ -150,7 +150,7 @@ class Model:
         Raises
         ------
         StartValueError
-            When a variable does not exist, is not a parameter or lies outside its range.
+            When a variable does not exist, is not a parameter, or is given no number of its range.
         """
         variables = {v.name: v for v in self.variables}
         for name, value in start.items():
@@ -158,8 +158,13 @@ class Model:
             if variable is None or variable.role != "parameter":
                 known = ", ".join(v.name for v in self.variables if v.role == "parameter")
                 raise StartValueError(f"{self.name} has no parameter {name}; it has {known}")
-            _check_range(variable, float(value), StartValueError, self.name)
-            variables[name] = replace(variable, start=float(value))
+            try:
+                number = float(value)
+            except (TypeError, ValueError):
+                what = f"{self.name}: {name}: expected a number, got {value!r:.80}"
+                raise StartValueError(what) from None
+            _check_range(variable, number, StartValueError, self.name)
+            variables[name] = replace(variable, start=number)
         return replace(self, variables=tuple(variables.values()))
 
 

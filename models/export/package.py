@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import io
+import re
 import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import get_args
 
 from stickslip.fmi.files import atomic_write
 from stickslip.fmi.toolchain import (
@@ -18,7 +20,7 @@ from stickslip.fmi.toolchain import (
     shared_library,
     standard_functions,
 )
-from stickslip.models.errors import UnknownLaw, UnknownModel
+from stickslip.models.errors import ModelError, UnknownLaw, UnknownModel
 from stickslip.models.export.description import Model, read_model
 from stickslip.models.export.headers import table_header
 from stickslip.models.export.law import MODELS, Law, read_law, read_toml
@@ -35,6 +37,7 @@ from stickslip.models.export.sources import (
     text,
 )
 
+_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _ROOMS = ("plants", "compensators", "controllers")
 _ICON = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same bytes from the same sources
@@ -103,6 +106,19 @@ def load_model(name: str, law: str | None = None) -> Model:
     return read_model(folder, load_law(chosen) if chosen else None)
 
 
+def checked_name(name: str) -> str:
+    """Return the name of a model.
+
+    Raises
+    ------
+    ModelError
+        When it is not an identifier, which names of files and of C have to be.
+    """
+    if not _IDENTIFIER.fullmatch(name):
+        raise ModelError(f"{name!r:.80} cannot name a model: letters, digits and _ only")
+    return name
+
+
 def build_fmu(
     name: str,
     folder: Path | str,
@@ -130,13 +146,17 @@ def build_fmu(
     Raises
     ------
     UnknownModel, UnknownLaw, StartValueError
+    ModelError
+        When it cannot have the name, or there is no such version of the standard.
     toolchain.ToolchainError
         When the C does not compile.
     OSError
         When the file cannot be written.
     """
+    if fmi not in get_args(FmiVersion):
+        raise ModelError(f"fmi is {fmi!r}; expected 2 or 3")
     model = load_model(name, law).with_start(start or {})
-    model = replace(model, name=called or model.name)
+    model = replace(model, name=checked_name(called or model.name))
     # The reference holds for the start values of model.toml and law.toml.
     expected = not start and reference_file(model) is not None
     return pack_fmu(

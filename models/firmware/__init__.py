@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 from stickslip.fmi.files import atomic_write
-from stickslip.models.export.package import load_model
-from stickslip.models.firmware.c99 import c_files
+from stickslip.models.errors import ModelError
+from stickslip.models.export.package import checked_name, load_model
+from stickslip.models.firmware.c99 import c_files, struct_name
 from stickslip.models.firmware.structured_text import st_file
+from stickslip.models.firmware.words import is_reserved
 
 Language = Literal["c", "st"]
 
@@ -37,6 +39,8 @@ def write_compensator(
 
     Raises
     ------
+    ModelError
+        When it cannot have the name, or there is no such language.
     StartValueError
         When there is no such parameter, or the value is out of its range.
     UnknownModel
@@ -44,7 +48,11 @@ def write_compensator(
     OSError
         When a file cannot be written.
     """
+    if language not in get_args(Language):
+        raise ModelError(f"language is {language!r}; expected 'c' or 'st'")
     found = load_model(model, law).with_start(start or {})
-    found = replace(found, name=called or found.name)
+    found = replace(found, name=checked_name(called or found.name))
+    if language == "st" and is_reserved(struct_name(found)):
+        raise ModelError(f"{found.name!r} is a word of structured text; choose another name")
     files = c_files(found) if language == "c" else st_file(found)
     return [atomic_write(Path(folder) / name, text) for name, text in files.items()]

@@ -54,7 +54,7 @@ def c_files(model: Model) -> dict[str, str]:
 
 
 def _header(model: Model) -> str:
-    name, upper, struct = model.name, model.name.upper(), _struct(model)
+    name, upper, struct = model.name, model.name.upper(), struct_name(model)
     members = {role: fields for role in _STRUCTS if (fields := _fields(model, role))}
     inputs = "".join(f", {name}_real {field}" for field, _ in model.fields["input"])
     lines = [
@@ -109,7 +109,7 @@ def _header(model: Model) -> str:
 
 
 def _source(model: Model) -> str:
-    name, upper, struct = model.name, model.name.upper(), _struct(model)
+    name, upper, struct = model.name, model.name.upper(), struct_name(model)
     sources = [*shared_files(model), model.folder / "model.c"]
     found = pieces(path.read_text(encoding="utf-8") for path in sources)
     step = "sample" if model.sampled else "model_step"
@@ -198,7 +198,8 @@ def _time(model: Model) -> str:
     return "" if model.sampled else f", {model.name}_real h"
 
 
-def _struct(model: Model) -> str:
+def struct_name(model: Model) -> str:
+    """Return how the types in the code begin, and the block of structured text is named."""
     return "".join(word.capitalize() for word in model.name.split("_"))
 
 

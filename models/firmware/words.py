@@ -24,12 +24,17 @@ def literal(value: float) -> str:
     return (mantissa if "." in mantissa else f"{mantissa}.0") + exponent.upper() + power
 
 
+def is_reserved(name: str) -> bool:
+    """Whether a name is a word of the language, in upper or lower case."""
+    return name.lower() in _RESERVED.split()
+
+
 def distinct(names: Iterable[str]) -> dict[str, str]:
     """Return names that differ by more than case and are not words of the language."""
     found: dict[str, str] = {}
     for name in names:
         new, taken = name, {other.lower() for other in found.values()}
-        while new.lower() in taken | {*_RESERVED.split()}:
+        while new.lower() in taken or is_reserved(new):
             new += "_1" if new == name else "1"
         found[name] = new
     return found

@@ -15,6 +15,8 @@ from stickslip.models.lti.realisation import realise
 
 Array = NDArray[np.float64]
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_LONGEST = 255
+"""Characters of a name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +67,11 @@ class LinearSystem:
         for name in names:
             if not name.strip() or not name.isprintable() or names.count(name) > 1:
                 raise LtiError(f"{self.name}: {name!r} cannot name a variable: empty or taken")
+            if len(name) > _LONGEST:
+                raise LtiError(
+                    f"{self.name}: {name[:20]!r}... cannot name a variable: {len(name)} characters,"
+                    f" expected at most {_LONGEST}"
+                )
 
 
 def linear_system(

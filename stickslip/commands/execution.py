@@ -11,7 +11,7 @@ from stickslip import ga
 from stickslip.commands import FLAG, add_options, at_least
 from stickslip.errors import UsageError
 from stickslip.ga.execution.checkpoint import check
-from stickslip.tuning.execution import Execution, processors
+from stickslip.tuning.execution import Execution, processors, stopped
 
 
 def add_algorithm_option(parser: argparse.ArgumentParser, *aliases: str) -> None:
@@ -83,14 +83,12 @@ def execution_of(options: argparse.Namespace, checkpoint: Path | None) -> Iterat
         check(path)
     try:
         yield execution
-    except KeyboardInterrupt as interruption:
+    except (KeyboardInterrupt, ga.WorkersLost) as stop:
         kept = _kept(execution, options)
-        if not kept or (isinstance(interruption, ga.Interrupted) and _seeds(options) == 1):
+        if not kept or (isinstance(stop, ga.Interrupted) and _seeds(options) == 1):
             raise
-        raise KeyboardInterrupt(
-            f"interrupted; the state of the search is kept in {', '.join(map(str, kept))}; "
-            "continue with --resume"
-        ) from None
+        files = ", ".join(map(str, kept))
+        raise stopped(stop, f"the state of the search is kept in {files}") from None
     if options.checkpoint is None:
         for path in _kept(execution, options):
             path.unlink(missing_ok=True)

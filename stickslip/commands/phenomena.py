@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip import models
+from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write
 from stickslip.output import Answer
 
@@ -30,6 +31,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> Answer:
     """Print a row for each phenomenon and a column for each law, or draw the published figures."""
     if options.published:
+        if options.published.suffix.lower() != ".png":
+            raise UsageError(f"{options.published}: expected a file name that ends in .png")
         from stickslip.report.canudas_1995 import draw_published
 
         return Answer({"written": [atomic_write(options.published, draw_published())]})

@@ -86,13 +86,13 @@ def _limits(options: argparse.Namespace) -> tuple[Limits, Unit]:
         When one cannot be read, or their units belong to different motions.
     """
     values: dict[str, Any] = {}
-    units: dict[str, Unit] = {}
+    units: list[tuple[str, Unit]] = []
 
     def read(name: str, text: str, quantity: str) -> float:
         kinds = [kind[quantity] for kind in QUANTITIES.values() if quantity in kind]
         value, unit = parse_quantity(text, f"--{name}", kinds or [quantity])
         if unit:
-            units[name] = unit
+            units.append((name, unit))
         return value
 
     for name, (quantity, *_) in _OPTIONS.items():
@@ -106,14 +106,12 @@ def _limits(options: argparse.Namespace) -> tuple[Limits, Unit]:
     if options.rate is not None:
         values["rate"] = options.rate
     linear: Motion = "linear"
-    motions: dict[str, Motion] = {
-        name: motion for name, unit in units.items() if (motion := motion_of(unit))
-    }
-    chosen: Motion = options.motion or next(iter(motions.values()), linear)
-    for name, other in motions.items():
-        if other != chosen:
-            raise UsageError(f"--{name} is in {units[name].name}, but the motion is {chosen}")
-    lengths = [unit_named(unit.name.split("/")[0]) for unit in units.values()]
+    motions = [motion for _, unit in units if (motion := motion_of(unit))]
+    chosen: Motion = options.motion or next(iter(motions), linear)
+    for name, unit in units:
+        if motion_of(unit) not in (None, chosen):
+            raise UsageError(f"--{name} is in {unit.name}, but the motion is {chosen}")
+    lengths = [unit_named(unit.name.split("/")[0]) for _, unit in units]
     kind = QUANTITIES[chosen]["position"]
     given = [unit for unit in lengths if unit and unit.quantity == kind]
     fallback = Unit("rad", "angle", 1.0) if chosen == "rotary" else Unit("m", "length", 1.0)

@@ -43,7 +43,8 @@ def run(options: argparse.Namespace) -> Answer:
 
     for name in ("rate", "heartbeat"):
         if not 0.0 < getattr(options, name) < 1e6:
-            raise UsageError(f"--{name} {getattr(options, name)}: expected more than 0")
+            got = getattr(options, name)
+            raise UsageError(f"--{name} {got}: expected more than 0 and less than 1e6")
     if not 0 <= options.port < 2**16:
         raise UsageError(f"--port {options.port}: expected 0 to 65535")
     ports = Ports(options.input, options.position, options.force)

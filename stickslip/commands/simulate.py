@@ -97,6 +97,10 @@ def run(options: argparse.Namespace) -> Answer:
         raise UsageError("--look is for --real-time; give it")
     if options.hold and not options.input:
         raise UsageError("--hold names columns of --input; give one")
+    read = [file.resolve() for file in (options.file, options.input) if file]
+    for option in ("out", "save", "plot"):
+        if (file := getattr(options, option)) and file.resolve() in read:
+            raise UsageError(f"--{option} {file}: is what the run reads; choose another name")
     with ExitStack() as folders:
         for file in (options.out, options.plot):
             if file and file != WINDOW:

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from stickslip import ga
 from stickslip.errors import UsageError
 from stickslip.fleet.job import learn_drive
 from stickslip.fleet.table import Drive, LogSource
 from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
 from stickslip.results.folder import MANIFEST, UNFINISHED, complete, refuse_foreign, staged
 from stickslip.results.learned import SCHEMA, versions
-from stickslip.tuning.execution import Execution
+from stickslip.tuning.execution import Execution, stopped
 from stickslip.tuning.jobs import Job, Outcome, run_jobs
 
 TABLE = "fleet.csv"
@@ -96,11 +97,9 @@ def learn_fleet(
     left = [drive for drive in drives if drive.name not in learned]
     try:
         run_jobs(job, left, seed, execution.where, execution.workers, take)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            f"interrupted; {len(learned)} of {len(drives)} drives are learned and kept in "
-            f"{folder}; continue with --resume"
-        ) from None
+    except (KeyboardInterrupt, ga.WorkersLost) as stop:
+        done = f"{len(learned)} of {len(drives)} drives are learned and kept in {folder}"
+        raise stopped(stop, done) from None
     return Fleet(drives, learned, reasons, kept)
 
 

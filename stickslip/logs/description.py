@@ -104,6 +104,14 @@ class Description:
         for role in self.columns:
             if role not in ROLES:
                 raise UsageError(f"no column has the role '{role}'{suggestion(role, ROLES)}")
+        for role, column in self.columns.items():
+            if not isinstance(column, Column):
+                raise UsageError(f"columns: {role}: expected a Column, got {column!r:.80}")
+        for name in ("sample_period", "tau_i"):
+            if not isinstance(value := getattr(self, name), int | float | None):
+                raise UsageError(f"{name} = {value!r:.80}: expected a number, in s")
+        if self.span is not None and not (len(self.span) == 2 and all(map(_is_number, self.span))):
+            raise UsageError(f"span = {self.span!r:.80}: expected begin and end, in s")
         if self.motion not in (None, "linear", "rotary"):
             raise UsageError(f"motion '{self.motion}': expected linear or rotary")
         check_gains(self.controller, self.gains)

@@ -114,7 +114,7 @@ def _low_passed(recording: Recording) -> Finding | None:
     every = rigid_columns(motion, recording.T_s)
     force = spline(recording.t + late)
     plain, mass = _fitted(drive.columns, force[drive.used])
-    if plain < EXACT**2 * float(np.sum(drive.force[drive.used] ** 2)):
+    if plain <= EXACT**2 * float(np.sum(drive.force[drive.used] ** 2)):
         return None
     trials = []
     for lag in LAGS:

@@ -69,9 +69,6 @@ def arrange(limits: Limits = LINEAR, show: Collection[str] = ()) -> tuple[Stretc
     UsageError
         When ``show`` names no parameter.
     """
-    for name in show:
-        if name not in PAPER:
-            raise UsageError(f"cannot show '{name}': expected one of {', '.join(PAPER)}")
     return _laid_out(limits, show)[0]
 
 
@@ -116,6 +113,9 @@ def _laid_out(limits: Limits, show: Collection[str]) -> tuple[tuple[Stretch, ...
     Where the range that the parts need does not lie around the start, the drive first moves to
     where it does, and back at the end.
     """
+    for name in [show] if isinstance(show, str) else show:
+        if name not in PAPER or isinstance(show, str):
+            raise UsageError(f"cannot show {show!r}: expected a list of {', '.join(PAPER)}")
     n = round(limits.duration * limits.rate)
     rest = max(1, round(REST * n))
     least = 0

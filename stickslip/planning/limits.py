@@ -4,8 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from numbers import Real
 
 from stickslip.errors import UsageError
+
+
+def _is_like(value: object, model: object) -> bool:
+    """Whether a value is a number, or as many numbers as another."""
+    if isinstance(model, tuple):
+        return (
+            isinstance(value, tuple | list)
+            and len(value) == len(model)
+            and all(map(_is_like, value, model))
+        )
+    return isinstance(value, Real)
 
 
 @dataclass(frozen=True)
@@ -28,7 +40,8 @@ class Limits:
     Raises
     ------
     UsageError
-        When a value is not positive, a range is upside down, or there are too few samples.
+        When a value is not positive, a range is upside down or too small for the smallest move,
+        or there are too few samples.
     """
 
     stroke: float = 0.1
@@ -45,6 +58,11 @@ class Limits:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
+            if not _is_like(value, field.default):
+                raise UsageError(
+                    f"{field.name} = {value!r}: expected"
+                    f" {'two numbers' if isinstance(field.default, tuple) else 'a number'}"
+                )
             if field.name in ("jerk", "travel"):
                 continue
             for number in value if isinstance(value, tuple) else (value,):
@@ -57,6 +75,11 @@ class Limits:
         low, high = self.travel
         if not low <= 0.0 <= high or not high > low:
             raise UsageError(f"travel = {low:g} to {high:g}: expected a range that contains 0")
+        if self.room < self.presliding[0]:
+            raise UsageError(
+                f"stroke and travel leave {self.room:g} m or rad; expected at least"
+                f" {self.presliding[0]:g}, the smallest of the small moves"
+            )
         if self.duration < 2.0:
             raise UsageError(f"duration = {self.duration:g} s: expected at least 2 s")
         if not 100.0 <= self.rate <= 1e5:

@@ -30,7 +30,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip.catalog.parameters import estimated, friction_law, start_unit, unit_of
-from stickslip.cosim import Simulation, Trapezoid
+from stickslip.cosim import SignalError, Simulation, Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.evaluation.guards import Drive, Hold, Known, family
@@ -72,6 +72,7 @@ LOOP_UNITS = {
 }
 DATASHEET = {"peak_force": "N", "tau_i": "s", "encoder_step": "m", "encoder_noise": "m"}
 TRAPEZOID = {"height": "m/s", "slope": "m/s2", "plateau": "s", "begin": "s"}
+_UNITS = {"loop": LOOP_UNITS, "validation": TRAPEZOID, "datasheet": DATASHEET}
 _GAINS = ("L_x", "L_v", "L_d")
 _AXIS = ("m", "b", "tau_i")
 _LOOP = ("T_s", "tau_f", "K_p", "K_i")
@@ -619,12 +620,16 @@ class LearnedFile:
         entry = self._entry("validation")
         if entry is None:
             return VALIDATION
-        if set(entry) != set(TRAPEZOID) or not entry["slope"] > 0.0 or not entry["height"]:
+        names = set(entry) == set(TRAPEZOID)
+        if not names or not entry["height"] or not min(entry["plateau"], entry["begin"]) >= 0.0:
             raise UsageError(
                 f"{self.path}: validation: expected {', '.join(TRAPEZOID)}, slope above 0, "
-                f"height not 0; got {entry}"
+                f"height not 0, times of 0 or more; got {entry}"
             )
-        return Trapezoid(**entry)
+        try:
+            return Trapezoid(**entry)
+        except SignalError as error:
+            raise UsageError(f"{self.path}: validation: {error}") from None
 
     @property
     def datasheet(self) -> Datasheet:
@@ -675,14 +680,31 @@ class LearnedFile:
         entry = self.document.get(name)
         return None if entry is None else self._values(name, entry)
 
+    def _check_units(self, entry: str, stated: Mapping[str, Any]) -> None:
+        """Raise where a value is not stated in the unit in which it is read."""
+        units: Mapping[str, str] = _UNITS.get(entry, {})
+        if entry == "parameters":
+            known = (name for name in stated if name in self.law.parameters or name in _AXIS[:2])
+            units = {name: unit_of(name, rotary=self.rotary) for name in known}
+        for name, unit in stated.items():
+            expected = units.get(name, unit)
+            if unit != expected:
+                raise UsageError(
+                    f"{self.path}: {entry}: {name} is in {unit!r:.40}; expected {expected}, in"
+                    " which it is read"
+                )
+
     def _values(self, name: str, entry: Any) -> dict[str, float]:
         """Return the finite values of an entry by name."""
         try:
             values = {key: float(item["value"]) for key, item in entry.items()}
-            if all(map(math.isfinite, values.values())):
-                return values
+            finite = all(map(math.isfinite, values.values()))
+            stated = {key: unit for key, item in entry.items() if (unit := item.get("unit"))}
         except _UNFIT:
-            pass
+            finite = False
+        if finite:
+            self._check_units(name, stated)
+            return values
         raise UsageError(
             f"{self.path}: {name}: expected names, each with a finite value and a unit; "
             f"got {entry!r:.80}"

@@ -32,6 +32,17 @@ COMMISSIONING = LoopSpecification(bandwidth=50.0, phase_margin=60.0, T_s=5e-4, t
 """The loop of a recording: soft, so that it bears a third and three times its nominal mass."""
 
 
+def _values(what: str, given: object) -> Array:
+    """Return numbers as an array (n,)."""
+    try:
+        values = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        values = np.empty((0, 0))
+    if values.ndim != 1 or not len(values):
+        raise UsageError(f"{what}: expected numbers (n,), got {' '.join(str(given).split())[:80]}")
+    return values
+
+
 @dataclass(frozen=True)
 class Command:
     """One motion, a value each sample; it has a velocity or a force.
@@ -47,7 +58,8 @@ class Command:
     Raises
     ------
     UsageError
-        When it has velocity and force, or neither, or values that are not finite or not n.
+        When T_s is not above 0, or it has velocity and force, or neither, or values that are not
+        finite numbers or not n.
     """
 
     T_s: float
@@ -59,6 +71,12 @@ class Command:
     def __post_init__(self) -> None:
         if (self.velocity is None) == (self.force is None):
             raise UsageError("a command has a velocity or a force; expected one of them")
+        if not 0.0 < self.T_s < np.inf:
+            raise UsageError(f"command: T_s = {self.T_s} s; expected more than 0")
+        for name in ("velocity", "added_force", "force"):
+            values = getattr(self, name)
+            if values is not None:
+                object.__setattr__(self, name, _values(f"command: {name}", values))
         for name, values in self.signals.items():
             if len(values) != len(self) or not np.isfinite(values).all():
                 raise UsageError(f"command: {name} has not {len(self)} finite values")
@@ -85,11 +103,23 @@ class Log:
     t : (n,) [s]
     x_enc : (n,) position shown by the encoder, from where motions begin [m]
     F_m : (n,) motor force, from the current [N]
+
+    Raises
+    ------
+    UsageError
+        When they are not numbers, or not equally many.
     """
 
     t: Array
     x_enc: Array
     F_m: Array
+
+    def __post_init__(self) -> None:
+        for name in ("t", "x_enc", "F_m"):
+            object.__setattr__(self, name, _values(f"log: {name}", getattr(self, name)))
+        if not len(self.t) == len(self.x_enc) == len(self.F_m):
+            sizes = f"{len(self.t)}, {len(self.x_enc)} and {len(self.F_m)}"
+            raise UsageError(f"log: t, x_enc and F_m have {sizes} values; expected equally many")
 
     def table(self) -> pd.DataFrame:
         """Return time [s], position [m] and force [N], as a log is read by ``stickslip learn``."""
@@ -188,10 +218,16 @@ class Rig(ABC):
         RigError
             When the motion did not end as commanded, or it is not known how it ended.
         """
-        if self.limits is None:
-            return self.move(command)
-        refuse(self.limits, command)
+        if self.limits is not None:
+            refuse(self.limits, command)
         log = self.move(command)
+        if len(log.t) != len(command):
+            raise RigError(
+                f"{self.name}: a log of {len(log.t)} samples; expected {len(command)}, as many as "
+                "the command has"
+            )
+        if self.limits is None:
+            return log
         watch, velocity = Watch(self.limits, self.T_s), command.velocity
         commanded = [None] * len(command) if velocity is None else velocity.tolist()
         samples = zip(log.t, log.x_enc.tolist(), log.F_m.tolist(), commanded, strict=True)

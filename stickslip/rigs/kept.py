@@ -5,16 +5,21 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 
 from stickslip.errors import LimitError, RigError
-from stickslip.fmi.files import atomic_write
+from stickslip.fmi.files import MOST_TEXT, atomic_write, parse_json, read_limited
 from stickslip.rigs.contract import Command, Log, Rig
 from stickslip.rigs.lines import LOOP
 from stickslip.servo.velocity_loop import VelocityLoop
+
+_LOG = ("t", "x_enc", "F_m")
 
 
 class KeptRig(Rig):
@@ -49,21 +54,25 @@ class KeptRig(Rig):
         Raises
         ------
         RigError
-            When the folder is of another run, or the motion was begun before and has no log.
+            When the folder is of another run, a file in it is damaged, or the motion was begun
+            before and has no log.
         """
         self._motion += 1
         kept = self._folder / f"motion-{self._motion:04d}.npz"
         begun = kept.with_suffix(".json")
         key = _key_of(command)
-        if kept.is_file():
-            with np.load(kept, allow_pickle=False) as content:
-                self._compare(kept, str(content["command"]), key)
-                return Log(*(content[name] for name in ("t", "x_enc", "F_m")))
-        if begun.is_file():
-            state = json.loads(begun.read_text(encoding="utf-8"))
-            self._compare(begun, state["command"], key)
-            if state["limit"]:
-                raise LimitError(state["limit"])
+        if kept.exists():
+            with _readable(kept), np.load(kept, allow_pickle=False) as content:
+                asked, log = str(content["command"]), Log(*(content[name] for name in _LOG))
+            self._compare(kept, asked, key)
+            return log
+        if begun.exists():
+            with _readable(begun):
+                state = parse_json(read_limited(begun, MOST_TEXT))
+                asked, limit = str(state["command"]), str(state["limit"])
+            self._compare(begun, asked, key)
+            if limit:
+                raise LimitError(limit)
             raise RigError(
                 f"{begun}: motion {self._motion} of {len(command) * self.T_s:.4g} s was begun and "
                 "has no log; it is not repeated by itself. Look at the drive, then delete this "
@@ -76,7 +85,7 @@ class KeptRig(Rig):
             atomic_write(begun, json.dumps({"command": key, "limit": str(fault)}))
             raise
         stream = io.BytesIO()
-        content = {"command": key, "t": log.t, "x_enc": log.x_enc, "F_m": log.F_m}
+        content = {"command": key, **{name: getattr(log, name) for name in _LOG}}
         np.savez(stream, **cast("Any", content | command.signals))
         atomic_write(kept, stream.getvalue())
         begun.unlink()
@@ -88,6 +97,18 @@ class KeptRig(Rig):
                 f"{file}: is of another command than motion {self._motion} of this run; expected "
                 "the same program, settings and version. Use another folder for another run"
             )
+
+
+@contextmanager
+def _readable(file: Path) -> Iterator[None]:
+    """Raise a RigError where a file is damaged."""
+    try:
+        yield
+    except (OSError, LookupError, TypeError, ValueError, EOFError, zipfile.BadZipFile) as fault:
+        raise RigError(
+            f"{file}: is damaged ({' '.join(str(fault).split())}); a motion is not repeated by "
+            "itself. Look at the drive, then delete this file to run the motion again"
+        ) from None
 
 
 def _key_of(command: Command) -> str:

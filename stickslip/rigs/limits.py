@@ -26,7 +26,7 @@ class RigLimits:
     Raises
     ------
     UsageError
-        When a limit is not positive, or the travel does not contain 0.
+        When a limit is not a positive number, or the travel does not contain 0.
     """
 
     travel: tuple[float, float]
@@ -35,10 +35,17 @@ class RigLimits:
     following_error: float
 
     def __post_init__(self) -> None:
-        for name in ("speed", "force", "following_error"):
-            if not getattr(self, name) > 0.0:
-                raise UsageError(f"{name} = {getattr(self, name)}: expected more than 0")
-        if not self.travel[0] < 0.0 < self.travel[1]:
+        try:
+            for name in ("speed", "force", "following_error"):
+                if not getattr(self, name) > 0.0:
+                    raise UsageError(f"{name} = {getattr(self, name)}: expected more than 0")
+            low, high = self.travel
+            around = low < 0.0 < high
+        except (TypeError, ValueError) as fault:
+            if isinstance(fault, UsageError):
+                raise
+            raise UsageError(f"{self}: expected numbers, and two of them as travel") from None
+        if not around:
             raise UsageError(f"travel = {self.travel}: expected a range around 0")
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.cosim.signals.signals import Array
+from stickslip.fmi.files import parse_json
 
 PROTOCOL = 1
 LOOP = ("K_p", "K_i", "tau_f", "m_ff", "K_x", "velocity_feedforward")
@@ -45,13 +46,13 @@ class Lines:
         Raises
         ------
         ValueError
-            When a line is too long or is not a JSON object.
+            When a line is too long or is not a JSON object, or is nested too deeply.
         """
         *lines, self._rest = (self._rest + received).split(b"\n")
         if len(self._rest) > LONGEST:
             raise ValueError(f"a line is longer than {LONGEST} bytes")
         for line in lines:
-            message = json.loads(line)
+            message = parse_json(line)
             if not isinstance(message, dict):
                 raise ValueError("a line is not a JSON object")  # noqa: TRY004 - what was received
             yield message

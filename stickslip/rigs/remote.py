@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import secrets
 import socket
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, replace
 from typing import Any, Self
 
@@ -26,6 +28,12 @@ RETURNS, RETURN_SPEED, DWELL, K_X = 5, 0.02, 0.5, 20.0
 """Most moves back to 0, their speed [m/s], rest at their end [s] and position gain [1/s]."""
 MARGIN = 1e-3
 """By how much a move back may overshoot where it begins [m]."""
+STALL = 10.0
+"""After which a motion is given up of which no sample arrives [s]."""
+
+
+class _Refused(RigError):
+    """The server refused a request; nothing came of it."""
 
 
 class SocketRig(Rig):
@@ -47,6 +55,8 @@ class SocketRig(Rig):
     ------
     RigError
         When nobody answers, or not with this protocol.
+    UsageError
+        When the address is not of this form.
     """
 
     def __init__(
@@ -60,17 +70,19 @@ class SocketRig(Rig):
         retry: float = 0.1,
     ) -> None:
         host, _, port = address.rpartition(":")
-        if not (host and port.isdigit()):
-            raise UsageError(f"rig {address!r}: expected HOST:PORT")
+        if not (host and port.isascii() and port.isdigit() and 0 < int(port) < 2**16):
+            raise UsageError(f"rig {address!r}: expected HOST:PORT, a port from 1 to 65535")
         self.name, self._place = address, (host, int(port))
         self._patience, self._retry = patience, retry
         self._session = secrets.token_hex(8)
         self._socket: socket.socket | None = None
         self._seq, self._heard = 0, 0.0
-        hello = self._request("hello", protocol=PROTOCOL)
-        super().__init__(datasheet, float(hello["T_s"]), limits, law)
+        try:
+            super().__init__(datasheet, self._greet(), limits, law)
+        except BaseException:
+            self._disconnect()
+            raise
         self._limits = limits
-        self._heartbeat, self._motion = float(hello["heartbeat"]), int(hello["last"])
 
     def move(self, command: Command) -> Log:
         """Move back to 0 if the drive stands elsewhere, run a motion, and return its log."""
@@ -87,10 +99,25 @@ class SocketRig(Rig):
     def __enter__(self) -> Self:
         return self
 
+    def _greet(self) -> float:
+        """Say hello, and return the drive's sample period [s]."""
+        hello = self._request("hello", protocol=PROTOCOL)
+        with self._understood("hello"):
+            T_s, self._heartbeat = float(hello["T_s"]), float(hello["heartbeat"])
+            self._motion = self._number = int(hello["last"])
+            spoken = hello["protocol"]
+            if not (0.0 < T_s < math.inf and 0.0 < self._heartbeat < math.inf):
+                raise ValueError(f"T_s = {T_s} s, heartbeat = {self._heartbeat} s")
+            if spoken != PROTOCOL:
+                raise ValueError(f"protocol {spoken!r}")
+        return T_s
+
     def _return(self) -> None:
         """Move to 0, by a position loop around the velocity loop."""
         for _ in range(RETURNS):
-            x = float(self._request("read", motion=self._motion, **{"from": 0})["position"])
+            reply = self._request("read", motion=self._motion, **{"from": 0})
+            with self._understood("read"):
+                x = float(reply["position"])
             if abs(x) <= NEAR:
                 return
             speed = min(RETURN_SPEED, 0.5 * self._limits.speed)
@@ -111,33 +138,54 @@ class SocketRig(Rig):
     def _run(self, command: Command, limits: RigLimits) -> Log:
         """Load a motion, start it, and read its log until the drive is at rest."""
         signals, n = command.signals, len(command)
-        motion = self._motion + 1
+        self._number += 1  # also after a motion that was refused
+        motion, before = self._number, self._motion
         begin = 0
         while begin < n:
             part = {name: one[begin : begin + CHUNK].tolist() for name, one in signals.items()}
             values = {"from": begin, "values": part}
-            begin = int(self._request("load", motion=motion, **values)["loaded"])
+            reply = self._request("load", motion=motion, **values)
+            with self._understood("load"):
+                if int(reply["loaded"]) <= begin:
+                    raise ValueError(f"loaded {reply['loaded']}, after {begin}")
+                begin = int(reply["loaded"])
         loop = {name: getattr(command.loop, name) for name in LOOP}
         x: list[float] = []
         F: list[float] = []
         try:
             self._motion = motion
             start = {"samples": n, "crc": crc_of(signals), "loop": loop, "limits": asdict(limits)}
-            self._request("start", motion=motion, **start)
+            try:
+                self._request("start", motion=motion, **start)
+            except _Refused:
+                self._motion = before
+                raise
+            moved = time.monotonic()
             while True:
                 reply = self._request("read", motion=motion, **{"from": len(x)})
-                x += reply["values"]["x_enc"]
-                F += reply["values"]["F_m"]
-                if len(x) == reply["samples"]:
-                    if reply["state"] in ("done", "aborted"):
+                with self._understood("read"):
+                    new, state = reply["values"], str(reply["state"])
+                    limit, reason = bool(reply["limit"]), str(reply["reason"])
+                    x += map(float, new["x_enc"])
+                    F += map(float, new["F_m"])
+                    complete = len(x) == len(F) == reply["samples"]
+                if new["x_enc"]:
+                    moved = time.monotonic()
+                if time.monotonic() - moved > STALL:
+                    state, limit = "aborted", False
+                    reason = f"{len(x)} samples arrived, and none for {STALL:g} s; look at it"
+                    self._stop(motion)
+                    break
+                if complete:
+                    if state in ("done", "aborted"):
                         break
                     time.sleep(min(0.02, 0.1 * self._heartbeat))
         except BaseException:
             self._stop(motion)
             raise
-        if reply["state"] == "aborted" or len(x) != n:
-            kind = LimitError if reply["limit"] else RigError
-            raise kind(f"{self.name}: motion {motion} of {n * self.T_s:.4g} s: {reply['reason']}")
+        if state == "aborted" or len(x) != n:
+            kind = LimitError if limit else RigError
+            raise kind(f"{self.name}: motion {motion} of {n * self.T_s:.4g} s: {reason}")
         return Log(np.asarray(np.arange(n) * self.T_s), np.array(x), np.array(F))
 
     def _stop(self, motion: int) -> None:
@@ -167,14 +215,27 @@ class SocketRig(Rig):
                 continue
             if reply is None:
                 continue
-            self._heard = max(self._heard, float(reply["clock"]))
+            with self._understood(what):
+                self._heard = max(self._heard, float(reply["clock"]))
             if "error" in reply:
-                raise RigError(f"{self.name} refuses to {what}: {reply['error']}")
+                why = " ".join(str(reply["error"]).split())
+                raise _Refused(f"{self.name} refuses to {what}: {why}")
             return reply
         raise RigError(
             f"{self.name}: connection lost for {self._patience:g} s ({why}); the drive stops by "
             "itself. Look at it before going on: a motion is not repeated"
         )
+
+    @contextmanager
+    def _understood(self, what: str) -> Iterator[None]:
+        """Raise a RigError where what an answer should contain is missing or is something else."""
+        try:
+            yield
+        except (LookupError, TypeError, ValueError, OverflowError) as fault:
+            raise RigError(
+                f"{self.name}: its answer to '{what}' is not of protocol {PROTOCOL}: "
+                f"{type(fault).__name__} {fault}"
+            ) from None
 
     def _exchange(self, what: str, fields: dict[str, Any], first: int) -> dict[str, Any] | None:
         """Send a request once and wait for an answer to it, also to one sent before."""

@@ -129,7 +129,14 @@ class ServedDrive:
         loop: Mapping[str, float],
         limits: RigLimits,
     ) -> None:
-        """Begin a motion, with signals of a ``Command`` and parameters of the controller."""
+        """Begin a motion, with signals of a ``Command`` and parameters of the controller.
+
+        Raises
+        ------
+        CallFailed
+            When the controller does not take its parameters; then nothing has begun.
+        """
+        self._controller.begin(T_s=self.T_s, x_enc=self.position, **loop)
         self._signals = {name: values.tolist() for name, values in signals.items()}
         self._n = len(next(iter(self._signals.values())))
         self._begin = self.position
@@ -137,8 +144,6 @@ class ServedDrive:
         self._last: deque[float] = deque(maxlen=21)
         self.x, self.F = [], []
         self.state, self.motion, self.reason, self.at_limit = "moving", motion, "", False
-        if "F" not in self._signals:
-            self._controller.begin(T_s=self.T_s, x_enc=self.position, **self._loop)
 
     def abort(self, reason: str, *, at_limit: bool = False) -> None:
         """Stop the motion, if there is one."""

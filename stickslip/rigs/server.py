@@ -6,12 +6,14 @@ import selectors
 import socket
 import time
 from collections.abc import Callable, Mapping
-from typing import Any
+from contextlib import suppress
+from typing import Any, cast
 
 import numpy as np
 
 from stickslip.errors import UsageError
 from stickslip.fmi.process import check_interruption
+from stickslip.fmucheck.running.calls import CallFailed
 from stickslip.rigs.limits import RigLimits
 from stickslip.rigs.lines import CHUNK, LOOP, PROTOCOL, Lines, crc_of, line_of
 from stickslip.rigs.served_drive import ServedDrive
@@ -20,6 +22,8 @@ BURST = 100
 """Most samples between two looks at the sockets."""
 MOST = 2_000_000
 """Most samples of a motion."""
+CONNECTIONS = 50
+"""Most connections at a time; further ones are closed."""
 SIGNALS = ("F", "F_ff", "a_cmd", "v_cmd", "x_cmd")
 
 
@@ -92,12 +96,10 @@ class Server:
     def _answer_all(self, wait: float) -> None:
         for key, _ in self._selector.select(wait):
             if key.fileobj is self._listener:
-                connection, _ = self._listener.accept()
-                connection.settimeout(1.0)
-                connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-                self._selector.register(connection, selectors.EVENT_READ, Lines())
+                with suppress(OSError):  # the connection is lost already
+                    self._accept()
                 continue
-            connection = key.fileobj  # type: ignore[assignment]
+            connection = cast("socket.socket", key.fileobj)
             try:
                 received = connection.recv(65536)
                 for message in key.data.messages(received):
@@ -108,6 +110,15 @@ class Server:
                 pass  # lost, or not of this protocol
             self._selector.unregister(connection)
             connection.close()
+
+    def _accept(self) -> None:
+        connection, _ = self._listener.accept()
+        if len(self._selector.get_map()) > CONNECTIONS:
+            connection.close()
+            return
+        connection.settimeout(1.0)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._selector.register(connection, selectors.EVENT_READ, Lines())
 
     def _answer(self, message: Mapping[str, Any]) -> dict[str, Any]:
         found: dict[str, Any] = {"seq": message.get("seq")}
@@ -194,7 +205,10 @@ class Server:
             checked = RigLimits((float(low), float(high)), **numbers)
         except UsageError as fault:
             raise Refusal(str(fault)) from None
-        drive.start(motion, signals, loop, checked)
+        try:
+            drive.start(motion, signals, loop, checked)
+        except CallFailed as fault:
+            raise Refusal(f"motion {motion}: the controller refuses its loop: {fault}") from None
         self._loaded, self._due, self.late = {}, time.monotonic(), 0.0
         return {"state": self._state}
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from numbers import Real
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +37,9 @@ class Axis:
     tau_i: float = 0.0
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         check("m", self.m, "kg", self.m > 0.0, "above 0")
+        check("m", self.m, "kg", 1e-12 < self.m < 1e12, "1e-12 to 1e12")
         check("b", self.b, "N s/m", True, "a number")
         check("tau_i", self.tau_i, "s", self.tau_i >= 0.0, "0 or above")
 
@@ -84,6 +87,13 @@ def _period(axis: Axis, T_s: float) -> tuple[Array, Array, Array]:
     for array in found:
         array.flags.writeable = False
     return found
+
+
+def check_numbers(given: Any) -> None:
+    """Raise a ControlError unless all fields of a dataclass are numbers."""
+    for one in fields(given):
+        if not isinstance(value := getattr(given, one.name), Real):
+            raise ControlError(f"{one.name} is {value!r:.80}; expected a number")
 
 
 def check(name: str, value: float, unit: str, holds: bool, expected: str) -> None:

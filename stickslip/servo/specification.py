@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stickslip.servo.axis import check
+from stickslip.servo.axis import check, check_numbers
 
 _SLOWEST = 1e-5  # of the sample rate; below, poles in z differ from 1 by too few digits
 
@@ -32,6 +32,7 @@ class LoopSpecification:
     tau_f: float = 0.0
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         check("T_s", self.T_s, "s", self.T_s > 0.0, "above 0")
         check("tau_f", self.tau_f, "s", self.tau_f >= 0.0, "0 or above")
         inside = 0.0 < self.phase_margin < 180.0

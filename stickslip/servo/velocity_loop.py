@@ -193,6 +193,8 @@ def close_velocity_loop(
     """
     check("T_s", T_s, "s", T_s > 0.0, "above 0")
     check("tau_f", tau_f, "s", tau_f >= 0.0, "0 or above")
+    check("K_p", K_p, "N s/m", True, "a number")
+    check("K_i", K_i, "N/m", True, "a number")
     # I+ = I + T_s K_i e,  u = K_p e + I+
     names = {"name": "controller", "inputs": "e", "outputs": "u_pi"}
     controller = control.ss(1.0, T_s * K_i, 1.0, K_p + T_s * K_i, T_s, **names)

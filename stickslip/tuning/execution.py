@@ -49,3 +49,10 @@ def processors() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def stopped(stop: KeyboardInterrupt | ga.WorkersLost, kept: str) -> BaseException:
+    """Return the same error, which also says what is kept and how to go on."""
+    if isinstance(stop, ga.WorkersLost):
+        return ga.WorkersLost(f"{stop}; {kept}; continue with --resume")
+    return KeyboardInterrupt(f"interrupted; {kept}; continue with --resume")

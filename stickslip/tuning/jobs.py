@@ -6,7 +6,7 @@ import os
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import CancelledError, Future
+from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import parent_process
@@ -71,7 +71,7 @@ def run_jobs(
     ------
     KeyboardInterrupt
         At Ctrl-C, when all jobs have ended.
-    StickslipError
+    WorkersLost
         When the cluster is gone.
     """
     with threadpool_limits(limits=1, user_api="blas"), ga.executor(where, workers) as executor:
@@ -90,10 +90,6 @@ def run_jobs(
             suspects = _together(submit, items, at_once, on_done)
             for item in suspects:
                 on_done(item, _alone(submit, item))
-        except CancelledError:
-            raise StickslipError(
-                f"the workers at {where} are gone; continue with --resume when they are back"
-            ) from None
         finally:
             stop.set()
 

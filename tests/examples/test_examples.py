@@ -11,6 +11,7 @@ import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from runpy import run_path
 
 import fmpy
 import numpy as np
@@ -68,8 +69,19 @@ def find(pattern: str, text: str) -> list[float]:
 
 def test_every_example_is_tested():
     assert sorted(path.stem for path in (ROOT / "examples").glob("*.py")) == sorted(
-        [*NAMES, "real_drive"]  # in tests/stickslip/rigs/test_socket.py
+        [*NAMES, "compare_compensators", "real_drive"]  # in tests/stickslip/rigs/test_socket.py
     )
+
+
+def test_an_observer_corrects_a_feedforward_that_gives_too_much(capsys):
+    """With friction as assumed the exact law leaves least, with half of it an observer."""
+    run_path(str(ROOT / "examples" / "compare_compensators.py"))
+    _, *rows = capsys.readouterr().out.splitlines()
+    errors = {row[:22].strip(): [float(word) for word in row[22:].split()] for row in rows}
+    exact, half = ({name: row[k] for name, row in errors.items()} for k in (0, 1))
+    assert exact["LuGre"] == min(exact.values()) < 0.1 * exact["none"]
+    assert max(half["observer"], half["LuGre, then observer"]) < 0.4 * half["LuGre"]
+    assert errors["LuGre"][2] == errors["none"][2] <= errors["observer"][2] < 2.2
 
 
 @pytest.mark.parametrize("name", NAMES)

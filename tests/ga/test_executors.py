@@ -2,6 +2,7 @@
 
 import os
 import socket
+import threading
 
 import numpy as np
 import pytest
@@ -118,3 +119,28 @@ def test_what_is_not_installed_is_named(monkeypatch):
     needed = r"distributed.*stickslip\[dask\]"
     with pytest.raises(ga.SettingsError, match=needed), ga.executor("local", 2):
         pass
+
+
+@pytest.mark.parametrize(
+    ("closes", "message"),
+    [(False, r"had no workers for 0\.3 s; start some"), (True, "the connection .* is lost")],
+)
+def test_a_cluster_that_is_lost_or_empty_ends_in_one_line(closes, message, monkeypatch, caplog):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr("stickslip.ga.execution.cluster.WITHOUT_WORKERS", 60.0 if closes else 0.3)
+    monkeypatch.setattr("stickslip.ga.execution.cluster.LOOK", 0.1)
+    with distributed.LocalCluster(n_workers=0, dashboard_address=":0") as empty:
+        if closes:
+            threading.Timer(0.3, empty.close).start()
+        with (
+            pytest.raises(ga.WorkersLost, match=message),
+            ga.executor(empty.scheduler_address, 2) as executor,
+        ):
+            history(quadratic, executor)
+    (told,) = [r.getMessage() for r in caplog.records if r.name.startswith("stickslip")]
+    assert "has no workers; waiting up to" in told
+
+
+def test_a_cost_that_does_not_pickle_is_named(processes):
+    with pytest.raises(ga.SettingsError, match=r"cannot be sent to another process \(.*<lambda>"):
+        history(lambda values: float(values.sum()), processes)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from stickslip.cli import main
-from tests.corpus.hostile import CASES, GROUPS, Case
+from tests.corpus.hostile import CASES, GROUPS, Case, python
 
 
 def litter(*folders: Path) -> set[Path]:
@@ -41,7 +41,7 @@ def test_a_hostile_input_ends_in_one_line(case: Case, tmp_path, monkeypatch, cap
     monkeypatch.chdir(folder)
     before, fed = litter(cache), set(folder.rglob("*"))
     try:
-        status = main(arguments)
+        status = python.run(case.code) if case.code else main(arguments)
     except SystemExit as usage:
         status = usage.code
     said = capfd.readouterr().err.splitlines()

@@ -57,10 +57,20 @@ def make_plan(
     known = [drive.name for drive in found]
     if unknown := [name for name in only if name not in known]:
         raise UsageError(f"--only {unknown[0]}: there are the drives {', '.join(known)}")
-    if len(set(known)) < len(known):
-        raise UsageError(f"--drive: two drives have the same name, of {', '.join(known)}")
+    if len({name.lower() for name in known}) < len(known):
+        raise UsageError(
+            "--drive: two drives have the same name, upper and lower case alike, of"
+            f" {', '.join(known)}"
+        )
     if not seconds > 0.0:
         raise UsageError(f"--seconds {seconds:g}: expected a number above 0")
+    for option, given, least in (
+        ("--evaluations", evaluations, 10),
+        ("--seeds", seeds, 1),
+        ("--seed", seed, 0),
+    ):
+        if not (isinstance(given, int) and given >= least):
+            raise UsageError(f"{option} {given!r}: expected a whole number, at least {least}")
     parts = tuple(own_part(fmu, ports) for fmu, ports in (own or {}).items())
     names = [*(compensators or default_names()), *(part.name for part in parts)]
     plan = Plan(

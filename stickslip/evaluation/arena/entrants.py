@@ -164,7 +164,33 @@ def regulated(loop: VelocityLoop, **gains: float) -> VelocityLoop:
     return close_velocity_loop(loop.axis, loop.T_s, loop.tau_f, **{**kept, **gains})
 
 
-_PORTS = {"name", "title", "inputs", "output", "axis", "values", "genes", "learned", "frozen"}
+def _is_number(value: object) -> bool:
+    return isinstance(value, bool | int | float) and bool(np.isfinite(value))
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str) and bool(value)
+
+
+def _fits(key: str, value: object) -> bool:
+    """Whether a value of a file of ports is of its kind, or a table of such values."""
+    fits, what = _EXPECTED[key]
+    if what == "a text":
+        return fits(value)
+    return isinstance(value, Mapping) and all(map(fits, value.values()))
+
+
+_EXPECTED: dict[str, tuple[Callable[[object], bool], str]] = {
+    **dict.fromkeys(("name", "title", "output"), (_is_text, "a text")),
+    **dict.fromkeys(("inputs", "learned"), (_is_text, "a table of texts")),
+    **dict.fromkeys(("values", "frozen"), (_is_number, "a table of numbers")),
+    "axis": (lambda value: _is_text(value) or _is_number(value), "a table of texts and numbers"),
+    "genes": (
+        lambda value: isinstance(value, list | tuple) and all(map(_is_number, value)),
+        "a table of [lowest, start, highest]",
+    ),
+}
+"""What a file of ports may contain."""
 DESIGNS: dict[str, Design] = {"kalman": kalman, "kalman_2": partial(kalman, order=2)}
 DAMPING = ("gamma_v", "alpha")
 """Parameters of the controller's nonlinear damping."""
@@ -497,12 +523,15 @@ def own_part(fmu: Path, ports: Path | Mapping[str, Any]) -> Part:
         table = parse_toml(read_limited(ports, MOST_TEXT)) if isinstance(ports, Path) else ports
     except ValueError as error:
         raise UsageError(f"{where}: {error}") from None
-    if unknown := sorted(table.keys() - _PORTS):
+    if unknown := sorted(table.keys() - _EXPECTED.keys()):
         raise UsageError(
-            f"{where}: '{unknown[0]}' is unknown; expected {', '.join(sorted(_PORTS))}"
+            f"{where}: '{unknown[0]}' is unknown; expected {', '.join(sorted(_EXPECTED))}"
         )
     if not {"inputs", "output"} <= table.keys():
         raise UsageError(f"{where}: expected inputs and output")
+    for key, value in table.items():
+        if not _fits(key, value):
+            raise UsageError(f"{where}: {key}: expected {_EXPECTED[key][1]}, got {value!r:.80}")
     inputs, axis, genes = (table.get(key, {}) for key in ("inputs", "axis", "genes"))
     learned, frozen = table.get("learned", {}), table.get("frozen", {})
     for key, words, known in (
@@ -518,10 +547,18 @@ def own_part(fmu: Path, ports: Path | Mapping[str, Any]) -> Part:
     if absent := [name for name in (*named, *table.get("values", {})) if name not in variables]:
         hint = suggestion(absent[0], variables)
         raise UsageError(f"{where}: {fmu.name} has no variable '{absent[0]}'{hint}")
+    for name in (*axis, *genes, *learned, *frozen, *table.get("values", {})):
+        if variables[name].causality != "parameter":
+            raise UsageError(f"{where}: '{name}' is no parameter of {fmu.name}")
     for name, span in genes.items():
-        three = isinstance(span, list | tuple) and len(span) == 3
-        if not (three and span[0] <= span[1] <= span[2]):
-            raise UsageError(f"{where}: genes: {name}: expected [lowest, start, highest]")
+        three = len(span) == 3 and span[0] <= span[1] <= span[2] and span[0] < span[2]
+        if not (three and np.isfinite(span).all()):
+            raise UsageError(
+                f"{where}: genes: {name}: expected [lowest, start, highest], got {span}"
+            )
+    for name, causality in (*((name, "input") for name in inputs), (table["output"], "output")):
+        if variables[name].causality != causality:
+            raise UsageError(f"{where}: '{name}' is no {causality} of {fmu.name}")
     name = re.sub(r"\W", "_", table.get("name", fmu.stem))
     if name in {*parts(), *COMPONENTS}:
         raise UsageError(f"{where}: the name '{name}' is taken; give another one as name")

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from stickslip import models
+from stickslip import ga, models
 from stickslip.errors import UsageError
 from stickslip.evaluation.arena.budget import Budget
 from stickslip.evaluation.arena.commands import COMMANDS
@@ -39,7 +39,7 @@ from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, rea
 from stickslip.fmi.process import temporary_folder
 from stickslip.results.folder import MANIFEST, UNFINISHED, complete, staged
 from stickslip.results.learned import versions
-from stickslip.tuning.execution import Execution
+from stickslip.tuning.execution import Execution, stopped
 from stickslip.tuning.jobs import Outcome, ended_by_signals, run_jobs
 
 REFERENCES = ("pi", "none")
@@ -226,11 +226,9 @@ def run_arena(
 
             try:
                 run_jobs(run_cell, left, plan.seed, execution.where, execution.workers, take)
-            except KeyboardInterrupt:
-                raise KeyboardInterrupt(
-                    f"interrupted; {len(documents)} of {total} cells are kept in {folder};"
-                    " continue with --resume"
-                ) from None
+            except (KeyboardInterrupt, ga.WorkersLost) as stop:
+                done = f"{len(documents)} of {total} cells are kept in {folder}"
+                raise stopped(stop, done) from None
     # In the order of the plan, whichever cell was done first.
     order = [(drive.name, name) for drive in plan.drives for name in plan.entrants]
     return Arena(
@@ -261,7 +259,7 @@ def _cells(
 
 def build(folder: Path, plan: Plan) -> None:
     """Build a folder of FMUs for each drive; only the drive FMU has its true parameters."""
-    common = folder / "entrants"
+    common = folder / ".entrants"  # the name of no drive
     build_entrants(common, [plan.entrant(name) for name in ("none", *plan.entrants)])
     for drive in plan.drives:
         own = folder / drive.name

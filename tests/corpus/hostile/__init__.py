@@ -2,10 +2,15 @@
 
 from tests.corpus.hostile import (
     archives,
+    arena,
+    arguments,
     binaries,
     descriptions,
+    exports,
     folders,
     learning,
+    options,
+    rigs,
     statuses,
     systems,
     tables,
@@ -23,6 +28,11 @@ CASES: list[Case] = [
     *tables.CASES,
     *learning.CASES,
     *folders.CASES,
+    *rigs.CASES,
+    *arena.CASES,
+    *arguments.CASES,
+    *options.CASES,
+    *exports.CASES,
 ]
 """All of them, group by group."""
 

@@ -22,6 +22,7 @@ class Case:
     says : regular expression that the line matches which the command ends with
     command : arguments of ``stickslip``, run in a folder that holds the files
     files : their contents by their names, written in this order
+    code : Python that is run in that folder instead of a command, see ``python.run``
     """
 
     group: int
@@ -30,6 +31,7 @@ class Case:
     says: str
     command: str
     files: Mapping[str, Content] = field(default_factory=dict)
+    code: str = ""
 
     def make(self, folder: Path) -> list[str]:
         """Write the files; return the arguments."""
@@ -99,5 +101,10 @@ GROUPS = {
     21: "systems",
     22: "tables of inputs and logs",
     23: "learning",
+    24: "rigs",
+    25: "arena",
+    26: "arguments in Python",
+    27: "values on the command line",
+    28: "exports",
 }
 """What a case attacks."""

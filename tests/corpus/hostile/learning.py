@@ -32,7 +32,7 @@ _state = family(23, "state", "simulate a.fmu --resume half.state", file="half.st
 _EXPORT = "export compensator"
 
 
-def _changed(*path: str, to: Any) -> bytes:
+def changed(*path: str, to: Any) -> bytes:
     """Return the paper's learned.json with another value somewhere."""
     document = json.loads(LEARNED.read_bytes())
     part = document
@@ -59,20 +59,20 @@ _VALUE = ("parameters", "F_c", "value")
 DOCUMENTS = [
     _learned("syntax", "JSON that is cut off", "(Expecting|Unterminated)", LEARNED.read_bytes()[:99], _EXPORT),
     _learned("list", "a list", "F_s is missing", b"[]", _EXPORT),
-    _learned("missing", "a parameter that is not there", "is missing", _changed("parameters", to={}), _EXPORT),
-    _learned("nan", "a parameter NaN", "NaN is no number", _changed(*_VALUE, to=float("nan")), _EXPORT),
-    _learned("infinite", "a parameter 1e999", "each with a finite value", _changed(*_VALUE, to=12345.5).replace(b"12345.5", b"1e999"), _EXPORT),
-    _learned("text", "a parameter that is text", "each with a finite value", _changed(*_VALUE, to="x"), _EXPORT),
-    _learned("negative", "a parameter below its range", "F_c = -1 N is outside", _changed(*_VALUE, to=-1.0), _EXPORT),
-    _learned("huge", "an integer of 400 digits", "beyond 1e308", _changed(*_VALUE, to=10**400), _EXPORT),
+    _learned("missing", "a parameter that is not there", "is missing", changed("parameters", to={}), _EXPORT),
+    _learned("nan", "a parameter NaN", "NaN is no number", changed(*_VALUE, to=float("nan")), _EXPORT),
+    _learned("infinite", "a parameter 1e999", "each with a finite value", changed(*_VALUE, to=12345.5).replace(b"12345.5", b"1e999"), _EXPORT),
+    _learned("text", "a parameter that is text", "each with a finite value", changed(*_VALUE, to="x"), _EXPORT),
+    _learned("negative", "a parameter below its range", "F_c = -1 N is outside", changed(*_VALUE, to=-1.0), _EXPORT),
+    _learned("huge", "an integer of 400 digits", "beyond 1e308", changed(*_VALUE, to=10**400), _EXPORT),
     _learned("twice", "a key that is there twice", "'parameters' is there twice", b'{"parameters": {}, "parameters": {}}', _EXPORT),
     _learned("deep", "lists a hundred thousand deep", "nested too deeply", b"[" * 100_000, _EXPORT),
     _learned("encoding", "bytes that are no UTF-8", "no UTF-8", b"\xff\xfe{}", _EXPORT),
-    _learned("loop", "a loop without its gains", "loop: .*is missing", _changed("loop", to={"m": {"value": 5.0}}), _EXPORT),
-    _learned("loop-unstable", "a loop that is not stable", "unstable", _changed("loop", "K_p", to={"value": -1e9}), _EXPORT),
-    _learned("loop-period", "a sample period of 0", "T_s is 0 s", _changed("loop", "T_s", to={"value": 0.0}), _EXPORT),
-    _learned("validation-long", "a command of 1e300 s", "samples", _changed("validation", "plateau", to={"value": 1e300}), _EXPORT),
-    _learned("feed", "a feed that is none", "feed is 3", _changed("feed", to=3), _EXPORT),
+    _learned("loop", "a loop without its gains", "loop: .*is missing", changed("loop", to={"m": {"value": 5.0}}), _EXPORT),
+    _learned("loop-unstable", "a loop that is not stable", "unstable", changed("loop", "K_p", to={"value": -1e9}), _EXPORT),
+    _learned("loop-period", "a sample period of 0", "T_s is 0 s", changed("loop", "T_s", to={"value": 0.0}), _EXPORT),
+    _learned("validation-long", "a command of 1e300 s", "samples", changed("validation", "plateau", to={"value": 1e300}), _EXPORT),
+    _learned("feed", "a feed that is none", "feed is 3", changed("feed", to=3), _EXPORT),
     _learned("validate", "a list, to be validated", "F_s is missing", b"[]", "validate"),
 ]  # fmt: skip
 

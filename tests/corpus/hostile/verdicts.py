@@ -114,7 +114,7 @@ def verdicts_of(case: Case, cache: Path) -> tuple[Verdict, Verdict]:
         copy = Path(name, "copy")
         shutil.copytree(folder, copy, symlinks=True, ignore=_pipes)
         theirs = fmpy(arguments, copy, Path(name))
-        return theirs, stickslip(arguments, folder, Path(name), cache)
+        return theirs, stickslip(case, folder, Path(name), cache)
 
 
 def fmpy(arguments: Sequence[str], folder: Path, room: Path) -> Verdict:
@@ -131,11 +131,15 @@ def fmpy(arguments: Sequence[str], folder: Path, room: Path) -> Verdict:
     return Verdict(kind, words + "; leaves a temporary folder" * bool(ended.left))
 
 
-def stickslip(arguments: Sequence[str], folder: Path, room: Path, cache: Path) -> Verdict:
+def stickslip(case: Case, folder: Path, room: Path, cache: Path) -> Verdict:
     """Feed a case to ourselves."""
     temporary = room / "stickslip"
     temporary.mkdir()
-    command = [sys.executable, "-m", "stickslip", *arguments]
+    words = ["-P", str(Path(__file__).with_name("python.py")), case.code]
+    command = [
+        sys.executable,
+        *(words if case.code else ["-m", "stickslip", *case.command.split()]),
+    ]
     ended = run(command, folder, temporary, OURS, STICKSLIP_CACHE=str(cache))
     lines = ended.output.splitlines()
     said = neutral(lines[-1].removeprefix("stickslip: ") if lines else "nothing", room)

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -208,6 +208,23 @@ def test_a_start_is_obeyed_once_and_never_late(fmus):
         for wrong in ("jump", "start"):
             assert "error" in raw.ask(wrong, motion=2)
         assert "protocol 1" in raw.ask("load", motion="x")["error"]
+
+
+def test_garbage_neither_ends_nor_moves_a_drive(fmus):
+    garbage = [b"GET / HTTP/1.1\r\n\r\n", b"[" * 100_000 + b"\n", b"null\n", b"\xff\n", b"{}\n"]
+    with served(fmus) as (drive, port), rig_at(port) as rig, ExitStack() as held:
+        for line in garbage:
+            with socket.create_connection(("localhost", port)) as connection:
+                connection.sendall(line)
+                connection.recv(1000)
+        for _ in range(60):  # more than the server keeps
+            held.enter_context(socket.create_connection(("localhost", port)))
+        broken = replace(rig.loop, K_p=-1e300)
+        with pytest.raises(RigError, match="the controller refuses its loop"):
+            rig.follow(np.zeros(10), broken)
+        assert (drive.state, drive.motion) == ("idle", 0)
+        held.close()
+        assert len(rig.run(command_of(rig)).t) == 450
 
 
 def test_a_limit_aborts_in_the_drive_and_another_program_has_to_wait(fmus):

@@ -1,0 +1,92 @@
+"""Arguments of the wrong shape, kind and value in Python."""
+
+from __future__ import annotations
+
+from tests.corpus.hostile.case import Case, Content
+from tests.corpus.hostile.sound import sound
+
+
+def _python(name: str, about: str, says: str, code: str) -> Case:
+    files: dict[str, Content] = {"a.fmu": sound} if "a.fmu" in code else {}
+    return Case(26, name, about, says, "", files, code)
+
+
+_TIMES = '"a.fmu", step=0.1, stop=1.0'
+_SYSTEM = 's = ss.System("s"); s.add("a", "a.fmu"); s.expose("u", "a.u")\n'
+
+
+def _driven(name: str, about: str, says: str, signal: str) -> Case:
+    return _python(
+        f"input-{name}",
+        f"an input that is {about}",
+        says,
+        f'ss.simulate({_TIMES}, inputs={{"u": {signal}}})',
+    )
+
+
+def _scenario(name: str, about: str, says: str, scenario: str) -> Case:
+    run = f"s.prepare(step=0.1, stop=1.0).run(scenario=ss.Scenario().{scenario})"
+    return _python(f"scenario-{name}", f"a scenario {about}", says, _SYSTEM + run)
+
+
+def _swept(name: str, about: str, says: str, parameters: str, figures: str) -> Case:
+    return _python(
+        f"sweep-{name}",
+        f"a sweep {about}",
+        says,
+        f"ss.sweep({_TIMES.replace(',', f', {parameters}, {figures},', 1)})",
+    )
+
+
+def _optimised(name: str, about: str, says: str, ranges: str, cost: str, more: str = "") -> Case:
+    times = _TIMES.replace(",", f", {ranges}, {cost},", 1)
+    return _python(
+        f"search-{name}", f"a search {about}", says, f"ss.optimise({times}, evaluations=20{more})"
+    )
+
+
+_ONE = '{"f": lambda result: 1.0}'
+CASES = [
+    _python("table-text", "a table of words", "values of a table: expected numbers, got", 'ss.Table([0, 1], ["on", "off"])'),
+    _python("table-ragged", "a table of rows of two lengths", "values of a table: expected numbers", "ss.Table([0, 1], [[1], [2, 3]])"),
+    _python("inputs-file", "a file's name in place of inputs", "inputs is a str; expected a mapping .*read_tables", f'ss.simulate({_TIMES}, inputs="in.csv")'),
+    _python("inputs-frame", "a DataFrame with NaN in place of inputs", "inputs is a DataFrame; expected a mapping", f'ss.simulate({_TIMES}, inputs=pd.DataFrame({{"u": [1.0, np.nan]}}))'),
+    _driven("frame", "a DataFrame", "expected a signal, .*got a DataFrame; Table", 'pd.DataFrame({"time": [0, 1], "u": [1, 2]})'),
+    _driven("column", "a column of 11 rows of one value", r"has the shape \(11, 1\)", "np.ones((11, 1))"),
+    _driven("complex", "a complex number", "expected numbers, got 1j", "1j"),
+    _driven("no-slope", "a trapezoid without slope", "expected a slope above 0", "ss.Trapezoid(1.0, 0.0, 1.0)"),
+    _driven("fall", "a trapezoid of negative slope, whose times would fall", "expected a slope above 0", "ss.Trapezoid(1.0, -1.0, 0.1)"),
+    _driven("back", "a sweep of -1 s, which would be silent", "a positive duration", "ss.SineSweep((1.0, 2.0), (1.0, 1.0), -1.0)"),
+    _driven("sweep-nan", "a sweep of NaN s, which would be silent", "expected finite numbers", "ss.SineSweep((1.0, 2.0), (1.0, 1.0), np.nan)"),
+    _driven("sweep-one", "a sweep of one frequency", "expected finite numbers", "ss.SineSweep(1.0, 1.0, 1.0)"),
+    _python("stop-text", "a stop that is text", "stop is '1', expected a number", 'ss.simulate("a.fmu", step=0.1, stop="1")'),
+    _python("step-list", "a list of steps", r"step is \[0.1\], expected a number", 'ss.simulate("a.fmu", step=[0.1], stop=1.0)'),
+    _scenario("never", "that ends before it begins, and would never act", "from 0.5 s to 0.2 s: expected begin before end", 'stick("u", 0.5, 0.2)'),
+    _scenario("nan", "that is reset at NaN, and would never be", "from nan s .*expected begin before end", 'reset("u", np.nan)'),
+    _scenario("offset-nowhere", "with an offset on what is not there", "w", 'offset("w", 1.0, 0.5)'),
+    _scenario("offset-overflow", "with offsets that add up to infinity", "u would not be finite", 'offset("u", 1e308).offset("u", 1e308)'),
+    _scenario("noise", "with noise of negative deviation", "noise on u: deviation -1.0", 'add_noise("u", -1.0, 0)'),
+    _scenario("seed", "with a seed of -1", "seed -1, expected a finite deviation and a whole seed", 'add_noise("u", 1.0, -1)'),
+    _swept("scalar", "of a number in place of values", "k: expected its values in a list, got 5", '{"k": 5}', _ONE),
+    _swept("text", "of a word", "k: expected a number, got 'a'", '{"k": [1, "a"]}', _ONE),
+    _swept("beyond", "of which the second value lies beyond the maximum", "k = 11", '{"k": [1, 11]}', _ONE),
+    _swept("twice", "of one parameter under two names", "a parameter comes twice", '{"k": [1], "reference.k": [2]}', _ONE),
+    _swept("column", "with a figure named as a parameter, which would replace its column", "figure 'k': has the name of another column", '{"k": [1]}', '{"k": lambda result: 1.0}'),
+    _swept("figure", "with a figure that is a vector", "figure 'f': expected a number, got array", '{"k": [1]}', '{"f": lambda result: result["reference.y"]}'),
+    _optimised("none", "for a cost that is nothing", "the cost: expected a number, got None", '{"k": (0, 1, 2)}', "lambda result: None"),
+    _optimised("range", "between words", "k: expected a number, got 'a'", '{"k": ("a", 1, 2)}', "lambda result: 1.0"),
+    _optimised("seed", "with a seed of -1", "seed = -1: expected whole numbers", '{"k": (0, 1, 2)}', "lambda result: 1.0", ", seed=-1"),
+    _python("law-nan", "a law that runs for NaN s", "stop = nan s and step = 0.0001 s: expected positive numbers", 'ss.run_law("lugre", velocity=1.0, stop=np.nan)'),
+    _python("law-no-step", "a law with steps of 0 s", "expected positive numbers", 'ss.run_law("lugre", velocity=1.0, stop=1.0, step=0.0)'),
+    _python("law-years", "a law that runs for 30 years", "at most 1e\\+08 steps", 'ss.run_law("lugre", position=1.0, stop=1e9)'),
+    _python("law-text", "a parameter of a law that is text", "F_s: expected a number, got 'much'", 'ss.run_law("lugre", velocity=1.0, stop=1.0, parameters={"F_s": "much"})'),
+    _python("frequencies-none", "a response at no frequency", "frequencies: expected one or more, got none", f'{_SYSTEM}ss.measure_response(s, "u", ["a.y"], [], 1.0, step=0.1)'),
+    _python("axis-text", "a mass that is text", "m is '5'; expected a number", 'ss.Axis("5", 20.0)'),
+    _python("bandwidth-text", "a bandwidth that is text", "bandwidth is 'fast'; expected a number", 'ss.LoopSpecification("fast", 50.0)'),
+    _python("limits-one", "a range that is one number", "frequency = 5.0: expected two numbers", "ss.Limits(frequency=5.0)"),
+    _python("limits-text", "a speed that is text", "speed = 'fast': expected a number", 'ss.Limits(speed="fast")'),
+    _python("plan-letters", "one parameter, of which each letter would be one", "cannot show 'F_c': expected a list of", 'ss.plan(ss.Limits(), show="F_c")'),
+    _python("plan-unknown", "a parameter that is none, which would be passed over", r"cannot show \['q'\]: expected a list of", 'ss.plan(ss.Limits(), show=["q"])'),
+    _python("description-column", "a column that is a number", "columns: time: expected a Column, got 5", 'ss.Description(columns={"time": 5})'),
+    _python("description-span", "a span of words", "span = .* expected begin and end, in s", 'ss.Description(span=("a", "b"))'),
+]  # fmt: skip

@@ -1,0 +1,34 @@
+"""Names and forms in which nothing can be exported."""
+
+from __future__ import annotations
+
+from tests.corpus.hostile.case import Case, family
+
+_lti = family(28, "lti", "export lti system.json", file="system.json", begins="system.json: .*")
+
+
+def _python(name: str, about: str, says: str, code: str) -> Case:
+    return Case(28, name, about, says, "", code=code)
+
+
+def _named(name: str, about: str, called: str, language: str = "c") -> Case:
+    code = f'ss.write_compensator("out", "{language}", called="{called}")'
+    return _python(
+        f"source-{name}", f"code named {about}", "(?:cannot name a model|is a word of)", code
+    )
+
+
+CASES = [
+    _named("up", "../x, outside its folder", "../x"),
+    _named("blank", "a b, which is no C", "a b"),
+    _named("digit", "1x, which is no C", "1x"),
+    _named("word", "REAL, a type of structured text", "REAL", "st"),
+    _named("word-hidden", "i_f, whose block would be If", "i_f", "st"),
+    _python("source-language", "code in a language that there is not", "language is 'fortran'; expected 'c' or 'st'", 'ss.write_compensator("out", "fortran")'),
+    _python("fmu-up", "an FMU named ../../x", "'../../x' cannot name a model", 'ss.build_fmu("stage", "out", called="../../x")'),
+    _python("fmu-version", "an FMU of FMI 1.0", "fmi is 1; expected 2 or 3", 'ss.build_fmu("stage", "out", fmi=1)'),
+    _python("fmu-start", "an FMU whose mass is a list", "m: expected a number, got \\[1, 2\\]", 'ss.build_fmu("stage", "out", start={"m": [1, 2]})'),
+    _lti("long-name", "an input of 5,000 letters, which the compiler refused", "5000 characters, expected at most 255", '{"D": [[1]], "inputs": ["' + "u" * 5000 + '"]}'),
+    _lti("time", "an input named time", "'time' cannot name a variable", '{"D": [[1]], "inputs": ["time"]}'),
+    _lti("name", "a name that leaves the folder", "'../x' cannot name an FMU", '{"D": [[1]], "name": "../x"}'),
+]  # fmt: skip

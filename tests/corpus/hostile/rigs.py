@@ -1,0 +1,126 @@
+"""Drives behind sockets that answer what they should not, rigs that return no logs, kept logs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from tests.corpus.hostile.case import Case, Content
+
+_ANSWERS = """
+import contextlib, json, socket, threading
+listener = socket.create_server(("127.0.0.1", 0))
+def answer(seq):
+    sound = dict(
+        seq=seq, protocol=1, T_s=5e-4, heartbeat=0.5, last=0, clock=1.0, position=0.0, loaded=0
+    )
+    return ANSWER
+def serve():
+    with contextlib.suppress(OSError):
+        while True:
+            connection, _ = listener.accept()
+            with connection, contextlib.suppress(OSError):
+                while received := connection.recv(1 << 16):
+                    said = answer(json.loads(received.splitlines()[0])["seq"])
+                    line = said if isinstance(said, bytes) else json.dumps(said).encode()
+                    connection.sendall(line + b"\\n")
+server = threading.Thread(target=serve)
+server.start()
+address = "127.0.0.1:%d" % listener.getsockname()[1]
+limits = ss.RigLimits((-1.0, 1.0), 1.0, 100.0, 1.0)
+try:
+    with ss.SocketRig(address, ss.Datasheet(), limits, patience=0.2, retry=0.05) as rig:
+        rig.push(np.zeros(3))
+finally:
+    listener.shutdown(socket.SHUT_RDWR)
+    listener.close()
+    server.join()
+"""
+_LIMITS = "limits = ss.RigLimits((-1.0, 1.0), 1.0, 100.0, 1.0)\n"
+_LOOP = (
+    "loop = ss.design_velocity_loop(ss.Axis(5.0, 20.0, 1e-4), ss.LoopSpecification(50.0, 60.0))\n"
+)
+_RIG = (
+    _LIMITS
+    + """
+class Bench(ss.Rig):
+    def move(self, command):
+        return {}
+with {} as rig:
+    rig.push(np.zeros(3))
+"""
+)
+_BENCH = "Bench(ss.Datasheet(), 5e-4, limits)"
+
+
+def _answers(name: str, about: str, says: str, answer: str) -> Case:
+    """Return a case of a server that gives an answer, as an expression in ``seq`` and ``sound``."""
+    code = _ANSWERS.replace("ANSWER", answer)
+    return Case(24, f"answer-{name}", f"a drive that answers {about}", says, "", code=code)
+
+
+def _python(name: str, about: str, says: str, code: str) -> Case:
+    return Case(24, name, about, says, "", code=code)
+
+
+def _returns(name: str, about: str, says: str, log: str) -> Case:
+    return _python(f"log-{name}", f"a rig that returns {about}", says, _RIG.format(log, _BENCH))
+
+
+def _kept(name: str, about: str, says: str, file: str, content: Content) -> Case:
+    """Return a case of a folder of kept logs with a file that is damaged."""
+    log = "ss.Log(np.zeros(3), np.zeros(3), np.zeros(3))"
+    code = _RIG.format(log, f'ss.KeptRig({_BENCH}, "kept")')
+    return Case(
+        24,
+        f"kept-{name}",
+        f"kept logs, of which the first is {about}",
+        says,
+        "",
+        {f"kept/motion-0001.{file}": content},
+        code,
+    )
+
+
+def _command(name: str, about: str, says: str, arguments: str) -> Case:
+    return _python(f"command-{name}", f"a command {about}", says, f"{_LOOP}ss.Command({arguments})")
+
+
+def _other_arrays(path: Path) -> None:
+    np.savez(path, t=np.zeros(3))
+
+
+_NO_MORE: Callable[[Path], object] = Path.mkdir
+_PROTOCOL = "its answer to 'hello' is not of protocol 1"
+CASES = [
+    _answers("http", "as a web server does", "connection lost .*Expecting value", 'b"HTTP/1.1 400 Bad Request"'),
+    _answers("deep", "with lists a hundred thousand deep", "nested too deeply", 'b"[" * 100_000'),
+    _answers("digits", "with a number of 5,000 digits", "connection lost .*digits", 'b"9" * 5000'),
+    _answers("long", "with a line of 2 MB", "a line is longer than 1048576 bytes", 'b"x" * (1 << 21)'),
+    _answers("little", "without its clock", f"{_PROTOCOL}: KeyError 'clock'", "dict(seq=seq)"),
+    _answers("text", "with a sample period that is text", f"{_PROTOCOL}: ValueError", "sound | dict(T_s='fast')"),
+    _answers("no-period", "with a sample period of 0", f"{_PROTOCOL}: ValueError T_s = 0", "sound | dict(T_s=0)"),
+    _answers("list", "with a list as heartbeat", f"{_PROTOCOL}: TypeError", "sound | dict(heartbeat=[1])"),
+    _answers("other-protocol", "in another protocol", f"{_PROTOCOL}: ValueError protocol 2", "sound | dict(protocol=2)"),
+    _answers("lines", "with an error of two lines", "refuses to hello: no stickslip: all is well$", r"sound | dict(error='no\nstickslip: all is well')"),
+    _answers("never-loads", "that it has loaded nothing, for ever", "its answer to 'load' is not of protocol 1: ValueError loaded 0, after 0", "sound"),
+    _python("port-beyond", "a port that is none, which would be taken modulo 65536", "expected HOST:PORT, a port from 1 to 65535", f'{_LIMITS}ss.SocketRig("127.0.0.1:99999", ss.Datasheet(), limits)'),
+    _python("port-superscript", "a port of digits that are no number", "expected HOST:PORT", f'{_LIMITS}ss.SocketRig("127.0.0.1:\u00b2", ss.Datasheet(), limits)'),
+    _python("limits-travel", "a travel of three positions", "expected numbers, and two of them as travel", "ss.RigLimits((-1.0, 0.0, 1.0), 1.0, 1.0, 1.0)"),
+    _python("limits-text", "a largest speed that is text", "expected numbers", 'ss.RigLimits((-1.0, 1.0), "slow", 1.0, 1.0)'),
+    _command("period", "with a sample period of NaN", "T_s = nan s; expected more than 0", "np.nan, loop, force=[0.0]"),
+    _command("matrix", "that is a matrix", r"force: expected numbers \(n,\)", "5e-4, loop, force=np.zeros((3, 2))"),
+    _command("text", "of words", r"velocity: expected numbers \(n,\), got \['fast'", '5e-4, loop, velocity=["fast", "slow"]'),
+    _command("empty", "of no samples", r"force: expected numbers \(n,\), got \[\]", "5e-4, loop, force=[]"),
+    _returns("unequal", "signals of two lengths", "t, x_enc and F_m have 3, 2 and 3 values", "ss.Log(np.zeros(3), np.zeros(2), np.zeros(3))"),
+    _returns("short", "fewer samples than the command has", "a log of 2 samples; expected 3", "ss.Log(np.zeros(2), np.zeros(2), np.zeros(2))"),
+    _returns("nan", "a position of NaN", "aborted at 0 s: position nan m", "ss.Log(np.zeros(3), np.full(3, np.nan), np.zeros(3))"),
+    _kept("text", "text", r"motion-0001.npz: is damaged .*delete this file to run the motion again", "npz", "hello"),
+    _kept("others", "of other arrays", "motion-0001.npz: is damaged .*command", "npz", _other_arrays),
+    _kept("folder", "a folder, into which no log could be written after the motion", "motion-0001.npz: is damaged", "npz", _NO_MORE),
+    _kept("begun-list", "begun, as a list", "motion-0001.json: is damaged", "json", "[]"),
+    _kept("begun-other", "begun, with another command", "is of another command than motion 1", "json", json.dumps({"command": "x", "limit": ""})),
+]  # fmt: skip
