@@ -154,6 +154,7 @@ class _Served:
             "end": float(result.time[-1]),
             "stopped": result.stopped,
             "sums": result.sum_of_squares,
+            "texts": result.changes,
             "effort": dict(simulation.effort),
             "pacing": pacing and [pacing.looks, pacing.overruns, pacing.worst],
         }

@@ -184,7 +184,8 @@ class IsolatedSimulation(Simulation):
             time = np.append(time[: n - 1], reply["end"])
         values = self._living().shared.numbers[: n * width].reshape(n, width).copy()
         names, system = self._layout.recorded, self.spec.system
-        return Result(time, values, names, system, reply["stopped"], reply["sums"])
+        texts = reply["texts"]
+        return Result(time, values, names, system, reply["stopped"], reply["sums"], texts)
 
     def _ask(
         self,

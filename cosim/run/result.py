@@ -14,6 +14,7 @@ import numpy as np
 
 from stickslip.cosim.run.display import draw, summary
 from stickslip.cosim.run.labelled import to_xarray, with_pint
+from stickslip.cosim.run.texts import Changes
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.system import System
 from stickslip.fmi.files import atomic_write
@@ -39,6 +40,8 @@ class Result:
     names : of the signals
     values : (n, len(names)) float64, each in its unit
     sum_of_squares : label -> sum that the record asked for, in the unit of its signal squared
+    changes : variable of type String -> times (s) and what it holds from each on
+    texts : the same by points: what it holds at each, n of them
     """
 
     def __init__(
@@ -49,12 +52,14 @@ class Result:
         system: System,
         stopped: str | None = None,
         sum_of_squares: dict[str, float] | None = None,
+        changes: Changes | None = None,
     ) -> None:
         self.stopped = stopped
         self.time = time
         self.values = values
         self.names = tuple(names)
         self.sum_of_squares = sum_of_squares or {}
+        self.changes = changes or {}
         self._system = system
 
     def __getitem__(self, name: str) -> Array:
@@ -129,12 +134,25 @@ class Result:
         return dict(zip(self.names, self.values.T, strict=True))
 
     @cached_property
+    def texts(self) -> dict[str, list[str]]:
+        """What each variable of type String holds at the points in time."""
+        return {
+            name: [
+                course[i - 1][1]
+                for i in np.searchsorted([t for t, _ in course], self.time, "right")
+            ]
+            for name, course in self.changes.items()
+        }
+
+    @cached_property
     def units(self) -> dict[str, str | None]:
         """Unit of each signal; None where its FMU gives none."""
         return {name: self._system.unit(name) for name in self.names}
 
     def frame(self, *, pint: bool = False) -> pd.DataFrame:
         """Return a table with the time (s) as index; ``attrs["units"]`` holds the units.
+
+        Variables of type String come after the signals.
 
         Parameters
         ----------
@@ -149,6 +167,8 @@ class Result:
 
         index = pd.Index(self.time, name="time")
         frame = pd.DataFrame(self.values, index=index, columns=list(self.names))
+        for name, texts in self.texts.items():
+            frame[name] = texts
         frame.attrs["units"] = self.units
         if pint:
             return with_pint(frame, {name: self._system.unit_of(name) for name in self.names})
