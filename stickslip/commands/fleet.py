@@ -73,7 +73,7 @@ def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> Answer:
     _print_parameters(table)
     if fleet.kept:
         print(f"{fleet.kept} of {len(drives)} drives were learned before and kept")
-    print(f"all results are in {options.out}; open fleet.png first")
+    print(f"all results are in {options.out}; open fleet.html first")
     document = {"folder": options.out, "table": table, "failed": fleet.reasons}
     if not fleet.reasons:
         return Answer(document)

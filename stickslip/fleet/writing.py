@@ -9,18 +9,18 @@ from typing import Any
 
 import pandas as pd
 
-from stickslip.fleet.picture import draw_fleet
 from stickslip.fleet.study import TABLE, Fleet
 from stickslip.fleet.table import Drive, Variant
 from stickslip.fmi.files import atomic_write
 from stickslip.pipeline.reproduction import drive_truth
-from stickslip.report.page import picture_files
+from stickslip.report.drives import drives_sections
+from stickslip.report.markup import Html, element, join, paragraph
+from stickslip.report.page import picture_files, write_page
+from stickslip.results.compared import PARAMETERS, parameter_rows
 from stickslip.results.folder import completed
 
-COLUMNS = [
-    *("name", "parameter", "unit", "value", "standard_error", "low", "high", "identifiability"),
-    *("criterion", "source", "truth", "reason"),
-]
+COLUMNS = [*PARAMETERS, "criterion", "source", "truth", "reason"]
+PAGE = "fleet.html"
 
 
 def fleet_table(fleet: Fleet) -> pd.DataFrame:
@@ -35,16 +35,10 @@ def fleet_table(fleet: Fleet) -> pd.DataFrame:
             continue
         document = fleet.learned[drive.name]
         truth = drive_truth(drive.source.changes) if isinstance(drive.source, Variant) else {}
+        further = {"criterion": document["criterion"], "source": drive.kind}
         rows += [
-            {
-                "name": drive.name,
-                "parameter": parameter,
-                **{column: known[column] for column in COLUMNS[2:8]},
-                "criterion": document["criterion"],
-                "source": drive.kind,
-                "truth": truth.get(parameter),
-            }
-            for parameter, known in document["parameters"].items()
+            {**row, **further, "truth": truth.get(row["parameter"])}
+            for row in parameter_rows(drive.name, document["parameters"])
         ]
     return pd.DataFrame(rows, columns=COLUMNS)
 
@@ -52,11 +46,11 @@ def fleet_table(fleet: Fleet) -> pd.DataFrame:
 def files_of(drives: Sequence[Drive]) -> list[str]:
     """Return the names of the files that ``write_fleet`` writes or removes."""
     learned = (_learned(drive.name) for drive in drives)
-    return [TABLE, "fleet.json", *picture_files(["fleet"]), *learned]
+    return [TABLE, "fleet.json", PAGE, *picture_files(["fleet"]), *learned]
 
 
 def write_fleet(fleet: Fleet, table: pd.DataFrame, folder: Path) -> None:
-    """Write fleet.csv, fleet.json, drives/NAME/learned.json and pictures, if a drive was learned.
+    """Write fleet.csv, fleet.json, drives/NAME/learned.json, and a page with a figure.
 
     Raises
     ------
@@ -65,14 +59,19 @@ def write_fleet(fleet: Fleet, table: pd.DataFrame, folder: Path) -> None:
     """
     names = [drive.name for drive in fleet.drives]
     known = {name: fleet.learned.get(name) or {"reason": fleet.reasons[name]} for name in names}
-    pictures = draw_fleet(table) if fleet.learned else {}
     command = {"name": "fleet", "drives": names}
     with completed(folder, command, files_of(fleet.drives), {TABLE: table}) as staging:
         atomic_write(staging / "fleet.json", json.dumps({"drives": known}, indent=2) + "\n")
-        for kind, picture in pictures.items():
-            atomic_write(staging / f"fleet.{kind}", picture)
+        write_page(staging, "Fleet", drives_sections(table, _head(fleet), "fleet"), PAGE)
         for name, document in fleet.learned.items():
             atomic_write(staging / _learned(name), json.dumps(document, indent=2) + "\n")
+
+
+def _head(fleet: Fleet) -> Html:
+    """Return how many drives were learned, and why others were not."""
+    failed = [element("li", f"{name}: {reason}") for name, reason in fleet.reasons.items()]
+    learned = paragraph(f"{len(fleet.learned)} of {len(fleet.drives)} drives were learned.")
+    return join([learned, element("ul", join(failed, "\n"))]) if failed else learned
 
 
 def _learned(name: str) -> str:

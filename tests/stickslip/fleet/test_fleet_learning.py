@@ -36,6 +36,7 @@ def test_a_fleet_is_the_same_in_processes_and_on_dask(log, cluster, tmp_path, ca
     results = files(tmp_path / "here")
     assert {path.name for path in results} == {
         "fleet.csv",
+        "fleet.html",
         "fleet.json",
         "fleet.png",
         "fleet.svg",

@@ -1,8 +1,8 @@
-"""What a fleet looks like: a panel for each parameter, a line for each drive."""
+"""Several drives side by side: a panel for each parameter, a line for each drive."""
 
 from __future__ import annotations
 
-import io
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,24 +12,16 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
-from stickslip.fleet.table import SIMULATED
 from stickslip.identification.fitting.identifiability import (
     IDENTIFIABLE,
     NOT_IDENTIFIABLE,
     WEAKLY_IDENTIFIABLE,
 )
-from stickslip.report.style import (
-    GREY,
-    INK,
-    LINE,
-    PAGE,
-    RESOLUTION,
-    THIN,
-    WITH,
-    WITHOUT,
-    house_style,
-    new_figure,
-)
+from stickslip.report.markup import Html
+from stickslip.report.markup import table as markup_table
+from stickslip.report.page import Illustration, Section, made_with
+from stickslip.report.quantity import number, symbol
+from stickslip.report.style import GREY, INK, LINE, PAGE, THIN, WITH, WITHOUT, new_figure
 from stickslip.servo.measurement import Array
 
 LOOKS = {
@@ -61,21 +53,86 @@ LONGEST = 190.0
 """Of all lines of a panel [mm]."""
 
 
-def draw_fleet(table: pd.DataFrame) -> dict[str, bytes]:
-    """Return the figure of a fleet's table by kind of file, ``png`` and ``svg``.
+def drives_sections(
+    table: pd.DataFrame, head: Html, file: str, errors: pd.DataFrame | None = None
+) -> list[Section]:
+    """Return the sections of a page on several drives.
+
+    Parameters
+    ----------
+    table : a row for each parameter of each drive: name, parameter, unit, value, low, high,
+        identifiability; optionally truth, and source, which is shown unless it is log; a drive
+        that failed has a row without a parameter
+    head : what the page begins with
+    file : name of the figure's files
+    errors : of the compensators, as ``results.compared`` has them
+    """
+    parts: list[Html | Illustration] = [head]
+    if table["parameter"].notna().any():
+        illustration = Illustration(
+            file,
+            partial(drives_figure, table),
+            "A panel for each parameter, a line with value and 95 % interval for each drive",
+            "Figure 1. Values with their 95 % intervals. What is not identifiable does not set the"
+            " range of its panel.",
+        )
+        parts.append(illustration)
+    sections = [Section("", *parts), Section("Parameters", _parameters(table))]
+    if errors is not None:
+        sections.append(Section("Compensators", _compensators(errors)))
+    return [*sections, Section("Made with", made_with())]
+
+
+def _parameters(table: pd.DataFrame) -> Html:
+    order = {name: k for k, name in enumerate(table["parameter"].dropna().unique())}
+    learned = table[table["parameter"].notna()].sort_values(
+        "parameter", kind="stable", key=lambda names: names.map(order)
+    )
+    rows = [
+        (
+            symbol(row["parameter"]),
+            row["name"],
+            number(row["value"]),
+            f"{number(row['low'])} to {number(row['high'])}" if pd.notna(row["low"]) else "",
+            row["unit"].replace(".", " "),
+            row["identifiability"] or "",
+        )
+        for row in learned.to_dict("records")
+    ]
+    heads = ("parameter", "result", "value", "95 % interval", "unit", "")
+    return markup_table(heads, rows, "Parameters by result", (0, 1, 4, 5))
+
+
+def _compensators(errors: pd.DataFrame) -> Html:
+    def shown(value: float) -> str:
+        return number(value, 3) if pd.notna(value) else ""
+
+    rows = [
+        (
+            row["name"],
+            row["law"],
+            row["compensation"],
+            *map(shown, (row["share"], row["fitted"], row["worst"])),
+        )
+        for row in errors.to_dict("records")
+    ]
+    heads = ("result", "law", "compensation", "share", "error ratio", "worst")
+    return markup_table(
+        heads,
+        rows,
+        "Simulated tracking error with the compensator over that without: on the fitted drive, and"
+        " the worst on the drives that the log supports",
+        (0, 1, 2),
+    )
+
+
+def drives_figure(table: pd.DataFrame) -> Figure:
+    """Return a figure with a panel for each parameter and a line for each drive.
 
     Values stand with their 95 % intervals; the truth of variants is a bar. What is not identifiable
     does not set the range of its panel. Drives that failed keep an empty line.
     """
-    files = {"png": io.BytesIO(), "svg": io.BytesIO()}
-    with house_style():
-        figure = _figure(table)
-        figure.savefig(files["png"], format="png", dpi=RESOLUTION, metadata={"Software": None})
-        figure.savefig(files["svg"], format="svg", metadata={"Date": None, "Creator": None})
-    return {kind: stream.getvalue() for kind, stream in files.items()}
-
-
-def _figure(table: pd.DataFrame) -> Figure:
+    table = table.assign(**{name: table.get(name, np.nan) for name in ("truth", "source")})
     names = list(dict.fromkeys(table["name"]))
     learned = table[table["parameter"].notna()]
     panels: list[tuple[Any, pd.DataFrame]] = list(
@@ -95,7 +152,8 @@ def _figure(table: pd.DataFrame) -> Figure:
         axes.set_title(f"${SYMBOLS.get(parameter, parameter)}$ [{unit}]")
         axes.tick_params(axis="y", labelleft=k % COLUMNS == 0, length=0)
     if first is not None:
-        remarks = dict.fromkeys(table["name"][table["source"] == SIMULATED], "simulated")
+        other = table[table["source"].notna() & (table["source"] != "log")]
+        remarks = dict(zip(other["name"], other["source"], strict=True))
         remarks |= dict.fromkeys(table["name"][table["parameter"].isna()], "failed")
         _name_drives(first, names, remarks)
     figure.legend(handles=_legend(learned), loc="outside lower center", ncols=4)
