@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import shutil
 import zipfile
 import zlib
@@ -51,7 +52,7 @@ def _check_room(members: Sequence[zipfile.ZipInfo], folder: Path) -> None:
     total = sum(member.file_size for member in members)
     free = shutil.disk_usage(folder).free
     if total > free:
-        raise Refused(f"{total} bytes when unpacked, but only {free} are free in {folder}")
+        raise OSError(errno.ENOSPC, f"{total} bytes, but only {free} are free", str(folder))
 
 
 def extract_file(archive: zipfile.ZipFile, member: zipfile.ZipInfo, target: Path) -> None:

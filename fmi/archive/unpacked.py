@@ -43,8 +43,10 @@ def unpack(path: Path, room: str, error: type[Fault]) -> Path:
     except Refused as fault:
         raise error(f"{path}: {fault}") from fault
     except OSError as fault:
-        where = f" ({fault.filename})" if fault.filename not in (None, str(path)) else ""
-        raise error(f"{path}: cannot be unpacked{where}: {fault.strerror}") from fault
+        where = advice = ""
+        if fault.filename not in (None, str(path)):
+            where, advice = f" ({fault.filename})", f"; {toolchain.CACHE_ADVICE}"
+        raise error(f"{path}: cannot be unpacked{where}: {fault.strerror}{advice}") from fault
 
 
 def restore(folder: Path, path: Path, error: type[Fault]) -> None:

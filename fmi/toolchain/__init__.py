@@ -6,13 +6,15 @@ It knows C files and platforms.
     ToolchainError(RuntimeError)
         CompilerMissing     the ``ziglang`` package is not installed
         CompilationFailed   the compiler rejected the sources; carries its output
+        CacheUnusable       the folder of built or of temporary files cannot be written
         WrongExports        a library does not export the requested functions
 """
 
 from stickslip.fmi.toolchain.binaries import binaries, standard_functions
-from stickslip.fmi.toolchain.cache import cache_directory
+from stickslip.fmi.toolchain.cache import CACHE_ADVICE, cache_directory
 from stickslip.fmi.toolchain.compiler import compiled_here, shared_library
 from stickslip.fmi.toolchain.errors import (
+    CacheUnusable,
     CompilationFailed,
     CompilerMissing,
     ToolchainError,
@@ -21,7 +23,9 @@ from stickslip.fmi.toolchain.errors import (
 from stickslip.fmi.toolchain.platforms import PLATFORMS, Platform, host_platform
 
 __all__ = [
+    "CACHE_ADVICE",
     "PLATFORMS",
+    "CacheUnusable",
     "CompilationFailed",
     "CompilerMissing",
     "Platform",

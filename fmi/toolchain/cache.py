@@ -6,6 +6,8 @@ import os
 import sys
 from pathlib import Path
 
+CACHE_ADVICE = "set STICKSLIP_CACHE to a folder that can be written and has space"
+
 
 def cache_directory() -> Path:
     """Return the folder of built files: ``$STICKSLIP_CACHE``, else the user's cache folder."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -18,8 +20,13 @@ from stickslip.fmi.files.atomic import atomic_write
 from stickslip.fmi.files.lock import lock
 from stickslip.fmi.process.child import child_process
 from stickslip.fmi.process.interruption import check_interruption, temporary_folder
-from stickslip.fmi.toolchain.cache import cache_directory
-from stickslip.fmi.toolchain.errors import CompilationFailed, CompilerMissing, WrongExports
+from stickslip.fmi.toolchain.cache import CACHE_ADVICE, cache_directory
+from stickslip.fmi.toolchain.errors import (
+    CacheUnusable,
+    CompilationFailed,
+    CompilerMissing,
+    WrongExports,
+)
 from stickslip.fmi.toolchain.platforms import Platform, host_platform
 
 # No fused multiply-add and a named target: the same bits on every processor.
@@ -28,6 +35,9 @@ _FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden"
 # macOS exports these from every library.
 _OF_THE_LINKER = {"__dso_handle", "_mh_dylib_header"}
 _STANDALONE = ("-nostdlib", "-lcompiler_rt", "-lkernel32")
+# What ziglang prints where it cannot write.
+_FULL = ("NoSpaceLeft", "DiskQuota")
+_CLOSED = ("ReadOnlyFileSystem", "AccessDenied", "PermissionDenied")
 _LOOK = 0.1  # s between two looks for an interruption, or at a lock
 _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 
@@ -63,7 +73,7 @@ def shared_library(
 
     Raises
     ------
-    CompilerMissing, CompilationFailed, WrongExports
+    CompilerMissing, CompilationFailed, CacheUnusable, WrongExports
     """
     target = platform or host_platform()
     bare = standalone and target.suffix == ".dll"
@@ -80,13 +90,17 @@ def shared_library(
     key = _digest([_compiler_version(), target.target, name, *command[1:]], files)
     library = cache_directory() / "libraries" / key / (name + target.suffix)
     if not _is_whole(library):
-        with _alone(library.parent):
-            if not _is_whole(library):  # another process may just have compiled it
-                linked = _compile(command, files, library.name)
-                if exports is not None:
-                    _check_exports(linked, exports, library.name)
-                atomic_write(library, linked)
-                atomic_write(_hash_file(library), hashlib.sha256(linked).hexdigest())
+        try:
+            with _alone(library.parent):
+                if not _is_whole(library):  # another process may just have compiled it
+                    linked = _compile(command, files, library.name)
+                    if exports is not None:
+                        _check_exports(linked, exports, library.name)
+                    atomic_write(library, linked)
+                    atomic_write(_hash_file(library), hashlib.sha256(linked).hexdigest())
+        except OSError as fault:
+            place = Path(fault.filename or library)
+            raise _unusable(place, fault.strerror or str(fault)) from fault
     if not loads:
         _note(_hash_file(library).read_text())
     return library
@@ -200,9 +214,21 @@ def _compile(command: Sequence[str], files: Mapping[str, str], output: str) -> b
         (folder / "system").mkdir(exist_ok=True)
         status, printed = _run([*command, "-o", output], folder, environment)
         if status != 0:
+            if any(word in printed for word in _FULL):
+                place = min(zig, folder, key=lambda path: shutil.disk_usage(path).free)
+                raise _unusable(place, "no space left")
+            if any(word in printed for word in _CLOSED):
+                raise _unusable(zig, "cannot be written")
             said = printed.strip() or f"nothing, and ended with status {status}"
             raise CompilationFailed(f"cannot compile {output}; the compiler said:\n{said}")
         return (folder / output).read_bytes()
+
+
+def _unusable(place: Path, why: str) -> CacheUnusable:
+    advice = CACHE_ADVICE
+    if not place.is_relative_to(cache_directory()) and place.is_relative_to(tempfile.gettempdir()):
+        advice = advice.replace("STICKSLIP_CACHE", "TMPDIR")
+    return CacheUnusable(f"{place}: {why}; {advice}")
 
 
 def _run(command: Sequence[str], folder: Path, environment: Mapping[str, str]) -> tuple[int, str]:

@@ -15,5 +15,9 @@ class CompilationFailed(ToolchainError):
     """The compiler rejected the sources. The message ends with its output."""
 
 
+class CacheUnusable(ToolchainError):
+    """The folder of built files, or the one for temporary files, cannot be written."""
+
+
 class WrongExports(ToolchainError):
     """The library lacks a requested function, or exports one that was not requested."""

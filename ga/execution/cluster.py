@@ -139,21 +139,27 @@ def cluster(where: str, workers: int) -> Iterator[DaskWorkers]:
         )
     distributed: Any = import_module("distributed")
     with ExitStack() as stack:
+        stack.enter_context(_silenced())
         scheduler = where
         if where == "local":
             dask: Any = import_module("dask")
             with without_interrupts(), dask.config.set(LEAN):
-                started = distributed.LocalCluster(
-                    n_workers=workers,
-                    threads_per_worker=1,
-                    processes=True,
-                    dashboard_address=":0",
-                    silence_logs=logging.ERROR,
-                )
+                try:
+                    started = distributed.LocalCluster(
+                        n_workers=workers,
+                        threads_per_worker=1,
+                        processes=True,
+                        dashboard_address=":0",
+                        silence_logs=logging.CRITICAL,
+                    )
+                except RuntimeError as error:  # a worker does not start
+                    raise SettingsError(
+                        f"Dask cannot start workers on this machine: {error}; they need a /dev/shm"
+                        " that can be written; use threads (--pool threads)"
+                    ) from error
             scheduler = stack.enter_context(started)
         else:
             _require_reachable(where)
-        stack.enter_context(_silenced())
         client = stack.enter_context(distributed.Client(scheduler))
         # What waits for a lost connection is cancelled already.
         client._timeout = LOOK  # noqa: SLF001

@@ -189,3 +189,19 @@ def test_only_what_is_marked_is_exported():
         check=True,
     )
     assert [line.split()[-1] for line in listing.stdout.splitlines()] == ["answer"]
+
+
+def test_a_cache_that_cannot_be_written_is_one_line_with_our_setting(tmp_path, monkeypatch):
+    """Not hundreds of the compiler's, which names a setting of its own."""
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
+    for word in ("NoSpaceLeft", "AccessDenied"):
+        printed = f"warning(zcu): unable to write cached ZIR code: {word}\n" * 700
+        monkeypatch.setattr("stickslip.fmi.toolchain.compiler._run", lambda *_, p=printed: (1, p))
+        with pytest.raises(toolchain.CacheUnusable) as caught:
+            toolchain.shared_library("answer", ANSWER)
+        assert str(caught.value).count("\n") == 0
+        assert "set STICKSLIP_CACHE to" in str(caught.value)
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "file"))
+    with pytest.raises(toolchain.CacheUnusable, match=r"file.*: .*; set STICKSLIP_CACHE to"):
+        toolchain.shared_library("answer", ANSWER)
