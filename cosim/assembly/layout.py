@@ -29,6 +29,7 @@ class Layout:
     recorded : the names to keep: exposed inputs, then by component in the order of the system
     summed : label -> deviation whose squares are summed up
     whole : whether the rows are the record, all signals of all points in time
+    texts : the variables of type String to keep, which have no column
     """
 
     columns: dict[str, int]
@@ -37,6 +38,7 @@ class Layout:
     recorded: list[str]
     summed: dict[str, Deviation]
     whole: bool
+    texts: list[str]
 
     def kept_per_point(self, record: Record) -> float:
         """Return how many numbers of a point in time are kept."""
@@ -53,7 +55,8 @@ class Layout:
         turn : the components in the order in which they step one after the other; None where all
             inputs are of one point in time
         """
-        kept = _select(system, record.wanted)
+        texts = _texts(system, record.wanted)
+        kept = _select(system, record.wanted, texts)
         summed = {
             label: _summed(system, label, deviation)
             for label, deviation in record.deviations.items()
@@ -70,7 +73,7 @@ class Layout:
         recorded = sorted(kept, key=usual.__getitem__)
         whole = len(recorded) == len(usual) and record.every == 1 and record.keep == "all"
         columns = usual if whole else _columns(system, outputs, turn or _neighbours(system))
-        return cls(columns, outputs, linked, recorded, summed, whole)
+        return cls(columns, outputs, linked, recorded, summed, whole, texts)
 
 
 def _columns(system: System, outputs: dict[str, list[str]], order: Iterable[str]) -> dict[str, int]:
@@ -93,7 +96,25 @@ def _neighbours(system: System) -> list[str]:
     return list(dict.fromkeys([*first, *system.components]))
 
 
-def _select(system: System, record: Iterable[str] | None) -> list[str]:
+def _texts(system: System, record: Iterable[str] | None) -> list[str]:
+    """Return the outputs of type String that fit, and the variables of that type that are named."""
+    every = {
+        f"{component}.{v.name}": v
+        for component, fmu in system.components.items()
+        for v in fmu.variables.values()
+        if v.type == "String" and not v.dimensions
+    }
+    usual = [name for name, v in every.items() if v.causality == "output"]
+    if record is None:
+        return usual
+    kept: dict[str, None] = {}
+    for wanted in record:
+        found = [name for name in usual if fnmatchcase(name, wanted)]
+        kept |= dict.fromkeys([wanted] if wanted in every else found)
+    return list(kept)
+
+
+def _select(system: System, record: Iterable[str] | None, texts: Iterable[str]) -> list[str]:
     shown = _of_causality(system, "output") or [
         name
         for name in _of_causality(system, "local")
@@ -105,6 +126,8 @@ def _select(system: System, record: Iterable[str] | None) -> list[str]:
     kept: dict[str, None] = {}
     for wanted in record:
         found = [name for name in usual if name == wanted or fnmatchcase(name, wanted)]
+        if not found and any(fnmatchcase(name, wanted) for name in texts):
+            continue
         if not found and any(mark in wanted for mark in "*?"):
             raise ConnectionFault(
                 f"cannot record {wanted!r}: no output fits{suggestion(wanted, usual)}"
@@ -158,6 +181,6 @@ def _recordable(system: System, name: str) -> list[str]:
     elements = [element for element in variable.elements() if element.is_signal]
     if not elements:
         raise ConnectionFault(
-            f"cannot record {name}: it is {variable.type}, expected a number or Boolean"
+            f"cannot record {name}: it is {variable.type}, expected a number, Boolean or String"
         )
     return [f"{component_of(name)}.{element.name}" for element in elements]

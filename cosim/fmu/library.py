@@ -136,7 +136,7 @@ class UnloadedLibrary(Library):
 
 def prepare_library(fmu: Fmu) -> None:
     """Compile what a process that must not compile needs for an FMU."""
-    if fmu.version == 1:
+    if fmu.description.standard == 1:
         _fmi1(fmu.folder.name)
 
 

@@ -21,7 +21,7 @@ _HEAD = struct.Struct(f"<{TOKEN_SIZE}sQL")  # before each message: token, length
 LOST = 113
 """Exit status of a child that cannot reach its parent."""
 
-_LONGEST = 2**20  # bytes of an answer
+_LONGEST = 2**26  # bytes of an answer
 _PART = 2**16  # bytes read at once
 
 Reply = dict[str, Any]

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from stickslip.cosim.run.display import draw, summary
 from stickslip.cosim.run.labelled import to_xarray, with_pint
+from stickslip.cosim.run.texts import Changes
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.system import System
 from stickslip.fmi.files import atomic_write
@@ -19,6 +24,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
+
+_ROWS = 10_000  # of a CSV file, as numbers of Python at the same time
 
 
 class Result:
@@ -33,6 +40,8 @@ class Result:
     names : of the signals
     values : (n, len(names)) float64, each in its unit
     sum_of_squares : label -> sum that the record asked for, in the unit of its signal squared
+    changes : variable of type String -> times (s) and what it holds from each on
+    texts : the same by points: what it holds at each, n of them
     """
 
     def __init__(
@@ -43,12 +52,14 @@ class Result:
         system: System,
         stopped: str | None = None,
         sum_of_squares: dict[str, float] | None = None,
+        changes: Changes | None = None,
     ) -> None:
         self.stopped = stopped
         self.time = time
         self.values = values
         self.names = tuple(names)
         self.sum_of_squares = sum_of_squares or {}
+        self.changes = changes or {}
         self._system = system
 
     def __getitem__(self, name: str) -> Array:
@@ -123,12 +134,25 @@ class Result:
         return dict(zip(self.names, self.values.T, strict=True))
 
     @cached_property
+    def texts(self) -> dict[str, list[str]]:
+        """What each variable of type String holds at the points in time."""
+        return {
+            name: [
+                course[i - 1][1]
+                for i in np.searchsorted([t for t, _ in course], self.time, "right")
+            ]
+            for name, course in self.changes.items()
+        }
+
+    @cached_property
     def units(self) -> dict[str, str | None]:
         """Unit of each signal; None where its FMU gives none."""
         return {name: self._system.unit(name) for name in self.names}
 
     def frame(self, *, pint: bool = False) -> pd.DataFrame:
         """Return a table with the time (s) as index; ``attrs["units"]`` holds the units.
+
+        Variables of type String come after the signals.
 
         Parameters
         ----------
@@ -143,6 +167,8 @@ class Result:
 
         index = pd.Index(self.time, name="time")
         frame = pd.DataFrame(self.values, index=index, columns=list(self.names))
+        for name, texts in self.texts.items():
+            frame[name] = texts
         frame.attrs["units"] = self.units
         if pint:
             return with_pint(frame, {name: self._system.unit_of(name) for name in self.names})
@@ -160,7 +186,13 @@ class Result:
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
-        return atomic_write(Path(path), self.frame().to_csv(lineterminator="\n", na_rep="nan"))
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(["time", *self.names])
+        for i in range(0, len(self.time), _ROWS):
+            rows = slice(i, i + _ROWS)
+            writer.writerows(np.column_stack([self.time[rows], self.values[rows]]).tolist())
+        return atomic_write(Path(path), text.getvalue())
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals; units are in the metadata of the columns.

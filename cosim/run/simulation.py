@@ -12,7 +12,6 @@ from stickslip.cosim.assembly.disturbances import held_values, hold_values
 from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationError
 from stickslip.cosim.fmu.batch import Batch
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.state import StateAccess
 from stickslip.cosim.run.checkpoint import Checkpoint, differences
 from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.repeated import RESUMED, Repeated
@@ -238,12 +237,6 @@ class Simulation(Repeated):
         batch = Batch(self._libraries[component], [owner], "Get")
         self._state_of(component).read(batch)
         return float(batch.values[batch.place(variable)])
-
-    def _state_of(self, name: str) -> StateAccess:
-        general = self._general_components.get(name)
-        instance = general.c.instance if general else self._slots[name].instance
-        version = self.spec.system.components[name].version
-        return StateAccess(name, version, self._libraries[name], instance, self._mark_fatal)
 
     def _compare(self, path: str | os.PathLike[str], checkpoint: Checkpoint) -> None:
         """Check that the FMUs give the outputs again that they gave when their state was saved."""

@@ -14,16 +14,21 @@ from stickslip.cosim.assembly.external_inputs import sample_ends, sample_inputs
 from stickslip.cosim.assembly.input_events import InputEvents, courses, joined
 from stickslip.cosim.assembly.tuning import split, tune
 from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationError
+from stickslip.cosim.fmu.batch import Batch
+from stickslip.cosim.fmu.names import component_of
+from stickslip.cosim.fmu.state import StateAccess
 from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.run.prepared import Prepared
 from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.termination import last_outputs, terminated
+from stickslip.cosim.run.texts import Texts
 from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Array, Input, Table
 from stickslip.cosim.signals.span import slack
 from stickslip.cosim.system.experiment import check_memory
+from stickslip.cosim.system.record import Record
 from stickslip.fmi.description.variables import Value
 from stickslip.fmi.process import check_interruption
 
@@ -132,6 +137,7 @@ class Stepping(Prepared):
         progress: Callable[[float], object] | None,
     ) -> Result:
         """Step to the last of the points in time, and look up on the way if asked to."""
+        self._texts = Texts([])
         self.pacing = None if real_time is None else RealTimePacing.of(real_time)
         look = last - first
         if self.pacing:
@@ -141,10 +147,16 @@ class Stepping(Prepared):
             look = max(1, look // 100)
         halt = first
         try:
+            if self._layout.texts:
+                look = 1 if Record.of(self.spec.record).keep == "all" else look
+                self._advance(first)
+            self._texts = self._new_texts()
+            self._texts.note(self.time[first])
             while halt < last:
                 halt = min(halt + look, last)
                 if end := self._advance(halt):
                     return self._ended(end, first)
+                self._texts.note(self.time[halt])
                 if self.pacing:
                     self.pacing.keep(self.time[halt])
                 if progress:
@@ -232,9 +244,32 @@ class Stepping(Prepared):
             time = np.append(time[:-1], time_reached)
         return self._result(time, values, f"{name}: {reason} at t = {time_reached:.9g} s")
 
+    def _state_of(self, name: str) -> StateAccess:
+        general = self._general_components.get(name)
+        instance = general.c.instance if general else self._slots[name].instance
+        version = self.spec.system.components[name].version
+        return StateAccess(name, version, self._libraries[name], instance, self._mark_fatal)
+
+    def _new_texts(self) -> Texts:
+        """Return what reads the strings to record."""
+        names: dict[str, list[str]] = {}
+        for name in self._layout.texts:
+            names.setdefault(component_of(name), []).append(name)
+        return Texts(
+            [
+                (
+                    own,
+                    Batch(self._libraries[one], [self.spec.system.variable(n) for n in own], "Get"),
+                    self._state_of(one).read,
+                )
+                for one, own in names.items()
+            ]
+        )
+
     def _result(self, time: Array, values: Array, stopped: str | None = None) -> Result:
         names, sums = self._layout.recorded, self._memory.sums
-        return Result(time, values, names, self.spec.system, stopped, sums)
+        texts = self._texts.changes
+        return Result(time, values, names, self.spec.system, stopped, sums, texts)
 
     def _place(self, until: float | None) -> int:
         """Return the number of the step that ends at a time."""

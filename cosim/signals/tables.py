@@ -58,7 +58,7 @@ def write_parquet(path: Path, frame: pd.DataFrame, units: Mapping[str, str | Non
     table = arrow.Table.from_pandas(frame.reset_index(), preserve_index=False)
     known = {frame.index.name: "s"} | dict(units)
     fields = [
-        field.with_metadata({"unit": known[field.name] or ""} if known[field.name] else None)
+        field.with_metadata({"unit": known[field.name] or ""} if known.get(field.name) else None)
         for field in table.schema
     ]
     table = table.cast(arrow.schema(fields, table.schema.metadata))

@@ -42,9 +42,10 @@ class Record:
     Attributes
     ----------
     names : name or pattern (``drive.*``), or several, of what to keep. A pattern stands for outputs
-        and exposed inputs, a name for any real variable. Left out, all outputs and exposed inputs
+        and exposed inputs, a name for any variable. Left out, all outputs and exposed inputs
         are kept, or nothing but the sums where there are some. Where no component has an output,
-        local variables that can change stand for them
+        local variables that can change stand for them. Strings, which are read after each step,
+        become ``Result.texts``
     every : keep the points in time 0, every, 2 every, ... only. Where an FMU ends the run, the last
         point is kept as well
     keep : ``all`` these points in time, or the ``last`` point of the run alone

@@ -54,6 +54,7 @@ class Program:
     ----------
     prefix : before the names of functions and types
     fields : struct -> member -> variable
+    arrays : name of an array's type -> its definition, those that others contain first
     constants : name -> expression
     functions : name -> function, callees first
     variants : name -> parameters of the sizes that arguments have -> function
@@ -67,6 +68,7 @@ class Program:
         order = needed(found, roots)
         self.types = {"double": "LREAL", "int": "INT", "size_t": "INT", "bool": "BOOL"}
         self.fields: dict[str, dict[str, Variable]] = {}
+        self.arrays: dict[str, str] = {}
         self.constants: dict[str, c_ast.Node] = {}
         self.functions: dict[str, Function] = {}
         self.variants: dict[str, dict[tuple[Variable, ...], Function]] = {}
@@ -128,8 +130,19 @@ class Program:
 
     def declaration(self, one: Variable, name: str) -> str:
         """Return ``name : TYPE;``."""
-        array = "".join(f"ARRAY[0..{size - 1}] OF " for size in one.sizes)
-        return f"    {name} : {array}{self.type_name(one.type)};"
+        return f"    {name} : {self.array_name(one.type, one.sizes)};"
+
+    def array_name(self, type_: str, sizes: Sequence[int]) -> str:
+        """Return the name of an array's type, or of the type itself where it has no sizes.
+
+        Arrays without a name are of different types, and hold no arrays, in the standard.
+        """
+        if not sizes:
+            return self.type_name(type_)
+        inner = self.array_name(type_, sizes[1:])
+        name = "_".join([self.prefix, type_, *map(str, sizes)])
+        self.arrays[name] = f"TYPE {name} : ARRAY[0..{sizes[0] - 1}] OF {inner}; END_TYPE\n"
+        return name
 
     def number(self, node: c_ast.Node) -> int:
         """Return the value of a whole expression of constants; sizes are in doubles."""

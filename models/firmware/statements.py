@@ -58,7 +58,11 @@ class Statements(Expressions):
             first = _items(node.iftrue) if isinstance(node, c_ast.If) else []
             if first and isinstance(first[-1], c_ast.Continue):
                 rest = c_ast.Compound([*_items(node.iffalse), *nodes[k + 1 :]])
-                self.statement(c_ast.If(node.cond, c_ast.Compound(first[:-1]), rest))
+                done = c_ast.Compound(first[:-1])
+                one = c_ast.If(node.cond, done, rest)
+                if not done.block_items:
+                    one = c_ast.If(c_ast.UnaryOp("!", node.cond), rest, None)
+                self.statement(one)
                 return
             self.statement(node, is_last=is_last and k + 1 == len(nodes))
 

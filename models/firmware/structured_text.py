@@ -96,10 +96,10 @@ def _block(model: Model, program: Program) -> str:
             f"FUNCTION_BLOCK {name}",
             "VAR_INPUT",
             *timed,
-            *_declarations(model, ("input", "parameter")),
+            *_declarations(model, program, ("input", "parameter")),
             "END_VAR",
             "VAR_OUTPUT",
-            *_declarations(model, ("output", "memory")),
+            *_declarations(model, program, ("output", "memory")),
             "    valid : BOOL; (* FALSE: do not use the outputs *)",
             "END_VAR",
             "VAR",
@@ -155,7 +155,7 @@ def _started(model: Model, program: Program) -> Iterable[str]:
                 yield f"{target}{f'[{k}]' if size else ''} := {_number(v.start)};"
 
 
-def _declarations(model: Model, roles: Iterable[Role]) -> Iterable[str]:
+def _declarations(model: Model, program: Program, roles: Iterable[Role]) -> Iterable[str]:
     shown = _shown(model)
     for role in roles:
         for name, size, (first, *others) in _elements(model, role):
@@ -165,9 +165,12 @@ def _declarations(model: Model, roles: Iterable[Role]) -> Iterable[str]:
             if first.type == "boolean":
                 kind, start = "BOOL", "TRUE" if first.start else "FALSE"
             if size:
-                kind = "".join(f"ARRAY[0..{n - 1}] OF " for n in size) + "LREAL"
+                kind = program.array_name("LREAL", size)
                 start = _nested([_number(v.start) for v in (first, *others)], size)
-            yield f"    {shown[name]} : {kind} := {start}; (* {explained(first)} *)"
+            # matiec fails on some lists of lists, and without a list all are 0
+            is_zero = len(size) > 1 and not any(v.start for v in (first, *others))
+            begin = "" if is_zero else f" := {start}"
+            yield f"    {shown[name]} : {kind}{begin}; (* {explained(first)} *)"
 
 
 def _nested(values: list[str], size: tuple[int, ...]) -> str:

@@ -34,7 +34,9 @@ def translated(program: Program) -> str:
     ]
     own = [name for name in program.fields if name not in ROLES]
     types = [_struct(program, name) for name in (*ROLES, *own) if program.fields[name]]
-    return "\n".join([*types, _EXP.format(prefix=program.prefix), *reversed(functions)])
+    return "\n".join(
+        [*program.arrays.values(), *types, _EXP.format(prefix=program.prefix), *reversed(functions)]
+    )
 
 
 def _struct(program: Program, name: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import json
 from collections.abc import Mapping
 from contextlib import ExitStack
 from importlib.util import find_spec
@@ -151,6 +152,9 @@ def _simulate(options: argparse.Namespace) -> Answer:
         ends = values.min(), values.max(), values[-1]
         signals.append(dict(zip(SIGNAL, (name, unit, *ends), strict=True)))
         print(f"{name:32} {unit or '':8} " + " ".join(f"{value:14.6g}" for value in ends))
+    last = {name: texts[-1] for name, texts in result.texts.items() if texts}
+    for name, text in last.items():
+        print(f"{name:32} {json.dumps(text, ensure_ascii=False)} at the end")
     if pacing:
         print(
             f"real time: late {pacing.overruns} of {pacing.looks} times by more than"
@@ -163,7 +167,7 @@ def _simulate(options: argparse.Namespace) -> Answer:
     times = {"start": simulation.spec.start, "stop": simulation.spec.stop}
     return Answer(
         {"file": options.file, **times, "step": simulation.spec.step, "stopped": result.stopped}
-        | {"points": len(result.time), "signals": signals, "written": written}
+        | {"points": len(result.time), "signals": signals, "texts": last, "written": written}
     )
 
 

@@ -22,6 +22,7 @@ VARIABLES = [
     ("n", "Int32", "parameter", None, 0, 'min="0" max="9"'),
     ("flag", "Boolean", "parameter", None, "false", ""),
     ("text", "String", "parameter", None, "", ""),
+    ("sign", "String", "local", None, None, ""),
 ]
 UNITS = {
     "N": 'kg="1" m="1" s="-2"',
@@ -66,6 +67,8 @@ def describe(kind: str, version: int, units: dict[str, str]) -> str:
                     if causality == "parameter" and name not in {"k", "n", "flag"}
                     else "tunable"
                     if causality == "parameter"
+                    else "discrete"
+                    if type_ == "String"
                     else "continuous"
                 ),
                 depends=["u"] if name == "y" and kind == "gain" else (),

@@ -15,7 +15,7 @@
 #endif
 
 enum { U, Y, K, FAULT_TIME, SUM, N_REALS };
-enum { FAULT = N_REALS, N, FLAG, TEXT };
+enum { FAULT = N_REALS, N, FLAG, TEXT, SIGN };
 enum { GIVE_NAN = 10, END, RETURN_EARLY, FAIL_TO_INITIALISE };
 
 typedef struct {
@@ -170,5 +170,12 @@ fmi3Status fmi3SetString(fmi3Instance c, const unsigned r[], size_t n, const fmi
     return (fmi3Status)fmi2SetString(c, r, n, v);
 }
 fmi2Status fmi2GetString(fmi2Component c, const unsigned r[], size_t n, fmi2String v[]) {
-    return n ? (v[0] = ((Model *)c)->text), fmi2OK : fmi2OK;
+    for (size_t i = 0; i < n; i++) {
+        v[i] = r[i] != SIGN ? ((Model *)c)->text : value(c, Y) > 0.0 ? "up" : "not \xc3\xbcp";
+    }
+    return fmi2OK;
+}
+fmi3Status fmi3GetString(fmi3Instance c, const unsigned r[], size_t n, fmi3String v[],
+                         size_t values) {
+    return (fmi3Status)fmi2GetString(c, r, n, v);
 }

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import pickle
 
 import numpy as np
 import pytest
+from pyarrow import parquet
 
 from stickslip import cosim
 from stickslip.cosim import Deviation, Record
@@ -35,6 +37,25 @@ def prepare(system, record=None, **options):
 
 
 INPUT = {"u": lambda t: np.sin(3 * t)}
+
+
+@pytest.mark.parametrize("isolation", [None, "process"])
+@pytest.mark.parametrize("record", [{}, {"every": 7}, {"keep": "last"}], ids=str)
+def test_strings_are_those_of_each_point_that_is_kept(system, record, isolation, tmp_path):
+    record = Record(["position.y", "position.sign"], **record)
+    with prepare(system, record, isolation=isolation) as simulation:
+        for _ in range(3):  # the second is repeated after a reset
+            result = simulation.run(inputs=INPUT)
+    expected = ["up" if y > 0.0 else "not üp" for y in result["position.y"]]
+    assert result.texts == {"position.sign": expected}
+    assert result.names == ("position.y",)
+    with result.to_csv(tmp_path / "a.csv").open(encoding="utf-8") as file:
+        assert [row["position.sign"] for row in csv.DictReader(file)] == expected
+    table = parquet.read_table(result.to_parquet(tmp_path / "a.parquet"))
+    assert table["position.sign"].to_pylist() == expected
+    with prepare(system, "position.y") as simulation:
+        every = simulation.run(inputs=INPUT)
+    assert {*result["position.y"]} <= {*every["position.y"]}  # looking changes nothing
 
 
 def one_by_one(deviation):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from uuid import uuid4
 
 import numpy as np
 import pytest
@@ -48,7 +49,8 @@ def binary():
 
 
 def test_runs_equal_fmpy(tmp_path, binary):
-    path = fmu.pack(tmp_path / "old.fmu", described(), binary)
+    new = described().replace('modelName="old"', f'modelName="{uuid4()}"')  # to no cache
+    path = fmu.pack(tmp_path / "old.fmu", new, binary)
     time = np.linspace(0.0, 1.0, 11)
     u, on = 1.0 + np.sin(7 * time), time < 0.45
     system = cosim.System()
@@ -64,11 +66,12 @@ def test_runs_equal_fmpy(tmp_path, binary):
         inputs=[time, ("u", "f8", u), ("on", "?", on)],
         start_values={"k": 0.5},
     )
-    with system.prepare(step=0.1, stop=1.0) as simulation:
-        for _ in range(2):
-            ours = simulation.run(inputs={"u": u, "on": on})
-            np.testing.assert_array_equal(ours["a.y"], theirs["y"])
-            np.testing.assert_array_equal(ours["a.high"], theirs["high"])
+    for isolation in ("process", None):
+        with system.prepare(step=0.1, stop=1.0, isolation=isolation) as simulation:
+            for _ in range(2):
+                ours = simulation.run(inputs={"u": u, "on": on})
+                np.testing.assert_array_equal(ours["a.y"], theirs["y"])
+                np.testing.assert_array_equal(ours["a.high"], theirs["high"])
     assert ours["a.y"][0] == 0.5 * u[0]
     assert 0 < ours["a.high"].sum() < len(time)
     assert system.components["a"].feedthrough == {"y": {"u"}, "high": set()}

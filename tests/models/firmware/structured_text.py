@@ -23,16 +23,17 @@ Expression = Callable[[Scope], Any]
 Place = Callable[[Scope], tuple[Any, Any]]  # where a value is: a dict or list, and the key in it
 
 _GRAMMAR = r"""
-start: (struct | function | function_block)*
+start: (array | struct | function | function_block)*
+array: "TYPE" NAME ":" "ARRAY" "[" WHOLE ".." WHOLE "]" "OF" type ";" "END_TYPE"
 struct: "TYPE" NAME ":" "STRUCT" (NAME ":" type ";")* "END_STRUCT" ";" "END_TYPE"
 function: "FUNCTION" NAME ":" type section* block "END_FUNCTION"
 function_block: "FUNCTION_BLOCK" NAME section* block "END_FUNCTION_BLOCK"
 section: SECTION variable* "END_VAR"
 variable: NAME ":" type [":=" constant] ";"
-type: NAME | "ARRAY" "[" WHOLE ".." WHOLE "]" "OF" type -> array
+type: NAME
 ?constant: expression | "[" constant ("," constant)* "]" -> constants
 
-block: (statement | ";")*
+block: statement*
 ?statement: LEAVE ";" -> leave
     | place ":=" expression ";" -> assignment
     | "IF" branch ("ELSIF" branch)* ["ELSE" block] "END_IF" ";" -> choice
@@ -182,9 +183,9 @@ class _Program(Transformer):
     def type(self, name):
         return deepcopy(self.types[name])
 
-    def array(self, first, last, element):
+    def array(self, name, first, last, element):
         assert first == "0"
-        return [deepcopy(element) for _ in range(int(last) + 1)]
+        self.types[name] = [deepcopy(element) for _ in range(int(last) + 1)]
 
     def constants(self, *values):
         return lambda scope: [value(scope) for value in values]
