@@ -26,7 +26,7 @@ import format_writers as writers  # noqa: E402 - of the tests
 from vendor_texts import FILES, F, T, V, X  # noqa: E402
 
 HEADINGS = {
-    "Systems and runs": ("cosim", "contents", "simulation", "sweeping"),
+    "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),
     "Models and friction laws": ("models", "laws", "evaluation.phenomena"),
     "Velocity loops and frequency responses": ("servo", "cosim.control", "report.bode"),
     "Learning": ("logs", "planning", "pipeline", "results"),

@@ -17,6 +17,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from stickslip.cosim.isolation.answers import LOST, receive, send
 from stickslip.cosim.isolation.shared import Shared
 from stickslip.cosim.kernel import marks
@@ -146,10 +148,10 @@ class _Served:
         place = self._room(result.values.shape)
         if place.ctypes.data != result.values.ctypes.data or not result.values.flags.c_contiguous:
             place[:] = result.values.copy()
-        numbers = self._shared.numbers
-        numbers[len(numbers) - len(result.time) :] = result.time
         return {
             "shape": result.values.shape,
+            "first": int(np.searchsorted(simulation.time, result.time[0])),
+            "end": float(result.time[-1]),
             "stopped": result.stopped,
             "sums": result.sum_of_squares,
             "texts": result.changes,

@@ -13,6 +13,8 @@ from types import MappingProxyType
 from typing import Any
 from weakref import finalize
 
+import numpy as np
+
 from stickslip.cosim.errors import FmuCrashed
 from stickslip.cosim.isolation.answers import Reply
 from stickslip.cosim.isolation.parcel import Tabulated, portable_inputs
@@ -24,6 +26,7 @@ from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.system.isolation import Isolation
+from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.system import Specification
 from stickslip.fmi.files import atomic_write
 
@@ -174,10 +177,12 @@ class IsolatedSimulation(Simulation):
 
     def _result_of(self, reply: Reply) -> Result:
         """Copy a result from the shared memory, which the next run overwrites."""
-        numbers = self._living().shared.numbers
         n, width = reply["shape"]
-        time = numbers[len(numbers) - n :].copy()
-        values = numbers[: n * width].reshape(n, width).copy()
+        every = Record.of(self.spec.record).every
+        time = self.time[reply["first"] :: every][:n]
+        if len(time) < n or time[-1] != reply["end"]:  # an FMU has ended the run
+            time = np.append(time[: n - 1], reply["end"])
+        values = self._living().shared.numbers[: n * width].reshape(n, width).copy()
         names, system = self._layout.recorded, self.spec.system
         texts = reply["texts"]
         return Result(time, values, names, system, reply["stopped"], reply["sums"], texts)
@@ -201,8 +206,7 @@ class IsolatedSimulation(Simulation):
     def _living(self) -> Process:
         """Return the child; start one and prepare the simulation in it where there is none."""
         if self._process is None:
-            rows = len(self.time) + 1
-            n = rows * (len(self._layout.recorded) + 1)
+            n = (len(self.time) + 1) * len(self._layout.recorded)
             components = self.spec.system.components.values()
             solver = any(fmu.interface == "model_exchange" for fmu in components)
             modules = ("fmpy.sundials.libraries",) if solver else ()

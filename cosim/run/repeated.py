@@ -7,7 +7,7 @@ a reset and gave the same. After any other run the next one has new instances.
 
 from __future__ import annotations
 
-import hashlib
+import zlib
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -40,7 +40,7 @@ class Repeated(Stepping):
         self._traces: set[_Trace] = set()  # of the runs since all instances were new
         self._set: dict[str, Value] = {}  # by them, the last value of each
         self._failed = False  # the last of them
-        self._first: tuple[object, bytes] | None = None  # settings and result of the first run
+        self._first: tuple[object, int] | None = None  # settings and result of the first run
         self._deterministic = self._watched = True
         super().__init__(spec, room)
         self._proven = np.zeros_like(self._moved)
@@ -214,14 +214,14 @@ class Repeated(Stepping):
         return None
 
 
-def _digest(*arrays: Array) -> bytes:
-    found = hashlib.blake2b()
+def _digest(*arrays: Array) -> int:
+    found = 0
     for array in arrays:
-        found.update(array.tobytes())
-    return found.digest()
+        found = zlib.crc32(np.ascontiguousarray(array).data, found)
+    return found
 
 
-def _digest_of(result: Result) -> bytes:
+def _digest_of(result: Result) -> int:
     sums = np.array([*result.sum_of_squares.values()])
     return _digest(result.time, result.values, sums)
 
@@ -229,6 +229,6 @@ def _digest_of(result: Result) -> bytes:
 def _same(one: Result, other: Result) -> bool:
     sums = [np.array([*r.sum_of_squares.values()]) for r in (one, other)]
     return one.stopped == other.stopped and all(
-        np.array_equal(a, b, equal_nan=True)
+        np.array_equal(a, b) or np.array_equal(a, b, equal_nan=True)  # the former takes a tenth
         for a, b in ((one.time, other.time), (one.values, other.values), sums)
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 from collections.abc import Iterator, Sequence
 from functools import cached_property
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
+
+_ROWS = 10_000  # of a CSV file, as numbers of Python at the same time
 
 
 class Result:
@@ -182,7 +186,13 @@ class Result:
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
-        return atomic_write(Path(path), self.frame().to_csv(lineterminator="\n", na_rep="nan"))
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(["time", *self.names])
+        for i in range(0, len(self.time), _ROWS):
+            rows = slice(i, i + _ROWS)
+            writer.writerows(np.column_stack([self.time[rows], self.values[rows]]).tolist())
+        return atomic_write(Path(path), text.getvalue())
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals; units are in the metadata of the columns.

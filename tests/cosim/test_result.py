@@ -72,6 +72,10 @@ def test_csv_keeps_every_digit(result, tmp_path):
     assert list(read) == ["time", "force", "a.y", "a.k"]
     np.testing.assert_array_equal(read["time"], result.time)
     np.testing.assert_array_equal(read["a.y"], result["a.y"])
+    for name, value in zip(result, (np.nan, -np.inf, -0.0), strict=True):
+        result[name][0] = value
+    text = result.to_csv(tmp_path / "out.csv").read_text()
+    assert text == result.frame().to_csv(lineterminator="\n", na_rep="nan")
 
 
 @pytest.mark.parametrize(

@@ -30,8 +30,11 @@ from stickslip.report.learned.signals import (
     force_scale,
     measures_friction,
     parameter_scale,
+    residual,
     steady_name,
+    velocity_scale,
 )
+from stickslip.report.learned.stretches import stretches
 from stickslip.report.markup import Html, element, join, paragraph, prose, table, tile
 from stickslip.report.page import Illustration, Section, commands, file_list, made_with
 from stickslip.report.quantity import interval, meaning, number, percentage, symbol, with_error
@@ -388,6 +391,8 @@ def _search(estimation: Estimation) -> list[Html]:
     return [sentence, table(head, rows, "Spread over seeds, by the inverse model, in SI units")]
 
 
+STANDING_OUT = 5
+"""Stretches of the residual that are named."""
 ORDER = ("error", "warning", "note")
 
 
@@ -422,6 +427,7 @@ def fit(estimation: Estimation) -> Section:
         "The learned drive against the recording",
         _force_figure(estimation),
         _residual_figure(estimation),
+        _standing_out(estimation),
     )
 
 
@@ -485,6 +491,29 @@ def _residual_figure(estimation: Estimation) -> Illustration:
         f"{what}. A pattern over {place} indicates ripple or friction that depends on the {place}, "
         "one over velocity of friction that the model does not describe.",
     )
+
+
+def _standing_out(estimation: Estimation) -> Html:
+    """Return where the residual stands out, the largest stretches."""
+    found = residual(estimation)
+    outliers = stretches(found.t, found.values, found.velocity)
+    if not outliers:
+        return paragraph("The residual stands out nowhere.")
+    speeds = velocity_scale(estimation.recording.motion, found.velocity)
+    items = [
+        element(
+            "li",
+            f"{number(one.begin, 4)} to {number(one.end, 4)} s: up to"
+            f" {number(found.scale.factor * one.peak, 2)} {found.scale.unit},"
+            f" {number(one.ratio, 2)} times the largest usual value, at"
+            f" {number(speeds.factor * one.speed, 2)} {speeds.unit}",
+        )
+        for one in outliers[:STANDING_OUT]
+    ]
+    more = len(outliers) - len(items)
+    head = "The residual stands out here, where the learned drive does not explain the recording:"
+    rest = [paragraph(f"And in {more} smaller stretches.")] if more else []
+    return join([paragraph(head), element("ul", join(items, "\n")), *rest])
 
 
 def _profiles(estimation: Estimation) -> str:

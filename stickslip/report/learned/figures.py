@@ -34,6 +34,7 @@ from stickslip.report.learned.signals import (
     parameter_scale,
     parts,
     position_scale,
+    residual,
     sliding,
     spread,
     steady_friction,
@@ -225,19 +226,12 @@ def _loops(axes: Axes, estimation: Estimation, signals: Parts) -> None:
 def draw_residual(estimation: Estimation) -> Figure:
     """Draw the residual over time, and over position and velocity."""
     recording, simulated = estimation.recording, estimation.figures.simulated
-    motion = recording.motion
-    place, push = (word.capitalize() for word in WORDS[motion])
-    if simulated is None:
-        inverse = parts(estimation)
-        t, x, v, left = inverse.t, inverse.position, inverse.velocity, inverse.difference
-        scale, what = force_scale(motion, left), push
-        if measures_friction(estimation):
-            what = "Friction"
-        title = f"{what}, recorded less predicted"
-    else:
-        t, x, v = recording.t, position_of(recording), estimation.figures.velocity_recorded
-        left = x - simulated
-        scale, what = position_scale(motion, left), place
+    motion, place = recording.motion, WORDS[recording.motion][0].capitalize()
+    found = residual(estimation)
+    t, x, v, left = found.t, found.position, found.velocity, found.values
+    scale, what = found.scale, found.what
+    title = f"{what}, recorded less predicted"
+    if simulated is not None:
         title = f"{what} in closed loop, recorded less simulated"
     figure = style.new_figure(style.PAGE, 115.0)
     grid = figure.add_gridspec(2, 2)

@@ -59,6 +59,41 @@ def parts(estimation: Estimation) -> Parts:
     return Parts(*(np.asarray(signal[used]) for signal in signals))
 
 
+@dataclass(frozen=True)
+class Residual:
+    """What the learned drive leaves of a recording.
+
+    Attributes
+    ----------
+    t, position, velocity : (n,) [s], [m], [m/s]
+    values : (n,) [N], or [m] where the loop was simulated
+    scale : in which the values read best
+    what : ``Force``, ``Friction``, ``Torque``, ``Position`` or ``Angle``
+    """
+
+    t: Array
+    position: Array
+    velocity: Array
+    values: Array
+    scale: Scale
+    what: str
+
+
+def residual(estimation: Estimation) -> Residual:
+    """Return recorded less simulated position, or recorded less predicted force."""
+    recording, simulated = estimation.recording, estimation.figures.simulated
+    place, push = (word.capitalize() for word in WORDS[recording.motion])
+    if simulated is None:
+        of = parts(estimation)
+        scale = force_scale(recording.motion, of.difference)
+        what = "Friction" if measures_friction(estimation) else push
+        return Residual(of.t, of.position, of.velocity, of.difference, scale, what)
+    position, v = position_of(recording), estimation.figures.velocity_recorded
+    left = position - simulated
+    scale = position_scale(recording.motion, left)
+    return Residual(recording.t, position, v, left, scale, place)
+
+
 def sliding(estimation: Estimation, signals: Parts) -> NDArray[np.bool_]:
     """Return where (k,) the displacement since the last reversal has bent the bristles fully."""
     v = signals.velocity

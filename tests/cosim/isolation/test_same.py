@@ -115,6 +115,16 @@ def test_state_progress_and_pace(tmp_path):
         assert there.pacing.looks == 50
 
 
+def test_a_run_that_an_fmu_ends(make):
+    """Times are not sent: the parent knows all but the last one."""
+    system = cosim.System()
+    system.add("a", make("integrator", 3), {"u": 1.0, "fault": 11, "fault_time": 0.455})
+    for how in ({"record": cosim.Record("a.y", every=7)}, {"record": cosim.Record(keep="last")}):
+        here, there = both(system, how)
+        assert here.stopped
+        assert_same(here, there)
+
+
 def test_mistakes_of_the_caller_are_those_of_the_caller(fmus):
     system = loop(fmus)
     with pytest.raises(cosim.ExperimentError, match="does not divide"):
