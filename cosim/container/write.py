@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -72,8 +73,15 @@ def write_fmu(
     OSError
         When the file cannot be written.
     """
-    if not step > 0:
+    if not 0 < step < math.inf:
         raise ExperimentError(f"step is {step} s, expected a positive number")
+    if fmi not in (2, 3):
+        raise ExperimentError(f"fmi is {fmi!r}, expected 2 or 3")
+    if coupling not in ("gauss_seidel", "jacobi"):
+        raise ExperimentError(
+            f"coupling is {coupling!r}, expected 'gauss_seidel' or 'jacobi': a container repeats"
+            " no steps"
+        )
     components = system.fmus("a container")
     if not components:
         raise ConnectionFault(f"{system.name} has no component; add one before it is exported")
