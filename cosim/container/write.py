@@ -52,7 +52,8 @@ def write_fmu(
     """Write a system as one FMU for Co-Simulation and return its path.
 
     It gives the values that a simulation with the same step and coupling gives, bit for bit,
-    and takes communication steps that are multiples of ``step``.
+    where the communication steps are multiples of ``step``. In others the last step is shortened
+    where all components can vary theirs; else they are refused.
 
     Parameters
     ----------
@@ -117,6 +118,7 @@ def write_fmu(
             token,
             shown,
             DefaultExperiment(times.start, times.stop, step, times.tolerance),
+            varies_step=all(fmu.varies_step for fmu in fmus),
             restores_state=not general and all(fmu.restores_state for fmu in fmus),
             serializes=not general and all(fmu.serializes and fmu.restores_state for fmu in fmus),
         )
