@@ -1,5 +1,6 @@
 """How the cost grows: with FMUs, with variables of each FMU, with steps; and two threads."""
 
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -32,7 +33,7 @@ def by_steps(folder: Path) -> dict[int, float]:
     system = ring.system(folder, 2)
     costs = {}
     for n in STEPS:
-        seconds = interleaved({"run": _prepare(system, n, "jacobi").run}, 11)
+        seconds = interleaved({"run": _prepare(system, n, "jacobi").run}, 11, time.thread_time)
         costs[n] = seconds["run"] / n / 3 * 1e9
     return costs
 
@@ -58,7 +59,7 @@ def by_threads(folder: Path) -> float:
 
 def _per_step(system, steps: int, coupling: str, record=("mass.v",)) -> float:
     once, twice = (_prepare(system, n, coupling, record) for n in (steps, 2 * steps))
-    seconds = interleaved({"once": once.run, "twice": twice.run}, 15)
+    seconds = interleaved({"once": once.run, "twice": twice.run}, 15, time.thread_time)
     return (seconds["twice"] - seconds["once"]) / steps * 1e9
 
 

@@ -23,6 +23,8 @@
 #define model_outputs NAMED(MODEL, outputs)
 #define model_continuous NAMED(MODEL, continuous)
 #define model_jacobian NAMED(MODEL, jacobian)
+#define model_events NAMED(MODEL, events)
+#define model_switch NAMED(MODEL, switch)
 
 #define Law NAMED(MODEL, Law)
 #define LawState NAMED(MODEL, LawState)

@@ -39,6 +39,7 @@ def model_description(
     shown: Sequence[Shown],
     experiment: DefaultExperiment,
     *,
+    varies_step: bool,
     restores_state: bool,
     serializes: bool,
 ) -> str:
@@ -64,7 +65,8 @@ def model_description(
     root = ET.Element("fmiModelDescription", head)
     state = "state" if version == 2 else "State"
     flags = {f"canGetAndSetFMU{state}": restores_state, f"canSerializeFMU{state}": serializes}
-    internal = experiment.step if version == 3 else None
+    flags["canHandleVariableCommunicationStepSize"] = varies_step
+    internal = experiment.step if version == 3 and not varies_step else None
     child(
         root,
         "CoSimulation",

@@ -20,8 +20,7 @@ td, th {{ border: 1px solid #ccc; padding: 0.2em 0.6em; text-align: left; }}
 </head>
 <body>
 <h1>{title}</h1>
-<p>A system of coupled FMUs in one. Communication steps must be multiples of {step:g} s, the step of
-all components.</p>
+<p>A system of coupled FMUs in one. All components step by {step:g} s. {rest}</p>
 <h2>Components, in the order in which they step</h2>
 {components}
 <h2>Connections{delay}</h2>
@@ -34,6 +33,10 @@ all components.</p>
 """
 
 
+_SHORTENED = "In communication steps that are no multiples of it the last step is shorter."
+_WHOLE = "Communication steps must be multiples of it."
+
+
 def index(system: System, order: Sequence[str], step: float, *, jacobi: bool) -> str:
     """Return the page."""
     fmus = system.fmus("a container")
@@ -42,6 +45,7 @@ def index(system: System, order: Sequence[str], step: float, *, jacobi: bool) ->
     return _PAGE.format(
         title=escape(system.name),
         step=step,
+        rest=_SHORTENED if all(c.varies_step for c in system.components.values()) else _WHOLE,
         components=_table(("component", "model", "standard", "token"), components),
         connections=_table(("from", "to"), connections),
         delay=", each delayed by one step" if jacobi else "",

@@ -50,7 +50,7 @@ typedef struct {
     int (*unpack)(void *, const void *, size_t, void **);
 } Access;
 
-#include "system.h" /* generated: TOKEN, STEP, PARTS, STARTS, VARIABLES and their numbers */
+#include "system.h" /* generated: TOKEN, STEP, VARIES_STEP, PARTS, STARTS, VARIABLES and their numbers */
 
 struct Instance {
     Run run;

@@ -123,23 +123,44 @@ static Status step_to(Instance *x, int64_t last) {
     return OK;
 }
 
+/* The rest of a communication step, shorter than a step; steps are counted from its end. */
+static Status step_short(Instance *x, double now, double rest) {
+    Run *run = &x->run;
+    run->start = now;
+    run->done = 0;
+    run->step = rest;
+    const Status status = step_to(x, 1);
+    run->step = STEP;
+    if (status == OK) {
+        run->start = now + rest;
+        run->done = 0;
+    }
+    return status;
+}
+
 Status instance_step(Instance *x, double t, double h) {
     PLAIN_HERE;
     Run *run = &x->run;
-    const double n = round(h / STEP), now = instance_time(x);
+    const double now = instance_time(x);
     const double near = 1e-6 * STEP + 2.0 * DBL_EPSILON * (fabs(now) + h); /* with rounding */
-    if (!(n >= 1.0 && fabs(n * STEP - h) <= near)) {
+    const double n = floor((h + near) / STEP), rest = h - n * STEP;
+    if (!(h > near && n < 0x1p53 && (VARIES_STEP || rest <= near))) {
         return report(x, ERROR,
-                      "a communication step of %.9g s is not possible: expected a multiple of the"
-                      " components' step, %.9g s",
-                      h, STEP);
+                      "a communication step of %.9g s is not possible: expected a %s%.9g s", h,
+                      VARIES_STEP ? "step above 0, such as that of the components, "
+                                  : "multiple of the components' step, which not all of them can "
+                                    "vary: ",
+                      STEP);
     }
     if (!(fabs(t - now) <= near)) {
         return report(x, ERROR, "the communication point is %.9g s, expected %.9g s", t, now);
     }
     const int64_t last = run->done + (int64_t)n;
     keep_time(&run->t);
-    const Status status = step_to(x, last);
+    Status status = step_to(x, last);
+    if (status == OK && rest > near) {
+        status = step_short(x, instance_time(x), t + h - instance_time(x));
+    }
     keep_time(NULL);
     return status;
 }

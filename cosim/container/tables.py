@@ -45,6 +45,7 @@ def system_header(
     lines = [
         f"#define STEP {step!r}",
         f"#define JACOBI {int(run.jacobi)}",
+        f"#define VARIES_STEP {int(all(c.varies_step for c in system.components.values()))}",
         f"#define GENERAL {int(bool(general))}",
         "typedef struct { int part; Type type; uint32_t reference; double value; } Start;",
         "enum {",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -51,7 +52,8 @@ def write_fmu(
     """Write a system as one FMU for Co-Simulation and return its path.
 
     It gives the values that a simulation with the same step and coupling gives, bit for bit,
-    and takes communication steps that are multiples of ``step``.
+    where the communication steps are multiples of ``step``. In others the last step is shortened
+    where all components can vary theirs; else they are refused.
 
     Parameters
     ----------
@@ -72,8 +74,15 @@ def write_fmu(
     OSError
         When the file cannot be written.
     """
-    if not step > 0:
+    if not 0 < step < math.inf:
         raise ExperimentError(f"step is {step} s, expected a positive number")
+    if fmi not in (2, 3):
+        raise ExperimentError(f"fmi is {fmi!r}, expected 2 or 3")
+    if coupling not in ("gauss_seidel", "jacobi"):
+        raise ExperimentError(
+            f"coupling is {coupling!r}, expected 'gauss_seidel' or 'jacobi': a container repeats"
+            " no steps"
+        )
     components = system.fmus("a container")
     if not components:
         raise ConnectionFault(f"{system.name} has no component; add one before it is exported")
@@ -109,6 +118,7 @@ def write_fmu(
             token,
             shown,
             DefaultExperiment(times.start, times.stop, step, times.tolerance),
+            varies_step=all(fmu.varies_step for fmu in fmus),
             restores_state=not general and all(fmu.restores_state for fmu in fmus),
             serializes=not general and all(fmu.serializes and fmu.restores_state for fmu in fmus),
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import operator
 import os
 from collections.abc import Iterator, Sequence
 from functools import cached_property
@@ -188,10 +189,14 @@ class Result:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(["time", *self.names])
+        writer.writerow(["time", *self.names, *self.texts])
         for i in range(0, len(self.time), _ROWS):
             rows = slice(i, i + _ROWS)
-            writer.writerows(np.column_stack([self.time[rows], self.values[rows]]).tolist())
+            numbers = np.column_stack([self.time[rows], self.values[rows]]).tolist()
+            texts = zip(*(text[rows] for text in self.texts.values()), strict=True)
+            writer.writerows(
+                map(operator.add, numbers, map(list, texts)) if self.texts else numbers
+            )
         return atomic_write(Path(path), text.getvalue())
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:

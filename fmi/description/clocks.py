@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +10,7 @@ from stickslip.fmi.description.attributes import DescriptionFault, finite, whole
 
 # When an FMU is asked for the interval, by ``intervalVariability``; places in ``enum Asked``.
 # Clocks of other kinds are triggered by whoever runs the FMU.
+_TRIGGERED = "triggered"
 _NEVER, _ONCE = 0, 1
 _ASKED = {
     "constant": _NEVER,
@@ -38,14 +39,23 @@ class Clock:
     shift: float = 0.0
 
 
-def read_clocks(elements: Iterable[Any]) -> tuple[Clock, ...]:
-    """Return the input clocks among the elements of variables."""
-    clocks = (e for e in elements if e.tag == "Clock" and e.get("causality") == "input")
-    return tuple(map(_clock, clocks))
+def read_clocks(elements: Sequence[Any]) -> tuple[Clock, ...]:
+    """Return the input clocks among the elements of variables, whose clocks have to be some."""
+    clocks = [element for element in elements if element.tag == "Clock"]
+    references = {element.get("valueReference") for element in clocks}
+    for element in elements:
+        for word in element.get("clocks", "").split():
+            if word not in references:
+                raise DescriptionFault(element, f"clocks has {word!r:.40}, which is no clock")
+    return tuple(_clock(element) for element in clocks if element.get("causality") == "input")
 
 
 def _clock(element: Any) -> Clock:
-    asked = _ASKED.get(element.get("intervalVariability", ""))
+    kind = element.get("intervalVariability", _TRIGGERED)
+    if kind not in (*_ASKED, _TRIGGERED):
+        expected = ", ".join((*_ASKED, _TRIGGERED))
+        raise DescriptionFault(element, f"intervalVariability is {kind!r:.40}, expected {expected}")
+    asked = _ASKED.get(kind)
     interval = _seconds(element, "interval")
     if asked == _NEVER and not interval:
         asked = _ONCE

@@ -163,24 +163,53 @@ def test_says_which_component_failed(packed, values, message):
         simulation.run()  # and goes on
 
 
-def test_refuses_a_step_that_it_cannot_take(packed):
+def test_takes_any_communication_step(make, tmp_path):
+    """y' = -3 y with inputs of the step before, by the steps into which each is divided."""
+    system = cosim.System("decay")
+    system.add("plant", make("integrator", 3), {"k": 1.0})
+    system.add("feedback", make("gain", 2), {"k": -3.0})
+    system.connect("plant.y", "feedback.u")
+    system.connect("feedback.y", "plant.u")
+    path = cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, coupling="jacobi")
+    for ratio, parts in ((0.3, [0.3]), (2.7, [1.0, 1.0, 0.7]), (3.0, [1.0, 1.0, 1.0])):
+        with one(path).prepare(step=ratio * STEP, stop=11 * ratio * STEP) as simulation:
+            found = simulation.run()["a.plant.y"]
+        y, dy = 1.0, -3.0
+        for value in found:
+            assert value == pytest.approx(y, rel=1e-12)
+            for part in parts:
+                y, dy = y + part * STEP * dy, -3.0 * y
+
+
+def test_refuses_a_step_that_its_components_cannot_take(loop, make, tmp_path):
+    fixed = repacked(make("gain", 2), tmp_path / "fixed.fmu", CAN_VARY, b"")
+    loop.add("fixed", fixed)
+    path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP)
     with (
-        one(packed).prepare(step=1.5 * STEP, stop=3 * STEP) as simulation,
+        one(path).prepare(step=1.5 * STEP, stop=3 * STEP) as simulation,
         pytest.raises(cosim.SimulationError, match="expected a multiple of the components' step"),
     ):
         simulation.run()
 
 
-def test_refuses_a_description_of_another_build(packed, tmp_path):
-    token = fmpy.read_model_description(packed)
-    token = token.guid or token.instantiationToken
-    other = tmp_path / "other.fmu"
-    with zipfile.ZipFile(packed) as source, zipfile.ZipFile(other, "w") as target:
+CAN_VARY = b'canHandleVariableCommunicationStepSize="true"'
+
+
+def repacked(path, other, old, new):
+    """Return a copy of an FMU with something else in its description."""
+    with zipfile.ZipFile(path) as source, zipfile.ZipFile(other, "w") as target:
         for member in source.namelist():
             content = source.read(member)
             if member == "modelDescription.xml":
-                content = content.replace(token.encode(), b"0" * 32)
+                content = content.replace(old, new)
             target.writestr(member, content)
+    return other
+
+
+def test_refuses_a_description_of_another_build(packed, tmp_path):
+    token = fmpy.read_model_description(packed)
+    token = token.guid or token.instantiationToken
+    other = repacked(packed, tmp_path / "other.fmu", token.encode(), b"0" * 32)
     with pytest.raises(cosim.SimulationError, match=r"the token is 0{32}, expected"):
         one(other).prepare(step=STEP, stop=STOP)
 

@@ -23,8 +23,8 @@ Row = tuple[Case, Verdict, Verdict]
 HEAD = f"""# Malformed input
 
 FMUs are native code from other tools, and logs come from many sources. The page lists the
-malformed files and folders with which `tests/corpus/hostile` runs `stickslip`, by the reader that
-they concern. Each case ends in one line on standard error and status 1 or 2, and leaves
+malformed files, folders, answers and arguments with which `tests/corpus/hostile` runs `stickslip`,
+or its functions from Python, by the reader that they concern. Each case ends in one line on standard error and status 1 or 2, and leaves
 nothing behind. `python -m tests.corpus.hostile` writes this page.
 
 The second column is what FMPy {fmpy.__version__} does with the same file, in a process with 4

@@ -220,6 +220,38 @@ _CHARACTERS = [
     spoilt(13, "name-unit", "a newline in a unit", "control characters", ('Unit name="1/s"', 'Unit name="1&#10;s"')),
 ]  # fmt: skip
 
+_COUNT = '<Int32 name="count" valueReference="8"'
+
+
+def _clock(name: str, about: str, says: str, attributes: str) -> Case:
+    """Return a case of an input clock, in FMI 3.0."""
+    clock = f'<Clock name="c" valueReference="20" causality="input" {attributes}/>'
+    return spoilt(9, f"clock-{name}", about, says, (_COUNT, clock + _COUNT), version=3)
+
+
+def _start(name: str, about: str, says: str, parameter: str) -> Case:
+    """Return a case of a further parameter, in FMI 3.0."""
+    return spoilt(11, f"start-{name}", about, says, (_COUNT, parameter + _COUNT), version=3)
+
+
+_BINARY = (
+    '<Binary name="b" valueReference="21" causality="parameter" variability="fixed">{}</Binary>'
+)
+_CONSTANT = 'intervalVariability="constant"'
+_FMI3 = [
+    spoilt(9, "clocks-nothing", "a variable of a clock that is none, in FMI 3.0", "clocks has '99', which is no clock", (_COUNT, f'{_COUNT} clocks="99"'), version=3),
+    spoilt(9, "clocks-input", "a variable whose clock is a number", "clocks has '1', which is no clock", (_COUNT, f'{_COUNT} clocks="1"'), version=3),
+    _clock("weekly", "a clock that ticks weekly", "intervalVariability is 'weekly', expected", 'intervalVariability="weekly"'),
+    _clock("nan", "a clock that ticks every NaN s", "intervalDecimal is nan, expected a finite number", f'{_CONSTANT} intervalDecimal="NaN"'),
+    _clock("back", "a clock that ticks every -1 s", r"interval of a clock is -1\.0 s", f'{_CONSTANT} intervalDecimal="-1"'),
+    _clock("resolution", "a clock that counts in parts of 0", "resolution is 0, expected at least 1", f'{_CONSTANT} intervalCounter="5" resolution="0"'),
+    _clock("shift", "a clock that begins before time", r"shift of a clock is -1\.0 s", f'{_CONSTANT} intervalDecimal="1" shiftDecimal="-1"'),
+    spoilt(8, "alias-taken", "an alias that has the name of a variable", "a second variable 'u'", ('<Alias name="position"', '<Alias name="u"'), version=3),
+    _start("odd-digits", "binary data of one and a half bytes", "start of 'b' is '123', expected hexadecimal", _BINARY.format('<Start value="123"/>')),
+    _start("no-digits", "binary data that is text", "start of 'b' is '0g', expected hexadecimal", _BINARY.format('<Start value="0g"/>')),
+]  # fmt: skip
+
 CASES = [
     *(*_VERSIONS, *_NAMES, *_STRUCTURE, *_IDENTIFIERS, *_NUMBERS, *_ARRAYS, *_CHARACTERS),
+    *_FMI3,
 ]

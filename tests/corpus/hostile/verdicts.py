@@ -155,6 +155,7 @@ def neutral(text: str, room: Path, longest: int = LONGEST) -> str:
         text = re.sub(rf"{re.escape(root)}(/[^\s/'\":;,()]+)*/?", _last, text)
     text = re.sub(r"(.)\1{20,}", r"\1\1\1...", text)
     text = re.sub(r"\b[0-9a-f]{32,}\b", "HASH", text)
+    text = re.sub(r"\b127\.0\.0\.1:\d+", "127.0.0.1:PORT", text)
     text = " ".join("".join(c if c.isprintable() else " " for c in text).split())
     if len(text) > longest:
         text = f"{text[: longest - 4]} ..."
