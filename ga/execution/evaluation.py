@@ -166,6 +166,20 @@ def received(future: Future[T]) -> T | None:
         raise
 
 
+def pickled(thing: object, dumps: Callable[[Any], bytes] = pickle.dumps) -> bytes:
+    """Return something as bytes for another process.
+
+    Raises
+    ------
+    SettingsError
+        When it does not pickle.
+    """
+    try:
+        return dumps(thing)
+    except _UNPICKLABLE as error:
+        raise _unsent(error) from None
+
+
 def _unsent(error: Exception) -> SettingsError:
     return SettingsError(
         f"the cost cannot be sent to another process ({error}); define its functions at the top of"
@@ -210,10 +224,7 @@ class Packed:
         SettingsError
             When it does not pickle.
         """
-        try:
-            content = dumps(evaluate)
-        except _UNPICKLABLE as error:
-            raise _unsent(error) from None
+        content = pickled(evaluate, dumps)
         return cls(hashlib.sha256(content).hexdigest(), content)
 
     def keep(self) -> None:

@@ -16,12 +16,12 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 from stickslip.fmi.process import Threads, held
 from stickslip.ga.errors import SettingsError
 from stickslip.ga.execution.cluster import cluster
-from stickslip.ga.execution.evaluation import Evaluate, Packed
+from stickslip.ga.execution.evaluation import Evaluate, Packed, pickled
 from stickslip.ga.execution.interrupts import without_interrupts
 
 P = ParamSpec("P")
@@ -84,14 +84,23 @@ class Processes(Executor):
             self._pool = self._made()
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Run a function in one of the processes."""
+        """Run a function in one of the processes.
+
+        It is pickled here, because errors in the thread of the pool are not always caught.
+
+        Raises
+        ------
+        SettingsError
+            When it, or an argument, does not pickle.
+        """
+        call = pickled((fn, args, kwargs))
         with held(), without_interrupts():  # a process may be started
             try:
-                return self._pool.submit(fn, *args, **kwargs)
+                return self._pool.submit(_called, call)
             except BrokenProcessPool:
                 self._pool.shutdown(wait=False)
                 self._pool = self._made()
-                return self._pool.submit(fn, *args, **kwargs)
+                return self._pool.submit(_called, call)
 
     def packed(self, evaluate: Evaluate) -> Packed:
         """Return a cost as a process gets it."""
@@ -114,6 +123,11 @@ class Processes(Executor):
         return ProcessPoolExecutor(
             self._workers, mp_context=get_context("spawn"), initializer=_depend_on_parent
         )
+
+
+def _called(call: bytes) -> Any:
+    function, args, kwargs = pickle.loads(call)  # noqa: S301 - our parent's
+    return function(*args, **kwargs)
 
 
 def _depend_on_parent() -> None:
