@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from stickslip import models
+from stickslip.catalog.parameters import unit_of
 from stickslip.errors import UsageError
 from stickslip.evaluation.guards import commands
 from stickslip.logs import Description, Recording
@@ -81,7 +82,7 @@ def of(axis, share, K_x, bandwidth):
 def test_learned_json_keeps_the_loop_and_another_log_runs_in_it(tmp_path):
     loop = of(Axis(1.0, 2.0, 1e-4), 0.3, 40.0, 80.0)
     names = ("F_s", "F_c", "v_s", "sigma_0", "sigma_1")
-    parameters = {name: {"value": 1.0, "unit": "1"} for name in (*names, "m", "b")}
+    parameters = {name: {"value": 1.0, "unit": unit_of(name)} for name in (*names, "m", "b")}
     path, log = tmp_path / "learned.json", recording()
     path.write_text(json.dumps({"parameters": parameters, "loop": loop_document(loop)}))
     file = LearnedFile(path)
