@@ -130,7 +130,7 @@ class Process:
             modules=modules,
         )
         token = secrets.token_bytes(TOKEN_SIZE)
-        search = os.pathsep.join(os.path.abspath(path) for path in sys.path if path)  # noqa: PTH100
+        search = os.pathsep.join(str(Path(path).absolute()) for path in sys.path if path)
         own = {"PYTHONPATH": search, "OPENBLAS_NUM_THREADS": "1"}
         files = shared.files
         if self._guard:
