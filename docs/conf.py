@@ -8,8 +8,8 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 
 import generate  # noqa: E402 - it lies beside this file
-from numpydoc.docscrape import NumpyDocString  # noqa: E402
-from sphinx.application import Sphinx  # noqa: E402
+from numpydoc.docscrape import NumpyDocString  # noqa: E402 - after the path
+from sphinx.application import Sphinx  # noqa: E402 - after the path
 
 generate.write(HERE / "_generated")
 

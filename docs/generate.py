@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "stickslip" / "logs"))
 
 import format_writers as writers  # noqa: E402 - of the tests
-from vendor_texts import FILES, F, T, V, X  # noqa: E402
+from vendor_texts import FILES, F, T, V, X  # noqa: E402 - of the tests
 
 HEADINGS = {
     "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),

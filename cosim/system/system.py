@@ -83,19 +83,13 @@ class System:
 
     def diagram(self) -> str:
         """Return the system as a block diagram, an SVG element in the colour of the text around."""
-        wires = [
-            ((component_of(source), variable_of(source)), (component_of(to), variable_of(to)))
-            for to, source in self.connections.items()
-        ]
-        wires = [
-            (("", name), (component_of(to), variable_of(to)))
-            for name, targets in self.inputs.items()
-            for to in targets
-        ] + wires
-        wires += [
-            ((component_of(source), variable_of(source)), ("", name))
-            for name, source in self.outputs.items()
-        ]
+
+        def port(name: str) -> tuple[str, str]:
+            return component_of(name), variable_of(name)
+
+        wires = [(("", name), port(to)) for name, targets in self.inputs.items() for to in targets]
+        wires += [(port(source), port(to)) for to, source in self.connections.items()]
+        wires += [(port(source), ("", name)) for name, source in self.outputs.items()]
         return block_diagram({name: part.label for name, part in self.components.items()}, wires)
 
     def _repr_html_(self) -> str:
