@@ -64,6 +64,8 @@ class Statements(Expressions):
                     one = c_ast.If(c_ast.UnaryOp("!", node.cond), rest, None)
                 self.statement(one)
                 return
+            if nodes[k + 1 :] and isinstance(node, c_ast.If) and _continues(node):
+                raise self.refused("continue is inside of an if that more follows")
             self.statement(node, is_last=is_last and k + 1 == len(nodes))
 
     def statement(self, node: c_ast.Node, *, is_last: bool = False) -> None:
@@ -196,6 +198,12 @@ class Statements(Expressions):
                 case c_ast.FuncCall():
                     values = [p.name for p in self.known.values() if not (p.is_pointer or p.sizes)]
                     yield from {*used_names(one)}.difference(values)
+
+
+def _continues(node: c_ast.Node) -> bool:
+    """Return whether a statement may end the pass of a loop around it."""
+    inner = (one for _, one in node.children() if not isinstance(one, c_ast.For | c_ast.While))
+    return isinstance(node, c_ast.Continue) or any(map(_continues, inner))
 
 
 def _items(node: c_ast.Node) -> list[c_ast.Node]:

@@ -94,16 +94,22 @@ static inline double elementary_log(double x) {
     return 2.0 * (s + s * sum) + e * 0.6931471805599453;
 }
 
-/* sin(x) for |x| < 1e5: Taylor to x^21 on -pi/2 .. pi/2. */
+/* sin(r) / r - 1 for |r| <= pi / 2: Taylor to r^20, summed in pairs; r2 is r^2. */
+static inline double sin_reduced(double r2) {
+    const double r4 = r2 * r2, r8 = r4 * r4;
+    const double a = -1.0 / 6 + r2 * (1.0 / 120) + r4 * (-1.0 / 5040 + r2 * (1.0 / 362880));
+    const double b = -1.0 / 39916800 + r2 * (1.0 / 6227020800.0) +
+                     r4 * (-1.0 / 1307674368000.0 + r2 * (1.0 / 355687428096000.0));
+    const double c = -1.0 / 121645100408832000.0 + r2 * (1.0 / 51090942171709440000.0);
+    return r2 * (a + r8 * (b + r8 * c));
+}
+
+/* sin(x) for |x| < 1e5 */
 static inline double elementary_sin(double x) {
     const double n = nearest(x * 0.3183098861837907);
     const double r =
         ((x - n * 3.1415926218032837) - n * 3.1786509424591713e-08) - n * 1.2246467991473532e-16;
-    const double r2 = r * r;
-    double sum = 0.0;
-    for (int k = 10; k >= 1; k--)
-        sum = (1.0 + sum) * (-r2 / (2 * k * (2 * k + 1)));
-    const double value = r + r * sum;
+    const double value = r + r * sin_reduced(r * r);
     const bool odd = n - 2.0 * nearest(0.5 * n) != 0.0;
     return odd ? -value : value;
 }

@@ -27,24 +27,34 @@ typedef struct {
     const Law *law;
 } Substep;
 
+/* What the last sub-step showed and the next one starts from. */
+typedef struct {
+    double gain;  /* [m/s] w - v */
+    double slope; /* [N s/m] of r */
+} Trend;
+
 /* r(w) [N]; *end is the law's state after the sub-step. */
 static double residual(double w, const Substep *s, LawState *end) {
     *end = *s->state;
     return 2.0 * (w - s->v) / (s->h * s->per_m) + s->b * w + law_step(s->h, w, end, s->law) - s->u;
 }
 
-/* Find the root of r by regula falsi with Illinois' weights, from a bracket that grows from the
- * first velocity. Returns false when there is none. */
-static bool solve(const Substep *s, double *w, LawState *end) {
+/* Find the root of r by one step of Newton's method along the trend, and if that does not do, by
+ * regula falsi with Illinois' weights, from a bracket that grows. Returns false when there is none.
+ */
+static bool solve(const Substep *s, Trend *trend, double *w, LawState *end) {
     const double inertia = 2.0 * absolute(s->v) / (s->h * s->per_m);
     const double small = RESIDUAL + ROUNDING * (inertia + absolute(s->u));
-    double w0 = s->v, r0 = residual(w0, s, end);
+    double w0 = s->v + trend->gain, r0 = residual(w0, s, end);
     *w = w0;
     if (absolute(r0) < small)
         return true;
-    double reach = -0.5 * r0 * s->h * s->per_m;
+    double reach = -r0 / trend->slope;
     double w1 = w0 + reach, r1 = residual(w1, s, end);
-    for (int n = 0; (r0 > 0.0) == (r1 > 0.0) && n < MAX_ITERATIONS; n++) {
+    if ((r1 - r0) * reach > 0.0)
+        trend->slope = (r1 - r0) / reach;
+    for (int n = 0; (r0 > 0.0) == (r1 > 0.0) && !(absolute(r1) < small) && n < MAX_ITERATIONS;
+         n++) {
         reach *= 2.0;
         w0 = w1, r0 = r1;
         w1 += reach, r1 = residual(w1, s, end);
@@ -74,6 +84,7 @@ bool motion_step(double h, Motion *motion, LawState *state, const Mass *mass, co
     const double step = h / count;
     Law rough;
     const Law *here = mass->roughness ? &rough : law;
+    Trend trend = {0.0, 2.0 / (step * mass->per_m) + mass->b};
     for (int n = 0; n < count; n++) {
         const double middle = motion->x + 0.5 * step * motion->v;
         const double u = mass->u + (mass->ripple ? mass->ripple(middle, mass->context) : 0.0);
@@ -82,8 +93,9 @@ bool motion_step(double h, Motion *motion, LawState *state, const Mass *mass, co
         const LawState begin = *state;
         const Substep s = {step, motion->v, u, mass->per_m, mass->b, &begin, here};
         double w;
-        if (!solve(&s, &w, state))
+        if (!solve(&s, &trend, &w, state))
             return false;
+        trend.gain = w - motion->v;
         motion->x += step * w;
         motion->v = 2.0 * w - motion->v;
     }

@@ -71,7 +71,12 @@ static double risen(double first, double time, const Law *p) {
     return p->gamma > 0.0 ? first + (1.0 - first) * time / (time + p->gamma) : 1.0;
 }
 
-/* Time [s] until the spring, stretched at v, carries static friction: the solution t >= 0 of
+/* Whether the spring, stretched at v for h [s], does not carry static friction by then. */
+static bool holds(double h, double v, const LawState *s, const Law *p) {
+    return sign_of(v) * p->k_t * (s->d + v * h) <= sliding(risen(s->share, s->t_2 + h, p), p);
+}
+
+/* Time [s] until it does: the solution t >= 0 of
  *   s k_t (d + v t) = F_c + (F_s - F_c) risen(t_2 + t),    s = sgn(v). */
 static double break_away(double v, const LawState *s, const Law *p) {
     const double rate = p->k_t * absolute(v); /* [N/s] */
@@ -110,8 +115,7 @@ double law_step(double h, double v, LawState *s, const Law *p) {
         stop(s, p);
     double impulse = 0.0, left = h; /* [N s], [s] */
     if (s->mode == 0.0) {
-        const double until = v != 0.0 ? break_away(v, s, p) : h;
-        const double t = until < h ? until : h;
+        const double t = holds(h, v, s, p) ? h : break_away(v, s, p);
         impulse = t * (p->k_t * (s->d + 0.5 * v * t) + p->sigma_t * v);
         s->d += v * t;
         s->t_2 += t;

@@ -16,7 +16,7 @@ enum { ORDER = 12 }; /* of the Taylor series between rho and 1 */
 
 static const double PI = 3.141592653589793;
 static const double LOCAL = 1e-14; /* error of r allowed in one series */
-static const double CLOSE = 1e-8;  /* (1 - r) / (1 - rho) at which 1 - alpha is lost in rounding */
+static const double BENT = 1e-3;   /* kappa^2 e at which three terms of a logarithm are enough */
 
 static double absolute(double a) { return a < 0.0 ? -a : a; }
 
@@ -42,24 +42,28 @@ static double slipping(double r, double rho, double *slope) {
 static double transition(double y, double rho, double *r, double *area) {
     const double scale = PI / (1.0 - rho);
     const double angle = scale * (*r - rho);
-    double share[ORDER + 1] = {*r}; /* coefficients of r, of sin and cos of the angle */
-    double sine[ORDER + 1] = {elementary_sin(angle)};
-    double cosine[ORDER + 1] = {elementary_sin(angle + 0.5 * PI)};
+    double share[ORDER + 1], turn[ORDER + 1];  /* coefficients of r, of d(angle)/dy, */
+    double sine[ORDER + 1], cosine[ORDER + 1]; /* of sin and cos of the angle */
+    share[0] = *r;
+    sine[0] = elementary_sin(angle);
+    cosine[0] = elementary_sin(angle + 0.5 * PI);
     double power = 1.0, last = 1.0, earlier = 1.0; /* from rho = 0 two of three terms are 0 */
     int order = 0;
     while (order < ORDER) {
         double elastic = 0.0, d_sine = 0.0, d_cosine = 0.0; /* elastic: of cos r */
         for (int j = 0; j <= order; j++)
             elastic += cosine[order - j] * share[j];
-        share[order + 1] =
-            ((order == 0 ? 1.0 : 0.0) - 0.5 * (share[order] - elastic)) / (double)(order + 1);
-        order++;
-        for (int j = 1; j <= order; j++) {
-            d_sine += (double)j * scale * share[j] * cosine[order - j];
-            d_cosine -= (double)j * scale * share[j] * sine[order - j];
+        const double rate = (order == 0 ? 1.0 : 0.0) - 0.5 * (share[order] - elastic);
+        turn[order] = scale * rate;
+        for (int j = 0; j <= order; j++) {
+            d_sine += turn[j] * cosine[order - j];
+            d_cosine -= turn[j] * sine[order - j];
         }
-        sine[order] = d_sine / (double)order;
-        cosine[order] = d_cosine / (double)order;
+        order++;
+        const double per_order = 1.0 / (double)order;
+        share[order] = rate * per_order;
+        sine[order] = d_sine * per_order;
+        cosine[order] = d_cosine * per_order;
         power *= y;
         const double term = absolute(share[order]) * power;
         if (term + last + earlier < LOCAL)
@@ -84,6 +88,19 @@ static double transition(double y, double rho, double *r, double *area) {
     return step;
 }
 
+/* kappa^2 in 1 - alpha = sin(kappa e)^2, with the lack e = 1 - r. */
+static double curvature(double rho) {
+    const double kappa = 0.5 * PI / (1.0 - rho);
+    return kappa * kappa;
+}
+
+/* Whether de/dy = -e - kappa^2 e^2 + kappa^2 e^3 + ... needs its first two terms only, or r >= 1.
+ * Then 1 / e + kappa^2 grows as e^y. */
+static bool is_close(double lack, double rho) {
+    const double bent = curvature(rho) * lack;
+    return bent * lack * lack < LOCAL && bent < BENT;
+}
+
 /* Go the displacement y [1] from the share *r; returns the integral of r over it. */
 static double travel(double y, double rho, double *r) {
     double area = 0.0;
@@ -93,12 +110,13 @@ static double travel(double y, double rho, double *r) {
         *r += elastic;
         y -= elastic;
     }
-    while (y > 0.0 && 1.0 - *r > CLOSE * (1.0 - rho))
+    while (y > 0.0 && !is_close(1.0 - *r, rho))
         y -= transition(y < 1.0 ? y : 1.0, rho, r, &area);
     if (y > 0.0) {
-        const double mean = elementary_phi(y);
-        area += y * (1.0 + (*r - 1.0) * mean);
-        *r -= (*r - 1.0) * y * mean;
+        const double lack = 1.0 - *r, way = y * elementary_phi(y); /* 1 - e^-y */
+        const double bent = lack > 0.0 ? curvature(rho) * lack * way : 0.0;
+        area += y - lack * way * (1.0 - bent * (0.5 - bent / 3.0));
+        *r = 1.0 - lack * (1.0 - way) / (1.0 + bent);
     }
     return area;
 }
@@ -117,12 +135,13 @@ double law_force(double v, const LawState *s, const Law *p) {
 double law_step(double h, double v, LawState *s, const Law *p) {
     if (v == 0.0)
         return p->sigma_0 * s->z;
-    const double G = g(v, p), reach = (v < 0.0 ? -G : G) / p->sigma_0; /* [m] */
-    const double y = v * h / reach, before = s->z / reach;
+    const double G = v < 0.0 ? -g(v, p) : g(v, p), per_reach = p->sigma_0 / G; /* [1/m] */
+    const double y = v * h * per_reach, before = s->z * per_reach;
     double r = before;
-    const double mean = travel(y, break_away(G, p), &r) / y;
-    s->z = reach * r;
-    return reach * (p->sigma_0 * mean + p->sigma_1 * (r - before) / h);
+    const double mean = travel(y, break_away(absolute(G), p), &r) / y;
+    const double dz = (r - before) / per_reach;
+    s->z += dz;
+    return G * mean + p->sigma_1 * dz / h;
 }
 
 Law law_scaled(const Law *p, double factor) {

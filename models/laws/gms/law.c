@@ -42,12 +42,13 @@ double law_step(double h, double v, LawState *s, const Law *p) {
     }
     const double G = g(v, p), alpha = 1.0 / sum(p->alpha), k = p->sigma_0 / sum(p->kappa);
     const double sign = v < 0.0 ? -1.0 : 1.0;
-    double impulse = 0.0; /* [N s] */
+    const double decay = p->C / G, whole = elementary_phi(decay * h); /* [1/s], [1] */
+    double impulse = 0.0;                                             /* [N s] */
     for (size_t i = 0; i < ELEMENTS; i++) {
         const double limit = alpha * p->alpha[i] * G; /* [N] */
         const double rate = k * p->kappa[i] * v;      /* [N/s] */
         const double lack = limit - sign * s->F_e[i]; /* [N] */
-        double slipping = h;                          /* [s] */
+        double slipping = h, phi = whole;             /* [s], [1] */
         if (s->mode[i] != sign && lack > 0.0) {
             const bool holds = lack >= sign * rate * h;
             const double sticking = holds ? h : lack / (sign * rate); /* [s] */
@@ -55,13 +56,13 @@ double law_step(double h, double v, LawState *s, const Law *p) {
             s->F_e[i] += rate * sticking;
             s->mode[i] = holds ? 0.0 : sign;
             slipping = h - sticking;
+            phi = holds ? 1.0 : elementary_phi(decay * slipping);
         } else {
             s->mode[i] = sign;
         }
-        const double y = p->C * slipping / G;
         const double excess = s->F_e[i] - sign * limit;
-        impulse += slipping * (sign * limit + excess * elementary_phi(y));
-        s->F_e[i] -= excess * y * elementary_phi(y);
+        impulse += slipping * (sign * limit + excess * phi);
+        s->F_e[i] -= excess * decay * slipping * phi;
     }
     return impulse / h + damping((sum(s->F_e) - before) / h, p);
 }

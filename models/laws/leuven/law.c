@@ -23,8 +23,9 @@ static Contact contact_at(double v, const Law *p) {
     double shares = 0.0;
     for (size_t i = 0; i < ELEMENTS; i++)
         shares += p->kappa[i];
+    const double unit = p->sigma_0 / shares;
     for (size_t i = 0; i < ELEMENTS; i++) {
-        c.k[i] = p->sigma_0 * p->kappa[i] / shares;
+        c.k[i] = unit * p->kappa[i];
         c.limit[i] = i + 1 == ELEMENTS ? 1e30 : c.k[i] > 0.0 ? p->W[i] * p->F_c / c.k[i] : 0.0;
     }
     return c;
@@ -63,27 +64,29 @@ static double piece(double h, double v, const Contact *c, LawState *s, const Law
     if (p->n_h < 1.0 && near < per_reach * h)
         near = per_reach * h < 1.0 ? per_reach * h : 1.0;
     const double fade = per_reach * p->n_h * power(near, p->n_h - 1.0); /* [1/s] */
-    double t = h;
+    double t = h, phi2 = elementary_phi2(fade * h);
+    double dz = h * (1.0 - fade * h * phi2) * rate;
     size_t first = ELEMENTS;
     for (size_t i = 0; i + 1 < ELEMENTS; i++) {
         const double left = c->limit[i] - sign * s->q[i];
-        const double y = left * fade / absolute(rate); /* of the way that z would go for ever */
-        if (left <= 0.0 || rate == 0.0 || y >= 1.0)
+        if (left <= 0.0 || left >= absolute(dz))
             continue;
+        const double y = left * fade / absolute(rate); /* of the way that z would go for ever */
         const double reached =
             y < 1e-8 ? left / absolute(rate) * (1.0 + 0.5 * y) : -elementary_log(1.0 - y) / fade;
         if (reached < t) {
             t = reached;
             first = i;
+            phi2 = elementary_phi2(fade * t);
+            dz = t * (1.0 - fade * t * phi2) * rate;
         }
     }
-    const double dz = t * elementary_phi(fade * t) * rate;
     for (size_t i = 0; i < ELEMENTS; i++)
         if (sign * s->q[i] < c->limit[i])
             s->q[i] += dz;
     if (first < ELEMENTS)
         s->q[first] = sign * c->limit[first];
-    *impulse += t * (force + k * t * elementary_phi2(fade * t) * rate);
+    *impulse += t * (force + k * t * phi2 * rate);
     *way += dz;
     return t;
 }
