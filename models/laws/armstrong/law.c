@@ -41,13 +41,12 @@ static double remember(double h, double v, LawState *s, const Law *p) {
     const double interval = p->tau_L / (double)INTERVALS;
     double shares = 0.0;
     for (int n = 0; h > 0.0; n++) {
-        if (n > INTERVALS) { /* nothing but v is left in the memory */
-            const double whole = interval * nearest(h / interval - 0.5);
-            if (whole > 0.0) {
-                shares += whole * lorentz(v, p);
-                h -= whole;
-                continue;
-            }
+        /* Then nothing but v is left in the memory. */
+        const double whole = n > INTERVALS ? interval * nearest(h / interval - 0.5) : 0.0;
+        if (whole > 0.0) {
+            shares += whole * lorentz(v, p);
+            h -= whole;
+            continue;
         }
         const double left = interval - s->t_now;
         const bool ends = h > left - WHOLE * interval;

@@ -268,7 +268,7 @@ def test_what_structured_text_has_not_is_refused(tmp_path):
         ("static double kept = 0.0;", "model_step: cannot translate 'static double kept = 0.0'"),
         ("while (h > 0.0 ? 1 : 0) h -= 1.0;", "the condition of a loop has a choice in it"),
         (
-            "for (int i = 0; i < 9; i++) { if (h > 0.0) { if (h > 1.0) continue; } w->v_last = i; }",
+            "while (h > 0.0) { if (h > 1.0) { if (h > 2.0) continue; } w->v_last = h; }",
             "continue is inside of an if that more follows",
         ),
         ("uint64_t bits = 0;", "cannot translate the type 'uint64_t'"),
