@@ -158,7 +158,7 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
         }
         write_tables(tables, staging)
         atomic_write(staging / "recording.toml", _description(reproduction))
-        write_loop(reproduction.system, loop, staging / "loop.ssp")
+        write_loop(reproduction.system, loop, staging / "loop.ssp", reproduction.options)
         write_compensator(learned, recording_document(learned), staging, sections(reproduction))
 
 

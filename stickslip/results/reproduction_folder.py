@@ -14,6 +14,7 @@ from stickslip import cosim, models
 from stickslip.default_input import pack_input
 from stickslip.evaluation.fmpy_check import SecondOpinion, second_opinion
 from stickslip.fmi.files import atomic_write
+from stickslip.fmi.process import temporary_folder
 from stickslip.pipeline.reproduction import Options, Reproduction
 from stickslip.report.page import picture_files, write_page
 from stickslip.report.reproduction import FILES as REPORT
@@ -22,6 +23,7 @@ from stickslip.report.reproduction.as_published import FIGURES, study_section
 from stickslip.results.folder import staged
 from stickslip.results.learned import reproduction_document
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
+from stickslip.servo.systems import for_all_platforms
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.published.readings import TABLES, WholeStudy
 
@@ -67,7 +69,8 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
         fmu = models.build_fmu("compensator", staging, start=learned.values, law=law)
         reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu))
         write_json(reproduction_document(reproduction), staging / "learned.json")
-        write_loop(reproduction.system, reproduction.identification.loop, staging / "loop.ssp")
+        loop, path = reproduction.identification.loop, staging / "loop.ssp"
+        write_loop(reproduction.system, loop, path, reproduction.options)
         write_report(reproduction, staging)
 
 
@@ -127,13 +130,15 @@ def write_json(content: object, path: Path) -> None:
     atomic_write(path, json.dumps(content, indent=2) + "\n")
 
 
-def write_loop(system: cosim.System, loop: VelocityLoop, path: Path) -> None:
-    """Write the loop of Fig. 2a with the trapezoid as the input that it runs with."""
+def write_loop(system: cosim.System, loop: VelocityLoop, path: Path, options: Options) -> None:
+    """Write the loop of Fig. 2a for all platforms, with the trapezoid as its input."""
     corners = VALIDATION.corners()
     t = np.arange(round((corners[-1] + VALIDATION.begin) / loop.T_s) + 1) * loop.T_s
     stop = float(t[-1])
     experiment = cosim.DefaultExperiment(start=0.0, stop=stop, step=loop.T_s)
-    cosim.write_ssp(system, path, experiment)
+    with temporary_folder() as folder:
+        whole = for_all_platforms(system, folder, options.truth, options.law)
+        cosim.write_ssp(whole, path, experiment)
     table = pd.DataFrame({"time": corners, "v_cmd": VALIDATION.sample(corners)})
     if loop.m_ff:
         table = pd.DataFrame({"time": t, **loop.commands(VALIDATION.sample(np.asarray(t)))})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from stickslip import cosim, models
+from stickslip.fmi.toolchain import PLATFORMS, Platform
 from stickslip.servo.velocity_loop import VelocityLoop
 
 Feed = Literal["nominal", "command"]
@@ -81,21 +82,44 @@ def drive_law(changes: Changes) -> tuple[dict[str, float], str]:
     return values, str(changes.get("law", "lugre"))
 
 
-def build_fmus(folder: Path, truth: Changes, law: str = "lugre") -> None:
+def build_fmus(
+    folder: Path,
+    truth: Changes,
+    law: str = "lugre",
+    only: Iterable[str] | None = None,
+    platforms: Iterable[Platform] | None = None,
+) -> None:
     """Build the FMUs of the loop into a folder.
 
     Parameters
     ----------
     truth : goes into the drive
     law : friction law of the compensator, and of the stage that the identification simulates
+    only : names of models, all by default
+    platforms : what to build for; this machine by default
     """
     start, own = drive_law(truth)
-    for name in models.model_names():
+    for name in models.model_names() if only is None else only:
         if name == "drive":
-            models.build_fmu(name, folder, start=start, law=own)
+            models.build_fmu(name, folder, start=start, law=own, platforms=platforms)
         else:
             of_law = law if name in ("compensator", "stage") else None
-            models.build_fmu(name, folder, law=of_law)
+            models.build_fmu(name, folder, law=of_law, platforms=platforms)
+
+
+def for_all_platforms(system: cosim.System, folder: Path, truth: Changes, law: str) -> cosim.System:
+    """Return a system of FMUs of ``build_fmus`` with the same FMUs, built for all platforms.
+
+    Parameters
+    ----------
+    folder : where they are built
+    truth, law : as for ``build_fmus``
+    """
+    fmus = system.fmus("a loop")
+    build_fmus(folder, truth, law, {fmu.path.stem for fmu in fmus.values()}, PLATFORMS.values())
+    whole = system.copy()
+    whole.components |= {name: cosim.Fmu(folder / fmu.path.name) for name, fmu in fmus.items()}
+    return whole
 
 
 def servo_loop(fmus: Path, loop: VelocityLoop) -> cosim.System:

@@ -13,6 +13,7 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
 from stickslip import cosim
+from stickslip.fmi import toolchain
 from tests.cosim.single import one
 
 STEP, STOP = 0.01, 1.0
@@ -288,6 +289,11 @@ def test_a_container_has_no_algebraic_loop(make, coupling, tmp_path):
         ({"outputs": ["plant.z"]}, cosim.ConnectionFault, "'plant.z' matches nothing"),
         ({"parameters": ["*.K"]}, cosim.ParameterError, "matches nothing that a container"),
         ({"step": 0.0}, cosim.ExperimentError, "expected a positive number"),
+        (
+            {"platforms": [toolchain.PLATFORMS["aarch64-linux"]]},
+            cosim.FmuError,
+            "has no binary for aarch64-linux",
+        ),
     ],
 )
 def test_says_what_it_cannot_show(loop, tmp_path, arguments, error, message):

@@ -13,6 +13,7 @@ from stickslip import cosim
 from stickslip.catalog.parameters import LUGRE
 from stickslip.cli import main
 from stickslip.evaluation.validation import run_command
+from stickslip.fmi.toolchain import PLATFORMS
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.paper_commands import TRAINING
@@ -114,5 +115,8 @@ def test_the_packed_loop_runs_the_validation_again(results, reproduction, tmp_pa
 def test_the_package_is_plain_ssp(results):
     system, experiment = cosim.read_ssp(results / "loop.ssp")
     assert list(system.components) == ["nominal", "compensator", "controller", "drive"]
+    for fmu in system.fmus("this test").values():
+        folders = {path.name for path in (fmu.folder / "binaries").iterdir()}
+        assert folders == {platform.fmi2 for platform in PLATFORMS.values()}
     assert experiment.step == 5e-4
     assert np.isfinite(experiment.stop)
