@@ -165,8 +165,8 @@ static bool contracts(const Loop *loop, double share) {
 }
 
 /* From w by dw, or by a share of it, to r there; r at the begin goes to dr. A Jacobian that was
- * kept is not trusted so far: only what is not finite makes it take less. */
-static bool take_step(Run *run, Loop *loop, double *values, Sweep *sweep, bool kept) {
+ * kept is not trusted so far: only what is not finite makes it take less. *whole: all of dw. */
+static bool take_step(Run *run, Loop *loop, double *values, Sweep *sweep, bool kept, bool *whole) {
     static const double LEAST = 1.0 / 1024.0;
     const Work x = view(loop);
     const int64_t n = loop->n;
@@ -187,6 +187,7 @@ static bool take_step(Run *run, Loop *loop, double *values, Sweep *sweep, bool k
         x.dw[i] *= share;
         x.dr[i] = x.r[i] - x.dr[i];
     }
+    *whole = share == 1.0;
     return true;
 }
 
@@ -218,17 +219,19 @@ bool solve(Run *run, Loop *loop, double *values, Sweep *sweep) {
             return unsolved(run, loop);
         }
         if (newton_step(loop) && (known ? error <= loop->tolerance : !falling)) {
-            return true; /* w is found, and G(w) as near as rounding lets it come */
+            /* w is found, and G(w) as near as rounding lets it come. */
+            return known || evaluate(run, loop, values, sweep, x.w, x.r);
         }
         if (k == loop->max_iterations) {
             return unsolved(run, loop);
         }
-        TRY(take_step(run, loop, values, sweep, known));
+        bool whole;
+        TRY(take_step(run, loop, values, sweep, known, &whole));
         update_inverse(n, loop->inverse, x.dw, x.dr, x.room);
         const double before = error;
         error = norm(loop, x.r, x.w);
         falling = error < 0.5 * before;
-        loop->known = falling || error <= loop->tolerance;
+        loop->known = (falling && whole) || error <= loop->tolerance;
     }
     return true;
 }

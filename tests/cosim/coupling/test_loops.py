@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from stickslip import cosim
 
@@ -234,3 +235,23 @@ def test_a_loop_with_one_root_of_a_monotone_equation_is_solved_from_afar(equatio
     system.connect("b.w", "a.w")
     result = system.prepare(step=0.1, stop=0.2).run()
     np.testing.assert_allclose(result["b.w"], root, rtol=1e-9)
+
+
+@pytest.mark.parametrize("height", [5.0, 50.0, 1000.0])
+@pytest.mark.parametrize("slope", [10.0, 1000.0])
+def test_a_loop_that_falls_steeply_between_saturations_is_solved(height, slope):
+    """Where saturation sends Newton's method across the step, again and again; the output is that
+    at the solution, not beside it."""
+
+    def falling(x: float) -> float:
+        return float(1.0 - height * np.arctan(slope * (x + 20.0)))
+
+    system = cosim.System("saturating")
+    function = cosim.Function(lambda _, u: {"y": falling(u["x"])}, {"x": None}, {"y": None})
+    system.add("a", function)
+    system.add("b", cosim.Function(lambda _, u: u["y"], {"y": None}, {"x": None}))
+    system.connect("a.y", "b.y")
+    system.connect("b.x", "a.x")
+    root = brentq(lambda x: x - falling(x), -1e4, 1e4, xtol=1e-13, rtol=1e-15)
+    result = system.prepare(step=0.1, stop=0.2).run()
+    np.testing.assert_allclose(result["a.y"], root, rtol=2e-8 * slope * height / 1e6)
