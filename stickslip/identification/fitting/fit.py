@@ -102,6 +102,17 @@ class Fit:
         """Return the standard errors of the values by name, in SI units."""
         return value_errors(self.space, self.q, self.covariance)
 
+    def correlations(self) -> Array:
+        """Return how the errors of the values go together (n, n), in the order of their names.
+
+        Rows and columns of values that were held are NaN.
+        """
+        slopes = self.space.jacobian(self.q)
+        covariance = slopes @ self.covariance @ slopes.T
+        deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        deviation[deviation == 0.0] = np.nan
+        return np.asarray(covariance / np.outer(deviation, deviation))
+
 
 def plausible(fitted: Fit, seed: int, count: int) -> tuple[dict[str, float], ...]:
     """Return the values by name of a fit, and of draws from its covariance."""

@@ -14,7 +14,7 @@ from stickslip.report.page import Section, picture_files, write_page
 
 __all__ = ["FIGURES", "FILES", "sections", "write_estimation_report"]
 
-FIGURES = ("recording", "force", "residual", "profiles")
+FIGURES = ("recording", "force", "residual", "profiles", "correlations")
 FILES = ("parameters.csv", "report.html", *picture_files(FIGURES))
 """What ``write_estimation_report`` writes."""
 

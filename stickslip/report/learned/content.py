@@ -18,6 +18,7 @@ from stickslip.logs import Finding
 from stickslip.pipeline.candidates import Compared
 from stickslip.pipeline.observed import Observed
 from stickslip.report.learned.figures import (
+    draw_correlations,
     draw_force,
     draw_profiles,
     draw_recording,
@@ -446,6 +447,13 @@ def identifiability(estimation: Estimation) -> Section:
             "Profile likelihoods of the parameters of friction",
             _profiles(estimation),
         ),
+        Illustration(
+            "correlations",
+            partial(draw_correlations, estimation),
+            "Correlations between the errors of the parameters",
+            "Correlations between the errors of the estimated values. Where one is near 1 or −1, "
+            "the recording shows a combination of two values better than either of them.",
+        ),
     )
 
 
@@ -487,9 +495,10 @@ def _residual_figure(estimation: Estimation) -> Illustration:
     return Illustration(
         "residual",
         partial(draw_residual, estimation),
-        f"Difference of the {left}, over time, {place} and velocity",
+        f"Difference of the {left}, over time, {place} and velocity, and its spectrum",
         f"{what}. A pattern over {place} indicates ripple or friction that depends on the {place}, "
-        "one over velocity of friction that the model does not describe.",
+        "one over velocity of friction that the model does not describe. A peak in (d) is a "
+        "resonance or a periodic disturbance.",
     )
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -20,6 +21,7 @@ from matplotlib.ticker import (
     NullLocator,
 )
 from scipy.interpolate import PchipInterpolator
+from scipy.signal import welch
 
 from stickslip.identification.criteria.motion import measured_force, position_of
 from stickslip.identification.estimation import Estimation
@@ -97,6 +99,8 @@ def _legend_above(axes: Axes, room: float, loc: Any = "upper right") -> Any:
     axes.set_ylim(low, high + room * (high - low))
     return axes.legend(loc=loc, ncols=2)
 
+
+CORRELATED = LinearSegmentedColormap.from_list("correlation", [WITHOUT, "white", WITH])
 
 CLOUD_POINTS, LOOP_POINTS, RESIDUAL_POINTS = 6000, 8000, 5000
 """Points drawn at most of friction over velocity, hysteresis and residual."""
@@ -224,7 +228,7 @@ def _loops(axes: Axes, estimation: Estimation, signals: Parts) -> None:
 
 
 def draw_residual(estimation: Estimation) -> Figure:
-    """Draw the residual over time, and over position and velocity."""
+    """Draw the residual over time, position and velocity, and its spectrum."""
     recording, simulated = estimation.recording, estimation.figures.simulated
     motion, place = recording.motion, WORDS[recording.motion][0].capitalize()
     found = residual(estimation)
@@ -233,8 +237,8 @@ def draw_residual(estimation: Estimation) -> Figure:
     title = f"{what}, recorded less predicted"
     if simulated is not None:
         title = f"{what} in closed loop, recorded less simulated"
-    figure = style.new_figure(style.PAGE, 115.0)
-    grid = figure.add_gridspec(2, 2)
+    figure = style.new_figure(style.PAGE, 165.0)
+    grid = figure.add_gridspec(3, 2)
     over_time = figure.add_subplot(grid[0, :])
     over_time.axhline(0.0, color=style.GREY, lw=style.THIN)
     _line(over_time, t, left, scale, color=style.WITH, lw=0.5)
@@ -258,6 +262,40 @@ def draw_residual(estimation: Estimation) -> Figure:
     for axes, letter, name in zip((over_time, over_x, over_v), "abc", titles, strict=True):
         style.name_panel(axes, letter, name)
         axes.set_ylabel(f"{what} difference [{scale.unit}]")
+    _spectrum(figure.add_subplot(grid[2, :]), scale.factor * left, recording.T_s, scale.unit)
+    return figure
+
+
+SEGMENTS = 8
+"""Of the residual at least, over which its spectrum is averaged."""
+
+
+def _spectrum(axes: Axes, signal: Array, T_s: float, unit: str) -> None:
+    """Draw the amplitude spectral density by Welch's method."""
+    f, power = welch(signal, 1.0 / T_s, nperseg=max(8, len(signal) // SEGMENTS))
+    axes.loglog(f[1:], np.sqrt(power[1:]), color=style.WITH, lw=0.7)
+    axes.set(xlabel="Frequency [Hz]", ylabel=f"Density [{unit}/√Hz]", xlim=f[[1, -1]])
+    axes.grid(visible=True)
+    style.name_panel(axes, "d", "Its amplitude spectral density")
+
+
+def draw_correlations(estimation: Estimation) -> Figure:
+    """Draw the correlations between the errors of all values."""
+    names = [symbol(name) for name in estimation.fit.space.names]
+    shares = estimation.fit.correlations()
+    n = len(names)
+    figure = style.new_figure(style.COLUMN, 10.0 + 6.8 * n)
+    axes = figure.subplots()
+    image = axes.imshow(shares, cmap=CORRELATED, vmin=-1.0, vmax=1.0)
+    for i, j in np.ndindex(n, n):
+        if i != j and np.isfinite(shares[i, j]):
+            colour = "white" if abs(shares[i, j]) > 0.6 else style.INK
+            shown = f"{round(shares[i, j], 2) + 0.0:.2f}".replace("-", "−")
+            axes.text(j, i, shown, ha="center", va="center", size=6.5, color=colour)
+    axes.set(xticks=range(n), yticks=range(n), xticklabels=names, yticklabels=names)
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+    figure.colorbar(image, ax=axes, shrink=0.8, label="Correlation")
     return figure
 
 

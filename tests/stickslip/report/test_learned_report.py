@@ -156,7 +156,7 @@ def test_the_page_names_criterion_reason_and_errors(written):
     assert f"Criterion: {estimation.criterion}, since {estimation.reason}." in text
     assert "12.3 %" in text
     assert ("0.015 %" in text) == (kind != "friction")
-    assert "nan" not in text.lower()
+    assert not re.search(r"\bnan\b", text.lower())
 
 
 def test_what_is_not_visible_is_not_praised_and_an_experiment_is_named(written):
@@ -205,6 +205,22 @@ def test_a_profile_too_steep_for_its_interval_is_not_drawn(written):
     texts, text = drawn(folder, "profiles"), words(folder)
     assert texts.count("profile not resolved") == 1
     assert f"Not drawn for {'Fc' if kind == 'dahl' else 'σ1'}" in text
+
+
+def test_a_disturbance_of_one_frequency_is_a_peak_of_the_spectrum():
+    estimation = made("loop")
+    figures, t = estimation.figures, estimation.recording.t
+    disturbed = figures.simulated + 1e-6 * np.sin(2 * np.pi * 50.0 * t)
+    with house_style():
+        figure = drawing(
+            "residual", replace(estimation, figures=replace(figures, simulated=disturbed))
+        )()
+    (line,) = figure.axes[-1].get_lines()
+    f, density = line.get_data()
+    assert f[np.argmax(density)] == pytest.approx(50.0, abs=f[1] - f[0])
+    # In its bins the disturbance has its RMS, in micrometres.
+    near = abs(f - 50.0) < 5.0
+    assert np.sqrt(np.sum(density[near] ** 2) * (f[1] - f[0])) == pytest.approx(0.5**0.5, rel=0.01)
 
 
 def test_searches_of_several_seeds_are_listed():
