@@ -290,7 +290,7 @@ def draw_correlations(estimation: Estimation) -> Figure:
     for i, j in np.ndindex(n, n):
         if i != j and np.isfinite(shares[i, j]):
             colour = "white" if abs(shares[i, j]) > 0.6 else style.INK
-            shown = f"{round(shares[i, j], 2) + 0.0:.2f}".replace("-", "−")
+            shown = f"{round(float(shares[i, j]), 2) + 0.0:.2f}".replace("-", "−")
             axes.text(j, i, shown, ha="center", va="center", size=6.5, color=colour)
     axes.set(xticks=range(n), yticks=range(n), xticklabels=names, yticklabels=names)
     axes.tick_params(length=0)
