@@ -108,10 +108,9 @@ class Fit:
         Rows and columns of values that were held are NaN.
         """
         slopes = self.space.jacobian(self.q)
-        covariance = slopes @ self.covariance @ slopes.T
-        deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        deviation = np.array([*self.errors().values()])
         deviation[deviation == 0.0] = np.nan
-        return np.asarray(covariance / np.outer(deviation, deviation))
+        return np.asarray(slopes @ self.covariance @ slopes.T / np.outer(deviation, deviation))
 
 
 def plausible(fitted: Fit, seed: int, count: int) -> tuple[dict[str, float], ...]:
