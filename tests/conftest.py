@@ -8,6 +8,7 @@ Compiled modules are kept: hundreds of processes start, and compiling takes most
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import sys
@@ -61,3 +62,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         (kept if quick else left).append(item)
     config.hook.pytest_deselected(items=left)
     items[:] = kept
+
+
+def pytest_collection_finish() -> None:
+    """Let the garbage collector pass over thousands of tests, which stay until the end."""
+    gc.freeze()

@@ -130,7 +130,7 @@ def test_every_command_is_found(run):
 
 @pytest.mark.parametrize("run", ["wheel"], indirect=True)
 def test_commands_do_their_work(run):
-    """In this process, in children that isolate FMUs, and in a pool of processes.
+    """In this process and in children that isolate FMUs.
 
     From the editable install all other tests run them.
     """
@@ -141,13 +141,21 @@ def test_commands_do_their_work(run):
     stickslip("build", "compensator", "--out", "built")
     stickslip("check", "built/fmi3/compensator.fmu")
     stickslip("simulate", "stage.fmu", "--stop", "0.1", "--isolate", "--out", "stage.csv")
+    stickslip("design")
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("run", ["wheel"], indirect=True)
+def test_learning_in_a_pool_of_processes(run):
+    def stickslip(*arguments: str) -> str:
+        return run("-m", "stickslip", *arguments)
+
     assert "F_c" in stickslip(
         *("learn", "--log", "log.csv", "--criterion", "inverse", "--out", "learned"),
         *("--pool", "processes", "--workers", "2", "--force"),
     )
     stickslip("verify", "learned")
     stickslip("validate", "--parameters", "learned/learned.json", "--out", "validated")
-    stickslip("design")
 
 
 def test_the_wheel_holds_one_name_and_all_files(wheel):
@@ -164,6 +172,7 @@ def test_the_wheel_holds_one_name_and_all_files(wheel):
     assert "stickslip/py.typed" in names
 
 
+@pytest.mark.thorough
 def test_a_type_checker_follows_the_wheel(installed, tmp_path):
     pytest.importorskip("mypy")
     script = tmp_path / "script.py"

@@ -105,7 +105,7 @@ def test_a_terminal_shows_stages_and_the_remaining_time(monkeypatch):
 
 
 @pytest.mark.usefixtures("without_pictures")
-@pytest.mark.parametrize("named", [False, True])
+@pytest.mark.parametrize("named", [False, pytest.param(True, marks=pytest.mark.thorough)])
 def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
     named, log, of_two_seeds, tmp_path, capsys, monkeypatch
 ):

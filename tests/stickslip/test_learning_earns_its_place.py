@@ -45,7 +45,7 @@ def learned(study):
 
 @pytest.mark.parametrize(
     ("truth", "seed"),
-    [({}, 0), ({"m": 8.0, "F_c": 4.0}, 2)],
+    [({}, 0), pytest.param({"m": 8.0, "F_c": 4.0}, 2, marks=pytest.mark.thorough)],
     ids=["paper", "heavy, another seed"],
 )
 def test_from_a_coarse_start_the_default_does_what_exact_parameters_do(
@@ -61,6 +61,7 @@ def test_from_a_coarse_start_the_default_does_what_exact_parameters_do(
         assert (found.round(2) >= [0.95, 0.98, 0.96, 0.98]).all()
 
 
+@pytest.mark.thorough
 def test_with_all_extras_learning_beats_its_coarse_start_and_reaches_identification(
     make_rig, reductions
 ):

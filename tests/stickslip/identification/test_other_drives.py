@@ -67,7 +67,11 @@ def recorded(delta, encoder, duration=14.0, sub=SUB, pull=0.0, held=0.0, skipped
 
 
 @pytest.mark.parametrize(
-    ("delta", "pull", "held", "skipped"), [(1.0, 100.0, 100.0, 0), (2.0, 0.0, 0.0, 1100)]
+    ("delta", "pull", "held", "skipped"),
+    [
+        (1.0, 100.0, 100.0, 0),
+        pytest.param(2.0, 0.0, 0.0, 1100, marks=pytest.mark.thorough),
+    ],
 )
 def test_the_loop_gives_the_exponent_and_all_parameters(delta, pull, held, skipped, candidates):
     """On a vertical axis that was held before the log began; in a log that begins in motion."""
