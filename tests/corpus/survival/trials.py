@@ -319,8 +319,10 @@ def _seen_by_verify(folder: Path) -> str:
     """Return what ``stickslip verify`` makes of a folder that was removed while it was written."""
     try:
         verdict = verify(folder)
-    except ResultsError:
-        return "being removed when it was written; verify says that there is no manifest"
+    except ResultsError as complaint:
+        if "manifest.json: there is none" not in str(complaint):
+            raise
+        return "verify says that there is no manifest"
     if set(verdict.faults.values()) - {"missing"}:
         raise RuntimeError(f"{folder}: {verdict}")
     return "verify names what is missing" if verdict.faults else "a whole set"
