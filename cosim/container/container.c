@@ -147,6 +147,7 @@ Instance *instance_new(const char *name, const char *token, const char *resource
     if (alive) {
         path_of_uri(resources, x->resources, sizeof x->resources);
     }
+    alive = alive && solver_load(x);
     for (int i = 0; alive && i < N_PARTS; i++) {
         alive = load_part(x, i);
     }
@@ -166,6 +167,9 @@ void instance_free(Instance *x) {
         if (x->access[i].library) {
             library_close(x->access[i].library);
         }
+    }
+    if (x) {
+        solver_unload(x);
     }
     free(x);
 }

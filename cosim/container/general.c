@@ -1,6 +1,7 @@
 /* Components on the general path of the kernel: other types than doubles, arrays, event mode. */
 #include "inside.h"
 #include "library.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,6 +11,7 @@ void general_unload(Instance *x, int part) {}
 int general_put(Instance *x, int part, void (*set)(void), uint32_t reference, void *value) {
     return ERROR;
 }
+void general_tighten(Instance *x, int part, bool stop_defined) {}
 #else
 
 #define TAKE_GENERAL(name) c->call.fmi2.name = general_##name;
@@ -49,17 +51,21 @@ const char *general_load(Instance *x, int part) {
     c->log = &f->log;
     for (int i = 0; i < N_CALLS; i++) {
         const char *name = calls[i].names[of->version - 2], *why = calls[i].reasons;
-        const bool needed = strchr(why, 'C') || (of->event_mode && strchr(why, 'E')) ||
+        const bool needed = strchr(why, of->model_exchange ? 'M' : 'C') ||
+                            (of->event_mode && strchr(why, 'E')) ||
                             (of->n_clocks && strchr(why, 'K'));
         f->call[i] = needed && *name != '-' ? library_function(library, name) : NULL;
         if (needed && *name != '-' && !f->call[i]) {
             return name;
         }
     }
-    f->before = calloc(2 * of->n_inputs + 1, sizeof *f->before);
+    f->cvode = &x->cvode;
+    f->before = calloc(4 * of->n_inputs + 1, sizeof *f->before);
     f->after = f->before + of->n_inputs;
+    f->rates = f->after + of->n_inputs;
+    f->courses = calloc(of->n_inputs + 1, sizeof *f->courses);
     f->clocks = calloc(of->n_clocks + 1, sizeof *f->clocks);
-    if (!f->before || !f->clocks) {
+    if (!f->before || !f->courses || !f->clocks) {
         return "calloc";
     }
     memcpy(f->clocks, of->clocks, of->n_clocks * sizeof *f->clocks);
@@ -78,9 +84,17 @@ static void empty(Groups *groups) {
 void general_unload(Instance *x, int part) {
     GeneralComponent *f = &x->general[part];
     free(f->before);
+    free((void *)f->courses);
     free(f->clocks);
     empty(&f->inputs);
     empty(&f->outputs);
+}
+
+/* As GeneralComponent.tighten does; without a stop time for the longest run. */
+void general_tighten(Instance *x, int part, bool stop_defined) {
+    const double usual = PARTS[part].general->tolerance, n = (x->run.stop - x->run.start) / STEP;
+    const double share = stop_defined ? 0.1 / fmax(1.0, round(n)) : 0.0;
+    x->general[part].tolerance = fmin(usual, fmax(1e-10, share * usual));
 }
 
 int general_put(Instance *x, int part, void (*set)(void), uint32_t reference, void *value) {

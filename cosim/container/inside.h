@@ -7,11 +7,13 @@
 #define COSIM_INSIDE_H
 
 #include "calls.h"
+#include "cvode.h"
 #include "face.h"
 #include "general_path.h"
 #include "kernel.h"
 
 enum { N_TYPES = STRING }; /* of values: reals, integers, Booleans */
+enum { N_SOLVER = 5 };     /* libraries that CVode consists of */
 
 typedef enum {
     TIME,      /* of the container */
@@ -38,6 +40,7 @@ typedef struct {
     const char *identifier; /* of the binary */
     Component wiring;
     const GeneralComponent *general; /* NULL where the kernel's loop steps it as it is */
+    bool coupled;                    /* its inputs come from other components */
 } Part;
 
 /* Functions of a component that the kernel does not call: values other than its signals, and its
@@ -57,6 +60,8 @@ struct Instance {
     Component components[N_PARTS];
     Access access[N_PARTS];
     GeneralComponent general[N_PARTS];
+    Cvode cvode;
+    void *solver[N_SOLVER]; /* its libraries */
     Log logs[N_PARTS];
     double gathered[N_PARTS][MOST_INPUTS];
     double rows[2 * WIDTH]; /* of the present and of the next point in time */
@@ -78,6 +83,14 @@ const char *general_load(Instance *x, int part);
 void general_unload(Instance *x, int part);
 /* Set a tunable parameter between two steps, by an event where it has events. */
 int general_put(Instance *x, int part, void (*set)(void), uint32_t reference, void *value);
+
+/* Let the errors that the solver of a coupled component makes in a run stay below the coupling's.
+ */
+void general_tighten(Instance *x, int part, bool stop_defined);
+
+/* Model Exchange: load the solver from the resources. Reports why that fails. */
+bool solver_load(Instance *x);
+void solver_unload(Instance *x);
 
 /* The version of FMI of a component's binary. */
 static inline int version_of(int part) {

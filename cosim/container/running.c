@@ -42,6 +42,11 @@ Status instance_set_up(Instance *x, double start_time, bool stop_defined, double
     x->run.start = start_time;
     x->run.stop = stop;
     x->stop_defined = stop_defined;
+    for (int i = 0; i < N_PARTS; i++) {
+        if (PARTS[i].coupled && PARTS[i].general) {
+            general_tighten(x, i, stop_defined);
+        }
+    }
     return OK;
 }
 

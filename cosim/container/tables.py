@@ -47,6 +47,7 @@ def system_header(
         f"#define JACOBI {int(run.jacobi)}",
         f"#define VARIES_STEP {int(all(c.varies_step for c in system.components.values()))}",
         f"#define GENERAL {int(bool(general))}",
+        f"#define EXCHANGE {int(any(found.c.model_exchange for found in general.values()))}",
         "typedef struct { int part; Type type; uint32_t reference; double value; } Start;",
         "enum {",
         f"N_PARTS = {len(parts)}, N_INPUTS = {len(system.inputs)}, WIDTH = {max(1, run.width)},",
@@ -56,11 +57,13 @@ def system_header(
     for i, part in enumerate(parts):
         lines += _lists(i, part)
         if found := general.get(order[i]):
-            lines += _general(i, found.c, part.n_outputs, step)
+            lines += _general(i, found.c, part, run, step)
     fmus = [system.components[name] for name in order]
+    coupled = {component_of(target) for target in system.connections}
     wired = [
         f"{{{_text(name)}, {_text(fmu.token)}, {_text(folders[name])}, {_text(fmu.binary.stem)},"
-        f" {_wiring(i, part)}, {f'&general{i}' if name in general else 'NULL'}}}"
+        f" {_wiring(i, part)}, {f'&general{i}' if name in general else 'NULL'},"
+        f" {int(name in coupled)}}}"
         for i, (name, fmu, part) in enumerate(zip(order, fmus, parts, strict=True))
     ]
     return "\n".join(
@@ -106,9 +109,19 @@ def _wiring(i: int, part: structures.Component) -> str:
     return _struct(members)
 
 
-def _general(i: int, c: structures.GeneralComponent, n_outputs: int, step: float) -> list[str]:
+def _general(
+    i: int,
+    c: structures.GeneralComponent,
+    part: structures.Component,
+    run: structures.Run,
+    step: float,
+) -> list[str]:
     """Return what a component on the general path begins with; the rest is made when it runs."""
     lines = []
+    offsets = part.input_offsets or range(part.input_offset, part.input_offset + c.n_inputs)
+    for port, offset in zip(c.input_ports[: c.n_inputs], offsets[: c.n_inputs], strict=True):
+        if offset % run.width < run.n_external:
+            port.ahead = False  # what the importing tool sets holds for the whole step
     for side, groups in (("taken", c.inputs), ("given", c.outputs)):
         entries = []
         for k in range(groups.n):
@@ -125,7 +138,7 @@ def _general(i: int, c: structures.GeneralComponent, n_outputs: int, step: float
         lines.append(f"static Group {side}{i}[] = {{{', '.join(entries) or '{0}'}}};")
     for side, ports, n in (
         ("taken", c.input_ports, c.n_inputs),
-        ("given", c.output_ports, n_outputs),
+        ("given", c.output_ports, part.n_outputs),
     ):
         rows = [f"{{{p.group}, {p.place}, {p.ahead}}}" for p in ports[:n]]
         lines.append(f"static const Port {side}{i}_ports[] = {{{', '.join(rows) or '{0}'}}};")
@@ -134,12 +147,17 @@ def _general(i: int, c: structures.GeneralComponent, n_outputs: int, step: float
     lines.append(f"static Clock clocks{i}[] = {{{', '.join(clocks) or '{0}'}}};")
     members = {
         "version": c.version,
+        "model_exchange": c.model_exchange,
         "event_mode": c.event_mode,
+        "notes_steps": c.notes_steps,
         "inputs": f"{{{c.inputs.n}, taken{i}}}",
         "outputs": f"{{{c.outputs.n}, given{i}}}",
         "input_ports": f"taken{i}_ports",
         "output_ports": f"given{i}_ports",
         "n_inputs": c.n_inputs,
+        "tolerance": repr(c.tolerance),
+        "n_states": c.n_states,
+        "n_indicators": c.n_indicators,
         "near": repr(1e-6 * step),
         "n_clocks": c.n_clocks,
         "clocks": f"clocks{i}",

@@ -15,6 +15,7 @@ from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.assembly.wiring import wire
 from stickslip.cosim.container.description import model_description
 from stickslip.cosim.container.documentation import index, licences
+from stickslip.cosim.container.solver import solver_members
 from stickslip.cosim.container.tables import system_header
 from stickslip.cosim.container.variables import shown_variables
 from stickslip.cosim.errors import ConnectionFault, ExperimentError, FmuError
@@ -32,9 +33,8 @@ from stickslip.fmi.files import atomic_write
 from stickslip.fmi.standard import standard_files
 
 _KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "record.h", "steps.h"]
-_KERNEL += ["instance.c", "general_path.h"]
+_KERNEL += ["instance.c", "general_path.h", "cvode.h"]
 _GENERAL = ["general_path.c", "values.c", "clocks.c", "step_retry.c", "saving.c", "exchange.c"]
-_GENERAL += ["cvode.h"]
 
 
 def write_fmu(
@@ -68,8 +68,8 @@ def write_fmu(
     Raises
     ------
     ConnectionFault, ParameterError, ExperimentError, FmuError
-        When the system has what a container cannot hold: a component by Model Exchange, of FMI
-        1.0 or with structural parameters, algebraic loops.
+        When the system has what a container cannot hold: a component of FMI 1.0 or with
+        structural parameters, algebraic loops, Model Exchange on a platform without its solver.
     toolchain.ToolchainError
     OSError
         When the file cannot be written.
@@ -134,6 +134,8 @@ def write_fmu(
         "documentation/index.html": index(system, order, step, jacobi=jacobi).encode(),
         "documentation/licenses/license.txt": licences(system).encode(),
     }
+    if any(fmu.interface == "model_exchange" for fmu in fmus):
+        members |= solver_members(targets)
     members |= _binaries(identifier, sources, fmi, targets)
     for name, folder in folders.items():
         members |= _component(system, name, folder, targets)
@@ -144,8 +146,6 @@ def _check(fmu: Fmu, label: str) -> None:
     """Check that a container can run an FMU."""
     if fmu.description.standard == 1:
         what = "is of FMI 1.0; export the model again for FMI 2.0 or 3.0"
-    elif fmu.interface == "model_exchange":
-        what = "runs by Model Exchange, for which a container has no solver; use Co-Simulation"
     elif fmu.structural:
         what = f"has the structural parameter {fmu.structural[0]}; export it with fixed dimensions"
     else:

@@ -96,7 +96,7 @@ fmi2Status general_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, f
                                    fmi2Real start, fmi2Boolean has_stop, fmi2Real stop) {
     GeneralComponent *f = c;
     f->time = f->start = start;
-    f->stop = stop;
+    f->stop = has_stop ? stop : INFINITY;
     f->own_tolerance = has_tolerance ? tolerance : 0.0;
     f->next_event = f->next_tick = INFINITY;
     f->running = 0;
@@ -122,10 +122,10 @@ fmi2Status general_EnterInitializationMode(fmi2Component c) {
         TRY_STATUS(simple_call(f, ENTER_INITIALIZATION));
     } else {
         AnyCall *call = calling(f, ENTER_INITIALIZATION);
-        TRY_STATUS(checked(
-            f, ENTER_INITIALIZATION,
-            (int)((fmi3EnterInitializationModeTYPE *)call)(
-                f->instance, f->own_tolerance > 0.0, f->own_tolerance, f->start, true, f->stop)));
+        TRY_STATUS(checked(f, ENTER_INITIALIZATION,
+                           (int)((fmi3EnterInitializationModeTYPE *)call)(
+                               f->instance, f->own_tolerance > 0.0, f->own_tolerance, f->start,
+                               isfinite(f->stop), f->stop)));
     }
     return set_groups(f, &f->late);
 }

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from stickslip.fmi import toolchain
 from tests.cosim.single import by_fmpy, one
 
 STEP, STOP = 0.05, 2.0
@@ -32,10 +33,48 @@ def test_a_container_gives_the_values_of_the_system(export, tmp_path, version, i
     assert theirs["b.Int32_out"].dtype == np.int32
 
 
+@pytest.mark.parametrize(("version", "fmi", "coupling"), [(2, 3, "gauss_seidel"), (3, 2, "jacobi")])
+def test_model_exchange_in_a_container(export, tmp_path, version, fmi, coupling):
+    """Two oscillators and a stair, with time and state events, by the solver in the resources."""
+    system = one(
+        export("oscillator", version, "ME"), {"position": 0.5}, "force", interface="model_exchange"
+    )
+    system.add("b", export("oscillator", version, "ME"), {"position": 0.0})
+    system.add("c", export("stair", version, "ME"), {"period": 0.13})
+    system.add("d", export("ball", version, "ME"))
+    system.connect("c.count", "b.force")
+    with system.prepare(step=STEP, stop=STOP, coupling=coupling) as simulation:
+        ours = simulation.run(inputs={"u": 0.25})
+    path = cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, fmi=fmi, coupling=coupling)
+    names = ["a.position", "b.position", "c.count", "d.bounces", "d.height"]
+    theirs = by_fmpy(path, STEP, STOP, *names, start_values={"u": 0.25})
+    for name in names:
+        assert len(np.unique(ours[name])) > 1
+        np.testing.assert_array_equal(theirs[name], ours[name])
+
+
+def test_an_input_of_a_container_holds_for_the_step(export, tmp_path):
+    """An oscillator at rest under a force that steps: x = F/k (1 - cos 2 (t - t0))."""
+    system = one(
+        export("oscillator", 3, "ME"), {"position": 0.0}, "force", interface="model_exchange"
+    )
+    path = cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP)
+    time = np.arange(0.0, STOP + STEP / 2, STEP)
+    late = time > 1.0
+    theirs = by_fmpy(path, STEP, STOP, "a.position", inputs=[time, ("u", "f8", 4.0 * late)])
+    began = time[late][0]
+    exact = np.where(late, 1 - np.cos(2 * (time - began)), 0.0)
+    np.testing.assert_allclose(theirs["a.position"], exact, atol=2e-4)
+
+
+def test_a_platform_without_the_solver_is_refused(export, tmp_path):
+    system = one(export("stair", 2, "ME"), interface="model_exchange")
+    target = toolchain.PLATFORMS["aarch64-linux"]
+    with pytest.raises(cosim.FmuError, match="not for aarch64-linux; use Co-Simulation, or leave"):
+        cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, platforms=[target])
+
+
 def test_what_a_container_does_not_run(export, tmp_path):
-    system = one(export("stair", 2, "ME"))
-    with pytest.raises(cosim.FmuError, match=r"a \(stair.fmu\) cannot .* it runs by Model Exch"):
-        cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP)
     wide = one(export("feedthrough", 3, "CS"), u="Int64_in")
     with pytest.raises(cosim.ConnectionFault, match="input u is a Int64, which a container does"):
         cosim.write_fmu(wide, tmp_path / "a.fmu", step=STEP)
