@@ -73,7 +73,8 @@ def start_differs(bench: Bench) -> Claims:
         if fixed or v.variability == "constant":
             expected, got = start_of(v), run.instance.get([v])[0]
             if expected is not None and not _same(v, expected, got):
-                yield v.place, f"start {' '.join(map(str, expected))}, but the binary has {got}"
+                shown = [" ".join(map(str, values)) for values in (expected, got)]
+                yield v.place, f"start {shown[0]}, but the binary has {shown[1]}"
 
 
 def _same(v: Variable, expected: Values, got: Values) -> bool:
