@@ -2,8 +2,8 @@
 
     write_page(folder, "Friction of a drive", [Section("The fit", paragraph("..."), figure)])
 
-The page holds its figures and its style, and needs no script and no network. Each figure is also
-written as PNG and SVG. The same sections give the same bytes.
+The page holds its figures and its style, and needs no network. Each figure is also written as PNG
+and SVG, and opens to be zoomed where it has long lines. The same sections give the same bytes.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import base64
 import io
 import platform
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from html import escape
 from importlib.metadata import version
 from importlib.resources import files
@@ -22,10 +22,21 @@ from string import Template
 from matplotlib.figure import Figure
 
 from stickslip.fmi.files import atomic_write
+from stickslip.report.interactive import Panel, panels, scripts
 from stickslip.report.markup import Html, element, join, paragraph, table, text
 from stickslip.report.style import COLUMN, RESOLUTION, house_style
 
-PACKAGES = ("stickslip", "numpy", "scipy", "control", "pandas", "fmpy", "ziglang", "matplotlib")
+PACKAGES = (
+    "stickslip",
+    "numpy",
+    "scipy",
+    "control",
+    "pandas",
+    "fmpy",
+    "ziglang",
+    "matplotlib",
+    "bokeh",
+)
 _PAGE = Template("""\
 <!DOCTYPE html>
 <html lang="en">
@@ -42,7 +53,7 @@ $style</style>
 <h1>$title</h1>
 $sections
 </main>
-</body>
+$scripts</body>
 </html>
 """)
 
@@ -96,10 +107,12 @@ def render(title: str, sections: Iterable[Section], pictures: Mapping[str, Pictu
     ----------
     pictures : the illustrations by name
     """
+    opened = {name: picture.panels for name, picture in pictures.items() if picture.panels}
     return _PAGE.substitute(
         title=text(title),
         style=files(__package__).joinpath("page.css").read_text(encoding="utf-8"),
         sections=join((section.markup(pictures) for section in sections), "\n"),
+        scripts=f"{scripts(opened)}\n" if opened else "",
     )
 
 
@@ -169,7 +182,8 @@ def _figure(shown: Illustration, picture: Picture) -> Html:
     card = element(
         "div", image, class_="scroll", tabindex="0", role="region", aria_label=alternative
     )
-    return element("figure", card, element("figcaption", shown.caption), class_=kind)
+    plot = {"data_plot": shown.name} if picture.panels else {}
+    return element("figure", card, element("figcaption", shown.caption), class_=kind, **plot)
 
 
 MILLIMETRES = 25.4
@@ -189,11 +203,13 @@ class Picture:
     ----------
     png, svg : contents of the files, without dates and so the same each time
     width : [mm]
+    panels : what a page draws when the figure is opened
     """
 
     png: bytes
     svg: bytes
     width: float
+    panels: list[Panel] = field(default_factory=list)
 
     @classmethod
     def of(cls, draw: Callable[..., Figure], *subjects: object) -> Picture:
@@ -205,7 +221,7 @@ class Picture:
             figure.savefig(png, format="png", dpi=RESOLUTION, metadata={"Software": None})
             figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": None})
         width = float(figure.get_figwidth()) * MILLIMETRES
-        return cls(png.getvalue(), svg.getvalue(), width)
+        return cls(png.getvalue(), svg.getvalue(), width, panels(figure))
 
     def embedded(self) -> str:
         """Return the picture as a data URI, which needs no further file.

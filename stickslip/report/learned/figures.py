@@ -26,6 +26,7 @@ from scipy.signal import welch
 from stickslip.identification.criteria.motion import measured_force, position_of
 from stickslip.identification.estimation import Estimation
 from stickslip.report import style
+from stickslip.report.interactive import keep
 from stickslip.report.learned.signals import (
     WORDS,
     Parts,
@@ -90,7 +91,9 @@ def draw_recording(estimation: Estimation) -> Figure:
 
 
 def _line(axes: Axes, t: Array, signal: Array, scale: Scale, **look: Any) -> None:
-    axes.plot(*thinned(t, scale.factor * signal), **look)
+    values = scale.factor * signal
+    (line,) = axes.plot(*thinned(t, values), **look)
+    keep(line, *thinned(t, values, OPENED))
 
 
 def _legend_above(axes: Axes, room: float, loc: Any = "upper right") -> Any:
@@ -101,6 +104,9 @@ def _legend_above(axes: Axes, room: float, loc: Any = "upper right") -> Any:
 
 
 CORRELATED = LinearSegmentedColormap.from_list("correlation", [WITHOUT, "white", WITH])
+
+OPENED = 3000
+"""Stretches of time of which a signal that opens has the least and the largest value."""
 
 CLOUD_POINTS, LOOP_POINTS, RESIDUAL_POINTS = 6000, 8000, 5000
 """Points drawn at most of friction over velocity, hysteresis and residual."""
