@@ -6,8 +6,6 @@ from collections.abc import Iterable
 from importlib import metadata
 from pathlib import Path
 
-import fmpy
-
 from stickslip.cosim.errors import FmuError
 from stickslip.fmi.toolchain import Platform
 
@@ -29,6 +27,8 @@ def solver_members(targets: Iterable[Platform]) -> dict[str, bytes]:
     FmuError
         When there is no solver for a platform.
     """
+    import fmpy  # large, and not needed before
+
     members = {}
     for target in targets:
         folder = Path(fmpy.__file__).parent / "sundials" / _FOLDERS.get(target.tuple, "-")
