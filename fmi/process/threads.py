@@ -71,8 +71,8 @@ def cancel_all(futures: Iterable[Future[Any]]) -> None:
     listed = list(futures)
 
     def cancel() -> None:
-        with suppress(Exception):
-            for future in listed:
+        for future in listed:
+            with suppress(Exception):
                 future.cancel()
 
     with held():  # Dask waits without end for a scheduler that is lost
