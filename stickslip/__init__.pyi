@@ -44,13 +44,14 @@ from stickslip.report.bode import draw_bode as draw_bode
 from stickslip.results.learned import load_learned as load_learned
 from stickslip.results.learned import save_learned as save_learned
 from stickslip.results.learned_folder import write_learned as write_learned
+from stickslip.rigs.ads_rig import AdsRig as AdsRig
 from stickslip.rigs.contract import Command as Command
 from stickslip.rigs.contract import Log as Log
 from stickslip.rigs.contract import Rig as Rig
 from stickslip.rigs.fmu import FmuRig as FmuRig
 from stickslip.rigs.kept import KeptRig as KeptRig
 from stickslip.rigs.limits import RigLimits as RigLimits
-from stickslip.rigs.remote import SocketRig as SocketRig
+from stickslip.rigs.socket_rig import SocketRig as SocketRig
 from stickslip.servo.axis import Axis as Axis
 from stickslip.servo.closed_loop import closed_loop as closed_loop
 from stickslip.servo.closed_loop import robustness as robustness

@@ -1,8 +1,8 @@
 """``python -m tests.other_tools --vdmcheck2 FILE.jar --vdmcheck3 FILE.jar --iec2c FILE``.
 
 Runs the tools that are given on what this project writes: VDMCheck on the FMUs of all models, and
-the compiler of matiec on the structured text of every compensator and law. A line for each file has
-``ok`` or what the tool says. Status 1 where a tool finds something.
+the compiler of matiec on the structured text of every compensator and law and of a rig. A line for
+each file has ``ok`` or what the tool says. Status 1 where a tool finds something.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pathlib import Path
 
 from stickslip import models
 from stickslip.models.firmware import write_compensator
+from stickslip.rigs.ads_rig import CODE
 from tests.models.firmware.test_every_compensator import CASES
 
 Job = tuple[Sequence[str | Path], Path]
@@ -31,11 +32,14 @@ def checked(jar: Path, folder: Path, version: models.FmiVersion) -> Iterator[Job
 
 
 def compiled(iec2c: Path, folder: Path) -> Iterator[Job]:
-    """Write the structured text of every compensator, of feedforwards with every law."""
+    """Write the structured text of compensators, of feedforwards with every law, and of a rig."""
     compiler = (iec2c.absolute(), "-I", iec2c.absolute().parent / "lib", "-T", folder)
     for case, (model, law, called) in CASES.items():
         for path in write_compensator(folder / case, "st", law=law, model=model, called=called):
             yield (*compiler, path), path
+    path = folder / CODE.name
+    path.write_text(CODE.read_text(encoding="utf-8"), encoding="utf-8")
+    yield (*compiler, path), path
 
 
 def said(command: Sequence[str | Path], folder: Path) -> str:

@@ -9,6 +9,7 @@ from stickslip.commands import (
     export_components,
     export_lti,
     export_observer,
+    export_rig,
     export_system,
 )
 
@@ -16,13 +17,14 @@ from stickslip.commands import (
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare what the command exports."""
     exports = parser.add_subparsers(
-        dest="what", metavar="compensator|observer|components|lti|FILE.ssp", required=True
+        dest="what", metavar="compensator|observer|components|lti|rig|FILE.ssp", required=True
     )
     exports.choices = exports._name_parser_map = _Parsers()  # noqa: SLF001 - no public way
     export_compensator.add_to(exports)
     export_observer.add_to(exports)
     export_components.add_to(exports)
     export_lti.add_to(exports)
+    export_rig.add_to(exports)
     export_system.add_to(exports)
 
 

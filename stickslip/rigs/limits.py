@@ -54,7 +54,8 @@ class Watch:
 
     def __init__(self, limits: RigLimits, T_s: float) -> None:
         self.limits, self.T_s = limits, T_s
-        self._last: deque[float] = deque(maxlen=1 + max(1, round(SPEED_OVER / T_s)))
+        self.span = max(1, round(SPEED_OVER / T_s))  # samples
+        self._last: deque[float] = deque(maxlen=1 + self.span)
         self._commanded: float | None = None
 
     def position(self, x: float) -> str:

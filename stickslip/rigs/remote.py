@@ -1,11 +1,10 @@
-"""A rig in another process, behind a socket: the protocol is in docs/rig.md."""
+"""A rig whose motions another program runs, which is asked for them."""
 
 from __future__ import annotations
 
 import math
-import secrets
-import socket
 import time
+from abc import abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, replace
@@ -13,12 +12,12 @@ from typing import Any, Self
 
 import numpy as np
 
-from stickslip.errors import LimitError, RigError, UsageError
+from stickslip.errors import LimitError, RigError
 from stickslip.planning import Limits
 from stickslip.planning.parts import approach
 from stickslip.rigs.contract import Command, Log, Rig
 from stickslip.rigs.limits import RigLimits
-from stickslip.rigs.lines import CHUNK, LOOP, PROTOCOL, Lines, crc_of, line_of
+from stickslip.rigs.lines import CHUNK, LOOP, PROTOCOL, crc_of
 from stickslip.servo.axis import ControlError
 from stickslip.servo.datasheet import Datasheet
 
@@ -32,57 +31,55 @@ STALL = 10.0
 """After which a motion is given up of which no sample arrives [s]."""
 
 
-class _Refused(RigError):
-    """The server refused a request; nothing came of it."""
+class Refused(RigError):
+    """A request was refused; nothing came of it."""
 
 
-class SocketRig(Rig):
-    """A drive behind a socket, such as that of ``stickslip serve``.
+class RemoteRig(Rig):
+    """A drive behind a connection, asked as in the protocol of docs/rig.md.
 
-    Requests that get no answer are repeated; a motion is started once, whatever is lost or doubled.
-    The drive stops by itself when this program does not ask for ``heartbeat`` seconds.
+    A kind of connection implements ``_request`` and ``_disconnect``.
 
     Parameters
     ----------
-    address : "host:port"
+    name : for people
     datasheet : what is known of the drive
     limits : that abort a motion, there and here
     law : friction law of the compensator
     patience : how long a lost connection is tried again [s]
-    retry : after which time a request is repeated [s]
 
     Raises
     ------
     RigError
         When nobody answers, or not with this protocol.
-    UsageError
-        When the address is not of this form.
     """
 
+    chunk = CHUNK
+    """Most samples of a signal in one request."""
+
     def __init__(
-        self,
-        address: str,
-        datasheet: Datasheet,
-        limits: RigLimits,
-        law: str = "lugre",
-        *,
-        patience: float = 5.0,
-        retry: float = 0.1,
+        self, name: str, datasheet: Datasheet, limits: RigLimits, law: str, patience: float
     ) -> None:
-        host, _, port = address.rpartition(":")
-        if not (host and port.isascii() and port.isdigit() and 0 < int(port) < 2**16):
-            raise UsageError(f"rig {address!r}: expected HOST:PORT, a port from 1 to 65535")
-        self.name, self._place = address, (host, int(port))
-        self._patience, self._retry = patience, retry
-        self._session = secrets.token_hex(8)
-        self._socket: socket.socket | None = None
-        self._seq, self._heard = 0, 0.0
+        self.name, self._limits, self._patience = name, limits, patience
         try:
             super().__init__(datasheet, self._greet(), limits, law)
         except BaseException:
             self._disconnect()
             raise
-        self._limits = limits
+
+    @abstractmethod
+    def _request(self, what: str, **fields: Any) -> dict[str, Any]:
+        """Send a request until it is answered, over a new connection if need be.
+
+        Raises
+        ------
+        RigError
+            When it is refused, or not answered for ``patience``.
+        """
+
+    @abstractmethod
+    def _disconnect(self) -> None:
+        """Close the connection, if there is one."""
 
     def move(self, command: Command) -> Log:
         """Move back to 0 if the drive stands elsewhere, run a motion, and return its log."""
@@ -142,7 +139,7 @@ class SocketRig(Rig):
         motion, before = self._number, self._motion
         begin = 0
         while begin < n:
-            part = {name: one[begin : begin + CHUNK].tolist() for name, one in signals.items()}
+            part = {name: one[begin : begin + self.chunk].tolist() for name, one in signals.items()}
             values = {"from": begin, "values": part}
             reply = self._request("load", motion=motion, **values)
             with self._understood("load"):
@@ -157,7 +154,7 @@ class SocketRig(Rig):
             start = {"samples": n, "crc": crc_of(signals), "loop": loop, "limits": asdict(limits)}
             try:
                 self._request("start", motion=motion, **start)
-            except _Refused:
+            except Refused:
                 self._motion = before
                 raise
             moved = time.monotonic()
@@ -195,37 +192,6 @@ class SocketRig(Rig):
             self._request("stop", motion=motion)
         self._patience = patience
 
-    def _request(self, what: str, **fields: Any) -> dict[str, Any]:
-        """Send a request until it is answered, over a new connection if need be.
-
-        Raises
-        ------
-        RigError
-            When it is refused, or not answered for ``patience``.
-        """
-        first, why = self._seq + 1, "it does not answer"
-        give_up = time.monotonic() + self._patience
-        while time.monotonic() < give_up:
-            try:
-                reply = self._exchange(what, fields, first)
-            except (OSError, ValueError) as fault:
-                self._disconnect()
-                why = str(fault)
-                time.sleep(min(self._retry, 0.05))
-                continue
-            if reply is None:
-                continue
-            with self._understood(what):
-                self._heard = max(self._heard, float(reply["clock"]))
-            if "error" in reply:
-                why = " ".join(str(reply["error"]).split())
-                raise _Refused(f"{self.name} refuses to {what}: {why}")
-            return reply
-        raise RigError(
-            f"{self.name}: connection lost for {self._patience:g} s ({why}); the drive stops by "
-            "itself. Look at it before going on: a motion is not repeated"
-        )
-
     @contextmanager
     def _understood(self, what: str) -> Iterator[None]:
         """Raise a RigError where what an answer should contain is missing or is something else."""
@@ -237,35 +203,8 @@ class SocketRig(Rig):
                 f"{type(fault).__name__} {fault}"
             ) from None
 
-    def _exchange(self, what: str, fields: dict[str, Any], first: int) -> dict[str, Any] | None:
-        """Send a request once and wait for an answer to it, also to one sent before."""
-        if self._socket is None:
-            self._socket = socket.create_connection(self._place, self._patience)
-            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            self._lines, self._waiting = Lines(), list[dict[str, Any]]()
-        self._seq += 1
-        message = {"seq": self._seq, "session": self._session, "do": what, "heard": self._heard}
-        self._socket.settimeout(self._retry)
-        self._socket.sendall(line_of({**message, **fields}))
-        give_up = time.monotonic() + self._retry
-        while (left := give_up - time.monotonic()) > 0.0:
-            self._socket.settimeout(left)
-            try:
-                received = self._socket.recv(65536)
-            except TimeoutError:
-                return None
-            if not received:
-                raise OSError("the connection was closed")
-            for reply in self._lines.messages(received):
-                if isinstance(reply.get("seq"), int) and first <= reply["seq"] <= self._seq:
-                    found = reply
-                    break
-            else:
-                continue
-            return found
-        return None
-
-    def _disconnect(self) -> None:
-        if self._socket is not None:
-            self._socket.close()
-            self._socket = None
+    def _lost(self, why: str) -> RigError:
+        return RigError(
+            f"{self.name}: connection lost for {self._patience:g} s ({why}); the drive stops by "
+            "itself. Look at it before going on: a motion is not repeated"
+        )

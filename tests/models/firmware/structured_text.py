@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import reduce
-from operator import add, and_, eq, ge, gt, le, lt, mul, ne, neg, not_, or_, sub, truediv
+from operator import add, and_, eq, ge, gt, le, lt, mul, ne, neg, not_, or_, sub
 from typing import Any
 
 from lark import Lark, Transformer, v_args
@@ -73,11 +73,24 @@ WHOLE: /\d+/
 NAME: /[A-Za-z](_?[A-Za-z0-9])*/
 %ignore /\s+|\(\*.*?\*\)/s
 """
-_STARTS = {"LREAL": 0.0, "INT": 0, "BOOL": False}
+_STARTS = {"LREAL": 0.0, "INT": 0, "DINT": 0, "BOOL": False}
 _OPERATORS = dict(
     zip(
         ("OR", "AND", "=", "<>", "<", "<=", ">", ">=", "+", "-", "*", "/"),
-        (or_, and_, eq, ne, lt, le, gt, ge, add, sub, mul, truediv),
+        (
+            or_,
+            and_,
+            eq,
+            ne,
+            lt,
+            le,
+            gt,
+            ge,
+            add,
+            sub,
+            mul,
+            lambda a, b: a // b if type(a) is int else a / b,
+        ),
         strict=True,
     )
 )
@@ -88,6 +101,7 @@ _STANDARD: dict[str, tuple[type, Callable[[Any], Any]]] = {
     "SIN": (float, math.sin),
     "TRUNC": (float, math.trunc),
     "DINT_TO_INT": (int, int),
+    "DINT_TO_LREAL": (int, float),
     "INT_TO_LREAL": (int, float),
 }
 
