@@ -38,6 +38,7 @@ _PLACES = {
     "stickslip.report.bode": ("draw_bode",),
     "stickslip.rigs.ads_rig": ("AdsRig",),
     "stickslip.rigs.contract": ("Command", "Log", "Rig"),
+    "stickslip.rigs.file": ("open_rig",),
     "stickslip.rigs.fmu": ("FmuRig",),
     "stickslip.rigs.kept": ("KeptRig",),
     "stickslip.rigs.limits": ("RigLimits",),

@@ -19,6 +19,8 @@ from stickslip.commands.log_options import (
     print_findings,
 )
 from stickslip.commands.progress import TerminalProgress
+from stickslip.commands.rig_option import add_rig_option, rig_of
+from stickslip.errors import UsageError
 from stickslip.output import Answer
 from stickslip.results.folder import reserved
 
@@ -45,6 +47,7 @@ FIGURES = {
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_log_argument(parser)
+    add_rig_option(parser, "instead of a log: the drive of this file runs one experiment")
     add_options(parser, {"--out DIR": "folder for results and report"}, type=Path)
     criterion = parser.add_argument(
         "--criterion",
@@ -82,8 +85,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Check the log, learn, print the parameters, and write the results."""
-    options.log = log_of(options)
     description = description_of(options)
+    if options.rig is None:
+        options.log = log_of(options)
+    elif options.check or options.log or options.log_option or description != type(description)():
+        raise UsageError("--rig: expected no log, no description of one, and no --check")
     from stickslip.pipeline.candidates import law_of
     from stickslip.results.learned_folder import FILES
 
@@ -108,10 +114,15 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
     from stickslip.results.learned_folder import write_learned
 
     checkpoint = options.out and options.out / "learning.checkpoint.json"
-    with TerminalProgress() as progress, execution_of(options, checkpoint) as execution:
+    with (
+        TerminalProgress() as progress,
+        execution_of(options, checkpoint) as execution,
+        rig_of(options.rig, options.out, options.law) as (rig, limits),
+    ):
         learned = learn(
-            options.log,
+            rig or options.log,
             description,
+            limits=limits,
             law=options.law,
             criterion=CRITERIA[options.criterion],
             seed=options.seed,

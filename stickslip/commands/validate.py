@@ -1,4 +1,4 @@
-"""``stickslip validate``: a learned drive against another log, or on the simulated drive.
+"""``stickslip validate``: a learned drive against another log, on a rig, or on the simulated drive.
 
 With ``--log`` nothing is simulated but the log's own loop. Without it the parameters compensate the
 drive FMU, as in Table 4 of the paper, and the components of learned.json stand behind.
@@ -11,10 +11,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.commands import FLAG, add_options
+from stickslip.commands import FLAG, add_options, warn
 from stickslip.commands.assignments import add_set_option, add_source_option, drive_changes
 from stickslip.commands.log_options import add_log_options, description_of, one_of, print_findings
 from stickslip.commands.progress import TerminalProgress
+from stickslip.commands.rig_option import add_rig_option, rig_of
 from stickslip.errors import UsageError
 from stickslip.output import Answer
 from stickslip.results.folder import reserved
@@ -35,6 +36,9 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "on the same command"
     )
     add_options(parser, logs, type=Path)
+    add_rig_option(
+        parser, "run a motion without and with the compensator on the drive of this file"
+    )
     add_source_option(parser)
     velocity_filter = (
         "compensate with a Kalman filter for the velocity and feedforward of inertia, and print "
@@ -53,6 +57,10 @@ def run(options: argparse.Namespace) -> Answer:
     from stickslip.results.validated_folder import COMPARISON_FILES, LOG_FILES
 
     learned = LearnedFile(one_of("a learned.json", options.learned, options.learned_option))
+    if options.rig:
+        if options.log or options.without or options.set or options.velocity_filter:
+            raise UsageError("--rig: expected none of --log, --without, --set, --velocity-filter")
+        return Answer(_on_rig(options, learned))
     if options.log is None and options.without is None:
         return Answer(_on_simulated_drive(options, learned))
     if options.set or options.velocity_filter:
@@ -111,6 +119,31 @@ def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str,
         if one
     }
     return {"sentences": sentences(found), "reductions": reductions}
+
+
+def _on_rig(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
+    """Run the trapezoid of the file without and with its compensator, in the loop of the rig."""
+    from stickslip.commands.tables import write_files
+    from stickslip.evaluation.validation import validate
+
+    if learned.behind or (learned.observer_refusal == "" and "observer" in learned.document):
+        warn("what has feedback runs in the drive, not beside it: the feedforward alone is tried")
+    compensator, command = learned.compensator, learned.validation
+    with (
+        reserved(options.out, ["validation.csv"]),
+        rig_of(options.rig, options.out, learned.law.name) as (rig, _),
+        TerminalProgress() as progress,
+    ):
+        if rig is None:
+            raise UsageError("--rig: expected a file")
+        progress.stage("validating")
+        found = validate(rig, rig.loop, compensator, command, options.feed).table()
+    table = found[["velocity", "region", "metric", "without", "with", "reduction"]]
+    print("Velocity errors [mm/s]:", table.round(3).to_string(index=False), sep="\n")
+    about = {"name": "validate", "rig": str(options.rig), "parameters": compensator}
+    files = {"validation.csv": table.to_csv(index=False, lineterminator="\n")}
+    write_files(options.out, about, files)
+    return {"validation": table}
 
 
 def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:

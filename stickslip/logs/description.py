@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from stickslip.errors import UsageError
-from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.fmi.messages import suggestion
 from stickslip.logs.controller import GAINS, Kind, check_gains
 from stickslip.logs.recording import Motion
+from stickslip.toml_files import NUMBER, TABLE, TEXT, checked, is_number, list_of, read_toml
+from stickslip.toml_files import Kind as KeyKind
 
 Product = float | str
 """A number, or factors joined by ``*``, each a number or the name of a scalar in the log's file."""
@@ -110,7 +111,7 @@ class Description:
         for name in ("sample_period", "tau_i"):
             if not isinstance(value := getattr(self, name), int | float | None):
                 raise UsageError(f"{name} = {value!r:.80}: expected a number, in s")
-        if self.span is not None and not (len(self.span) == 2 and all(map(_is_number, self.span))):
+        if self.span is not None and not (len(self.span) == 2 and all(map(is_number, self.span))):
             raise UsageError(f"span = {self.span!r:.80}: expected begin and end, in s")
         if self.motion not in (None, "linear", "rotary"):
             raise UsageError(f"motion '{self.motion}': expected linear or rotary")
@@ -139,30 +140,18 @@ class Description:
         return self.columns.get(role, Column())
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _list_of(value: object, is_element: Callable[[object], bool]) -> bool:
-    return isinstance(value, list) and all(map(is_element, value))
-
-
-_Kind = tuple[Callable[[Any], bool], str]
-_TEXT: _Kind = (lambda value: isinstance(value, str), "a text")
-_NUMBER: _Kind = (_is_number, "a number")
-_PRODUCT: _Kind = (lambda value: _is_number(value) or isinstance(value, str), "a number or product")
-_TABLE: _Kind = (lambda value: isinstance(value, dict), "a table")
-_KEYS: dict[str, _Kind] = {
-    **dict.fromkeys(("columns", "controller"), _TABLE),
-    **dict.fromkeys(("motion", "delimiter", "decimal"), _TEXT),
-    **dict.fromkeys(("encoder_step", "force_limit", "rated_force", "rated_torque"), _PRODUCT),
-    **dict.fromkeys(("sample_period", "tau_i"), _NUMBER),
-    "span": (lambda value: _list_of(value, _is_number) and len(value) == 2, "[begin, end] in s"),
-    "confirm": (lambda value: _list_of(value, _TEXT[0]), "a list of texts"),
+PRODUCT: KeyKind = (lambda value: is_number(value) or isinstance(value, str), "a number or product")
+_KEYS: dict[str, KeyKind] = {
+    **dict.fromkeys(("columns", "controller"), TABLE),
+    **dict.fromkeys(("motion", "delimiter", "decimal"), TEXT),
+    **dict.fromkeys(("encoder_step", "force_limit", "rated_force", "rated_torque"), PRODUCT),
+    **dict.fromkeys(("sample_period", "tau_i"), NUMBER),
+    "span": (lambda value: list_of(value, is_number) and len(value) == 2, "[begin, end] in s"),
+    "confirm": (lambda value: list_of(value, TEXT[0]), "a list of texts"),
 }
-_COLUMN_KEYS: dict[str, _Kind] = {
-    **dict.fromkeys(("name", "unit"), _TEXT),
-    **dict.fromkeys(("scale", "offset"), _PRODUCT),
+_COLUMN_KEYS: dict[str, KeyKind] = {
+    **dict.fromkeys(("name", "unit"), TEXT),
+    **dict.fromkeys(("scale", "offset"), PRODUCT),
     "index": (lambda value: type(value) is int and value > 0, "a number from 1"),
 }
 
@@ -179,40 +168,25 @@ def load_description(path: Path) -> Description:
     UsageError
         When it cannot be read, or a key or value is not valid.
     """
+    content = read_toml(path)
     try:
-        content = parse_toml(read_limited(path, MOST_TEXT))
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read ({error.strerror})") from None
-    except ValueError as error:  # not UTF-8, or not TOML
-        raise UsageError(f"{path}: not TOML ({' '.join(str(error).split())})") from None
-    try:
-        given = _checked(content, _KEYS)
+        given = checked(content, _KEYS)
         columns = given.pop("columns", {}).items()
         given["columns"] = {role: _column(role, column) for role, column in columns}
         if "controller" in given:
-            kinds = {"kind": _TEXT, **dict.fromkeys(GAINS, _PRODUCT)}
-            given["gains"] = _checked({"kind": "", **given["controller"]}, kinds, "controller.")
+            kinds = {"kind": TEXT, **dict.fromkeys(GAINS, PRODUCT)}
+            given["gains"] = checked({"kind": "", **given["controller"]}, kinds, "controller.")
             given["controller"] = given["gains"].pop("kind")
         return Description(**given)
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from None
 
 
-def _checked(table: Mapping[str, Any], kinds: Mapping[str, _Kind], place: str = "") -> Any:
-    for key, value in table.items():
-        if key not in kinds:
-            raise UsageError(f"no key '{place}{key}'{suggestion(key, kinds)}")
-        fits, expected = kinds[key]
-        if not fits(value):
-            raise UsageError(f"{place}{key} = {value!r}: expected {expected}")
-    return {key: tuple(value) if isinstance(value, list) else value for key, value in table.items()}
-
-
 def _column(role: str, value: Any) -> Column:
     if isinstance(value, str | int):
         value = {"name" if isinstance(value, str) else "index": value}
-    given = _checked({role: value}, {role: _TABLE}, "columns.")[role]
-    given = _checked(given, _COLUMN_KEYS, f"columns.{role}.")
+    given = checked({role: value}, {role: TABLE}, "columns.")[role]
+    given = checked(given, _COLUMN_KEYS, f"columns.{role}.")
     if "name" in given and "index" in given:
         raise UsageError(f"columns.{role}: expected name or index, got both")
     if "index" in given:

@@ -16,7 +16,9 @@ from stickslip.servo import datasheet
 from tests.stickslip.rigs.plc import controller
 
 pytestmark = [
-    pytest.mark.skipif(sys.platform != "linux", reason="the simulated controller needs addresses of Linux"),
+    pytest.mark.skipif(
+        sys.platform != "linux", reason="the simulated controller needs addresses of Linux"
+    ),
     # the server of pyads leaves sockets and threads to their fate
     pytest.mark.filterwarnings("ignore::ResourceWarning"),
     pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning"),

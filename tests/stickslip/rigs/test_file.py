@@ -1,0 +1,130 @@
+"""A rig that a TOML file describes, in Python and for the commands that take ``--rig``."""
+
+import json
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.cli import main
+from stickslip.errors import LimitError, UsageError
+from tests.stickslip.rigs.test_socket import command_of, served
+
+RIG = """
+socket = "localhost:{port}"
+
+[datasheet]
+mass = 5.5
+peak_force = 205.0
+encoder_step = 4e-7
+
+[limits]
+travel = [-0.12, 0.12]
+speed = 0.2
+force = 120.0
+following_error = 2e-3
+
+[experiment]
+stroke = 0.05
+"""
+FRICTION = {"F_s": 8.9, "F_c": 6.0, "v_s": 5.6e-4, "sigma_0": 3.9e5, "sigma_1": 4400.0, "b": 6.6}
+
+
+@pytest.fixture
+def described(tmp_path):
+    """Return a function that writes the file of a rig at a port."""
+
+    def write(port):
+        path = tmp_path / "rig.toml"
+        path.write_text(RIG.format(port=port))
+        return path
+
+    return write
+
+
+@pytest.fixture
+def learned(tmp_path):
+    path = tmp_path / "learned.json"
+    values = {name: {"value": value} for name, value in FRICTION.items()}
+    path.write_text(json.dumps({"parameters": values}))
+    return path
+
+
+def test_a_file_gives_the_rig_its_limits_and_the_experiment(fmus, described):
+    with served(fmus) as (_, port):
+        rig, limits = ss.open_rig(described(port))
+        with rig:
+            assert rig.datasheet == ss.Datasheet(mass=5.5, peak_force=205.0, encoder_step=4e-7)
+            assert limits == ss.Limits(stroke=0.05)
+            assert len(rig.run(command_of(rig)).t) == 450
+            with pytest.raises(LimitError, match=r"force 150 N; expected at most 120 N"):
+                rig.push(np.full(10, 150.0))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("socket", "sockets", 'expected socket = "HOST:PORT" or ads = "NETID"'),
+        ("[datasheet]", 'ads = "1.2.3.4.5.6"\n[datasheet]', "expected socket"),
+        ('socket = "localhost:1"', "socket = 5020", "socket = 5020: expected a text"),
+        ("[datasheet]", 'retry = "soon"\n[datasheet]', "retry = 'soon': expected a number"),
+        ("[datasheet]", 'symbol = "MAIN.rig"\n[datasheet]', "no key 'symbol'"),
+        ("force = 120.0", "", "limits.force is missing; expected a number, in SI units"),
+        ("force = 120.0", "forces = 120.0", "limits.force is missing"),
+        ("mass = 5.5", "mass = true", "datasheet.mass = True: expected a number"),
+        ("mass = 5.5", "mass = 5.5\nmas = 1", "no key 'datasheet.mas'; did you mean 'mass'"),
+        ("[-0.12, 0.12]", "[0.12]", "limits.travel = [0.12]: expected [lowest, highest]"),
+        ("[-0.12, 0.12]", "[0.1, 0.12]", "expected a range around 0"),
+        ("stroke = 0.05", "stroke = -1", "stroke = -1: expected more than 0"),
+        ("[experiment]", "[experiment", "not TOML"),
+    ],
+)
+def test_a_wrong_file_is_one_line_and_nothing_is_asked(tmp_path, old, new, said):
+    path = tmp_path / "rig.toml"
+    path.write_text(RIG.format(port=1).replace(old, new, 1))
+    with pytest.raises(UsageError) as fault:
+        ss.open_rig(path)
+    assert str(fault.value).startswith(f"{path}: ")
+    assert said in str(fault.value)
+    assert "\n" not in str(fault.value)
+
+
+def test_validate_runs_both_motions_on_the_drive_once(fmus, described, learned, tmp_path, capsys):
+    with served(fmus) as (drive, port):
+        out = tmp_path / "validated"
+        given = ["validate", learned, "--rig", described(port), "--out", out, "--json"]
+        tables, motions = [], []
+        for _ in range(2):
+            assert main([str(word) for word in given]) == 0
+            tables.append(json.loads(capsys.readouterr().out)["validation"])
+            motions.append(drive.motion)
+        assert motions[0] == motions[1] >= 2
+        assert tables[0] == tables[1]
+        for row in tables[0]:
+            assert row["velocity"] == "measured"
+            assert row["with"] < 0.7 * row["without"]
+    assert len(list((out / "motions").glob("*.npz"))) == 2
+
+
+def test_learn_takes_a_rig_instead_of_a_log(fmus, described, tmp_path, monkeypatch, capsys):
+    asked = []
+
+    def learn(source, _, *, limits, **__):
+        asked.append((source.run(command_of(source)), limits))
+        raise UsageError("far enough")
+
+    monkeypatch.setattr("stickslip.pipeline.log_learning.learn", learn)
+    with served(fmus) as (drive, port):
+        given = ["learn", "--rig", str(described(port)), "--out", str(tmp_path / "out")]
+        for _ in range(2):  # the second goes on with the log of the first
+            assert main(given) != 0
+            assert drive.motion == 1
+        assert asked[1][1] == ss.Limits(stroke=0.05)
+        np.testing.assert_array_equal(asked[0][0].x_enc, asked[1][0].x_enc)
+        capsys.readouterr()
+        for wrong in (["log.csv"], ["--check"], ["--tau-i", "1e-4"]):
+            assert main([*given, *wrong]) != 0
+            assert "--rig: expected no log" in capsys.readouterr().err
+        assert drive.motion == 1
+    assert main(given) != 0
+    assert "connection lost" in capsys.readouterr().err
