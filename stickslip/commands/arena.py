@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip import models
 from stickslip.commands import FLAG, SEVERAL, add_options, at_least
 from stickslip.commands.execution import add_worker_options
-from stickslip.commands.progress import TerminalProgress
+from stickslip.commands.progress import TerminalProgress, add_live_option
 from stickslip.errors import UsageError
 from stickslip.evaluation.arena.budget import Budget
 from stickslip.output import Answer
@@ -19,7 +20,7 @@ from stickslip.tuning.execution import Execution
 if TYPE_CHECKING:
     import pandas as pd
 
-    from stickslip.evaluation.arena.protocol import Arena, Plan
+    from stickslip.evaluation.arena.protocol import Arena, Cell, Plan
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -56,6 +57,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(where="processes")
     resume = "keep what an interrupted run has found with the same options"
     add_options(parser, {"--resume": resume}, **FLAG)
+    add_live_option(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
     parser.set_defaults(run=run)
 
@@ -67,14 +69,25 @@ def run(options: argparse.Namespace) -> Answer:
     from stickslip.evaluation.arena.writing import FILES, write_arena
 
     plan = _plan(options)
-    with reserved(options.out, FILES), TerminalProgress() as progress:
+    with reserved(options.out, FILES), TerminalProgress(live=options.live) as progress:
         cells = len(plan.drives) * len(plan.entrants)
+        run_on = Counter({drive.name: 0 for drive in plan.drives})
+
+        def on_done(done: int, of: int, cell: Cell) -> None:
+            run_on[cell.drive.name] += 1
+            rows = {
+                name: (count / len(plan.entrants), f"{count} of {len(plan.entrants)} compensators")
+                for name, count in run_on.items()
+            }
+            progress.done(done, of, cell.name, "cell", rows)
+
         progress.stage(f"{cells} cells: {len(plan.entrants)} entrants on {len(plan.drives)} drives")
+        progress.move(0, cells, "cell")
         arena = run_arena(
             plan,
             options.out,
             Execution(options.workers, options.where, resume=options.resume),
-            lambda done, total, name: progress.stage(f"{done} of {total}: {name}"),
+            on_done,
         )
         table = arena_table(arena)
         write_arena(arena, table, options.out)

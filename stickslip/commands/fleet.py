@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from stickslip.commands import FLAG, add_options, at_least
 from stickslip.commands.execution import add_worker_options
-from stickslip.commands.progress import TerminalProgress
+from stickslip.commands.progress import TerminalProgress, add_live_option, spread_of
 from stickslip.output import Answer
 from stickslip.results.folder import reserved
 from stickslip.tuning.execution import Execution
@@ -37,6 +38,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_worker_options(parser, "drives")
     resume = "keep what an earlier run learned from the same rows, files, seed and versions"
     add_options(parser, {"--resume": resume}, **FLAG)
+    add_live_option(parser)
     parser.set_defaults(run=run)
 
 
@@ -55,15 +57,20 @@ def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> Answer:
     from stickslip.fleet.writing import write_fleet
 
     execution = Execution(options.workers, options.where, resume=options.resume)
-    with TerminalProgress() as progress:
+    with TerminalProgress(live=options.live) as progress:
         done = 0
+        learned: dict[str, list[float]] = {}
 
         def on_done(drive: Drive, outcome: Outcome) -> None:
             nonlocal done
             done += 1
-            progress.stage(f"{done}: {drive.name} {outcome.reason or 'learned'}")
+            for name, one in json.loads(outcome.learned or "{}").get("parameters", {}).items():
+                learned.setdefault(name, []).append(one["value"])
+            what = f"{drive.name} {outcome.reason or 'learned'}"
+            progress.done(done, len(drives), what, "drive", spread_of(learned))
 
         progress.stage(f"learning {len(drives)} drives")
+        progress.move(0, len(drives), "drive")
         fleet = learn_fleet(
             drives, options.out, seed=options.seed, execution=execution, on_done=on_done
         )

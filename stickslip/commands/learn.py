@@ -18,7 +18,7 @@ from stickslip.commands.log_options import (
     log_of,
     print_findings,
 )
-from stickslip.commands.progress import TerminalProgress
+from stickslip.commands.progress import TerminalProgress, add_live_option
 from stickslip.commands.rig_option import add_rig_option, rig_of
 from stickslip.errors import UsageError
 from stickslip.output import Answer
@@ -66,6 +66,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, flags, **FLAG)
     add_algorithm_option(parser)
     add_execution_options(parser)
+    add_live_option(parser)
     add_log_options(parser)
     add_law_option(
         parser, "auto", more="; auto: the one that predicts the force best where it is not fitted"
@@ -115,7 +116,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
 
     checkpoint = options.out and options.out / "learning.checkpoint.json"
     with (
-        TerminalProgress() as progress,
+        TerminalProgress(live=options.live) as progress,
         execution_of(options, checkpoint) as execution,
         rig_of(options.rig, options.out, options.law) as (rig, limits),
     ):

@@ -2,14 +2,17 @@
 
 import io
 import json
+import re
 from functools import partial
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from fmpy import read_model_description
 
+from stickslip import ga
 from stickslip.cli import main
-from stickslip.commands.progress import TerminalProgress
+from stickslip.commands.progress import TerminalProgress, spread_of
 from stickslip.identification.estimation import Search
 from stickslip.progress import shown_by, steps
 from stickslip.report.page import Picture
@@ -102,6 +105,43 @@ def test_a_terminal_shows_stages_and_the_remaining_time(monkeypatch):
                 pass
         assert ("fitting ...\n" in stream.getvalue()) is terminal
         assert ("0/4 [00:00<" in stream.getvalue()) is terminal
+
+
+def test_a_live_view_shows_cost_parameters_and_the_remaining_time(monkeypatch):
+    stream = io.StringIO()
+    monkeypatch.setattr(stream, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr("sys.stderr", stream)
+    genes = [ga.Gene("F_c", 0.1, 10.0, 1.0), ga.Gene("v_s", 1e-4, 1e-1, 2e-3)]
+    with TerminalProgress(live=True) as progress:
+        progress.stage("searching")
+        ga.learn(
+            ga.GeneticAlgorithm(genes, seed=1, limits=ga.Limits(generations=6)),
+            lambda values: float(1e-6 + np.log(values[0] / 3.0) ** 2),
+            on_generation=progress.generation,
+        )
+    shown = stream.getvalue()
+    assert "6/6 [00:0" in shown
+    for name in ("F_c", "v_s"):
+        assert re.search(rf"  {name} +\|.*half of the candidates in [\d.e-]+ \.\. [\d.e-]+", shown)
+    blocks = re.findall(r"  cost .*?([▁▂▃▄▅▆▇█]+)", shown)
+    assert len(blocks[-1]) == 6
+    assert blocks[-1][0] == "█"
+    assert blocks[-1][-1] == "▁"
+
+
+def test_a_live_view_of_drives_shows_how_far_their_parameters_lie_apart(monkeypatch, caplog):
+    stream = io.StringIO()
+    monkeypatch.setattr(stream, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr("sys.stderr", stream)
+    with TerminalProgress(live=True) as progress:
+        for done in (1, 2):
+            rows = spread_of({"F_c": [5.0, 7.0][:done]})
+            progress.done(done, 2, f"drive {done} learned", "drive", rows)
+    assert "2 of 2: drive 2 learned" in stream.getvalue()
+    assert "median 6, half of the drives in 5.5 .. 6.5" in stream.getvalue()
+    monkeypatch.setattr(stream, "isatty", lambda: False, raising=False)
+    TerminalProgress(live=True)
+    assert "--live: expected a terminal" in caplog.text
 
 
 @pytest.mark.usefixtures("without_pictures")

@@ -228,7 +228,12 @@ def arena(
     place = where or ("threads" if workers == 1 else "processes")
     with ExitStack() as stack:
         kept = Path(folder) if folder else stack.enter_context(temporary_folder())
-        found = run_arena(plan, kept, Execution(workers, place, resume=resume), progress)
+        found = run_arena(
+            plan,
+            kept,
+            Execution(workers, place, resume=resume),
+            lambda done, of, cell: progress(done, of, cell.name),
+        )
     return Comparison(found, arena_table(found))
 
 

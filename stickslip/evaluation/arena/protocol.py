@@ -180,13 +180,13 @@ def run_arena(
     plan: Plan,
     folder: Path,
     execution: Execution,
-    on_done: Callable[[int, int, str], object] = lambda *_: None,
+    on_done: Callable[[int, int, Cell], object] = lambda *_: None,
 ) -> Arena:
     """Run all cells; each is in ``unfinished/`` as soon as it is known.
 
     Parameters
     ----------
-    on_done : called with the number of cells that are done, that of all, and the last one's name
+    on_done : called with the number of cells that are done, that of all, and the last one
 
     Raises
     ------
@@ -222,7 +222,7 @@ def run_arena(
                     documents[place] = _keep(unfinished, cell, outcome.learned)
                 else:
                     reasons[place] = outcome.reason
-                on_done(len(documents) + len(reasons), total, cell.name)
+                on_done(len(documents) + len(reasons), total, cell)
 
             try:
                 run_jobs(run_cell, left, plan.seed, execution.where, execution.workers, take)
