@@ -116,7 +116,8 @@ def drive_changes(texts: Iterable[str]) -> dict[str, float | str]:
 
 def _number(option: str, name: str, value: str) -> float:
     try:
-        return _WORDS[value.lower()] if value.lower() in _WORDS else float(value)
+        # 1_000 is a number to Python alone
+        return _WORDS[value.lower()] if value.lower() in _WORDS else float(value.replace("_", "?"))
     except ValueError:
         raise UsageError(
             f"{option} {name}={value}: the value must be a number, true or false"

@@ -13,7 +13,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from stickslip.errors import UsageError
+from stickslip.errors import RigError, UsageError
+from stickslip.rigs.contract import Command, Log
 from stickslip.rigs.limits import RigLimits, Watch
 from stickslip.rigs.remote import Refused, RemoteRig
 from stickslip.servo.datasheet import Datasheet
@@ -35,6 +36,8 @@ REFUSALS = {
 }
 TCP = 48898
 """Port of an ADS router."""
+PACE, PACED = 1.5, 0.5
+"""By which factor the controller's clock may differ from this one's, over motions this long [s]."""
 ANSWER = 1.0
 """Within which a controller that runs the function block answers a start [s]."""
 
@@ -91,6 +94,22 @@ class AdsRig(RemoteRig):
         self._session = 1 + secrets.randbelow(2**31 - 1)
         self._at, self._by_force = "", False
         super().__init__(f"{net_id}:{port} {symbol}", datasheet, limits, law, patience)
+
+    def _run(self, command: Command, limits: RigLimits) -> Log:
+        """Run a motion, and check that the function block is called as often as it was told."""
+        before, begun = self._clock(), time.monotonic()
+        log = super()._run(command, limits)
+        shown, took = self._clock() - before, time.monotonic() - begun
+        if took > PACED and not 1.0 / PACE < shown / took < PACE:
+            raise RigError(
+                f"{self.name}: {took:.3g} s took {shown:.3g} s there; expected T_s = {self.T_s:g} "
+                "s to be the period in which the PLC calls StickslipRig"
+            )
+        return log
+
+    def _clock(self) -> float:
+        reply = self._request("read", motion=self._motion, **{"from": self._most})
+        return float(reply["clock"])
 
     def _request(self, what: str, **fields: Any) -> dict[str, Any]:
         kinds = {"load": self._load, "start": self._start, "read": self._read, "stop": self._end}
@@ -179,6 +198,7 @@ class AdsRig(RemoteRig):
             "samples": n,
             "values": new,
             "position": self._get("x_enc"),
+            "clock": self._get("clock"),
         }
 
     def _said(self, fault: int, value: float) -> str:

@@ -66,7 +66,7 @@ class Controller(AdvancedHandler):
         self.drive = Stepper(fmus / "drive.fmu", T_s, ["u"], ["x_enc", "F_m"])
         self.measured = self.drive.begin()
         self.inputs = {"T_s": T_s, "F_max": F_MAX, "heartbeat": heartbeat, "ready": True}
-        self.running, self.answers = True, True
+        self.running, self.answers, self.period = True, True, T_s
         self.lock, self._places = threading.RLock(), []
 
     def __getitem__(self, name):
@@ -84,7 +84,7 @@ class Controller(AdvancedHandler):
         while not end.is_set():
             if self.running:
                 self.cycle()
-            due = max(due + self.inputs["T_s"], time.monotonic() + 5e-5)
+            due = max(due + self.period, time.monotonic() + 5e-5)
             time.sleep(due - time.monotonic())
 
     def get_variable_by_name(self, name):

@@ -1,5 +1,6 @@
 """A drive behind a Beckhoff controller: its function block, interpreted, on the drive FMU."""
 
+import math
 import sys
 import threading
 import time
@@ -11,6 +12,7 @@ import pytest
 pytest.importorskip("pyads", reason="pyads is not installed: pip install 'stickslip[ads]'")
 from stickslip import AdsRig, Command, Datasheet, FmuRig, RigLimits
 from stickslip.errors import LimitError, RigError, UsageError
+from stickslip.rigs import ads_rig
 from stickslip.rigs.remote import RemoteRig
 from stickslip.servo import datasheet
 from tests.stickslip.rigs.plc import controller
@@ -37,6 +39,20 @@ def command_of(rig, n=450):
     t = np.arange(n) * rig.T_s
     v = 0.03 * np.sin(2 * np.pi * 5 * t)
     return Command(rig.T_s, rig.loop, velocity=v, added_force=2.0 * np.sign(v))
+
+
+@pytest.fixture(autouse=True)
+def _unpaced(monkeypatch):
+    """A busy machine may call the function block late."""
+    monkeypatch.setattr(ads_rig, "PACE", math.inf)
+
+
+def test_a_wrong_period_of_the_task_is_found(fmus, monkeypatch):
+    monkeypatch.undo()
+    with controller(fmus, T_S) as (plc, ip), rig_at(ip) as rig:
+        plc.period = 4 * T_S
+        with pytest.raises(RigError, match=r"expected T_s = 0\.0005 s to be the period in which"):
+            rig.run(command_of(rig))
 
 
 def test_the_function_block_runs_what_the_fmus_run(fmus):
