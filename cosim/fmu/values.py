@@ -83,6 +83,8 @@ def _checked(variable: Variable, value: object, label: str) -> Scalar:
 
 
 def _converted(variable: Variable, value: Any) -> Scalar:
+    if variable.type not in ("String", "Binary") and "_" in str(value):
+        raise ValueError  # 1_000 is a number to Python alone
     if variable.type in FLOATS:
         return float(value)
     if variable.type == "String":
