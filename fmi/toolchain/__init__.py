@@ -20,6 +20,7 @@ from stickslip.fmi.toolchain.errors import (
     ToolchainError,
     WrongExports,
 )
+from stickslip.fmi.toolchain.patching import patched
 from stickslip.fmi.toolchain.platforms import PLATFORMS, Platform, host_platform
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "cache_directory",
     "compiled_here",
     "host_platform",
+    "patched",
     "shared_library",
     "standard_functions",
 ]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from stickslip.fmi.binary.universal import universal
 from stickslip.fmi.process.threads import Threads
+from stickslip.fmi.toolchain.compiler import vouch
 from stickslip.fmi.toolchain.platforms import Platform
 
 
@@ -18,7 +19,10 @@ def standard_functions(header: str) -> list[str]:
 
 
 def binaries(
-    fmi: int, platforms: Iterable[Platform], build: Callable[[Platform], Path]
+    fmi: int,
+    platforms: Iterable[Platform],
+    build: Callable[[Platform], Path],
+    change: Callable[[bytes], bytes] | None = None,
 ) -> dict[str, bytes]:
     """Build for all platforms side by side; return path in the FMU -> library.
 
@@ -28,11 +32,16 @@ def binaries(
     ----------
     fmi : version of the standard, which names the folders
     build : returns the library of a platform
+    change : returns what becomes of the content of a library; nothing by default
     """
     targets = list(platforms)
     parts: dict[str, list[bytes]] = {}
     with Threads(os.cpu_count()) as pool:
         for platform, library in zip(targets, pool.each(build, targets), strict=True):
             folder = platform.fmi2 if fmi == 2 else platform.tuple
-            parts.setdefault(f"binaries/{folder}/{library.name}", []).append(library.read_bytes())
+            content = library.read_bytes()
+            if change is not None:
+                content = change(content)
+                vouch(content)
+            parts.setdefault(f"binaries/{folder}/{library.name}", []).append(content)
     return {path: universal(libraries) for path, libraries in parts.items()}

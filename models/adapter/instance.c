@@ -38,7 +38,7 @@ Status instance_report(Instance *i, Status status, const char *category, const c
 static void load_start_values(Instance *i) {
     i->now = (Snapshot){.phase = INSTANTIATED, .stale = true};
     for (size_t k = 0; k < COUNT; k++)
-        i->now.values[k] = VARIABLES[k].start;
+        i->now.values[k] = START.values[k];
 }
 
 Instance *instance_new(const char *name, const char *token, const char *resources,
@@ -53,11 +53,12 @@ Instance *instance_new(const char *name, const char *token, const char *resource
     i->model_exchange = model_exchange;
     for (size_t k = 0; k < length; k++)
         i->name[k] = name[k];
-    if (!token || !text_equal(token, MODEL_TOKEN)) {
+    if (!token || !text_equal(token, START.token)) {
         instance_report(i, ERROR, "logStatusError",
-                        "this binary of " MODEL_NAME " has the token " MODEL_TOKEN
-                        " but was given %s: modelDescription.xml is of another build",
-                        token ? token : "none");
+                        "this binary of " MODEL_NAME
+                        " has the token %s but was given %s: modelDescription.xml is of another "
+                        "build",
+                        START.token, token ? token : "none");
         instance_free(i);
         return NULL;
     }

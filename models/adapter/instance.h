@@ -8,16 +8,25 @@
 #define INSTANCE_H
 
 #include "face.h"
-#include "table.h" /* generated: COUNT, INPUTS_AT ..., MODEL_NAME, MODEL_TOKEN */
+#include "table.h" /* generated: COUNT, INPUTS_AT ..., MODEL_NAME */
 
 typedef struct {
     const char *name;
     Type type;
     int settable; /* phases in which it may be set */
-    double start, minimum, maximum, nominal;
+    double minimum, maximum, nominal;
 } Variable;
 
 extern const Variable VARIABLES[COUNT]; /* generated; the place is the value reference */
+
+/* What differs between FMUs of one model. It is compiled by itself, so that the compiler cannot use
+ * its values elsewhere: an exporter writes others into the library, behind the marker. */
+typedef struct {
+    char marker[START_MARKER_SIZE], token[START_TOKEN_SIZE];
+    double values[COUNT];
+} Start;
+
+extern const Start START;
 
 typedef struct {
     Phase phase;

@@ -11,7 +11,7 @@ struct Saved {
 
 /* What stands before a snapshot among the bytes. */
 typedef struct {
-    char token[sizeof MODEL_TOKEN];
+    char token[START_TOKEN_SIZE];
     uint8_t model_exchange;
     uint8_t hash[8];
 } Label;
@@ -77,7 +77,8 @@ static uint64_t hash_of(const uint8_t *bytes, size_t size) {
 
 static Label label_of(const Instance *i, const uint8_t *state) {
     const uint64_t hash = hash_of(state, sizeof(Snapshot));
-    Label label = {.token = MODEL_TOKEN, .model_exchange = i->model_exchange};
+    Label label = {.model_exchange = i->model_exchange};
+    memcpy(label.token, START.token, sizeof label.token);
     memcpy(label.hash, &hash, sizeof hash);
     return label;
 }

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from struct import pack
+
 from stickslip.models.export.description import Model, Role, Variable
 
 _STRUCTS: dict[Role, str] = {
@@ -14,6 +17,8 @@ _STRUCTS: dict[Role, str] = {
     "parameter": "Parameters",
 }
 _LARGEST = "1.7976931348623157e308"
+MARKER = "stickslip start values"
+MARKER_SIZE, TOKEN_SIZE = 24, 40  # bytes, with the 0
 
 
 def variables_header(model: Model) -> str:
@@ -98,8 +103,8 @@ def _law(model: Model) -> list[str]:
     ]
 
 
-def table_header(model: Model, token: str) -> str:
-    """Return ``table.h``: how many variables there are, where each role begins, the token."""
+def table_header(model: Model) -> str:
+    """Return ``table.h``: how many variables there are, and where each role begins."""
     roles = [v.role for v in model.variables]
     numbers = {"COUNT": len(roles)}
     for role, struct in {**_STRUCTS, "mode": "Modes"}.items():
@@ -110,7 +115,8 @@ def table_header(model: Model, token: str) -> str:
 #define TABLE_H
 
 #define MODEL_NAME "{model.name}"
-#define MODEL_TOKEN "{token}"
+#define START_MARKER_SIZE {MARKER_SIZE}
+#define START_TOKEN_SIZE {TOKEN_SIZE}
 
 #define IS_CONTINUOUS {model.is_continuous:d}
 #define IS_SWITCHED {model.is_switched:d}
@@ -125,10 +131,24 @@ enum {{
 
 
 def table_source(model: Model) -> str:
-    """Return ``table.c``: name, type, phases to set it in, start and range of every variable."""
+    """Return ``table.c``: name, type, phases to set it in, range and nominal of every variable."""
     rows = "".join(f"    {_row(v)}\n" for v in model.variables)
     head = '/* Generated from model.toml. */\n#include "instance.h"\n\n'
     return f"{head}const Variable VARIABLES[COUNT] = {{\n{rows}}};\n"
+
+
+def start_source(token: str, values: Sequence[float]) -> str:
+    """Return ``start.c``: the token, and the start value of every variable (COUNT,)."""
+    numbers = "".join(f"    {value!r},\n" for value in map(float, values))
+    return (
+        '/* Generated from model.toml. */\n#include "instance.h"\n\n'
+        f'const Start START = {{"{MARKER}", "{token}", {{\n{numbers}}}}};\n'
+    )
+
+
+def start_bytes(token: str, values: Sequence[float]) -> bytes:
+    """Return what a library with ``start.c`` contains behind the marker."""
+    return token.encode().ljust(TOKEN_SIZE, b"\0") + pack(f"<{len(values)}d", *values)
 
 
 def _row(v: Variable) -> str:
@@ -137,7 +157,7 @@ def _row(v: Variable) -> str:
     derived = v.role in ("derivative", "indicator", "mode")
     kind = "DERIVATIVE" if derived else v.type.upper()
     nominal = v.nominal or 1.0
-    return f'{{"{v.name}", {kind}, {_phases(v)}, {v.start!r}, {low}, {high}, {nominal!r}}},'
+    return f'{{"{v.name}", {kind}, {_phases(v)}, {low}, {high}, {nominal!r}}},'
 
 
 def _phases(v: Variable) -> str:

@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 from stickslip.fmi.description.learned import ANNOTATION
 from stickslip.fmi.description.writing import child, document, text
 from stickslip.models.export.description import Model, Variable
-from stickslip.models.export.sources import FmiVersion, c_files, compiled
+from stickslip.models.export.sources import START, FmiVersion, c_files, compiled
 from stickslip.models.export.units import DISPLAY, base_unit
 
 _TAGS = {
@@ -147,7 +147,7 @@ def _add_interfaces(root: ET.Element, model: Model, fmi: FmiVersion) -> None:
     child(root, "CoSimulation", **capabilities, canHandleVariableCommunicationStepSize=True)
     for interface in root if fmi == 2 else ():
         listed = child(interface, "SourceFiles")
-        for path in compiled(c_files(model, 2)):
+        for path in compiled([*c_files(model, 2), START]):
             child(listed, "File", name=path)
 
 

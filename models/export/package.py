@@ -17,18 +17,26 @@ from stickslip.fmi.toolchain import (
     Platform,
     binaries,
     host_platform,
+    patched,
     shared_library,
     standard_functions,
 )
 from stickslip.models.errors import ModelError, UnknownLaw, UnknownModel
 from stickslip.models.export.description import Model, read_model
-from stickslip.models.export.headers import table_header
+from stickslip.models.export.headers import (
+    MARKER,
+    MARKER_SIZE,
+    TOKEN_SIZE,
+    start_bytes,
+    start_source,
+)
 from stickslip.models.export.law import MODELS, Law, read_law, read_toml
 from stickslip.models.export.model_description import model_description
 from stickslip.models.export.presentation import index, png, svg, terminals_and_icons
 from stickslip.models.export.reference import cross_check, layered_standard, reference_file
 from stickslip.models.export.sources import (
     COMPILER_OPTIONS,
+    START,
     FmiVersion,
     build_description,
     c_files,
@@ -179,7 +187,8 @@ def pack_fmu(
     rest is as for ``build_fmu``.
     """
     token = _token(model, fmi)
-    files = c_files(model, fmi) | {"table.h": table_header(model, token)}
+    values = [float(variable.start) for variable in model.variables]
+    files = c_files(model, fmi) | {START: start_source(token, values)}
     texts = {
         "modelDescription.xml": model_description(model, token, fmi),
         "documentation/index.html": index(model, _ICON[fmi]),
@@ -197,7 +206,8 @@ def pack_fmu(
         del texts["terminalsAndIcons/terminalsAndIcons.xml"]
     members = {path: content.encode() for path, content in texts.items()}
     members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, png(model.icon))
-    members |= _binaries(model.name, files, fmi, platforms or [host_platform()])
+    start = start_bytes(token, values)
+    members |= _binaries(model.name, files, fmi, platforms or [host_platform()], start)
     return atomic_write(Path(folder) / f"{model.name}.fmu", _archive(members))
 
 
@@ -219,9 +229,15 @@ def write_cross_check(name: str, folder: Path | str, law: str | None = None) -> 
 
 
 def _binaries(
-    name: str, files: dict[str, str], fmi: FmiVersion, platforms: Iterable[Platform]
+    name: str, files: dict[str, str], fmi: FmiVersion, platforms: Iterable[Platform], start: bytes
 ) -> dict[str, bytes]:
-    """Return the libraries by path in the FMU."""
+    """Return the libraries by path in the FMU.
+
+    One library is compiled for all start values; these are written into it.
+    """
+    count = (len(start) - TOKEN_SIZE) // 8
+    files = files | {START: start_source("", [0.0] * count)}
+    marker = MARKER.encode().ljust(MARKER_SIZE, b"\0")
     headers = fmi_headers(fmi)
     files = grouped(files) | {f"system/{path}": content for path, content in headers.items()}
     functions = standard_functions(headers[f"fmi{fmi}Functions.h"])
@@ -237,7 +253,7 @@ def _binaries(
             exports=functions,
         )
 
-    return binaries(fmi, platforms, build)
+    return binaries(fmi, platforms, build, lambda library: patched(library, marker, start))
 
 
 def _token(model: Model, fmi: FmiVersion) -> str:

@@ -12,12 +12,13 @@ from stickslip import fmi
 from stickslip.fmi.description import writing
 from stickslip.fmi.standard import standard_files
 from stickslip.models.export.description import Model
-from stickslip.models.export.headers import table_source, variables_header
+from stickslip.models.export.headers import table_header, table_source, variables_header
 from stickslip.models.export.law import MODELS
 
 FmiVersion = Literal[2, 3]
 
 FACES = Path(fmi.__file__).parent / "faces"
+START = "start.c"  # the token and the start values
 # Without fused multiply-add, all compilers give the same bits; scalar equations packed into vectors
 # took a tenth more time.
 COMPILER_OPTIONS = "-O2 -ffp-contract=off -fno-tree-slp-vectorize"
@@ -29,7 +30,7 @@ def text(path: Path) -> str:
 
 
 def c_files(model: Model, fmi: FmiVersion) -> dict[str, str]:
-    """Return the C files of an FMU by path in the source tree, all but the token's header."""
+    """Return the C files of an FMU by path in the source tree, all but ``START``."""
     files = {
         path.name: text(path)
         for folder in (MODELS / "adapter", FACES)
@@ -40,6 +41,7 @@ def c_files(model: Model, fmi: FmiVersion) -> dict[str, str]:
         **{path.relative_to(MODELS).as_posix(): text(path) for path in shared_files(model)},
         **{path.name: text(path) for path in sorted(model.folder.glob("*.[ch]"))},
         "variables.h": variables_header(model),
+        "table.h": table_header(model),
         "table.c": table_source(model),
     }
 
@@ -65,7 +67,8 @@ def compiled(files: Iterable[str]) -> list[str]:
 
 def grouped(files: dict[str, str]) -> dict[str, str]:
     """Return the same C with the adapter in one file, which compiles in half the time."""
-    adapter = [path for path in compiled(files) if "/" not in path and path != "model.c"]
+    alone = "model.c", START
+    adapter = [path for path in compiled(files) if "/" not in path and path not in alone]
     return {f"{path}.inc" if path in adapter else path: text for path, text in files.items()} | {
         "adapter.c": "".join(f'#include "{path}.inc"\n' for path in adapter)
     }

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.models import Model
-from stickslip.models.export.headers import table_header
-from stickslip.models.export.sources import FmiVersion, c_files, compiled, fmi_headers
+from stickslip.models.export.headers import start_source
+from stickslip.models.export.sources import START, FmiVersion, c_files, compiled, fmi_headers
 
 SANITIZE = (
     "-fsanitize=address,undefined,float-cast-overflow",
@@ -51,7 +51,9 @@ class Fuzzer:
 
     @classmethod
     def build(cls, compiler: str, model: Model, version: FmiVersion, folder: Path) -> Fuzzer:
-        files = c_files(model, version) | {"table.h": table_header(model, "token")}
+        files = c_files(model, version) | {
+            START: start_source("token", [v.start for v in model.variables])
+        }
         files |= {f"system/{name}": text for name, text in fmi_headers(version).items()}
         files |= {file.name: file.read_text() for file in Path(__file__).parent.glob("*.[ch]")}
         for path, text in files.items():

@@ -149,8 +149,8 @@ static void make(Pair *p) {
     if (instantiate("x", rarely() ? NULL : "stale", wants_exchange, below(2)))
         violated("took a wrong token", 0);
     *p = (Pair){.exchange = wants_exchange && has_exchange, .phase = CREATED};
-    p->at[FUZZED] = instantiate(below(2) ? "fuzzed" : NULL, MODEL_TOKEN, p->exchange, below(2));
-    p->at[SHADOW] = instantiate("shadow", MODEL_TOKEN, p->exchange, false);
+    p->at[FUZZED] = instantiate(below(2) ? "fuzzed" : NULL, START.token, p->exchange, below(2));
+    p->at[SHADOW] = instantiate("shadow", START.token, p->exchange, false);
     if (!p->at[FUZZED] || !p->at[SHADOW])
         violated("no instance", 0);
 }
@@ -252,7 +252,7 @@ static uint32_t some_variable(Type type) {
 static double some_value(uint32_t k) {
     if (rarely() || k >= COUNT)
         return odd_number();
-    const double share = below(1001) / 1000.0, start = VARIABLES[k].start;
+    const double share = below(1001) / 1000.0, start = START.values[k];
     return VARIABLES[k].type == REAL ? start + (share - 0.5) * VARIABLES[k].nominal : below(4);
 }
 

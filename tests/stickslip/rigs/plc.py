@@ -88,8 +88,9 @@ class Controller(AdvancedHandler):
             time.sleep(due - time.monotonic())
 
     def get_variable_by_name(self, name):
-        self._places.append(Place(self, name, len(self._places) + 1))
-        return self._places[-1]
+        with self.lock:
+            self._places.append(Place(self, name, len(self._places) + 1))
+            return self._places[-1]
 
     def get_variable_by_handle(self, handle):
         return self._places[handle - 1]

@@ -45,6 +45,7 @@ def command_of(rig, n=450):
 def _unpaced(monkeypatch):
     """A busy machine may call the function block late."""
     monkeypatch.setattr(ads_rig, "PACE", math.inf)
+    monkeypatch.setattr(ads_rig, "ANSWER", 10.0)
 
 
 def test_a_wrong_period_of_the_task_is_found(fmus, monkeypatch):
@@ -162,6 +163,7 @@ def test_what_is_missing_is_said_in_one_line(fmus, monkeypatch):
         with pytest.raises(RigError, match="longer than the arrays of StickslipRig, 8000 samples"):
             rig.push(np.zeros(9000))
         plc.running = False
+        monkeypatch.setattr(ads_rig, "ANSWER", 1.0)
         with pytest.raises(RigError, match=r"was not called for 1 s"):
             rig.run(command_of(rig))
     with pytest.raises(RigError, match=r"connection lost for 0\.1 s .*refused"):
