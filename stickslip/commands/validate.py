@@ -16,7 +16,7 @@ from stickslip.commands.assignments import add_set_option, add_source_option, dr
 from stickslip.commands.log_options import add_log_options, description_of, one_of, print_findings
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.rig_option import add_rig_option, rig_of
-from stickslip.errors import UsageError
+from stickslip.errors import HarmfulError, UsageError
 from stickslip.output import Answer
 from stickslip.results.folder import reserved
 
@@ -126,8 +126,12 @@ def _on_rig(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
     from stickslip.commands.tables import write_files
     from stickslip.evaluation.validation import validate
 
-    if learned.behind or (learned.observer_refusal == "" and "observer" in learned.document):
-        warn("what has feedback runs in the drive, not beside it: the feedforward alone is tried")
+    document = learned.document
+    if refusal := document.get("refusal"):
+        raise HarmfulError(f"{learned.path}: learn does not recommend it: {refusal}; not run")
+    if learned.behind or {"observer", "feedforward"} & document.keys():
+        law = learned.law.title
+        warn(f"only the feedforward of the {law} law is tried, no other compensator of the file")
     compensator, command = learned.compensator, learned.validation
     with (
         reserved(options.out, ["validation.csv"]),
