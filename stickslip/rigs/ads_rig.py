@@ -93,6 +93,7 @@ class AdsRig(RemoteRig):
         self._handles: dict[str, int] = {}
         self._session = 1 + secrets.randbelow(2**31 - 1)
         self._at, self._by_force = "", False
+        self._watch = Watch(limits, 1.0)  # of the motion that runs
         super().__init__(f"{net_id}:{port} {symbol}", datasheet, limits, law, patience)
 
     def _run(self, command: Command, limits: RigLimits) -> Log:
@@ -116,10 +117,11 @@ class AdsRig(RemoteRig):
         give_up = time.monotonic() + self._patience
         while True:
             try:
-                if what == "hello":
-                    return self._hello()
-                self._watch_over()
-                return kinds[what](fields)
+                with self._understood(what):
+                    if what == "hello":
+                        return self._hello()
+                    self._watch_over()
+                    return kinds[what](fields)
             except Refused as refusal:
                 raise Refused(f"{self.name} refuses to {what}: {refusal}") from None
             except (OSError, self._ads.ADSError) as fault:
