@@ -1,6 +1,7 @@
 """A controller with the function block StickslipRig, interpreted, on a drive FMU, behind ADS."""
 
 import itertools
+import math
 import os
 import re
 import struct
@@ -66,7 +67,8 @@ class Controller(AdvancedHandler):
         self.drive = Stepper(fmus / "drive.fmu", T_s, ["u"], ["x_enc", "F_m"])
         self.measured = self.drive.begin()
         self.inputs = {"T_s": T_s, "F_max": F_MAX, "heartbeat": heartbeat, "ready": True}
-        self.running, self.answers, self.period = True, True, T_s
+        self.running, self.period = True, T_s
+        self.silent_from = math.inf  # samples of a motion
         self.lock, self._places = threading.RLock(), []
 
     def __getitem__(self, name):
@@ -85,7 +87,7 @@ class Controller(AdvancedHandler):
             if self.running:
                 self.cycle()
             due = max(due + self.period, time.monotonic() + 5e-5)
-            time.sleep(due - time.monotonic())
+            time.sleep(max(0.0, due - time.monotonic()))
 
     def get_variable_by_name(self, name):
         with self.lock:
@@ -96,7 +98,7 @@ class Controller(AdvancedHandler):
         return self._places[handle - 1]
 
     def handle_request(self, request):
-        if not self.answers:
+        if self["k"] >= self.silent_from:
             return None
         try:
             return super().handle_request(request)

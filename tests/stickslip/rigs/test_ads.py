@@ -2,7 +2,6 @@
 
 import math
 import sys
-import threading
 import time
 from dataclasses import replace
 
@@ -135,12 +134,12 @@ def test_a_program_that_is_interrupted_stops_the_drive(fmus, monkeypatch):
 
 def test_a_connection_that_is_lost_is_one_error_and_the_drive_stops(fmus):
     with controller(fmus, T_S, heartbeat=0.2) as (plc, ip), rig_at(ip, patience=0.5) as rig:
-        threading.Timer(0.8, lambda: setattr(plc, "answers", False)).start()
+        plc.silent_from = 200
         with pytest.raises(RigError, match=r"connection lost for 0\.5 s .*is not repeated"):
             rig.follow(np.full(8000, 0.02), rig.loop)
         time.sleep(0.5)
         assert (plc["state"], plc["fault"]) == (0, 6)
-        plc.answers = True
+        plc.silent_from = math.inf
         rig.follow(np.full(100, 0.01), rig.loop)
 
 
