@@ -26,7 +26,6 @@ from stickslip.models.export.description import Model, read_model
 from stickslip.models.export.headers import (
     MARKER,
     MARKER_SIZE,
-    TOKEN_SIZE,
     start_bytes,
     start_source,
 )
@@ -206,8 +205,10 @@ def pack_fmu(
         del texts["terminalsAndIcons/terminalsAndIcons.xml"]
     members = {path: content.encode() for path, content in texts.items()}
     members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, png(model.icon))
+    # One library is compiled for all start values; these are written into it.
+    blank = files | {START: start_source("", [0.0] * len(values))}
     start = start_bytes(token, values)
-    members |= _binaries(model.name, files, fmi, platforms or [host_platform()], start)
+    members |= _binaries(model.name, blank, fmi, platforms or [host_platform()], start)
     return atomic_write(Path(folder) / f"{model.name}.fmu", _archive(members))
 
 
@@ -231,12 +232,7 @@ def write_cross_check(name: str, folder: Path | str, law: str | None = None) -> 
 def _binaries(
     name: str, files: dict[str, str], fmi: FmiVersion, platforms: Iterable[Platform], start: bytes
 ) -> dict[str, bytes]:
-    """Return the libraries by path in the FMU.
-
-    One library is compiled for all start values; these are written into it.
-    """
-    count = (len(start) - TOKEN_SIZE) // 8
-    files = files | {START: start_source("", [0.0] * count)}
+    """Return the libraries by path in the FMU, with the bytes of their start values."""
     marker = MARKER.encode().ljust(MARKER_SIZE, b"\0")
     headers = fmi_headers(fmi)
     files = grouped(files) | {f"system/{path}": content for path, content in headers.items()}

@@ -195,7 +195,7 @@ class AdsRig(RemoteRig):
             "state": {1: "moving", 2: "stopping"}.get(state, "aborted" if fault else "done"),
             "limit": fault in (1, 2, 3, 4),
             "reason": f"aborted at {max(0, n - 1) * self.T_s:.4g} s: {self._said(fault, value)}"
-            if fault and self._motion
+            if fault
             else "",
             "samples": n,
             "values": new,

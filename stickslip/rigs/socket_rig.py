@@ -82,7 +82,7 @@ class SocketRig(RemoteRig):
         if self._socket is None:
             self._socket = socket.create_connection(self._place, self._patience)
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            self._lines, self._waiting = Lines(), list[dict[str, Any]]()
+            self._lines = Lines()
         self._seq += 1
         message = {"seq": self._seq, "session": self._session, "do": what, "heard": self._heard}
         self._socket.settimeout(self._retry)

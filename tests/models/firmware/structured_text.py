@@ -74,23 +74,17 @@ NAME: /[A-Za-z](_?[A-Za-z0-9])*/
 %ignore /\s+|\(\*.*?\*\)/s
 """
 _STARTS = {"LREAL": 0.0, "INT": 0, "DINT": 0, "BOOL": False}
+
+
+def _divided(a: Any, b: Any) -> Any:
+    """Divide; whole numbers, here of one sign, without a rest."""
+    return a // b if type(a) is int else a / b
+
+
 _OPERATORS = dict(
     zip(
         ("OR", "AND", "=", "<>", "<", "<=", ">", ">=", "+", "-", "*", "/"),
-        (
-            or_,
-            and_,
-            eq,
-            ne,
-            lt,
-            le,
-            gt,
-            ge,
-            add,
-            sub,
-            mul,
-            lambda a, b: a // b if type(a) is int else a / b,
-        ),
+        (or_, and_, eq, ne, lt, le, gt, ge, add, sub, mul, _divided),
         strict=True,
     )
 )

@@ -162,7 +162,6 @@ def test_a_controller_that_says_nonsense_is_one_error(fmus, name, value, said):
                 rig_at(ip)
             return
         with rig_at(ip) as rig:
-            rig._motion = 1
             plc.block.variables[name] = value
             with pytest.raises(RigError, match=said):
                 rig._request("read", motion=1, **{"from": 10**6 - 1 if name == "k" else 0})
