@@ -7,9 +7,7 @@ candidates is sent to each worker once.
 from __future__ import annotations
 
 import logging
-import math
 import threading
-import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future
 from contextlib import ExitStack, contextmanager, suppress
@@ -43,8 +41,8 @@ WITHOUT_WORKERS = 60.0
 LOOK = 1.0
 """How often the workers of a scheduler are counted while it is watched [s]."""
 
-RECOUNT = 5.0
-"""How long the number of workers is believed [s]."""
+ANSWER = 10.0
+"""How long a scheduler may take to say how many workers it has [s]."""
 
 
 class DaskWorkers(Executor):
@@ -54,21 +52,17 @@ class DaskWorkers(Executor):
     name.
     """
 
-    def __init__(self, client: Any) -> None:
+    def __init__(self, client: Any, watch: _Watch) -> None:
         self._client = client
         self._executor = client.get_executor(pure=False)
-        self._counted = -math.inf
-        self._threads = 0
+        self._watch = watch
         self._turn = 0
         self._sent: set[str] = set()
 
     @property
     def parts(self) -> int:
-        """Into how many tasks a generation is divided; workers are counted again now and then."""
-        if time.monotonic() > self._counted + RECOUNT:
-            self._counted = time.monotonic()
-            self._threads = sum(self._client.ncores().values())
-        return max(1, self._threads)
+        """Into how many tasks a generation is divided: as many as the workers have threads."""
+        return max(1, self._watch.threads)
 
     def submit_all(self, fn: Callable[..., T], calls: Sequence[Sequence[Any]]) -> list[Any]:
         """Run a function with several lists of arguments, sent in one message."""
@@ -131,7 +125,8 @@ def cluster(where: str, workers: int) -> Iterator[DaskWorkers]:
     Raises
     ------
     WorkersLost
-        When the connection to the scheduler is lost, or it has no workers for too long.
+        When the connection to the scheduler is lost, it does not answer, or it has no workers for
+        too long.
     """
     if find_spec("distributed") is None:
         raise SettingsError(
@@ -166,7 +161,7 @@ def cluster(where: str, workers: int) -> Iterator[DaskWorkers]:
         watch = _Watch(client, where)
         stack.callback(watch.ended.set)
         try:
-            yield stack.enter_context(DaskWorkers(client))
+            yield stack.enter_context(DaskWorkers(client, watch))
         except Exception:  # what Dask raises once it has no scheduler
             if client.status == "running":
                 raise
@@ -192,17 +187,21 @@ def _silenced() -> Iterator[None]:
 
 
 class _Watch:
-    """Closes a client whose scheduler has no workers for too long, which cancels all tasks.
+    """Counts the workers of a client, and closes it where there are none or no answer comes.
+
+    Closing it cancels all tasks.
 
     Attributes
     ----------
     ended : to be set at the end
     reason : why the client is closed
+    threads : how many the workers have together
     """
 
     def __init__(self, client: Any, where: str) -> None:
         self.ended = threading.Event()
         self.reason = f"the connection to the Dask scheduler at {where} is lost"
+        self.threads = 0
         self._client, self._where = client, where
         self._missing = 0.0
         self._look()
@@ -214,7 +213,12 @@ class _Watch:
                 self._look()
 
     def _look(self) -> None:
-        if self._client.ncores():
+        try:
+            self.threads = sum(self._client.ncores(callback_timeout=ANSWER).values())
+        except TimeoutError:
+            self._close(f"has not answered for {ANSWER:g} s")
+            return
+        if self.threads:
             self._missing = 0.0
             return
         if not self._missing:
@@ -224,11 +228,14 @@ class _Watch:
             )
         self._missing += LOOK
         if self._missing > WITHOUT_WORKERS:
-            self.reason = (
-                f"the Dask scheduler at {self._where} had no workers for {WITHOUT_WORKERS:g} s;"
+            self._close(
+                f"had no workers for {WITHOUT_WORKERS:g} s;"
                 f" start some, as by: dask worker {self._where}"
             )
-            self._client.close(timeout=LOOK)
+
+    def _close(self, why: str) -> None:
+        self.reason = f"the Dask scheduler at {self._where} {why}"
+        self._client.close(timeout=LOOK)
 
 
 def _require_reachable(address: str) -> None:

@@ -47,7 +47,8 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
     ------
     SettingsError : no such place, no worker at all, no scheduler that answers at the address, or
         ``distributed`` is not installed
-    WorkersLost : the connection to the scheduler is lost, or it has had no workers for a minute
+    WorkersLost : the connection to the scheduler is lost, it has not answered for 10 s, or it
+        has had no workers for a minute
     """
     if workers < 1:
         raise SettingsError(f"workers must be at least 1, got {workers}")

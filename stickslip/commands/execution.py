@@ -41,7 +41,16 @@ def add_worker_options(parser: argparse.ArgumentParser, what: str) -> None:
         help="kind of workers on this machine",
     )
     dask = "run on Dask: the address of a scheduler (tcp://...), or 'local' to start one here"
-    add_options(place, {"--cluster ADDRESS": dask}, dest="where")
+    add_options(place, {"--cluster ADDRESS": dask}, dest="where", type=_address)
+
+
+def _address(text: str) -> str:
+    known = {"local", "threads", "processes"}  # argparse gives it the default, too
+    if text not in known and "://" not in text:
+        raise argparse.ArgumentTypeError(
+            f"{text!r}; expected local or the address of a scheduler, such as tcp://10.0.0.1:8786"
+        )
+    return text
 
 
 def add_execution_options(parser: argparse.ArgumentParser) -> None:

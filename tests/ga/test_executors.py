@@ -1,8 +1,10 @@
 """Threads, processes and Dask: the same bytes, also when workers die."""
 
+import asyncio
 import os
 import socket
 import threading
+from functools import partial
 
 import numpy as np
 import pytest
@@ -122,16 +124,26 @@ def test_what_is_not_installed_is_named(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("closes", "message"),
-    [(False, r"had no workers for 0\.3 s; start some"), (True, "the connection .* is lost")],
+    ("fate", "message"),
+    [
+        ("empty", r"had no workers for 0\.3 s; start some"),
+        ("closed", "the connection .* is lost"),
+        ("stopped", r"has not answered for 0\.3 s"),
+    ],
 )
-def test_a_cluster_that_is_lost_or_empty_ends_in_one_line(closes, message, monkeypatch, caplog):
+def test_a_cluster_that_is_lost_or_empty_ends_in_one_line(fate, message, monkeypatch, caplog):
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr("stickslip.ga.execution.cluster.WITHOUT_WORKERS", 60.0 if closes else 0.3)
-    monkeypatch.setattr("stickslip.ga.execution.cluster.LOOK", 0.1)
+    module = "stickslip.ga.execution.cluster"
+    monkeypatch.setattr(f"{module}.WITHOUT_WORKERS", 0.3 if fate == "empty" else 60.0)
+    monkeypatch.setattr(f"{module}.ANSWER", 0.3 if fate == "stopped" else 60.0)
+    monkeypatch.setattr(f"{module}.LOOK", 0.1)
     with distributed.LocalCluster(n_workers=0, dashboard_address=":0") as empty:
-        if closes:
+        if fate == "closed":
             threading.Timer(0.3, empty.close).start()
+        if fate == "stopped":
+            answers = empty.scheduler.handlers
+            silent = partial(answers.__setitem__, "ncores", lambda **_: asyncio.sleep(3.0))
+            threading.Timer(0.3, silent).start()
         with (
             pytest.raises(ga.WorkersLost, match=message),
             ga.executor(empty.scheduler_address, 2) as executor,

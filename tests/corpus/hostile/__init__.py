@@ -5,12 +5,14 @@ from tests.corpus.hostile import (
     arena,
     arguments,
     binaries,
+    clusters,
     descriptions,
     exports,
     folders,
     learning,
     options,
     rigs,
+    sandboxed,
     statuses,
     systems,
     tables,
@@ -33,6 +35,8 @@ CASES: list[Case] = [
     *arguments.CASES,
     *options.CASES,
     *exports.CASES,
+    *sandboxed.CASES,
+    *clusters.CASES,
 ]
 """All of them, group by group."""
 

@@ -106,5 +106,7 @@ GROUPS = {
     26: "arguments in Python",
     27: "values on the command line",
     28: "exports",
+    29: "the sandbox",
+    30: "clusters, caches and consoles",
 }
 """What a case attacks."""

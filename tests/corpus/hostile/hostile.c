@@ -143,13 +143,15 @@ static int act(Model *m) {
         if (fork() == 0)
             _exit(setsid() < 0);
         wait(&status);
-        return status != 0;
+        return status ? 3 : 0;
     }
-    IF("kill_parent") { return kill(getppid(), SIGKILL) != 0; }
-    IF("connect") { return socket(AF_INET, SOCK_STREAM, 0) < 0; }
+    IF("kill_parent") { return kill(getppid(), SIGKILL) ? 3 : 0; }
+    IF("connect") { return socket(AF_INET, SOCK_STREAM, 0) < 0 ? 3 : 0; }
     IF("execute") { return system("true") != 0; }
-    IF("read_home") { return open(getenv("HOME"), O_RDONLY) < 0; }
-    IF("write_outside") { return open("/var/tmp/stickslip-hostile", O_CREAT | O_WRONLY, 0600) < 0; }
+    IF("read_home") { return open(getenv("HOME"), O_RDONLY) < 0 ? 3 : 0; }
+    IF("write_outside") {
+        return open("/var/tmp/stickslip-hostile", O_CREAT | O_WRONLY, 0600) < 0 ? 3 : 0;
+    }
     IF("share") { /* memory that RLIMIT_DATA does not count */
         for (size_t n = 1 << 24;; usleep(1000))
             memset(mmap(NULL, n, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0), 1, n);

@@ -38,7 +38,7 @@ def test_what_it_tries_is_denied_and_named(hostile, caplog, behaviour):
     text = told(hostile, caplog, behaviour, cosim.Isolation())
     call = f"plant (DoStep {behaviour} 2.fmu): fmi2DoStep"
     expected = f"{call} tried to {TRIED[behaviour]}, which the sandbox denies"
-    assert text.partition(" (--allow")[0] == expected
+    assert text.partition(" (--allow")[0].endswith(expected)
     assert not OUTSIDE.exists()
 
 
