@@ -7,7 +7,7 @@ NOT_SANITIZED := --ignore tests/conformance/test_platforms.py \
 SPREAD := --numprocesses auto --maxprocesses 8 --dist loadfile
 
 .DEFAULT_GOAL := help
-.PHONY: help setup reproduce test quick thorough test-platforms check docs format notebooks sanitize bench clean
+.PHONY: help setup reproduce test quick thorough test-platforms check wheel docs format notebooks sanitize bench clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' Makefile
@@ -37,6 +37,10 @@ check: .venv/checked ## lint, types and C format
 	cd .typed && ../$(BIN)/mypy --config-file ../pyproject.toml
 	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.c' '*.h')
 
+wheel: .venv/installed ## build the wheel into dist/, with all that it carries compiled
+	$(BIN)/python -m stickslip.precompile
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+
 docs: .venv/documented ## build the documentation into docs/_build, without a network
 	$(BIN)/python -m sphinx -b html -W --keep-going -q -j auto -c docs . docs/_build/html
 
@@ -64,7 +68,7 @@ clean: ## remove the environment and all that git ignores
 	$(PYTHON) -m venv .venv
 
 .venv/installed: pyproject.toml setup.py | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable .
+	$(BIN)/python -m pip install --quiet --editable '.[compile]'
 	touch $@
 
 .venv/tested: pyproject.toml setup.py | .venv/bin/python

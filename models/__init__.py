@@ -11,6 +11,7 @@ from stickslip.models.errors import (
 from stickslip.models.export.description import Model, Ports
 from stickslip.models.export.law import Law, LawParameter
 from stickslip.models.export.package import (
+    blank_library,
     build_fmu,
     law_names,
     load_law,
@@ -37,6 +38,7 @@ __all__ = [
     "StartValueError",
     "UnknownLaw",
     "UnknownModel",
+    "blank_library",
     "build_fmu",
     "export_lti",
     "law_names",

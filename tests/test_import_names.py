@@ -24,6 +24,7 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = ("models", "cosim", "ga", "fmi", "fmucheck")
+COMPILED = "fmi/toolchain/compiled.zip"
 THEIRS = [f"{name}.py" for name in (*FOLDERS[1:], "toolchain", "commands", "results", "report")]
 Run = Callable[..., str]
 SOURCES = {".py", ".pyi", ".c", ".h", ".toml", ".csv", ".css", ".typed"}
@@ -65,6 +66,8 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
         shutil.copytree(ROOT / name, folder / "source" / name, ignore=skipped)
     for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, folder / "source")
+    with zipfile.ZipFile(folder / "source" / COMPILED, "w"):
+        pass  # what a release compiles is carried
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet"]
     how = ["--no-deps", "--no-build-isolation", "--wheel-dir", str(folder)]
     subprocess.run([*pip, "wheel", *how, str(folder / "source")], check=True)
@@ -169,6 +172,7 @@ def test_the_wheel_holds_one_name_and_all_files(wheel):
                 below = "" if folder == "stickslip" else "stickslip/"
                 expected.add(below + path.relative_to(ROOT).as_posix())
     assert expected - names == set()
+    assert f"stickslip/{COMPILED}" in names
     assert "stickslip/py.typed" in names
 
 

@@ -166,7 +166,7 @@ def _binaries(
             name, sources, platform=target, flags=flags, exports=functions, loads=True
         )
 
-    return toolchain.binaries(fmi, targets, build)
+    return toolchain.binaries(name, fmi, targets, build)
 
 
 def _folders(system: System) -> dict[str, str]:

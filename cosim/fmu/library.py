@@ -18,7 +18,10 @@ from stickslip.cosim.kernel.structures import step_calls
 from stickslip.fmi import toolchain
 from stickslip.fmi.binary import NotALibrary, read_library
 from stickslip.fmi.description.variables import SETTERS
+from stickslip.fmi.files import atomic_write
 from stickslip.fmi.standard import standard_files
+
+_WRAPPER = Path(__file__).with_name("fmi1.c")
 
 # On Windows, also look beside the binary for the libraries it brings along:
 # LOAD_LIBRARY_SEARCH_DEFAULT_DIRS | LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR.
@@ -140,13 +143,22 @@ def prepare_library(fmu: Fmu) -> None:
         _fmi1(fmu.folder.name)
 
 
+def fmi1_wrapper(platform: toolchain.Platform | None = None) -> Path:
+    """Return the library of ``fmi1.c``, for this machine by default."""
+    source = _WRAPPER.read_text(encoding="utf-8")
+    files = {f"system/{h.name}": h.read_text() for h in standard_files("c-code").glob("fmi[12]*.h")}
+    return toolchain.shared_library("fmi1", {"fmi1.c": source, **files}, platform=platform)
+
+
 @cache
 def _fmi1(fmu: str) -> tuple[ctypes.CDLL, list[str]]:
     """Return a library of its own for an FMU of FMI 1.0, and the names of what it calls."""
-    source = Path(__file__).with_name("fmi1.c").read_text(encoding="utf-8")
-    files = {f"system/{h.name}": h.read_text() for h in standard_files("c-code").glob("fmi[12]*.h")}
-    path = toolchain.shared_library(f"fmi1_{fmu}", {"fmi1.c": source, **files})
-    return ctypes.CDLL(str(path)), re.findall(r"^    X\((\w+)\)", source, re.MULTILINE)
+    library = fmi1_wrapper()
+    own = toolchain.cache_directory() / "fmi1" / library.parent.name / f"{fmu}{library.suffix}"
+    if not own.exists():
+        atomic_write(own, library.read_bytes())
+    calls = re.findall(r"^    X\((\w+)\)", _WRAPPER.read_text(encoding="utf-8"), re.MULTILINE)
+    return ctypes.CDLL(str(own)), calls
 
 
 @cache

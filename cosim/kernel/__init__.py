@@ -41,13 +41,16 @@ STATUS = {
 
 
 @cache
-def built(steps: str | None = None, *, marked: bool = False) -> Path:
+def built(
+    steps: str | None = None, *, marked: bool = False, platform: toolchain.Platform | None = None
+) -> Path:
     """Return the path of the kernel's library, compiled on first use.
 
     Parameters
     ----------
     steps : text to compile in place of ``steps.h``
     marked : whether it notes which call it is in, see ``marks.py``
+    platform : what to build for; this machine by default
     """
     here = Path(__file__).parent
     files = {file.name: file.read_text(encoding="utf-8") for file in here.glob("*.[ch]")}
@@ -58,7 +61,7 @@ def built(steps: str | None = None, *, marked: bool = False) -> Path:
         for h in standard_files("c-code").glob("fmi[23]*.h")
     }
     flags = (*_FLAGS, "-DMARKED") if marked else _FLAGS
-    return toolchain.shared_library("cosim_kernel", files, flags=flags)
+    return toolchain.shared_library("cosim_kernel", files, platform=platform, flags=flags)
 
 
 @cache

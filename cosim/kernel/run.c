@@ -116,7 +116,7 @@ static bool looks_finite(const double *values, int64_t n) {
 }
 
 /* Look at the outputs in row n of the components before end; blame the first that is not finite. */
-static bool finite(Run *run, int64_t n, const Component *end) {
+static bool all_finite(Run *run, int64_t n, const Component *end) {
     const double *row = row_of(run, n);
     for (const Component *c = run->components; c != end; c++) {
         for (size_t i = 0; i < c->n_outputs; i++) {
@@ -138,10 +138,10 @@ static bool trace_back(Run *run, int64_t first) {
         return false;
     }
     for (int64_t n = first; n <= last; n++) {
-        TRY(finite(run, n, run->components + run->n_components));
+        TRY(all_finite(run, n, run->components + run->n_components));
     }
     if (!run->jacobi) {
-        finite(run, last + 1, failed);
+        all_finite(run, last + 1, failed);
     }
     return false;
 }
@@ -164,7 +164,7 @@ static bool close_rows(Run *run) {
     if (!run->allows_nan &&
         UNLIKELY(!looks_finite(row_of(run, first), (last - first + 1) * run->width))) {
         for (int64_t n = first; n <= last; n++) {
-            TRY(finite(run, n, run->components + run->n_components));
+            TRY(all_finite(run, n, run->components + run->n_components));
         }
     }
     record_rows(run, first, last);

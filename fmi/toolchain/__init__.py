@@ -1,6 +1,6 @@
 """Compiles C for any platform with the ``ziglang`` package, into a cache addressed by content.
 
-It knows C files and platforms.
+It knows C files and platforms. What came with the package needs no compiler.
 
     Fault                       base of all errors that a user can cause, in ``fmi.errors``
     ToolchainError(RuntimeError)
@@ -12,7 +12,7 @@ It knows C files and platforms.
 
 from stickslip.fmi.toolchain.binaries import binaries, standard_functions
 from stickslip.fmi.toolchain.cache import CACHE_ADVICE, cache_directory
-from stickslip.fmi.toolchain.compiler import compiled_here, shared_library
+from stickslip.fmi.toolchain.compiler import compiled_here, compiler_version, shared_library
 from stickslip.fmi.toolchain.errors import (
     CacheUnusable,
     CompilationFailed,
@@ -35,6 +35,7 @@ __all__ = [
     "binaries",
     "cache_directory",
     "compiled_here",
+    "compiler_version",
     "host_platform",
     "patched",
     "shared_library",

@@ -19,6 +19,7 @@ def standard_functions(header: str) -> list[str]:
 
 
 def binaries(
+    name: str,
     fmi: int,
     platforms: Iterable[Platform],
     build: Callable[[Platform], Path],
@@ -30,6 +31,7 @@ def binaries(
 
     Parameters
     ----------
+    name : what the libraries are called in the FMU, without ending
     fmi : version of the standard, which names the folders
     build : returns the library of a platform
     change : returns what becomes of the content of a library; nothing by default
@@ -43,5 +45,5 @@ def binaries(
             if change is not None:
                 content = change(content)
                 vouch(content)
-            parts.setdefault(f"binaries/{folder}/{library.name}", []).append(content)
+            parts.setdefault(f"binaries/{folder}/{name}{platform.suffix}", []).append(content)
     return {path: universal(libraries) for path, libraries in parts.items()}

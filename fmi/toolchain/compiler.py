@@ -28,6 +28,7 @@ from stickslip.fmi.toolchain.errors import (
     WrongExports,
 )
 from stickslip.fmi.toolchain.platforms import Platform, host_platform
+from stickslip.fmi.toolchain.shipped import shipped_compiler, shipped_library
 
 # No fused multiply-add and a named target: the same bits on every processor.
 # -O2 also keeps the compiler from linking its debug runtime (4 MB) into each library.
@@ -55,7 +56,8 @@ def shared_library(
     """Compile the ``.c`` files among ``files`` into one shared library and return its path.
 
     The result lies in the cache under a hash of all that went in, so a second call returns at once.
-    Its own hash lies beside it; a library that has another one was damaged and is built again.
+    Its own hash lies beside it; a library that has another one was damaged and is built again. What
+    came with the package is not compiled, but taken from ``shipped.py``.
 
     Parameters
     ----------
@@ -87,13 +89,15 @@ def shared_library(
     ]
     if target.suffix == ".dylib":
         command.append(f"-Wl,-install_name,@rpath/{name}.dylib")
-    key = _digest([_compiler_version(), target.target, name, *command[1:]], files)
-    library = cache_directory() / "libraries" / key / (name + target.suffix)
+    recipe = _digest([target.target, name, *command[1:]], files)
+    member = f"{recipe}/{name}{target.suffix}"
+    compiler = shipped_compiler(member) or compiler_version()
+    library = cache_directory() / "libraries" / f"{recipe}-{compiler}" / Path(member).name
     if not _is_whole(library):
         try:
             with _alone(library.parent):
                 if not _is_whole(library):  # another process may just have compiled it
-                    linked = _compile(command, files, library.name)
+                    linked = shipped_library(member) or _compile(command, files, library.name)
                     if exports is not None:
                         _check_exports(linked, exports, library.name)
                     atomic_write(library, linked)
@@ -194,11 +198,12 @@ def _check_exports(library: bytes, expected: Collection[str], name: str) -> None
 
 
 @cache
-def _compiler_version() -> str:
+def compiler_version() -> str:
+    """Return the version of ziglang; raise CompilerMissing where it is not installed."""
     if importlib.util.find_spec("ziglang") is None:
         raise CompilerMissing(
-            "the C compiler is missing: package 'ziglang' is not installed; "
-            "run 'pip install ziglang'"
+            "this needs the C compiler, package 'ziglang', which is not installed; "
+            "run: pip install 'stickslip[compile]'"
         )
     from importlib.metadata import version  # late, for those who start quickly
 

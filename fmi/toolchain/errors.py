@@ -8,7 +8,7 @@ class ToolchainError(Fault, RuntimeError):
 
 
 class CompilerMissing(ToolchainError):
-    """The ``ziglang`` package, which carries the compiler, is not installed."""
+    """Something has to be compiled, and the ``ziglang`` package, the compiler, is not installed."""
 
 
 class CompilationFailed(ToolchainError):

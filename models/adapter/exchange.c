@@ -34,8 +34,8 @@ Status exchange_set_time(Instance *i, double time) {
 static Status require_number(Instance *i, size_t count, int expected, const char *what) {
     if (count == (size_t)expected)
         return OK;
-    return instance_report(i, ERROR, "logStatusError", "%zu values for the %d %s of " MODEL_NAME,
-                           count, expected, what);
+    return instance_report(i, ERROR, "logStatusError", "%zu values for %d %s", count, expected,
+                           what);
 }
 
 static Status require_count(Instance *i, size_t count) {

@@ -54,11 +54,11 @@ Instance *instance_new(const char *name, const char *token, const char *resource
     for (size_t k = 0; k < length; k++)
         i->name[k] = name[k];
     if (!token || !text_equal(token, START.token)) {
-        instance_report(i, ERROR, "logStatusError",
-                        "this binary of " MODEL_NAME
-                        " has the token %s but was given %s: modelDescription.xml is of another "
-                        "build",
-                        START.token, token ? token : "none");
+        instance_report(
+            i, ERROR, "logStatusError",
+            "this binary has the token %s but was given %s: modelDescription.xml is of another "
+            "build",
+            START.token, token ? token : "none");
         instance_free(i);
         return NULL;
     }
@@ -80,8 +80,7 @@ void instance_free(Instance *i) {
 Status instance_require(Instance *i, int phases, const char *call) {
     if ((int)i->now.phase & phases)
         return OK;
-    return instance_report(i, ERROR, "logStatusError",
-                           "%s is not allowed while " MODEL_NAME " is in phase '%s'", call,
+    return instance_report(i, ERROR, "logStatusError", "%s is not allowed in phase '%s'", call,
                            phase_name(i->now.phase));
 }
 
@@ -238,7 +237,7 @@ Status instance_mismatch(Instance *i, size_t references, size_t values, const ch
 Status instance_unavailable(Instance *i, const char *call) {
     if (!i)
         return ERROR;
-    return instance_report(i, ERROR, "logStatusError", "%s is not available in " MODEL_NAME, call);
+    return instance_report(i, ERROR, "logStatusError", "%s is not available", call);
 }
 
 Status instance_accepts(Instance *i, uint32_t reference, Type type, double value,

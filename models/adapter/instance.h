@@ -8,7 +8,7 @@
 #define INSTANCE_H
 
 #include "face.h"
-#include "table.h" /* generated: COUNT, INPUTS_AT ..., MODEL_NAME */
+#include "table.h" /* generated: COUNT, INPUTS_AT ... */
 
 typedef struct {
     const char *name;

@@ -110,9 +110,7 @@ Status instance_deserialize(Instance *i, const uint8_t bytes[], size_t size, voi
     }
     if (!fits)
         return instance_report(i, ERROR, "logStatusError",
-                               "these %zu bytes are not a state of this build and interface of"
-                               " " MODEL_NAME,
-                               size);
+                               "these %zu bytes are not a state of this build and interface", size);
     if (add(i, snapshot) != OK)
         return ERROR;
     memcpy(&((Saved *)*snapshot)->state, bytes + sizeof(Label), sizeof(Snapshot));

@@ -114,7 +114,6 @@ def table_header(model: Model) -> str:
 #ifndef TABLE_H
 #define TABLE_H
 
-#define MODEL_NAME "{model.name}"
 #define START_MARKER_SIZE {MARKER_SIZE}
 #define START_TOKEN_SIZE {TOKEN_SIZE}
 

@@ -23,12 +23,7 @@ from stickslip.fmi.toolchain import (
 )
 from stickslip.models.errors import ModelError, UnknownLaw, UnknownModel
 from stickslip.models.export.description import Model, read_model
-from stickslip.models.export.headers import (
-    MARKER,
-    MARKER_SIZE,
-    start_bytes,
-    start_source,
-)
+from stickslip.models.export.headers import MARKER, MARKER_SIZE, start_bytes, start_source
 from stickslip.models.export.law import MODELS, Law, read_law, read_toml
 from stickslip.models.export.model_description import model_description
 from stickslip.models.export.presentation import index, png, svg, terminals_and_icons
@@ -205,10 +200,8 @@ def pack_fmu(
         del texts["terminalsAndIcons/terminalsAndIcons.xml"]
     members = {path: content.encode() for path, content in texts.items()}
     members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, png(model.icon))
-    # One library is compiled for all start values; these are written into it.
-    blank = files | {START: start_source("", [0.0] * len(values))}
     start = start_bytes(token, values)
-    members |= _binaries(model.name, blank, fmi, platforms or [host_platform()], start)
+    members |= _binaries(model, fmi, platforms or [host_platform()], start)
     return atomic_write(Path(folder) / f"{model.name}.fmu", _archive(members))
 
 
@@ -229,27 +222,34 @@ def write_cross_check(name: str, folder: Path | str, law: str | None = None) -> 
     return [atomic_write(Path(folder) / path, content) for path, content in files.items()]
 
 
+def blank_library(model: Model, fmi: FmiVersion, platform: Platform) -> Path:
+    """Return the library of a model, compiled for all names and start values."""
+    headers = fmi_headers(fmi)
+    blank = start_source("", [0.0] * len(model.variables))
+    files = grouped(c_files(model, fmi) | {START: blank})
+    return shared_library(
+        "model",
+        files | {f"system/{path}": content for path, content in headers.items()},
+        platform=platform,
+        # A fixed interface has parameters that not every model needs.
+        flags=["-Wno-unused-parameter", *COMPILER_OPTIONS.split()],
+        standalone=True,
+        exports=standard_functions(headers[f"fmi{fmi}Functions.h"]),
+    )
+
+
 def _binaries(
-    name: str, files: dict[str, str], fmi: FmiVersion, platforms: Iterable[Platform], start: bytes
+    model: Model, fmi: FmiVersion, platforms: Iterable[Platform], start: bytes
 ) -> dict[str, bytes]:
     """Return the libraries by path in the FMU, with the bytes of their start values."""
     marker = MARKER.encode().ljust(MARKER_SIZE, b"\0")
-    headers = fmi_headers(fmi)
-    files = grouped(files) | {f"system/{path}": content for path, content in headers.items()}
-    functions = standard_functions(headers[f"fmi{fmi}Functions.h"])
-
-    def build(platform: Platform) -> Path:
-        # A fixed interface has parameters that not every model needs.
-        return shared_library(
-            name,
-            files,
-            platform=platform,
-            flags=["-Wno-unused-parameter", *COMPILER_OPTIONS.split()],
-            standalone=True,
-            exports=functions,
-        )
-
-    return binaries(fmi, platforms, build, lambda library: patched(library, marker, start))
+    return binaries(
+        model.name,
+        fmi,
+        platforms,
+        lambda platform: blank_library(model, fmi, platform),
+        lambda library: patched(library, marker, start),
+    )
 
 
 def _token(model: Model, fmi: FmiVersion) -> str:

@@ -14,7 +14,6 @@ import platform
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
-from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -25,6 +24,7 @@ from stickslip.fmi.files import atomic_write
 from stickslip.report.interactive import Panel, panels, scripts
 from stickslip.report.markup import Html, element, join, paragraph, table, text
 from stickslip.report.style import COLUMN, RESOLUTION, house_style
+from stickslip.versions import installed_versions
 
 PACKAGES = (
     "stickslip",
@@ -159,8 +159,8 @@ def commands(*lines: str) -> Html:
 
 def made_with() -> Html:
     """Return a table of versions."""
-    versions = [(name, version(name)) for name in PACKAGES]
-    rows = [("Python", platform.python_version()), *versions]
+    versions = installed_versions(PACKAGES)
+    rows = [("Python", platform.python_version()), *versions.items()]
     return table(("Package", "Version"), rows, "Made with", (0, 1))
 
 

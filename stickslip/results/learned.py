@@ -22,7 +22,6 @@ import math
 import re
 from collections.abc import Mapping
 from functools import cached_property
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, cast
 
@@ -48,6 +47,7 @@ from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
+from stickslip.versions import installed_versions
 
 SCHEMA = 2
 """Version of the keys that this module writes, and the latest that it reads."""
@@ -323,7 +323,7 @@ def _finite(value: float) -> float | None:
 
 def versions() -> dict[str, str]:
     """Return the versions of the packages that the result depends on."""
-    return {package: version(package) for package in PACKAGES}
+    return installed_versions(PACKAGES)
 
 
 def loop_document(loop: VelocityLoop) -> dict[str, dict[str, Any]]:

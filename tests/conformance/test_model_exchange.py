@@ -204,7 +204,7 @@ def test_what_has_no_such_equations_says_so(build, exchanged):
         messages = []
         with pytest.raises(Exception, match="Failed to instantiate"):
             exchanged(fmu, messages=messages)
-        assert "Model Exchange is not available in drive" in messages[0][2]
+        assert "Model Exchange is not available" in messages[0][2]
 
 
 @VERSIONS
