@@ -154,7 +154,7 @@ def fmi1_wrapper(platform: toolchain.Platform | None = None) -> Path:
 def _fmi1(fmu: str) -> tuple[ctypes.CDLL, list[str]]:
     """Return a library of its own for an FMU of FMI 1.0, and the names of what it calls."""
     library = fmi1_wrapper()
-    own = toolchain.cache_directory() / "fmi1" / library.parent.name / f"{fmu}{library.suffix}"
+    own = library.with_name(f"fmi1_{fmu}{library.suffix}")
     if not own.exists():
         atomic_write(own, library.read_bytes())
     calls = re.findall(r"^    X\((\w+)\)", _WRAPPER.read_text(encoding="utf-8"), re.MULTILINE)

@@ -26,8 +26,9 @@ def contents(data: bytes) -> dict[str, Any]:
 
 
 def _name(name: str, found: Any) -> str:
-    """Return the name of a variable; those of objects stand in the object."""
-    return _decoded(found.ravel()["s0"][0]) if type(found).__name__ == "MatlabOpaque" else name
+    """Return the name of a variable; SciPy before 1.18 has that of an object in the object."""
+    inside = type(found).__name__ == "MatlabOpaque" and "s0" in found.dtype.names
+    return _decoded(found.ravel()["s0"][0]) if inside else name
 
 
 def _decoded(text: Any) -> str:
@@ -39,7 +40,8 @@ def _plain(found: Any) -> Any:
         return found
     kind = found.dtype.kind
     if type(found).__name__ == "MatlabOpaque":
-        cls = _decoded(found.ravel()["s2"][0])
+        field = "s2" if "s2" in found.dtype.names else "_Class"
+        cls = _decoded(found.ravel()[field][0])
         return f"a MATLAB object ({cls}), which only MATLAB reads; save a structure with time"
     if kind == "V" and found.dtype.names:
         each = [
