@@ -39,6 +39,7 @@ check: .venv/checked ## lint, types and C format
 
 wheel: .venv/installed ## build the wheel into dist/, with all that it carries compiled
 	$(BIN)/python -m stickslip.precompile
+	@rm -rf build # setuptools would carry what an earlier one contained
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
 
 docs: .venv/documented ## build the documentation into docs/_build, without a network
