@@ -90,9 +90,10 @@ def shared_library(
     if target.suffix == ".dylib":
         command.append(f"-Wl,-install_name,@rpath/{name}.dylib")
     recipe = _digest([target.target, name, *command[1:]], files)
-    member = f"{recipe}/{name}{target.suffix}"
+    file = name + target.suffix
+    member = f"{recipe}/{file}"
     compiler = shipped_compiler(member) or compiler_version()
-    library = cache_directory() / "libraries" / f"{recipe}-{compiler}" / Path(member).name
+    library = cache_directory() / "libraries" / f"{recipe}-{compiler}" / file
     if not _is_whole(library):
         try:
             with _alone(library.parent):

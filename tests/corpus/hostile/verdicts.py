@@ -152,10 +152,12 @@ def neutral(text: str, room: Path, longest: int = LONGEST) -> str:
     """Return one short line without this machine's paths and without what Markdown reads."""
     text = re.sub(rf"{re.escape(str(room))}/(fed|copy)/?", "", text)
     for root in (str(room), tempfile.gettempdir(), sys.prefix, str(Path.home())):
-        text = re.sub(rf"{re.escape(root)}(/[^\s/'\":;,()]+)*/?", _last, text)
+        text = re.sub(rf"(?<!\w){re.escape(root)}(/[^\s/'\":;,()]+)*/?", _last, text)
     text = re.sub(r"(.)\1{20,}", r"\1\1\1...", text)
     text = re.sub(r"\b[0-9a-f]{32,}\b", "HASH", text)
     text = re.sub(r"\b127\.0\.0\.1:\d+", "127.0.0.1:PORT", text)
+    text = re.sub(r"\binproc://[\d./]+", "inproc://ADDRESS", text)
+    text = re.sub(r"\bprocess \d+", "process PID", text)
     text = " ".join("".join(c if c.isprintable() else " " for c in text).split())
     if len(text) > longest:
         text = f"{text[: longest - 4]} ..."
