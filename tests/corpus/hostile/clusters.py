@@ -27,7 +27,7 @@ with (
 _COMMAND = """
 import contextlib, os, sys
 from unittest.mock import patch
-with patch.dict(os.environ, {{{!r}: {!r}}}), contextlib.redirect_stderr({}):
+with patch.dict(os.environ, {{{!r}: {!r}}}), {} as stderr, contextlib.redirect_stderr(stderr):
     sys.exit(main(["simulate", "h.fmu", "--set", {!r}]))
 """
 
@@ -44,7 +44,7 @@ def _process(
     value: str,
     *,
     behaviour: str = "",
-    stderr: str = "sys.stderr",
+    stderr: str = "contextlib.nullcontext(sys.stderr)",
     parameter: str = "k=1",
     **others: Content,
 ) -> Case:
