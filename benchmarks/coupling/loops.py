@@ -13,7 +13,7 @@ _CALLS = ("DoStep", "Reset", "EnterInitializationMode", "ExitInitializationMode"
 
 
 class Loops:
-    """``plain``, ``in_turn``, ``candidate`` and ``fused`` for one FMI version."""
+    """The functions of loops.c for one FMI version."""
 
     def __init__(self, version: int, library: Path | None = None) -> None:
         self._library = ctypes.CDLL(str(library or compiled(version)))
@@ -29,6 +29,10 @@ class Loops:
     def in_turn(self, n: int) -> np.ndarray:
         """Return the same in Gauss-Seidel order."""
         return self._run(self._library.in_turn, n)
+
+    def calls_in_turn(self, n: int) -> None:
+        """Make the calls of a step in Gauss-Seidel order and nothing else."""
+        self._run(self._library.calls_in_turn, n)
 
     def fused(self, n: int) -> np.ndarray:
         return self._run(self._library.fused, n)

@@ -31,9 +31,11 @@ def measure(folder: Path, version: int) -> dict[str, float]:
         "fused C loop, no FMI": lambda: loops.fused(N),
         PLAIN: lambda: loops.plain(N),
         IN_TURN: lambda: loops.in_turn(N),
+        "calls alone, Gauss-Seidel": lambda: loops.calls_in_turn(N),
     }
     if gcc := _with_gcc(folder, version):
         cases["plain C loop, by gcc"] = lambda: gcc.plain(N)
+        cases["plain C loop, by gcc, Gauss-Seidel"] = lambda: gcc.in_turn(N)
     for name, options in {
         "cosim, Jacobi": {"coupling": "jacobi"},
         "cosim, Jacobi, two signals recorded": {"coupling": "jacobi", "record": ["mass.*"]},
@@ -71,7 +73,10 @@ def measure_candidate(folder: Path, version: int) -> dict[str, float]:
         CANDIDATE_IN_TURN: lambda: loops.candidate(CANDIDATE, *gains.values(), turns=True),
     }
     if gcc := _with_gcc(folder, version):
-        cases[f"{CANDIDATE_LOOP}, by gcc"] = lambda: gcc.candidate(CANDIDATE, *gains.values())
+        for order, turns in ("", False), (", Gauss-Seidel", True):
+            cases[f"{CANDIDATE_LOOP}, by gcc{order}"] = lambda turns=turns: gcc.candidate(
+                CANDIDATE, *gains.values(), turns=turns
+            )
     for name, record in records.items():
         for coupling, order in (("jacobi", ""), ("gauss_seidel", ", Gauss-Seidel")):
             for compiled in (False, True):
