@@ -13,6 +13,7 @@ from stickslip.commands.execution import add_worker_options
 from stickslip.commands.progress import TerminalProgress, add_live_option
 from stickslip.errors import UsageError
 from stickslip.evaluation.arena.budget import Budget
+from stickslip.evaluation.arena.names import require_parts
 from stickslip.output import Answer
 from stickslip.results.folder import reserved
 from stickslip.tuning.execution import Execution
@@ -64,11 +65,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Run the arena, write its files and print the ranking; status 1 if a cell failed."""
+    plan = _plan(options)
     from stickslip.evaluation.arena.protocol import run_arena
     from stickslip.evaluation.arena.table import arena_table
     from stickslip.evaluation.arena.writing import FILES, write_arena
 
-    plan = _plan(options)
     with reserved(options.out, FILES), TerminalProgress(live=options.live) as progress:
         cells = len(plan.drives) * len(plan.entrants)
         run_on = Counter({drive.name: 0 for drive in plan.drives})
@@ -100,6 +101,9 @@ def run(options: argparse.Namespace) -> Answer:
 
 def _plan(options: argparse.Namespace) -> Plan:
     """Return what the options choose."""
+    if not options.compensator:  # else names of the user's own count, too
+        for name in options.compensators or ():
+            require_parts(name)
     from stickslip.evaluation.arena.comparison import make_plan
 
     if len(options.compensator) != len(options.ports):

@@ -21,6 +21,7 @@ from stickslip.commands.log_options import (
 from stickslip.commands.progress import TerminalProgress, add_live_option
 from stickslip.commands.rig_option import add_rig_option, rig_of
 from stickslip.errors import UsageError
+from stickslip.evaluation.arena.names import require_parts
 from stickslip.output import Answer
 from stickslip.results.folder import reserved
 
@@ -91,6 +92,8 @@ def run(options: argparse.Namespace) -> Answer:
         options.log = log_of(options)
     elif options.check or options.log or options.log_option or description != type(description)():
         raise UsageError("--rig: expected no log, no description of one, and no --check")
+    if options.compensator not in ("", "auto"):
+        require_parts(options.compensator)
     from stickslip.pipeline.candidates import law_of
     from stickslip.results.learned_folder import FILES
 

@@ -92,6 +92,20 @@ def test_a_shell_completes(typed, offered, tmp_path):
     assert not run.stderr
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["learn", "--compensator", "lugre+ekfb", "log.csv"],
+        ["arena", "--compensators", "lugre+ekfb", "--out", "arena"],
+    ],
+    ids=["learn", "arena"],
+)
+def test_mistyped_compensators_are_found_before_anything_large_is_loaded(arguments):
+    loaded = modules("print(cli.main(sys.argv[1:])); print(*sys.modules)", *arguments)
+    assert loaded[0] == {"1"}
+    assert not LARGE & loaded[-1]
+
+
 def test_commands_on_fmus_load_no_large_library(stage):
     loaded = modules(
         "cli.main(sys.argv[1:]); print(*sys.modules)", "simulate", str(stage), "--stop=1"

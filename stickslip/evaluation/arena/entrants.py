@@ -10,7 +10,6 @@ import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, partial
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from stickslip import cosim, ga, models
 from stickslip.catalog.parameters import PAPER, estimated, friction_law, parameter, scaled_start
 from stickslip.errors import UsageError
 from stickslip.evaluation.arena.commands import position_loop
+from stickslip.evaluation.arena.names import content, part_names, require_parts
 from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.fmi.messages import suggestion
 from stickslip.models.export.description import AXIS, ROLES, Variable
@@ -453,25 +453,15 @@ def _gene(name: str, span: Sequence[float], scale: float) -> ga.Gene:
 @cache
 def parts() -> dict[str, Part]:
     """Return all parts by name: those of ``entrants.toml``, then what enters without an entry."""
-    content = _content()
-    del content["combinations"], content["behind"]
-    found = {name: _part(name, table) for name, table in content.items()}
-    for name in models.law_names():
-        law = models.load_law(name)
-        found.setdefault(name, Part(name, f"{law.title} feedforward", FEEDFORWARD, law))
-    known = {part.model for part in found.values()}
-    for name in models.model_names():
-        model = models.load_model(name)
-        if name not in known and model.ports is not None:
-            found.setdefault(name, Part(name, model.title, name, ranges=_ranges(model)))
-    return found
+    tables = content()
+    return {name: _part(name, tables.get(name)) for name in part_names()}
 
 
 def default_names() -> list[str]:
     """Return the names of all entrants: every part that adds a force, then the combinations."""
-    content = _content()
-    alone = [name for name in parts() if name not in content["behind"]]
-    return [*alone, *content["combinations"]]
+    tables = content()
+    alone = [name for name in part_names() if name not in tables["behind"]]
+    return [*alone, *tables["combinations"]]
 
 
 def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
@@ -487,10 +477,7 @@ def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
         When one of its parts is unknown, or cannot follow the one before it.
     """
     known = {**parts(), **(further or {})}
-    for word in name.split("+"):
-        if word not in known:
-            hint = suggestion(word, known) or f"; there are {', '.join(known)}"
-            raise UsageError(f"compensator '{name}': there is no '{word}'{hint}")
+    require_parts(name, further or ())
     found = Entrant(tuple(known[word] for word in name.split("+")))
     if len({part.name for part in found.parts}) < len(found.parts):
         raise UsageError(f"compensator '{name}': each part can be there once only")
@@ -573,16 +560,13 @@ def own_part(fmu: Path, ports: Path | Mapping[str, Any]) -> Part:
     )
 
 
-@cache
-def _text() -> bytes:
-    return files(__package__).joinpath("entrants.toml").read_bytes()
-
-
-def _content() -> dict[str, Any]:
-    return parse_toml(_text())
-
-
-def _part(name: str, table: Mapping[str, Any]) -> Part:
+def _part(name: str, table: Mapping[str, Any] | None) -> Part:
+    if table is None and name in models.law_names():
+        law = models.load_law(name)
+        return Part(name, f"{law.title} feedforward", FEEDFORWARD, law)
+    if table is None:
+        model = models.load_model(name)
+        return Part(name, model.title, name, ranges=_ranges(model))
     law = table.get("law")
     part = Part(
         name,

@@ -18,6 +18,7 @@ from stickslip.catalog.parameters import PAPER
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.evaluation.arena import entrants as registry
+from stickslip.evaluation.arena import names
 from stickslip.evaluation.arena.commands import COMMANDS, moves, training
 from stickslip.evaluation.arena.comparison import Comparison
 from stickslip.evaluation.arena.comparison import arena as arena_of
@@ -89,10 +90,12 @@ def test_every_law_and_every_compensator_competes_without_being_named():
 
 
 def test_a_compensator_without_an_entry_enters_with_the_parameters_of_its_model(monkeypatch):
-    content = registry._content()
+    content = names.content()
     for name in ("static", "ekbf"):
         del content[name]
-    monkeypatch.setattr(registry, "_content", lambda: dict(content))
+    for module in (names, registry):
+        monkeypatch.setattr(module, "content", lambda: dict(content))
+    monkeypatch.setattr(registry, "part_names", names.part_names.__wrapped__)
     found = registry.parts.__wrapped__()
     assert [gene.name for gene in found["dob"].genes(Coarse(6.0, 0.04))] == ["dob.w_q", "dob.share"]
     (name,) = {*found} - {*registry.parts()}
