@@ -29,7 +29,7 @@ from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Signal, SineSweep, Table, Trapezoid
-from stickslip.cosim.signals.tables import read_tables
+from stickslip.cosim.signals.tables import read_tables, signals_of
 from stickslip.cosim.ssp import read_ssp, variants, write_ssp
 from stickslip.cosim.system.coupling import Adaptive, Coupling
 from stickslip.cosim.system.isolation import Isolated, Isolation
@@ -78,6 +78,7 @@ __all__ = [
     "Variable",
     "read_ssp",
     "read_tables",
+    "signals_of",
     "variants",
     "write_fmu",
     "write_ssp",

@@ -10,6 +10,7 @@ from typing import Any
 
 from stickslip import cosim
 from stickslip.cosim.signals.signals import Input
+from stickslip.cosim.signals.tables import Inputs
 from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
 
@@ -22,7 +23,7 @@ def simulate(
     stop: float | None = None,
     step: float | None = None,
     parameters: Mapping[str, Any] | None = None,
-    inputs: Mapping[str, Input] | None = None,
+    inputs: Inputs | None = None,
     record: Iterable[str] | None = None,
     **options: Any,
 ) -> cosim.Result:
@@ -34,7 +35,8 @@ def simulate(
     stop, step : [s], instead of those that the file proposes; where it proposes no step, the
         smallest that its FMUs propose, or 1/500 of the time from start to stop
     parameters : start values by name, ``component.variable`` or, of one FMU, ``variable``
-    inputs : signals by exposed input; an .ssp file may bring its own
+    inputs : signals by exposed input, as of ``Simulation.run``: series over time [s], a data frame
+        of them, arrays, functions or numbers; an .ssp file may bring its own
     record : names or patterns such as ``drive.*``; all outputs and inputs by default, or all
         variables of a system that has none
     options : of ``System.prepare``, such as ``tolerance``, ``isolation`` and ``allow_nan``
@@ -46,16 +48,12 @@ def simulate(
     CosimError
         When the file cannot be read or the run fails.
     """
-    if not isinstance(inputs, Mapping | None):
-        raise UsageError(
-            f"inputs is a {type(inputs).__name__}; expected a mapping from names to signals, such"
-            " as cosim.read_tables returns of a file"
-        )
     model = Model.of(path)
+    signals = model.signals(inputs)
     for name, value in (parameters or {}).items():
         model.set(name, value)
     with model.prepare(stop=stop, step=step, record=model.record(record), **options) as simulation:
-        return simulation.run(inputs=model.inputs if inputs is None else dict(inputs))
+        return simulation.run(inputs=signals)
 
 
 @dataclass
@@ -180,6 +178,11 @@ class Model:
         """Whether a component has an output; else local variables are recorded."""
         parts = self.system.components.values()
         return any(v.causality == "output" for part in parts for v in part.variables.values())
+
+    def signals(self, inputs: Inputs | None) -> dict[str, Input]:
+        """Return the signals of a run: those that are given, else those packed with the file."""
+        given = cosim.signals_of(self.inputs if inputs is None else inputs)
+        return {self.exposed(name): signal for name, signal in given.items()}
 
     def set(self, name: str, value: object) -> None:
         """Give a variable a start value, or the one that an exposed input is connected to."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -12,14 +13,18 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from tqdm import tqdm
 
 from stickslip import cosim, ga
 from stickslip.cosim.signals.signals import Input
+from stickslip.cosim.signals.tables import Inputs
 from stickslip.errors import UsageError
 from stickslip.fmi.messages import printable
 from stickslip.simulation import Model
 from stickslip.tuning.jobs import Outcome, run_jobs
 
+Progress = Callable[[int, int], object]
+"""Takes how many runs are done and how many there are."""
 Figure = Callable[[cosim.Result], float]
 """Evaluates a run to a number."""
 
@@ -50,10 +55,11 @@ def sweep(
     *,
     stop: float | None = None,
     step: float | None = None,
-    inputs: Mapping[str, Input] | None = None,
+    inputs: Inputs | None = None,
+    record: Iterable[str] | None = None,
     workers: int = 1,
     where: str = "threads",
-    progress: Callable[[int, int], object] = lambda *_: None,
+    progress: Progress | bool = False,
     **options: Any,
 ) -> pd.DataFrame:
     """Run a system for every combination of parameter values.
@@ -68,10 +74,11 @@ def sweep(
     figures : name -> a function of the result that gives a number; picklable (a function of a
         module, not a lambda) unless the workers are threads
     stop, step : of each run [s], instead of those that a file proposes
-    inputs : signals by exposed input, the same in every run
+    inputs : signals by exposed input, as of ``simulate``; the same in every run
     workers, where : how many, and ``threads``, ``processes``, ``local`` or the address of a Dask
         scheduler
-    progress : called with how many runs are done and how many there are
+    record : as of ``simulate``
+    progress : whether to show a bar; or a function of how many runs are done and how many there are
     options : of ``System.prepare``
 
     Returns
@@ -94,7 +101,7 @@ def sweep(
         raise UsageError("a sweep needs parameters with values, and figures")
     if taken := sorted({*values, "reason"} & {*figures}):
         raise UsageError(f"figure {taken[0]!r}: has the name of another column; choose another")
-    model, specification, signals = _prepared(system, stop, step, inputs, options)
+    model, specification, signals = _prepared(system, stop, step, inputs, record, options)
     names = [model.qualified(name) for name in values]
     if len({*names}) < len(names):
         raise UsageError(f"a parameter comes twice: {', '.join(values)}")
@@ -103,13 +110,16 @@ def sweep(
             model.system.checked(name, value)
     grid = list(product(*values.values()))
     rows: dict[int, Mapping[str, Any]] = {}
-    with ga.SimulatedCost(specification, names, _nothing, signals) as cost:
+    with (
+        ga.SimulatedCost(specification, names, _nothing, signals) as cost,
+        _shown(progress) as report,
+    ):
         runs = [_Run(cost, dict(figures), k, one) for k, one in enumerate(grid)]
 
         def take(run: _Run, outcome: Outcome) -> None:
             found = json.loads(outcome.learned) if outcome.learned else {"reason": outcome.reason}
             rows[run.place] = dict(zip(values, run.values, strict=True)) | found
-            progress(len(rows), len(grid))
+            report(len(rows), len(grid))
 
         run_jobs(_evaluated, runs, 0, where, workers, take)
     failed = ["reason"] if any("reason" in row for row in rows.values()) else []
@@ -125,19 +135,21 @@ def optimise(
     *,
     stop: float | None = None,
     step: float | None = None,
-    inputs: Mapping[str, Input] | None = None,
+    inputs: Inputs | None = None,
+    record: Iterable[str] | None = None,
     evaluations: int = 300,
     algorithm: str = "default",
     seed: int = 0,
     workers: int = 1,
     where: str = "threads",
+    progress: Progress | bool = False,
     **options: Any,
 ) -> Optimised:
     """Search the parameters of a system for which a cost is least, by the genetic algorithm.
 
     Parameters
     ----------
-    system, stop, step, inputs, workers, where, options : as of ``sweep``
+    system, stop, step, inputs, record, workers, where, progress, options : as of ``sweep``
     ranges : name -> (lowest, start, highest), in the unit of the variable; searched by the
         logarithm where the lowest is above 0
     cost : of a result, 0 or more; picklable unless the workers are threads
@@ -154,7 +166,7 @@ def optimise(
     CosimError
         When the system, a name or an input is wrong.
     """
-    model, specification, signals = _prepared(system, stop, step, inputs, options)
+    model, specification, signals = _prepared(system, stop, step, inputs, record, options)
     genes = []
     for name, span in ranges.items():
         three = _values(name, span)
@@ -174,8 +186,13 @@ def optimise(
     with (
         ga.SimulatedCost(specification, names, partial(_cost, cost), signals) as evaluate,
         ga.executor(where, workers) as executor,
+        _shown(progress) as report,
     ):
-        found = ga.learn(search, evaluate, executor)
+
+        def told(found: ga.Optimiser) -> None:
+            report(found.evaluations, evaluations)
+
+        found = ga.learn(search, evaluate, executor, on_generation=told)
     table = search.history.drop(columns="index")
     return Optimised(found.parameters, float(found.best.cost), table, found.stopped)
 
@@ -217,6 +234,21 @@ def _number(what: str, value: Any) -> float:
         raise UsageError(f"{what}: expected a number, got {printable(repr(value), 80)}") from None
 
 
+@contextmanager
+def _shown(progress: Progress | bool) -> Iterator[Progress]:
+    """Yield what takes the number of runs that are done and that there are."""
+    if callable(progress):
+        yield progress
+        return
+    with tqdm(disable=not progress, unit="run") as bar:
+
+        def report(done: int, total: int) -> None:
+            bar.total = total
+            bar.update(done - bar.n)
+
+        yield report
+
+
 def _nothing(_: cosim.Result) -> float:
     """Stand for the cost of a run whose result is evaluated otherwise."""
     return 0.0
@@ -226,11 +258,13 @@ def _prepared(
     system: cosim.System | Path | str,
     stop: float | None,
     step: float | None,
-    inputs: Mapping[str, Input] | None,
+    inputs: Inputs | None,
+    names: Iterable[str] | None,
     options: Mapping[str, Any],
 ) -> tuple[Model, cosim.Specification, Mapping[str, Input]]:
     """Return the model, what its runs have in common, and their inputs."""
     model = Model.of(system)
-    with model.prepare(stop=stop, step=step, record=model.record(None), **options) as simulation:
+    record = model.record(names)
+    with model.prepare(stop=stop, step=step, record=record, **options) as simulation:
         specification = replace(simulation.spec, system=model.system)
-    return model, specification, model.inputs if inputs is None else dict(inputs)
+    return model, specification, model.signals(inputs)

@@ -8,9 +8,11 @@ import numpy as np
 
 from stickslip.cosim.errors import SignalError
 from stickslip.cosim.fmu.names import component_of
+from stickslip.cosim.fmu.values import integer_range
 from stickslip.cosim.signals.signals import Array, Input, Table, ends_of, sampled, shifted
+from stickslip.cosim.system.scaling import IDENTITY
 from stickslip.cosim.system.system import System
-from stickslip.fmi.description.variables import Value
+from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import suggestion
 
 
@@ -30,6 +32,9 @@ def sample_inputs(
             if isinstance(signal, Table) and system.variable(targets[0]).is_discrete:
                 signal = signal.hold(time)
             table[:, i] = sampled(name, signal, time)
+            for target in targets:
+                if system.scaling(name, target) == IDENTITY:
+                    _require_whole(name, system.variable(target), table[:, i], time)
         else:
             start = _start(system, starts, targets[0])
             table[:, i] = system.scaling(name, targets[0]).inverse(start)
@@ -49,6 +54,20 @@ def sample_ends(system: System, inputs: Mapping[str, Input], time: Array, extern
         elif name in inputs:
             ends[:, i] = ends_of(inputs[name], external[:, i], time)
     return ends
+
+
+def _require_whole(name: str, variable: Variable, values: Array, time: Array) -> None:
+    """Raise SignalError where an input that is Boolean or an integer cannot take a value."""
+    if variable.family not in ("Boolean", "integer", "enumeration"):
+        return
+    low, high = integer_range(variable)
+    wrong = (values != np.rint(values)) | (values < low) | (values > high)
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        raise SignalError(
+            f"input {name!r} is {values[k]:.9g} at t = {time[k]:.9g} s; expected whole numbers from"
+            f" {low} to {high}, because {variable.name} is of type {variable.type}"
+        )
 
 
 def _start(system: System, starts: Mapping[str, Value], target: str) -> float:

@@ -18,7 +18,8 @@ from stickslip.cosim.run.repeated import RESUMED, Repeated
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.termination import last_outputs
 from stickslip.cosim.signals.scenario import Scenario
-from stickslip.cosim.signals.signals import Input, Table
+from stickslip.cosim.signals.signals import Table
+from stickslip.cosim.signals.tables import Inputs, signals_of
 from stickslip.cosim.system.coupling import Coupling
 
 
@@ -39,7 +40,7 @@ class Simulation(Repeated):
     def run(
         self,
         parameters: Mapping[str, object] | None = None,
-        inputs: Mapping[str, Input] | None = None,
+        inputs: Inputs | None = None,
         *,
         scenario: Scenario | None = None,
         until: float | None = None,
@@ -55,10 +56,10 @@ class Simulation(Repeated):
         Parameters
         ----------
         parameters : ``component.variable`` -> start value for this run only
-        inputs : exposed input -> array (n_steps + 1,), Signal, function of the time array, or
-            number. The value at t[n] holds until t[n + 1], or until a Table jumps; Model Exchange
-            follows the lines of a Table. An input left out keeps the start value of its first
-            target
+        inputs : exposed input -> array (n_steps + 1,), Signal, function of the time array, series
+            of pandas over time [s], or number; or a data frame with a column of each. The value at
+            t[n] holds until t[n + 1], or until a Table jumps; Model Exchange follows the lines of a
+            Table. An input left out keeps the start value of its first target
         scenario : what happens to signals on the way
         until : a point of ``time`` (s) to halt at, so that the state can be saved; the stop if
             left out
@@ -79,11 +80,12 @@ class Simulation(Repeated):
         """
         values = self._values(parameters or {})
         last = self._place(until)
-        jumps = any(isinstance(signal, Table) for signal in (inputs or {}).values())
+        signals = {} if inputs is None else signals_of(inputs)
+        jumps = any(isinstance(signal, Table) for signal in signals.values())
         same_as = None if scenario or jumps else last
 
         def attempt() -> Result:
-            external = self._set_inputs(values, inputs or {}, scenario)
+            external = self._set_inputs(values, signals, scenario)
 
             def go(repeated: bool) -> Result:
                 return self._step(0, last, real_time, None if repeated else progress)
@@ -132,7 +134,7 @@ class Simulation(Repeated):
     def resume(
         self,
         path: str | os.PathLike[str],
-        inputs: Mapping[str, Input] | None = None,
+        inputs: Inputs | None = None,
         *,
         scenario: Scenario | None = None,
         until: float | None = None,
@@ -164,6 +166,7 @@ class Simulation(Repeated):
                 f"{path} is at t = {reached:.9g} s already, there is no step left"
             )
         parameters = self.spec.system.parameters
+        signals = {} if inputs is None else signals_of(inputs)
 
         def go(_: bool) -> Result:
             self._advance(0)  # initialised, the FMUs are in a mode that takes a state
@@ -180,7 +183,7 @@ class Simulation(Repeated):
             return self._step(checkpoint.step, last, real_time, progress)
 
         def attempt() -> Result:
-            external = self._set_inputs({**parameters, **checkpoint.starts}, inputs or {}, scenario)
+            external = self._set_inputs({**parameters, **checkpoint.starts}, signals, scenario)
             result = self._repeatable(parameters, external, go, repeats=False)
             self._traces.add(RESUMED)
             return result

@@ -246,8 +246,8 @@ def sampled(name: str, signal: Input, time: Array) -> Array:
     """
     if hasattr(signal, "columns"):
         raise SignalError(
-            f"input {name!r}: expected a signal, a function, an array or a number, got a"
-            f" {type(signal).__name__}; Table(time, values) takes its columns"
+            f"input {name!r}: expected a signal, a series, a function, an array or a number, got a"
+            f" {type(signal).__name__}; give the data frame itself as inputs"
         )
     if hasattr(signal, "sample"):
         signal = signal.sample(time)

@@ -7,17 +7,21 @@ import os
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
 
 from stickslip.cosim.errors import CosimError, SignalError
 from stickslip.cosim.signals.parquet import MOST_BYTES, Unreadable, read_columns
-from stickslip.cosim.signals.signals import Table
+from stickslip.cosim.signals.signals import Array, Input, Table
 from stickslip.fmi.files import atomic_write, read_limited
 from stickslip.fmi.messages import printable, shown
 
 if TYPE_CHECKING:
     import pandas as pd
 
+Inputs: TypeAlias = "Mapping[str, Input] | pd.DataFrame"
+"""Signals by input, or a data frame with a column of each over time [s]."""
 _SHEET = (1_048_576, 16_384)  # rows and columns of a sheet of Excel
 
 
@@ -29,7 +33,8 @@ def read_tables(
     Parameters
     ----------
     source : a data frame, or a file ``.csv`` or ``.parquet``, with a column ``time`` (s) that never
-        falls; a time that occurs twice makes a jump. The time may be the index of a frame
+        falls; a time that occurs twice makes a jump. The time may be the index of a frame, also
+        as differences of time
     held : the columns whose values hold until the next time; the others are linear in between
 
     Raises
@@ -117,21 +122,64 @@ def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
     return _from_frame(pd.DataFrame({n: c.numbers for n, c in columns.items()}), str(path))
 
 
+def signals_of(inputs: Inputs) -> dict[str, Input]:
+    """Return signals by input; a data frame and each series of pandas become tables.
+
+    Raises
+    ------
+    SignalError
+        When the index or a column ``time`` of a frame or series does not hold times.
+    """
+    if not isinstance(inputs, Mapping):
+        if hasattr(inputs, "columns"):
+            return dict(_from_frame(inputs, "the data frame"))
+        raise SignalError(
+            f"inputs is a {type(inputs).__name__}; expected a data frame, or a mapping from names"
+            " to signals, such as read_tables returns of a file"
+        )
+    return {name: _from_series(name, signal) for name, signal in inputs.items()}
+
+
+def _from_series(name: str, signal: Input | pd.Series) -> Input:
+    if not (hasattr(signal, "index") and hasattr(signal, "to_frame")):
+        return signal
+    return _from_frame(signal.to_frame("values"), f"the series of input {name!r}")["values"]
+
+
 def _from_frame(frame: pd.DataFrame, label: str) -> dict[str, Table]:
-    if "time" not in frame.columns and frame.index.name == "time":
-        frame = frame.reset_index()
+    import pandas as pd
+
+    if "time" not in frame.columns:
+        index = frame.index
+        if index.name != "time" and isinstance(index, pd.RangeIndex):
+            raise SignalError(
+                f"{label}: its index numbers the rows; expected times [s] as the index, or as a"
+                " column 'time'"
+            )
+        frame = frame.reset_index(names="time")
     names = [str(name) for name in frame.columns]
-    if "time" not in names or len(set(names)) < len(names):
-        raise SignalError(f"{label}: expected distinct columns, 'time' among them, got {names}")
+    if len(set(names)) < len(names) or names == ["time"]:
+        raise SignalError(f"{label}: expected distinct columns beside 'time', got {names}")
     try:
-        numbers = frame.to_numpy(dtype=float)
-        columns = dict(zip(names, numbers.T, strict=True))
+        columns = {n: _numbers(frame[column]) for n, column in zip(names, frame, strict=True)}
         time = columns.pop("time")
         return {name: Table(time, column) for name, column in columns.items()}
     except SignalError as fault:
         raise SignalError(f"{label}: {fault}") from None
     except (TypeError, ValueError) as fault:
         raise SignalError(f"{label}: holds a value that is not a number: {fault}") from None
+
+
+def _numbers(column: pd.Series) -> Array:
+    """Return the values (n,) of a column; differences of time in seconds."""
+    if column.dtype.kind == "m":
+        return np.asarray(column.dt.total_seconds())
+    if column.dtype.kind in "Mc":
+        raise SignalError(
+            f"column {column.name!r} holds {column.dtype}; expected numbers, of a time stamp for"
+            " example the seconds since the first: (t - t[0]).total_seconds()"
+        )
+    return np.asarray(column, dtype=np.float64)
 
 
 def _arrow(error: type[CosimError], path: Path) -> ModuleType | Any:

@@ -81,7 +81,10 @@ def run_jobs(
             return
         stop = threading.Event()
         further = (_stopper(stop),) if isinstance(executor, Threads) else ()
-        at_once = len(items) if hasattr(executor, "parts") else workers
+
+        def at_once() -> int:
+            """Return two for each thread of a cluster, whose workers may become more or fewer."""
+            return 2 * getattr(executor, "parts", 0) or workers
 
         def submit(item: Item) -> Future[Outcome]:
             return executor.submit(job, item, seed, *further)
@@ -110,14 +113,14 @@ def ended_by_signals() -> Iterator[None]:
 def _together(
     submit: Callable[[Item], Future[Outcome]],
     items: Sequence[Item],
-    at_once: int,
+    at_once: Callable[[], int],
     on_done: Callable[[Item, Outcome], object],
 ) -> list[Item]:
     """Run as many jobs side by side as there are workers; return those whose worker died."""
     waiting, running, suspects = deque(items), dict[Future[Outcome], Item](), list[Item]()
     try:
         while waiting or running:
-            while waiting and len(running) < at_once:
+            while waiting and len(running) < at_once():
                 item = waiting.popleft()
                 running[submit(item)] = item
             for future in wait_first(running):

@@ -37,7 +37,10 @@ def test_all_sources_give_the_same_signals(tmp_path, kind):
 @pytest.mark.parametrize(
     ("frame", "message"),
     [
-        (pd.DataFrame({"v": [1.0]}), "'time' among them"),
+        (pd.DataFrame({"v": [1.0]}), "its index numbers the rows"),
+        (pd.DataFrame(index=[0.0, 1.0]), "distinct columns beside 'time'"),
+        (FRAME.assign(time=pd.date_range("2026-01-01", periods=4)), "'time' holds datetime64"),
+        (FRAME * 1j, "holds complex128"),
         (pd.DataFrame({"time": [0.0], "v": ["x"]}), "not a number"),
         (pd.DataFrame({"time": [1.0, 0.0], "v": [0.0, 0.0]}), "time falls"),
         (pd.DataFrame({"time": [0.0, 1.0], "v": [0.0, np.nan]}), "not finite"),
@@ -46,6 +49,27 @@ def test_all_sources_give_the_same_signals(tmp_path, kind):
 def test_frames_that_cannot_be(frame, message):
     with pytest.raises(cosim.SignalError, match=message):
         cosim.read_tables(frame)
+
+
+@pytest.mark.parametrize("unit", [None, "s"], ids=["numbers", "differences of time"])
+@pytest.mark.parametrize("kind", ["frame", "series", "column"])
+def test_pandas_gives_inputs_as_tables_do(kind, unit):
+    time = FRAME["time"].to_numpy()
+    frame = FRAME[["v"]].set_axis(pd.to_timedelta(time, unit=unit) if unit else time)
+    inputs = {
+        "frame": frame,
+        "series": {"v": frame["v"]},
+        "column": FRAME.drop(columns="w"),
+    }[kind]
+    found = cosim.signals_of(inputs)["v"]
+    assert found.sample(T).tolist() == cosim.Table(time, FRAME["v"]).sample(T).tolist()
+
+
+def test_other_inputs_stay_what_they_are():
+    given = {"a": 1.0, "b": [0.0, 1.0], "c": np.sin, "d": cosim.Trapezoid(1.0, 1.0, 1.0)}
+    assert cosim.signals_of(given) == given
+    with pytest.raises(cosim.SignalError, match="inputs is a list"):
+        cosim.signals_of([1.0])
 
 
 def test_a_column_that_is_not_there_cannot_be_held():
@@ -69,7 +93,7 @@ def test_a_damaged_parquet_file_is_told(tmp_path):
         ({"time": np.array([0], "datetime64[ns]"), "u": [1.0]}, "column 'time': .* timestamp"),
         ({"time": [0.0, 1.0], "u": [None, 1.0]}, "not finite"),
         ({"time": [1.0, 0.0], "u": [0, 1]}, "time falls"),
-        ({"u": [0, 1]}, "'time' among them"),
+        ({"u": [0, 1]}, "its index numbers the rows"),
     ],
 )
 def test_columns_of_other_kinds_are_told(tmp_path, columns, message):

@@ -6,6 +6,7 @@ import json
 import pickle
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import stickslip as ss
@@ -40,6 +41,16 @@ def test_a_sweep_is_a_table_of_all_combinations(stage):
     closed = [expected(row["F_c"], row["stage.m"]) for _, row in table.iterrows()]
     np.testing.assert_allclose(table["end"], closed, rtol=1e-3)
     assert done == [(n, 6) for n in range(1, 7)]
+
+
+def test_a_frame_drives_and_a_bar_shows(stage, capsys):
+    frame = pd.DataFrame({"u": [PUSH, PUSH]}, index=[0.0, STOP])
+    run = RUN | {"inputs": frame, "record": ["v"], "progress": True}
+    table = ss.sweep(stage, {"F_c": [0.2, 0.5]}, {"end": end}, **run)
+    assert table["end"].iloc[0] == pytest.approx(expected(0.2, M), rel=1e-3)
+    assert "2/2" in capsys.readouterr().err
+    ss.optimise(stage, {"F_c": (0.1, 0.5, 0.9)}, end, evaluations=30, **run)
+    assert "/30" in capsys.readouterr().err
 
 
 def test_workers_give_the_same_table(stage):

@@ -562,8 +562,8 @@ def own_part(fmu: Path, ports: Path | Mapping[str, Any]) -> Part:
 
 def _part(name: str, table: Mapping[str, Any] | None) -> Part:
     if table is None and name in models.law_names():
-        law = models.load_law(name)
-        return Part(name, f"{law.title} feedforward", FEEDFORWARD, law)
+        known = models.load_law(name)
+        return Part(name, f"{known.title} feedforward", FEEDFORWARD, known)
     if table is None:
         model = models.load_model(name)
         return Part(name, model.title, name, ranges=_ranges(model))

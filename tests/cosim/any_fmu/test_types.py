@@ -49,11 +49,13 @@ def test_only_equal_types_connect(export):
         system.connect("a.Int16_out", "b.Boolean_in")
 
 
-@pytest.mark.parametrize("version", [2, 3])
-def test_a_number_beyond_a_type_is_held_at_its_end(export, version):
-    system = one(export("feedthrough", version), u="Int32_in")
-    result = system.prepare(step=0.1, stop=0.2).run(inputs={"u": np.array([1e12, -1e12, 0.0])})
-    np.testing.assert_array_equal(result["a.Int32_out"], [2**31 - 1, 2**31 - 1, -(2**31)])
+def test_a_number_beyond_the_type_of_a_connected_input_is_held_at_its_end(export):
+    system = one(export("feedthrough", 3), u="Int64_in")
+    system.add("b", export("feedthrough", 3), interface="co_simulation")
+    system.connect("a.Int64_out", "b.Int32_in")
+    with system.prepare(step=0.1, stop=0.2, coupling="gauss_seidel") as simulation:
+        result = simulation.run(inputs={"u": np.array([2.0**40, -(2.0**40), 0.0])})
+    np.testing.assert_array_equal(result["b.Int32_out"][1:], [2**31 - 1, -(2**31)])
 
 
 @pytest.mark.parametrize("version", [2, 3])
@@ -127,3 +129,21 @@ def test_an_alias_is_another_name(export):
     ) as simulation:
         result = simulation.run()
     np.testing.assert_array_equal(result["ball.height of the ball"], result["ball.height"])
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "expected"),
+    [
+        ("Int32", 2.9, "whole numbers from -2147483648 to 2147483647"),
+        ("Int32", 3e9, "is 3e+09 at t = 0.3 s"),
+        ("UInt8", -1.0, "from 0 to 255"),
+        ("Boolean", 0.4, "from 0 to 1, because Boolean_in is of type Boolean"),
+    ],
+)
+def test_an_input_that_its_type_cannot_hold_is_refused(export, name, value, expected):
+    system = one(export("feedthrough", 3))
+    system.expose("u", f"a.{name}_in")
+    with system.prepare(step=0.1, stop=0.5) as simulation:
+        with pytest.raises(cosim.SignalError, match=expected.replace("+", r"\+")):
+            simulation.run(inputs={"u": np.array([0, 1, 0, value, 1, 0])})
+        assert simulation.run(inputs={"u": 1.0})[f"a.{name}_out"][-1] == 1.0
