@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -10,6 +10,10 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from stickslip import ga
+from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.criteria.candidate_fmus import candidate_fmus
+from stickslip.identification.criteria.motion import against_motion
+from stickslip.identification.criteria.scaling import recording_scale
 from stickslip.identification.estimation import CriterionName, Search
 from stickslip.logs import (
     Description,
@@ -30,6 +34,12 @@ from stickslip.pipeline.tracking import with_tracking
 from stickslip.planning import LINEAR, Limits
 from stickslip.rigs.contract import Rig
 
+FOREIGN = 0.3
+"""Relative error of the controller's force above which a rig's log is not of what it was sent.
+
+Noise of 3 N beside friction of 6 N makes 0.1, a position that is 10 % too large makes 10.
+"""
+
 
 def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
     """Read a log and return it with its findings, errors included.
@@ -42,6 +52,30 @@ def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple
     reading = read_recording(path, description, strict=False)
     checks = check_recording(reading.recording, reading.controller, reading.force_limit)
     return reading, (*reading.findings, *check_units(reading), *checks)
+
+
+def check_rig(reading: Reading) -> Iterator[Finding]:
+    """Yield a finding if the force of a rig's log is not that of the loop that it was sent.
+
+    A force that is only out of scale is a finding of the estimation.
+    """
+    gains = reading.controller.parameters()
+    if gains is None:
+        return
+    scale = recording_scale(reading.recording)
+    scaled, _ = against_motion(scale.recording(reading.recording))
+    with candidate_fmus() as fmus:
+        check = check_controller(fmus, scaled, scale.values(gains))
+    if check.error > FOREIGN and check.factor == 1.0:
+        yield Finding(
+            "warning",
+            "the rig's log is not that of the loop and the command that it was sent",
+            f"the controller's force differs by {check.error:.2g} of the logged one; expected at "
+            f"most {FOREIGN:g}",
+            "check that move returns time in s, position in m and force in N with their signs, and "
+            "applies the gains",
+            spoils="values",
+        )
 
 
 def learn(
@@ -96,6 +130,10 @@ def learn(
         on_findings(findings)
         recording = aligned(reading.recording, samples_late(reading.recording))
         reading = replace(reading, recording=recording)
+        if isinstance(source, Rig):
+            found = tuple(check_rig(reading))
+            on_findings(found)
+            findings = (*findings, *found)
         learned = learn_recording(
             recording,
             reading.controller.parameters(),

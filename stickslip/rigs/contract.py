@@ -17,6 +17,7 @@ from typing import Any, Protocol, Self
 import numpy as np
 import pandas as pd
 
+from stickslip import cosim
 from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.errors import LimitError, RigError, UsageError
 from stickslip.fmi.process import temporary_folder
@@ -30,6 +31,8 @@ from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 COMMISSIONING = LoopSpecification(bandwidth=50.0, phase_margin=60.0, T_s=5e-4, tau_f=5e-4)
 """The loop of a recording: soft, so that it bears a third and three times its nominal mass."""
+CLOCK = 0.01
+"""Largest relative error of the mean spacing of a log's time."""
 
 
 def _values(what: str, given: object) -> Array:
@@ -160,6 +163,32 @@ class Recorded(Protocol):
         """Return a signal."""
 
 
+def _wrong_log(log: object, command: Command) -> str:
+    """Return what is wrong with the log of a command, or an empty text."""
+    if not isinstance(log, Log):
+        return f"move returned a {type(log).__name__}; expected ss.Log"
+    n, T_s = len(command), command.T_s
+    if len(log.t) != n:
+        return f"a log of {len(log.t)} samples; expected {n}, as many as the command has"
+    for name in ("t", "x_enc", "F_m"):
+        values = getattr(log, name)
+        if not np.isfinite(values).all():
+            k = int(np.argmin(np.isfinite(values)))
+            return f"{name} of the log is {values[k]} in sample {k}; expected finite values"
+    if n == 1:
+        return ""
+    steps, spacing = np.diff(log.t), (log.t[-1] - log.t[0]) / (n - 1)
+    if not steps.min() > 0.0:
+        k = int(np.argmin(steps)) + 1
+        return f"t of the log does not rise at sample {k}, {log.t[k]:.6g} s; expected rising times"
+    if abs(spacing - T_s) > CLOCK * T_s:
+        return (
+            f"t of the log has a spacing of {spacing:.6g} s; expected T_s = {T_s:.6g} s, as the "
+            "command has. Give times in seconds"
+        )
+    return ""
+
+
 Trial = Callable[[Mapping[str, float]], Recorded]
 """Runs a compensator, given by its parameters, on the drive."""
 
@@ -180,6 +209,11 @@ class Rig(ABC):
     Attributes
     ----------
     name : for people
+
+    Raises
+    ------
+    UsageError
+        When T_s is not a finite number above 0.
     """
 
     name = "drive"
@@ -187,8 +221,11 @@ class Rig(ABC):
     def __init__(
         self, datasheet: Datasheet, T_s: float, limits: RigLimits | None, law: str = "lugre"
     ) -> None:
+        if not 0.0 < T_s < np.inf:
+            raise UsageError(f"{self.name}: T_s = {T_s} s; expected a finite number above 0")
         self.datasheet = datasheet
         self.T_s = T_s
+        self._runs = 0
         self.limits = limits
         self.law = friction_law(law)
         self._closing = ExitStack()
@@ -216,16 +253,24 @@ class Rig(ABC):
         LimitError
             When the command exceeds a limit, before anything moves, or when the motion did.
         RigError
-            When the motion did not end as commanded, or it is not known how it ended.
+            When the motion did not end as commanded, it is not known how it ended, or its log is
+            not one of this command.
         """
         if self.limits is not None:
             refuse(self.limits, command)
-        log = self.move(command)
-        if len(log.t) != len(command):
+        self._runs += 1
+        try:
+            log = self.move(command)
+        except (RigError, CandidateFailed, cosim.CosimError):
+            raise
+        except Exception as fault:
+            what = " ".join(f"{type(fault).__name__}: {fault}".split())
             raise RigError(
-                f"{self.name}: a log of {len(log.t)} samples; expected {len(command)}, as many as "
-                "the command has"
-            )
+                f"{self.name}: motion {self._runs}: {what}; expected a log from move. Look at the "
+                "drive before going on"
+            ) from fault
+        if wrong := _wrong_log(log, command):
+            raise RigError(f"{self.name}: motion {self._runs}: {wrong}")
         if self.limits is None:
             return log
         watch, velocity = Watch(self.limits, self.T_s), command.velocity

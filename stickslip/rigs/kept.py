@@ -5,9 +5,11 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import logging
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, cast
 
@@ -20,6 +22,7 @@ from stickslip.rigs.lines import LOOP
 from stickslip.servo.velocity_loop import VelocityLoop
 
 _LOG = ("t", "x_enc", "F_m")
+_SAY = logging.getLogger("stickslip")
 
 
 class KeptRig(Rig):
@@ -30,6 +33,8 @@ class KeptRig(Rig):
     from there. A motion that was begun and whose log is missing is never repeated by itself.
 
     The folder has ``motion-0001.npz`` and so on, with t, x_enc, F_m and the signals of the command.
+    It is of one rig: its name, datasheet and limits are kept with each log, and others are refused.
+    Each motion that is not run is said in one line by the logger ``stickslip``, as a warning.
 
     Parameters
     ----------
@@ -42,6 +47,10 @@ class KeptRig(Rig):
         self.name, self._rig, self._folder = rig.name, rig, Path(folder)
         self._folder.mkdir(parents=True, exist_ok=True)
         self._motion = 0
+        said = {"name": rig.name, "datasheet": asdict(rig.datasheet)}
+        self._own = json.dumps(
+            said | {"limits": asdict(rig.limits) if rig.limits else None}, default=float
+        )
 
     @property
     def loop(self) -> VelocityLoop:
@@ -54,8 +63,8 @@ class KeptRig(Rig):
         Raises
         ------
         RigError
-            When the folder is of another run, a file in it is damaged, or the motion was begun
-            before and has no log.
+            When the folder is of another run or rig, a file in it is damaged, or the motion was
+            begun before and has no log.
         """
         self._motion += 1
         kept = self._folder / f"motion-{self._motion:04d}.npz"
@@ -64,34 +73,56 @@ class KeptRig(Rig):
         if kept.exists():
             with _readable(kept), np.load(kept, allow_pickle=False) as content:
                 asked, log = str(content["command"]), Log(*(content[name] for name in _LOG))
-            self._compare(kept, asked, key)
+                of = str(content["rig"]) if "rig" in content else ""
+            self._compare(kept, of, asked, key)
+            self._say(f"is taken from {self._folder}")
             return log
         if begun.exists():
             with _readable(begun):
                 state = parse_json(read_limited(begun, MOST_TEXT))
                 asked, limit = str(state["command"]), str(state["limit"])
-            self._compare(begun, asked, key)
+                of = str(state.get("rig", ""))
+            self._compare(begun, of, asked, key)
             if limit:
+                self._say(f"was aborted by a limit, says {self._folder}")
                 raise LimitError(limit)
             raise RigError(
                 f"{begun}: motion {self._motion} of {len(command) * self.T_s:.4g} s was begun and "
                 "has no log; it is not repeated by itself. Look at the drive, then delete this "
                 "file to run it again"
             )
-        atomic_write(begun, json.dumps({"command": key, "limit": ""}))
+        state = {"command": key, "rig": self._own, "limit": ""}
+        atomic_write(begun, json.dumps(state))
         try:
             log = self._rig.run(command)
         except LimitError as fault:
-            atomic_write(begun, json.dumps({"command": key, "limit": str(fault)}))
+            atomic_write(begun, json.dumps(state | {"limit": str(fault)}))
             raise
         stream = io.BytesIO()
-        content = {"command": key, **{name: getattr(log, name) for name in _LOG}}
+        own = {"command": key, "rig": self._own}
+        content = {**own, **{name: getattr(log, name) for name in _LOG}}
         np.savez(stream, **cast("Any", content | command.signals))
         atomic_write(kept, stream.getvalue())
         begun.unlink()
         return log
 
-    def _compare(self, file: Path, kept: str, asked: str) -> None:
+    def _say(self, what: str) -> None:
+        _SAY.warning("motion %d %s; the drive was not moved", self._motion, what)
+
+    def _compare(self, file: Path, of: str, kept: str, asked: str) -> None:
+        if not of:
+            raise RigError(
+                f"{file}: does not say of which rig it is; expected name, datasheet and limits, "
+                "which an older version did not keep. Give another folder"
+            )
+        if of != self._own:
+            with _readable(file):
+                other, own = json.loads(of), json.loads(self._own)
+            name = next((n for n in own if other.get(n) != own[n]), "rig")
+            raise RigError(
+                f"{file}: is of another rig: {name} {other.get(name)}; expected {own.get(name)}. "
+                "Give another folder"
+            )
         if kept != asked:
             raise RigError(
                 f"{file}: is of another command than motion {self._motion} of this run; expected "

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import math
 import zlib
 from collections.abc import Iterator, Mapping
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
 from stickslip.cosim.signals.signals import Array
 from stickslip.fmi.files import parse_json
+from stickslip.rigs.limits import RigLimits
 
 PROTOCOL = 1
 LOOP = ("K_p", "K_i", "tau_f", "m_ff", "K_x", "velocity_feedforward")
@@ -24,6 +27,33 @@ LONGEST = 2**20
 def line_of(message: Mapping[str, Any]) -> bytes:
     """Return a message as a line; numbers keep all their bits."""
     return json.dumps(message, allow_nan=False).encode() + b"\n"
+
+
+def sent_limits(limits: Mapping[str, Any]) -> dict[str, Any]:
+    """Return limits by name as a message has them: null for one that is infinite."""
+
+    def sent(value: float) -> float | None:
+        return float(value) if math.isfinite(value) else None
+
+    return {
+        name: [sent(end) for end in one] if name == "travel" else sent(one)
+        for name, one in limits.items()
+    }
+
+
+def received_limits(given: Mapping[str, Any]) -> RigLimits:
+    """Return the limits of a message.
+
+    Raises
+    ------
+    UsageError
+        When one is not a limit.
+    """
+    low, high = given["travel"]
+    names = [one.name for one in fields(RigLimits) if one.name != "travel"]
+    values = {name: math.inf if given[name] is None else float(given[name]) for name in names}
+    low, high = (-math.inf if low is None else low), (math.inf if high is None else high)
+    return RigLimits((float(low), float(high)), **values)
 
 
 def crc_of(signals: Mapping[str, Array]) -> int:

@@ -14,8 +14,7 @@ import numpy as np
 from stickslip.errors import UsageError
 from stickslip.fmi.process import check_interruption
 from stickslip.fmucheck.running.calls import CallFailed
-from stickslip.rigs.limits import RigLimits
-from stickslip.rigs.lines import CHUNK, LOOP, PROTOCOL, Lines, crc_of, line_of
+from stickslip.rigs.lines import CHUNK, LOOP, PROTOCOL, Lines, crc_of, line_of, received_limits
 from stickslip.rigs.served_drive import ServedDrive
 
 BURST = 100
@@ -198,11 +197,8 @@ class Server:
         if ("F" in signals) == ("v_cmd" in signals):
             raise Refusal(f"motion {motion}: expected F or v_cmd")
         loop = {name: float(message["loop"][name]) for name in LOOP}
-        limits = {name: message["limits"][name] for name in RigLimits.__dataclass_fields__}
-        low, high = limits.pop("travel")
-        numbers = {name: float(value) for name, value in limits.items()}
         try:
-            checked = RigLimits((float(low), float(high)), **numbers)
+            checked = received_limits(message["limits"])
         except UsageError as fault:
             raise Refusal(str(fault)) from None
         try:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from numbers import Real
 
+from stickslip.errors import UsageError
 from stickslip.servo.axis import Axis
 from stickslip.servo.specification import LoopSpecification
 
@@ -20,6 +23,11 @@ class Datasheet:
     encoder_step : resolution of the encoder [m]
     force_noise : standard deviation of the measured motor force [N]
     encoder_noise : that of the position beside the steps [m]
+
+    Raises
+    ------
+    UsageError
+        When mass, peak_force or encoder_step is not a finite number above 0.
     """
 
     mass: float = 5.5
@@ -28,6 +36,12 @@ class Datasheet:
     encoder_step: float = 4e-7
     force_noise: float = 0.05
     encoder_noise: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "peak_force", "encoder_step"):
+            value = getattr(self, name)
+            if not (isinstance(value, Real) and 0.0 < float(value) < math.inf):
+                raise UsageError(f"datasheet.{name} = {value}: expected a finite number above 0")
 
     def axis(self, m: float, b: float) -> Axis:
         """Return the axis without friction, for a mass [kg] and viscous friction [N s/m]."""

@@ -14,6 +14,7 @@ from threadpoolctl import threadpool_limits
 from stickslip.catalog.parameters import presliding
 from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.controller.controller_check import AGREES, check_controller
+from stickslip.identification.controller.initial_state import fmu_gains
 from stickslip.identification.criteria.candidate_fmus import candidate_fmus
 from stickslip.identification.criteria.inverse_model import EDGE, ForceCost, InverseModel
 from stickslip.identification.criteria.motion import against_motion
@@ -137,7 +138,7 @@ def predictions(
 def _believed(recording: Recording, gains: Mapping[str, float]) -> Mapping[str, float] | None:
     """Return the gains, with the controller's initial state, if they command the logged force."""
     with candidate_fmus() as fmus:
-        check = check_controller(fmus, recording, gains)
+        check = check_controller(fmus, recording, fmu_gains(gains))
     return check.gains if check.error <= AGREES else None
 
 

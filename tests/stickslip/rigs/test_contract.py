@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Command, FmuRig, Limits, Log, Rig, RigLimits, learn
+from stickslip import Command, FmuRig, Limits, Log, Rig, RigLimits, ga, learn
 from stickslip.errors import LimitError, RigError, UsageError
+from stickslip.pipeline.log_learning import check_rig
 from stickslip.pipeline.recorded import read_rig
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import TRAINING
@@ -108,3 +109,81 @@ def test_a_command_has_one_finite_signal(signals):
     loop = Ideal(None).loop
     with pytest.raises(UsageError, match="command"):
         Command(LOOP.T_s, loop, **{name: np.array(one) for name, one in signals.items()})
+
+
+class Broken(Exception):
+    """An error of somebody's own rig."""
+
+
+@pytest.mark.parametrize("kind", [Broken, ValueError, UsageError])
+def test_an_error_of_move_ends_the_learning_after_that_motion(fmus, kind):
+    class Failing(Ideal):
+        def move(self, command):
+            log = super().move(command)
+            if self.moved == 3:
+                raise kind("the fieldbus\nis down")
+            return log
+
+    rig = Failing(WIDE)
+    rig.fmus = fmus
+    v_cmd, start = TRAINING.sample(rig.samples(0.05)), np.array([9.0, 8.0, 1e-3, 1e5, 300.0])
+    genes = [ga.Gene(f"g{k}", 0.5 * one, 2.0 * one, one, "") for k, one in enumerate(start)]
+    algorithm = ga.GeneticAlgorithm(genes, ga.Settings(population=4, surrogates=False), seed=1)
+    message = f"drive: motion 3: {kind.__name__}: the fieldbus is down; expected a log from move"
+    costs = rig.cost_of(v_cmd, rig.loop, VelocityCost(rig.T_s))
+    with costs as cost, pytest.raises(RigError, match=message):
+        ga.learn(algorithm, cost)
+    assert rig.moved == 3
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda log: log.table(), "move returned a DataFrame; expected ss.Log"),
+        (lambda log: Log(log.t, np.nan * log.t, log.F_m), "x_enc of the log is nan in sample 0"),
+        (lambda log: Log(1e3 * log.t, log.x_enc, log.F_m), "a spacing of 0.5 s; expected T_s = 0"),
+        (lambda log: Log(1.02 * log.t, log.x_enc, log.F_m), "Give times in seconds"),
+        (lambda log: Log(0.0 * log.t, log.x_enc, log.F_m), "does not rise at sample 1"),
+        (lambda log: Log(log.t[1:], log.x_enc[1:], log.F_m[1:]), "a log of 99 samples"),
+    ],
+)
+def test_a_log_that_is_not_of_the_command_is_no_limit(change, said):
+    rig = Ideal(WIDE)
+    rig.move = lambda command: change(Ideal.move(rig, command))
+    with pytest.raises(RigError, match=f"drive: motion 1: .*{said}") as fault:
+        rig.follow(np.full(100, 0.01), rig.loop)
+    assert not isinstance(fault.value, LimitError)
+
+
+def test_the_clock_of_a_log_need_not_be_exact():
+    rig, move = Ideal(WIDE), Ideal(WIDE).move
+    jitter = 0.3 * rig.T_s * np.random.default_rng(1).uniform(-1.0, 1.0, 100)
+
+    def measured(command):
+        log = move(command)
+        return Log(5.0 + 1.001 * log.t + jitter, log.x_enc, log.F_m)
+
+    rig.move = measured
+    assert len(rig.follow(np.full(100, 0.01), rig.loop).t) == 100
+
+
+@pytest.mark.parametrize("T_s", [0.0, -1e-3, np.nan, np.inf])
+def test_a_rig_has_a_sample_period(T_s):
+    with pytest.raises(UsageError, match=f"drive.fmu: T_s = {T_s} s; expected a finite number"):
+        FmuRig("fmus", Datasheet(), T_s)
+
+
+@pytest.mark.parametrize(
+    ("noise", "length", "is_wrong"),
+    [(0.0, 1.0, False), (3.0, 1.0, False), (0.0, 1.1, True), (0.0, -1.0, True), (0.0, 1e3, True)],
+)
+def test_a_log_in_other_units_spoils_the_values_and_noise_does_not(fmus, noise, length, is_wrong):
+    class Measured(FmuRig):
+        def move(self, command):
+            log = super().move(command)
+            added = noise * np.random.default_rng(1).standard_normal(len(log.t))
+            return Log(log.t, length * log.x_enc, log.F_m + added)
+
+    found = list(check_rig(read_rig(Measured(fmus, Datasheet(), LOOP.T_s), Limits(duration=5.0))))
+    assert [one.spoils for one in found] == ["values"] * is_wrong
+    assert all("not that of the loop and the command" in one.what for one in found)

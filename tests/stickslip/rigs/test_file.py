@@ -136,3 +136,10 @@ def test_learn_takes_a_rig_instead_of_a_log(fmus, described, tmp_path, monkeypat
         assert drive.motion == 1
     assert main(given) != 0
     assert "connection lost" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["mass", "peak_force", "encoder_step"])
+@pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf"), "5"])
+def test_a_datasheet_has_finite_values_above_0(name, value):
+    with pytest.raises(UsageError, match=rf"datasheet\.{name} = {value}: expected a finite number"):
+        ss.Datasheet(**{name: value})

@@ -1,9 +1,11 @@
 """Logs are kept, and no motion is run twice unless somebody asks for it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from stickslip import KeptRig
+from stickslip import Datasheet, KeptRig
 from stickslip.errors import LimitError, RigError
 from tests.stickslip.rigs.test_contract import WIDE, Ideal
 
@@ -57,7 +59,6 @@ def test_a_folder_of_another_run_is_refused(tmp_path):
 def test_a_limit_that_aborted_a_motion_does_so_again_without_it(tmp_path):
     for moved in (1, 0):
         drive = Ideal(WIDE)
-        drive.limits = None if moved else WIDE
         kept = KeptRig(drive, tmp_path)
         if moved:
             drive.move = lambda _, drive=drive: aborted(drive)
@@ -69,3 +70,31 @@ def test_a_limit_that_aborted_a_motion_does_so_again_without_it(tmp_path):
 def aborted(drive):
     drive.moved += 1
     raise LimitError("speed 2 m/s")
+
+
+def test_a_folder_of_another_rig_is_refused_and_what_is_taken_is_said(tmp_path, caplog):
+    experiment(KeptRig(Ideal(WIDE), tmp_path))
+    assert not caplog.messages
+    experiment(KeptRig(Ideal(WIDE), tmp_path))
+    said = [f"motion {k} is taken from {tmp_path}; the drive was not moved" for k in (1, 2, 3)]
+    assert caplog.messages == said
+    for change, named in [
+        ({"name": "x-axis"}, "name drive; expected x-axis. Give another folder"),
+        ({"datasheet": Datasheet(mass=9.0)}, "datasheet .*'mass': 5.5.*; expected .*'mass': 9.0"),
+        ({"limits": replace(WIDE, force=200.0)}, "limits .*'force': 300.0.*; expected .*200.0"),
+    ]:
+        drive = Ideal(WIDE)
+        vars(drive).update(change)
+        with pytest.raises(RigError, match=rf"motion-0001\.npz: is of another rig: {named}"):
+            experiment(KeptRig(drive, tmp_path))
+        assert not drive.moved
+
+
+def test_a_folder_of_an_older_version_is_refused(tmp_path):
+    experiment(KeptRig(Ideal(WIDE), tmp_path))
+    kept = tmp_path / "motion-0001.npz"
+    with np.load(kept) as content:
+        old = {name: content[name] for name in content if name != "rig"}
+    np.savez(kept, **old)
+    with pytest.raises(RigError, match=r"does not say of which rig .* Give another folder"):
+        experiment(KeptRig(Ideal(WIDE), tmp_path))

@@ -28,11 +28,11 @@ T_S = datasheet.LOOP.T_s
 
 
 @contextmanager
-def served(fmus, *, fast=True, heartbeat=5.0):
+def served(fmus, *, fast=True, heartbeat=5.0, port=0):
     """Return the drive and the port of a server in a thread."""
     controller = fmus / "velocity_controller.fmu"
     drive = ServedDrive(fmus / "drive.fmu", controller, T_S, Ports())
-    server = Server(drive, ("localhost", 0), "drive", heartbeat=heartbeat, fast=fast)
+    server = Server(drive, ("localhost", port), "drive", heartbeat=heartbeat, fast=fast)
     end = threading.Event()
     thread = threading.Thread(target=server.serve, args=(end.is_set,))
     thread.start()
@@ -267,7 +267,7 @@ def test_the_example_moves_a_served_drive_within_its_limits_and_keeps_the_logs(
 ):
     """Up to the learning, which takes half a minute: two motions instead of it."""
     example = Path(__file__).parents[3] / "examples" / "real_drive.py"
-    done, moved = [], []
+    done, moved, port = [], [], 0
 
     def learn(rig, limits):
         log = rig.run(command_of(rig))
@@ -279,7 +279,7 @@ def test_the_example_moves_a_served_drive_within_its_limits_and_keeps_the_logs(
     monkeypatch.setattr(stickslip, "learn", learn)
     monkeypatch.chdir(tmp_path)
     for _ in range(2):  # the second goes on with the logs of the first
-        with served(fmus) as (drive, port):
+        with served(fmus, port=port) as (drive, port):
             monkeypatch.setattr(sys, "argv", [str(example), f"localhost:{port}"])
             with pytest.raises(KeyboardInterrupt):
                 runpy.run_path(str(example))
@@ -289,3 +289,22 @@ def test_the_example_moves_a_served_drive_within_its_limits_and_keeps_the_logs(
     assert limits.speed == 0.04
     np.testing.assert_array_equal(first.x_enc, second.x_enc)
     assert (tmp_path / "drive_1/motions/motion-0001.npz").exists()
+
+
+def test_a_limit_that_is_infinite_is_sent_as_one(fmus):
+    inf = float("inf")
+    with served(fmus) as (drive, port):
+        wide = RigLimits((-inf, inf), inf, inf, inf)
+        with rig_at(port, wide) as rig:
+            assert len(rig.run(command_of(rig)).t) == 450
+            assert drive._watch.limits == wide
+        with rig_at(port, replace(wide, force=3.0)) as rig, pytest.raises(LimitError, match="3 N"):
+            rig.run(Command(rig.T_s, rig.loop, velocity=np.full(400, 0.02)))
+
+
+def test_what_cannot_be_sent_is_no_lost_connection(fmus):
+    with served(fmus) as (_, port), rig_at(port) as rig:
+        begun = time.monotonic()
+        with pytest.raises(RigError, match=r"cannot send load \(.*\); nothing was sent"):
+            rig._request("load", motion=1, values={"v_cmd": [float("nan")]})
+        assert time.monotonic() - begun < 1.0

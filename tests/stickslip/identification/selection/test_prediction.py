@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from drives import STAGE, run
 
-from stickslip.identification.selection import candidates, predictions
+from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.selection import candidates, prediction, predictions
 from stickslip.logs import Recording
 from stickslip.planning import plan
 
@@ -41,3 +42,16 @@ def test_the_law_of_the_drive_predicts_what_it_was_not_fitted_to(predicted):
     assert own.force < (2.5 if law == "gms" else 1.3) * own.explained
     assert float(np.sqrt(own.squares.mean())) == pytest.approx(own.force, rel=0.01)
     assert found["Coulomb-viscous"].force > 2.0 * own.force
+
+
+def test_gains_of_a_controller_that_was_running_before_are_believed(monkeypatch):
+    given = {"K_p": 1700.0, "F_held": 3.0, "F_fading": 0.1}
+    asked = []
+
+    def check(_, __, gains):
+        asked.append(dict(gains))
+        return ControllerCheck(np.zeros(1), 0.0, 0, given)
+
+    monkeypatch.setattr(prediction, "check_controller", check)
+    assert prediction._believed(None, given) == given
+    assert asked == [{"K_p": 1700.0}]
