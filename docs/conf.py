@@ -77,6 +77,7 @@ html_css_files = ["site.css"]
 html_extra_path = ["_extra"]  # the first page is docs/index.html: this leads there
 html_show_sourcelink = False
 html_copy_source = False
+html_context = {"default_mode": "auto"}
 html_theme_options = {
     "navbar_align": "left",
     "navigation_with_keys": False,

@@ -6,6 +6,7 @@ the common kinds of colour-blindness. Fonts ship with matplotlib: figures look t
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BytesIO
@@ -82,7 +83,9 @@ def house_style() -> Iterator[None]:
 
     They are global, so only one thread at a time draws.
     """
-    with _LOCK, mpl.rc_context():
+    with _LOCK, mpl.rc_context(), warnings.catch_warnings():
+        # A name may have characters that no font has: a box stands for them.
+        warnings.filterwarnings("ignore", r"Glyph .* missing from", UserWarning)
         mpl.rcdefaults()
         mpl.rcParams.update(_STYLE)
         yield

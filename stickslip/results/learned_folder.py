@@ -94,7 +94,13 @@ def write_learned(
     with staged(folder, command, without=absent) as staging:
         if learned.trial:
             write_tables({TABLE.removesuffix(".csv"): learned.trial.table()}, staging)
-        write_compensator(
+        if learned.observer and written in (OBSERVER, BOTH):
+            one = learned.observer
+            models.build_fmu(one.model, staging, start=one.values, called="observer")
+        loop = learned.known_loop
+        if loop and loop.K_x and written in (FEEDFORWARD, BOTH):
+            models.build_fmu("nominal_loop", staging, start=nominal_parameters(loop))
+        write_compensator(  # last: its page names the files beside it
             learned,
             log_document(learned),
             staging,
@@ -102,12 +108,6 @@ def write_learned(
             opening,
             export=written in (FEEDFORWARD, BOTH),
         )
-        if learned.observer and written in (OBSERVER, BOTH):
-            one = learned.observer
-            models.build_fmu(one.model, staging, start=one.values, called="observer")
-        loop = learned.known_loop
-        if loop and loop.K_x and written in (FEEDFORWARD, BOTH):
-            models.build_fmu("nominal_loop", staging, start=nominal_parameters(loop))
 
 
 def write_compensator(

@@ -216,6 +216,7 @@ def test_it_prints_and_writes_whether_compensation_helps(log, folder, capsys):
     recommended = both["acceptable"] and both["mean"] < parts["feedforward"]["mean"]
     assert (document["compensation"] == "feedforward + observer") == recommended
     assert (folder / "observer.fmu").exists() == recommended
+    assert ("export observer" in (folder / "report.html").read_text("utf-8")) == recommended
     assert document["observer"]["peak_sensitivity"]["value"] <= 2.2
 
 

@@ -32,6 +32,7 @@ from stickslip.report.learned.signals import (
     measures_friction,
     parameter_scale,
     residual,
+    simulated_position,
     steady_name,
     velocity_scale,
 )
@@ -257,6 +258,7 @@ FILES = {
     "learned.json": "the same with criterion, relative errors, seed and versions",
     "compensator.fmu": "the tuned compensator, for any tool that imports FMUs",
     "observer.fmu": "the disturbance observer, to be added after the compensator",
+    "nominal_loop.fmu": "the reference velocity, which the compensator of a cascade takes",
 }
 
 
@@ -482,7 +484,7 @@ def _force_figure(estimation: Estimation) -> Illustration:
 
 def _residual_figure(estimation: Estimation) -> Illustration:
     place, push = WORDS[estimation.recording.motion]
-    if estimation.figures.simulated is None:
+    if simulated_position(estimation) is None:
         left = "friction" if measures_friction(estimation) else push
         what = f"Recorded less predicted {left}"
     else:

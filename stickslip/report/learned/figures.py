@@ -38,6 +38,7 @@ from stickslip.report.learned.signals import (
     parts,
     position_scale,
     residual,
+    simulated_position,
     sliding,
     spread,
     steady_friction,
@@ -235,7 +236,7 @@ def _loops(axes: Axes, estimation: Estimation, signals: Parts) -> None:
 
 def draw_residual(estimation: Estimation) -> Figure:
     """Draw the residual over time, position and velocity, and its spectrum."""
-    recording, simulated = estimation.recording, estimation.figures.simulated
+    recording, simulated = estimation.recording, simulated_position(estimation)
     motion, place = recording.motion, WORDS[recording.motion][0].capitalize()
     found = residual(estimation)
     t, x, v, left = found.t, found.position, found.velocity, found.values
@@ -292,7 +293,7 @@ def draw_correlations(estimation: Estimation) -> Figure:
     n = len(names)
     figure = style.new_figure(style.COLUMN, 10.0 + 6.8 * n)
     axes = figure.subplots()
-    image = axes.imshow(shares, cmap=CORRELATED, vmin=-1.0, vmax=1.0)
+    image = axes.imshow(shares, cmap=CORRELATED, vmin=-1.0, vmax=1.0, aspect="auto")
     for i, j in np.ndindex(n, n):
         if i != j and np.isfinite(shares[i, j]):
             colour = "white" if abs(shares[i, j]) > 0.6 else style.INK

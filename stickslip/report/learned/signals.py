@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from stickslip.catalog.parameters import unit_of
 from stickslip.identification.criteria.inverse_model import EDGE, SHARE
 from stickslip.identification.criteria.motion import position_of
+from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.estimation import Estimation
 from stickslip.logs import Motion
 from stickslip.report.quantity import unit
@@ -79,9 +80,15 @@ class Residual:
     what: str
 
 
+def simulated_position(estimation: Estimation) -> Array | None:
+    """Return the position (n,) in the simulated loop; None where it was not the criterion."""
+    loop = estimation.criterion == OutputError.name
+    return estimation.figures.simulated if loop else None
+
+
 def residual(estimation: Estimation) -> Residual:
-    """Return recorded less simulated position, or recorded less predicted force."""
-    recording, simulated = estimation.recording, estimation.figures.simulated
+    """Return recorded less simulated position, or, of the inverse model, less predicted force."""
+    recording, simulated = estimation.recording, simulated_position(estimation)
     place, push = (word.capitalize() for word in WORDS[recording.motion])
     if simulated is None:
         of = parts(estimation)

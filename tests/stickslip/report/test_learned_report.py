@@ -19,9 +19,10 @@ from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
 from stickslip.report.learned import FIGURES, content, sections, write_estimation_report
-from stickslip.report.learned.signals import Scale, thinned
+from stickslip.report.learned.signals import Scale, residual, thinned
+from stickslip.report.page import Picture
 from stickslip.report.quantity import interval, number
-from stickslip.report.style import house_style
+from stickslip.report.style import house_style, new_figure
 
 pytestmark = pytest.mark.slow
 
@@ -270,3 +271,21 @@ def test_a_prefix_leaves_the_value_as_it_is(exponent):
     prefix = {"k": 1e3, "": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9}[scale.unit.removesuffix("N")]
     assert scale.factor * prefix == pytest.approx(1.0)
     assert 1.0 <= scale.factor * size < 1000.0
+
+
+@pytest.mark.parametrize(
+    ("criterion", "what"),
+    [("output error", "Position"), ("inverse model", "Force")],
+)
+def test_the_residual_is_that_of_the_criterion(criterion, what):
+    assert residual(replace(made(n=3000), criterion=criterion)).what == what
+
+
+def test_a_name_that_no_font_has_prints_no_warning(recwarn):
+    def draw(name):
+        figure = new_figure(80.0, 60.0)
+        figure.subplots().set_title(name)
+        return figure
+
+    assert Picture.of(draw, "axis 軸").png
+    assert not recwarn.list
