@@ -110,12 +110,7 @@ class KeptRig(Rig):
         _SAY.warning("motion %d %s; the drive was not moved", self._motion, what)
 
     def _compare(self, file: Path, of: str, kept: str, asked: str) -> None:
-        if not of:
-            raise RigError(
-                f"{file}: does not say of which rig it is; expected name, datasheet and limits, "
-                "which an older version did not keep. Give another folder"
-            )
-        if of != self._own:
+        if of and of != self._own:
             with _readable(file):
                 other, own = json.loads(of), json.loads(self._own)
             name = next((n for n in own if other.get(n) != own[n]), "rig")
@@ -127,6 +122,11 @@ class KeptRig(Rig):
             raise RigError(
                 f"{file}: is of another command than motion {self._motion} of this run; expected "
                 "the same program, settings and version. Use another folder for another run"
+            )
+        if not of:
+            raise RigError(
+                f"{file}: does not say of which rig it is; expected name, datasheet and limits, "
+                "which an older version did not keep. Give another folder"
             )
 
 

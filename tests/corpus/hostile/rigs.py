@@ -117,7 +117,7 @@ CASES = [
     _command("empty", "of no samples", r"force: expected numbers \(n,\), got \[\]", "5e-4, loop, force=[]"),
     _returns("unequal", "signals of two lengths", "t, x_enc and F_m have 3, 2 and 3 values", "ss.Log(np.zeros(3), np.zeros(2), np.zeros(3))"),
     _returns("short", "fewer samples than the command has", "a log of 2 samples; expected 3", "ss.Log(np.zeros(2), np.zeros(2), np.zeros(2))"),
-    _returns("nan", "a position of NaN", "aborted at 0 s: position nan m", "ss.Log(np.zeros(3), np.full(3, np.nan), np.zeros(3))"),
+    _returns("nan", "a position of NaN", "x_enc of the log is nan in sample 0", "ss.Log(np.zeros(3), np.full(3, np.nan), np.zeros(3))"),
     _kept("text", "text", r"motion-0001.npz: is damaged .*delete this file to run the motion again", "npz", "hello"),
     _kept("others", "of other arrays", "motion-0001.npz: is damaged .*command", "npz", _other_arrays),
     _kept("folder", "a folder, into which no log could be written after the motion", "motion-0001.npz: is damaged", "npz", _NO_MORE),
