@@ -346,8 +346,8 @@ def _criterion(estimation: Estimation) -> Html:
         )
         if math.isfinite(estimation.model_error):
             sentence += (
-                f" The residual is {number(estimation.model_error, 2)} times what steps and noise "
-                "explain (at most 2 is good)."
+                f" The residual is {number(estimation.model_error, 2)} times what encoder steps "
+                "and noise explain; up to 2 is good."
             )
         return paragraph(sentence)
     predicted = f"recorded motion predicts the {push} $m$ $a$ + $b$ $v$ +"

@@ -105,8 +105,9 @@ def _verdict(tracking: Tracking, motion: Motion) -> str:
         for name in (NONE, FRICTIONLESS)
     )
     return (
-        f"The compensator makes {' and '.join(changes)}. Of the velocity error of {whole} "
-        f"{scale.unit}, {left} {scale.unit} would remain without friction."
+        f"The compensator makes {' and '.join(changes)}. Without it that of velocity "
+        f"is {whole} {scale.unit}; a drive without friction would have {left} {scale.unit} in "
+        "this loop."
     )
 
 
