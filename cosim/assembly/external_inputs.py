@@ -15,6 +15,9 @@ from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import suggestion
 
+WHOLE = {"Boolean", "integer", "enumeration"}
+"""Families of types that take whole numbers."""
+
 
 def sample_inputs(
     system: System, starts: Mapping[str, Value], inputs: Mapping[str, Input], time: Array
@@ -33,8 +36,9 @@ def sample_inputs(
                 signal = signal.hold(time)
             table[:, i] = sampled(name, signal, time)
             for target in targets:
-                if system.scaling(name, target) == IDENTITY:
-                    _require_whole(name, system.variable(target), table[:, i], time)
+                variable = system.variable(target)
+                if variable.family in WHOLE and system.scaling(name, target) == IDENTITY:
+                    _require_whole(name, variable, table[:, i], time)
         else:
             start = _start(system, starts, targets[0])
             table[:, i] = system.scaling(name, targets[0]).inverse(start)
@@ -58,8 +62,6 @@ def sample_ends(system: System, inputs: Mapping[str, Input], time: Array, extern
 
 def _require_whole(name: str, variable: Variable, values: Array, time: Array) -> None:
     """Raise SignalError where an input that is Boolean or an integer cannot take a value."""
-    if variable.family not in ("Boolean", "integer", "enumeration"):
-        return
     low, high = integer_range(variable)
     wrong = (values != np.rint(values)) | (values < low) | (values > high)
     if wrong.any():
