@@ -153,8 +153,8 @@ def _from_frame(frame: pd.DataFrame, label: str) -> dict[str, Table]:
         index = frame.index
         if index.name != "time" and isinstance(index, pd.RangeIndex):
             raise SignalError(
-                f"{label}: its index numbers the rows; expected times [s] as the index, or as a"
-                " column 'time'"
+                f"{label}: no column 'time', and its index numbers the rows; expected times [s] in"
+                " one of them"
             )
         frame = frame.reset_index(names="time")
     names = [str(name) for name in frame.columns]

@@ -22,7 +22,7 @@ from stickslip.rigs.lines import LOOP
 from stickslip.servo.velocity_loop import VelocityLoop
 
 _LOG = ("t", "x_enc", "F_m")
-_SAY = logging.getLogger("stickslip")
+_LOGGER = logging.getLogger("stickslip")
 
 
 class KeptRig(Rig):
@@ -34,7 +34,7 @@ class KeptRig(Rig):
 
     The folder has ``motion-0001.npz`` and so on, with t, x_enc, F_m and the signals of the command.
     It is of one rig: its name, datasheet and limits are kept with each log, and others are refused.
-    Each motion that is not run is said in one line by the logger ``stickslip``, as a warning.
+    The logger ``stickslip`` reports each motion that is not run, as a warning.
 
     Parameters
     ----------
@@ -47,10 +47,9 @@ class KeptRig(Rig):
         self.name, self._rig, self._folder = rig.name, rig, Path(folder)
         self._folder.mkdir(parents=True, exist_ok=True)
         self._motion = 0
-        said = {"name": rig.name, "datasheet": asdict(rig.datasheet)}
-        self._own = json.dumps(
-            said | {"limits": asdict(rig.limits) if rig.limits else None}, default=float
-        )
+        limits = asdict(rig.limits) if rig.limits else None
+        own = {"name": rig.name, "datasheet": asdict(rig.datasheet), "limits": limits}
+        self._own = json.dumps(own, default=float)
 
     @property
     def loop(self) -> VelocityLoop:
@@ -75,7 +74,7 @@ class KeptRig(Rig):
                 asked, log = str(content["command"]), Log(*(content[name] for name in _LOG))
                 of = str(content["rig"]) if "rig" in content else ""
             self._compare(kept, of, asked, key)
-            self._say(f"is taken from {self._folder}")
+            self._report(f"is taken from {self._folder}")
             return log
         if begun.exists():
             with _readable(begun):
@@ -84,7 +83,7 @@ class KeptRig(Rig):
                 of = str(state.get("rig", ""))
             self._compare(begun, of, asked, key)
             if limit:
-                self._say(f"was aborted by a limit, says {self._folder}")
+                self._report(f"was aborted by a limit before, as kept in {self._folder}")
                 raise LimitError(limit)
             raise RigError(
                 f"{begun}: motion {self._motion} of {len(command) * self.T_s:.4g} s was begun and "
@@ -106,8 +105,8 @@ class KeptRig(Rig):
         begun.unlink()
         return log
 
-    def _say(self, what: str) -> None:
-        _SAY.warning("motion %d %s; the drive was not moved", self._motion, what)
+    def _report(self, what: str) -> None:
+        _LOGGER.warning("motion %d %s; the drive was not moved", self._motion, what)
 
     def _compare(self, file: Path, of: str, kept: str, asked: str) -> None:
         if of and of != self._own:
