@@ -11,7 +11,7 @@ component is then instantiated again before the next run. After ``fatal`` nothin
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -23,9 +23,6 @@ from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable, parse_element
 
 Interface = Literal["co_simulation", "model_exchange"]
-CONVERTERS: list[Callable[[object], Component | None]] = []
-"""What makes components of other objects for ``System.add``; each returns None for what it does not
-know."""
 
 
 class Component:

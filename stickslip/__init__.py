@@ -17,9 +17,8 @@ _PLACES = {
     "stickslip.cosim": (
         *("Adaptive", "Coupling", "Fmu", "Function", "Record", "Result", "Scenario", "Simulation"),
         *("SineSweep", "Specification", "Table", "Trapezoid"),
-        *("read_ssp", "read_tables", "write_fmu", "write_ssp"),
+        *("read_tables", "write_fmu", "write_ssp"),
     ),
-    "stickslip.blocks": ("System",),
     "stickslip.cosim.control": ("linearise", "measure_response"),
     "stickslip.contents": ("info",),
     "stickslip.evaluation.arena.comparison": ("arena",),
@@ -55,6 +54,7 @@ _PLACES = {
     ),
     "stickslip.simulation": ("simulate",),
     "stickslip.sweeping": ("optimise", "sweep"),
+    "stickslip.system": ("System", "read_ssp"),
 }
 _BELOW = ("blocks", "cosim", "fmucheck", "ga", "models", "servo")
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}

@@ -4,7 +4,6 @@ from stickslip import fmucheck as fmucheck
 from stickslip import ga as ga
 from stickslip import models as models
 from stickslip import servo as servo
-from stickslip.blocks import System as System
 from stickslip.contents import info as info
 from stickslip.cosim import Adaptive as Adaptive
 from stickslip.cosim import Coupling as Coupling
@@ -18,7 +17,6 @@ from stickslip.cosim import SineSweep as SineSweep
 from stickslip.cosim import Specification as Specification
 from stickslip.cosim import Table as Table
 from stickslip.cosim import Trapezoid as Trapezoid
-from stickslip.cosim import read_ssp as read_ssp
 from stickslip.cosim import read_tables as read_tables
 from stickslip.cosim import write_fmu as write_fmu
 from stickslip.cosim import write_ssp as write_ssp
@@ -68,5 +66,7 @@ from stickslip.servo.velocity_loop import design_velocity_loop as design_velocit
 from stickslip.simulation import simulate as simulate
 from stickslip.sweeping import optimise as optimise
 from stickslip.sweeping import sweep as sweep
+from stickslip.system import System as System
+from stickslip.system import read_ssp as read_ssp
 
 __version__: str

@@ -21,14 +21,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import cosim
-from stickslip.cosim.component import CONVERTERS
-from stickslip.cosim.system.system import System
-from stickslip.errors import UsageError
+from stickslip.errors import UsageError, number
 from stickslip.fmi.files import atomic_write
+from stickslip.fmi.messages import suggestion
 from stickslip.fmi.process import temporary_folder
 from stickslip.fmi.toolchain.cache import cache_directory
 
-__all__ = ["System", "delay", "function", "gain", "linear", "lookup", "saturation", "sum"]
+__all__ = ["delay", "function", "gain", "linear", "lookup", "saturation", "sum"]
 
 Units = Mapping[str, str]
 _MOST = 300
@@ -91,8 +90,18 @@ class _Named:
 
 
 def gain(k: float, units: Units | None = None) -> cosim.Fmu:
-    """Return y = k u."""
-    return _static("gain", ["u"], [k], units)
+    """Return y = k u.
+
+    Parameters
+    ----------
+    units : of ``u`` and ``y`` by name; those of ``sum`` are of ``u1``, ``u2`` and so on
+
+    Raises
+    ------
+    UsageError
+        When k is not a number, or the units are of another name.
+    """
+    return _static("gain", ["u"], [number("k", k)], units)
 
 
 def sum(signs: str = "++", units: Units | None = None) -> cosim.Fmu:  # noqa: A001 - its name
@@ -103,7 +112,7 @@ def sum(signs: str = "++", units: Units | None = None) -> cosim.Fmu:  # noqa: A0
     UsageError
         When there is another sign, or none.
     """
-    if not signs or set(signs) - set("+-"):
+    if not isinstance(signs, str) or not signs or set(signs) - set("+-"):
         raise UsageError(f"signs are {signs!r}; expected one + or - for each input, such as +-")
     gains = [1.0 if sign == "+" else -1.0 for sign in signs]
     return _static("sum", [f"u{k}" for k in range(1, len(signs) + 1)], gains, units)
@@ -120,6 +129,7 @@ def delay(time: float, T_s: float, units: Units | None = None) -> cosim.Fmu:
     UsageError
         When the time [s] is not 1 to 300 sample periods.
     """
+    time, T_s = number("time", time), number("T_s", T_s)
     n = round(time / T_s) if T_s > 0.0 and np.isfinite(time / T_s) else 0
     if not 1 <= n <= _MOST or abs(n * T_s - time) > 1e-6 * T_s:
         raise UsageError(
@@ -137,6 +147,7 @@ def saturation(low: float, high: float) -> cosim.Function:
     UsageError
         When low is not below high.
     """
+    low, high = number("low", low), number("high", high)
     if not low < high:
         raise UsageError(f"limits are {low!r} and {high!r}; expected the lower one first")
     return _python("saturation", _clipped, low, high)
@@ -150,7 +161,10 @@ def lookup(x: ArrayLike, y: ArrayLike) -> cosim.Function:
     UsageError
         When the numbers of points differ, are below 2 or not finite, or x does not rise.
     """
-    points = np.array(x, dtype=float), np.array(y, dtype=float)
+    try:
+        points = np.array(x, dtype=float), np.array(y, dtype=float)
+    except (TypeError, ValueError) as fault:
+        raise UsageError(f"points: expected numbers ({fault})") from None
     shapes = {one.shape for one in points}
     if len(shapes) > 1 or points[0].ndim != 1 or len(points[0]) < 2:
         raise UsageError(f"points have shapes {[one.shape for one in points]}; expected (n,) each")
@@ -183,10 +197,16 @@ def _block(
 ) -> cosim.Fmu:
     from stickslip.models import LinearSystem  # as in ``linear``
 
+    states = [f"x[{k}]" for k in range(len(matrices["A"]))]
+    names = [*inputs, "y", *states]
+    if not isinstance(units, Mapping | None):
+        raise UsageError(f"units: expected them by name, as {{'y': 'N'}}, got {units!r:.80}")
+    if wrong := [one for one in units or {} if one not in names]:
+        raise UsageError(f"units: there is no {wrong[0]!r}{suggestion(wrong[0], names)}")
+
     def with_units(names: Sequence[str]) -> dict[str, str | None]:
         return {one: (units or {}).get(one) for one in names}
 
-    states = [f"x[{k}]" for k in range(len(matrices["A"]))]
     return linear(
         LinearSystem(
             name,
@@ -200,11 +220,8 @@ def _block(
     )
 
 
-def _converted(thing: object) -> cosim.Component | None:
-    """Return the component that ``System.add`` makes of what is neither component nor path."""
+def component(thing: object) -> object:
+    """Return a system of python-control or a Python function as a component, others as given."""
     if type(thing).__module__.partition(".")[0] == "control":
         return linear(thing)
-    return function(thing) if callable(thing) else None
-
-
-CONVERTERS.append(_converted)
+    return function(thing) if callable(thing) else thing

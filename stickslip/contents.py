@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.cosim import Variable, read_ssp, variants
+from stickslip.cosim.display import html_table
 from stickslip.cosim.fmu.fmu import described
-from stickslip.cosim.system.display import html_table
 from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
-from stickslip.fmi.messages import printable
+from stickslip.fmi.messages import printable, suggestion
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -21,7 +21,7 @@ Row = dict[str, Any]
 """A line of a table, by column."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Info:
     """What a file contains; shows itself as text and, in a notebook, as tables.
 
@@ -41,6 +41,8 @@ class Info:
         """Return one of the tables."""
         import pandas as pd  # late, for those who start quickly
 
+        if name not in self.tables:
+            raise KeyError(f"{self.path} has no table {name!r}{suggestion(name, self.tables)}")
         return pd.DataFrame(self.tables[name])
 
     @property
@@ -60,7 +62,10 @@ class Info:
             lines += ["", f"{name} ({len(rows)})", *_columns(rows)]
         return "\n".join(lines)
 
-    def __str__(self) -> str:
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.tables)
+
+    def __repr__(self) -> str:
         return self.text()
 
     def _repr_html_(self) -> str:

@@ -10,7 +10,10 @@ StickslipError(Fault)
         LimitError                      a limit refused a command, or aborted its motion
 """
 
+from typing import Any
+
 from stickslip.fmi.errors import Fault
+from stickslip.fmi.messages import printable
 
 
 class StickslipError(Fault):
@@ -43,3 +46,17 @@ class RigError(StickslipError, RuntimeError):
 
 class LimitError(RigError):
     """A limit refused a command, or aborted its motion."""
+
+
+def number(what: str, value: Any) -> float:
+    """Return a value as a number.
+
+    Raises
+    ------
+    UsageError
+        When it is none.
+    """
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise UsageError(f"{what}: expected a number, got {printable(repr(value), 80)}") from None

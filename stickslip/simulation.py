@@ -111,23 +111,23 @@ class Model:
         start = self.experiment.start or 0.0
         stop = self.experiment.stop if stop is None else stop
         if stop is None:
-            raise UsageError(self._lacks("stop"))
+            raise UsageError(
+                f"{self.path}: no stop time is proposed; give one in s: stop=, or --stop"
+            )
         step = self.step(stop) if step is None else step
-        if step is None:
-            raise UsageError(self._lacks("step"))
         try:
             return self.system.prepare(start=start, stop=stop, step=step, record=record, **options)
         except cosim.ExperimentError as fault:
-            hint = "" if "tolerance" in str(fault) else "; see --stop and --step"
+            hint = "" if "tolerance" in str(fault) else "; see stop and step"
             raise UsageError(f"{self.path}: {fault}{hint}") from fault
 
-    def step(self, stop: float) -> float | None:
-        """Return the step of a run to a stop time [s]; None for a system from Python.
+    def step(self, stop: float) -> float:
+        """Return the step of a run to a stop time [s].
 
         It is the one that the file proposes, else the smallest that its FMUs propose, reduced so
         that it divides the run, else 1/500 of the run.
         """
-        if self.experiment.step is not None or not self.path.suffix:
+        if self.experiment.step is not None:
             return self.experiment.step
         duration = stop - (self.experiment.start or 0.0)
         proposed = (one.experiment.step for one in self.system.components.values())
@@ -157,11 +157,6 @@ class Model:
                     if not live and one not in system.parameters:
                         found[source or one] = (element.start, system.unit(one) or "")
         return found
-
-    def _lacks(self, time: str) -> str:
-        if not self.path.suffix:
-            return f"system '{self.path}': give {time}=, a time [s]"
-        return f"{self.path}: the file proposes no {time}; give --{time}"
 
     def record(
         self, names: Iterable[str] | None, every: int = 1, keep: str = "all"
@@ -199,7 +194,9 @@ class Model:
 
     def exposed(self, column: str) -> str:
         """Return the input that a column drives: named so, or as the variable with its dots."""
-        return column if column in self.system.inputs else column.replace(".", "_")
+        own = (column, *(column.removeprefix(f"{name}.") for name in self.system.components))
+        spelled = (one for name in own for one in (name, name.replace(".", "_")))
+        return next((one for one in spelled if one in self.system.inputs), column)
 
 
 def _expose_inputs(system: cosim.System) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -16,12 +17,15 @@ import pandas as pd
 from tqdm import tqdm
 
 from stickslip import cosim, ga
+from stickslip.cosim.display import html_table
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import Inputs
-from stickslip.errors import UsageError
+from stickslip.errors import UsageError, number
 from stickslip.fmi.messages import printable
 from stickslip.simulation import Model
 from stickslip.tuning.jobs import Outcome, run_jobs
+
+_log = logging.getLogger(__name__)
 
 Progress = Callable[[int, int], object]
 """Takes how many runs are done and how many there are."""
@@ -46,6 +50,19 @@ class Optimised:
     cost: float
     table: pd.DataFrame
     stopped: str
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name} = {value:.6g}" for name, value in self.parameters.items())
+        return f"Optimised({values}; cost {self.cost:.6g}, {self._runs})"
+
+    def _repr_html_(self) -> str:
+        rows = [(name, f"{value:.6g}") for name, value in self.parameters.items()]
+        caption = f"cost {self.cost:.6g}, {self._runs}"
+        return html_table(("parameter", "value"), rows, caption, words=1)
+
+    @property
+    def _runs(self) -> str:
+        return f"{len(self.table)} runs, ended by {self.stopped}"
 
 
 def sweep(
@@ -85,17 +102,18 @@ def sweep(
     -------
     pandas.DataFrame
         a row for each combination, the last parameter varying first: the parameters, then the
-        figures. A run that failed has NaN, and its reason in a further column ``reason``, which
-        is absent where none failed.
+        figures. A run or figure that failed has NaN, and the reason in a further column
+        ``reason``, which is absent where none failed.
 
     Raises
     ------
     UsageError
         When there is nothing to vary or to evaluate, a name comes twice, or a figure is not a
-        number.
+        number, or fails in every run.
     CosimError
         When the system, a name or an input is wrong.
     """
+    _require_names(parameters=parameters, figures=figures)
     values = {name: _values(name, some) for name, some in parameters.items()}
     if not values or not all(values.values()) or not figures:
         raise UsageError("a sweep needs parameters with values, and figures")
@@ -110,6 +128,7 @@ def sweep(
             model.system.checked(name, value)
     grid = list(product(*values.values()))
     rows: dict[int, Mapping[str, Any]] = {}
+    failed: list[str] = []
     with (
         ga.SimulatedCost(specification, names, _nothing, signals) as cost,
         _shown(progress) as report,
@@ -119,10 +138,15 @@ def sweep(
         def take(run: _Run, outcome: Outcome) -> None:
             found = json.loads(outcome.learned) if outcome.learned else {"reason": outcome.reason}
             rows[run.place] = dict(zip(values, run.values, strict=True)) | found
+            if "reason" in found and not failed:
+                _log.warning("a run of the sweep failed: %s", found["reason"])
+                failed.append("reason")
             report(len(rows), len(grid))
 
         run_jobs(_evaluated, runs, 0, where, workers, take)
-    failed = ["reason"] if any("reason" in row for row in rows.values()) else []
+    first = rows[0].get("reason", "")
+    if first.startswith("figure ") and not any({*figures} & {*row} for row in rows.values()):
+        raise UsageError(f"{first}; no run gave a figure")
     columns = [*values, *figures, *failed]
     table = pd.DataFrame([rows[k] for k in range(len(grid))], columns=columns)
     return table.fillna({"reason": ""}) if failed else table
@@ -166,6 +190,7 @@ def optimise(
     CosimError
         When the system, a name or an input is wrong.
     """
+    _require_names(ranges=ranges)
     model, specification, signals = _prepared(system, stop, step, inputs, record, options)
     genes = []
     for name, span in ranges.items():
@@ -212,26 +237,34 @@ def _evaluated(run: _Run, _seed: int, _stage: object = None) -> Outcome:
         result = run.cost.result(np.array(run.values))
     except ga.CandidateFailed as failure:
         return Outcome(reason=str(failure))
-    figures = {name: _number(f"figure {name!r}", of(result)) for name, of in run.figures.items()}
-    return Outcome(json.dumps(figures))
+    found: dict[str, float | str] = {}
+    for name, of in run.figures.items():
+        try:
+            value = of(result)
+        except Exception as fault:  # noqa: BLE001 - a function of the user
+            found.setdefault("reason", f"figure {name!r}: {type(fault).__name__}: {fault}")
+        else:
+            found[name] = number(f"figure {name!r}", value)
+    return Outcome(json.dumps(found))
 
 
 def _cost(cost: Figure, result: cosim.Result) -> float:
-    return _number("the cost", cost(result))
+    return number("the cost", cost(result))
+
+
+def _require_names(**given: object) -> None:
+    """Raise UsageError where something is not given by name."""
+    for what, some in given.items():
+        if not isinstance(some, Mapping):
+            got = printable(repr(some), 80)
+            raise UsageError(f"{what}: expected a dictionary with a name for each, got {got}")
 
 
 def _values(name: str, some: Iterable[float]) -> list[float]:
     """Return the values of a parameter."""
     if isinstance(some, str) or not isinstance(some, Iterable):
         raise UsageError(f"{name}: expected its values in a list, got {printable(repr(some), 80)}")
-    return [_number(name, value) for value in some]
-
-
-def _number(what: str, value: Any) -> float:
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise UsageError(f"{what}: expected a number, got {printable(repr(value), 80)}") from None
+    return [number(name, value) for value in some]
 
 
 @contextmanager

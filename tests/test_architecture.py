@@ -26,7 +26,14 @@ ALLOWED = {
 }
 # From the lowest to the highest: each room uses those before it and those beside it.
 ROOMS_OF_COSIM = (
-    *({"errors"}, {"kernel"}, {"component", "fmu"}, {"signals"}, {"system"}, {"function"}),
+    *(
+        {"errors", "display"},
+        {"kernel"},
+        {"component", "fmu"},
+        {"signals"},
+        {"system"},
+        {"function"},
+    ),
     *({"assembly"}, {"run"}, {"isolation"}, {"control"}, {"ssp"}, {"container"}),
 )
 # They import what runs a system when they are called.

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from stickslip.cosim.component import Component, Interface
+from stickslip.cosim.display import html_table
 from stickslip.cosim.errors import FmuError
 from stickslip.fmi import toolchain
 from stickslip.fmi.archive import restore, unpack
@@ -29,6 +30,7 @@ _TAGS: Mapping[Interface, str] = {
     "co_simulation": "CoSimulation",
     "model_exchange": "ModelExchange",
 }
+_SHOWN = 50  # variables that a notebook shows
 _IDENTIFIER = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,199}")
 
 
@@ -141,6 +143,19 @@ class Fmu(Component):
 
     def __repr__(self) -> str:
         return f"Fmu({str(self.path)!r})"
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: inputs, outputs and parameters with units."""
+        kinds = ("input", "output", "parameter", "structuralParameter")
+        own = [v for v in self.variables.values() if v.causality in kinds]
+        own.sort(key=lambda v: kinds.index(v.causality))
+        rows = [
+            (v.name, v.causality, v.unit or "", "" if v.start is None else v.start, v.description)
+            for v in own[:_SHOWN]
+        ]
+        more = f", {len(own) - _SHOWN} more" if len(own) > _SHOWN else ""
+        caption = f"{self.label}: {self.name}, FMI {self.description.standard}{more}"
+        return html_table(("name", "", "unit", "start", "description"), rows, caption, words=5)
 
     def restore(self) -> None:
         """Unpack the FMU again where its unpacked files were changed, as by a run of it.

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.cosim.display import html_table
 from stickslip.cosim.signals.signals import Array
-from stickslip.cosim.system.display import html_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +37,7 @@ def draw(
     time: Array,
     signals: Mapping[str, Array],
     units: Mapping[str, str | None],
-    axes: Sequence[Axes] | None,
+    axes: Axes | Sequence[Axes] | None,
 ) -> list[Axes]:
     """Draw signals over time, those of one unit in one panel; see ``Result.plot``."""
     panels: dict[str | None, list[str]] = {}
@@ -51,11 +51,13 @@ def draw(
             len(panels), sharex=True, squeeze=False, figsize=size, layout="constrained"
         )
         figure.align_ylabels()
-        axes = list(grid[:, 0])
-    if len(axes) != len(panels):
-        raise ValueError(f"expected axes for {len(panels)} units, got {len(axes)}")
+    else:
+        grid = np.atleast_1d(np.asarray(axes, dtype=object))
+    given: list[Axes] = list(grid.ravel())
+    if len(given) != len(panels):
+        raise ValueError(f"expected axes for {len(panels)} units, got {len(given)}")
     seconds, of_time = scaled_unit("s", float(np.abs(time).max(initial=0.0)))
-    for panel, (unit, names) in zip(axes, panels.items(), strict=True):
+    for panel, (unit, names) in zip(given, panels.items(), strict=True):
         sizes = [np.abs(signals[name][np.isfinite(signals[name])]) for name in names]
         factor, shown = scaled_unit(unit, max(float(size.max(initial=0.0)) for size in sizes))
         for name in names:
@@ -64,8 +66,8 @@ def draw(
             panel.legend()
         panel.set_ylabel(f"{names[0]} [{shown}]" if len(names) == 1 else f"[{shown}]")
         panel.grid(visible=True, alpha=0.3)
-    axes[-1].set_xlabel(f"time [{of_time}]")
-    return list(axes)
+    given[-1].set_xlabel(f"time [{of_time}]")
+    return given
 
 
 def summary(

@@ -104,7 +104,7 @@ class Result:
     def _ipython_key_completions_(self) -> list[str]:
         return list(self.names)
 
-    def plot(self, *names: str, axes: Sequence[Axes] | None = None) -> list[Axes]:
+    def plot(self, *names: str, axes: Axes | Sequence[Axes] | None = None) -> list[Axes]:
         """Draw signals over time with matplotlib, those of one unit in one panel.
 
         Values and time are shown in the SI prefix that makes numbers between 1 and 1000 of them.
@@ -112,7 +112,8 @@ class Result:
         Parameters
         ----------
         names : of signals; all by default
-        axes : one for each unit, in the order of the names; by default those of a new figure
+        axes : one for each unit, in the order of the names, or the one; by default those of a new
+            figure
 
         Returns
         -------

@@ -37,6 +37,12 @@ class Simulation(Repeated):
     pacing : how well the last run kept real time, None when it did not have to
     """
 
+    def __repr__(self) -> str:
+        spec = self.spec
+        return (
+            f"Simulation({spec.system!r}, {spec.start:g} to {spec.stop:g} s, step {spec.step:g} s)"
+        )
+
     def run(
         self,
         parameters: Mapping[str, object] | None = None,

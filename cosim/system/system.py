@@ -7,16 +7,16 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
-from stickslip.cosim.component import CONVERTERS, Component, Interface
+from stickslip.cosim.component import Component, Interface
+from stickslip.cosim.display import html_table
 from stickslip.cosim.errors import ConnectionFault, CosimError, ParameterError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.names import check_name, component_of, variable_of
 from stickslip.cosim.fmu.values import converted, resized
 from stickslip.cosim.system.connections import End, check_connection, pairs, transform
 from stickslip.cosim.system.coupling import Coupling, Method
-from stickslip.cosim.system.display import html_table
 from stickslip.cosim.system.drawing import block_diagram
 from stickslip.cosim.system.isolation import Isolated, Isolation
 from stickslip.cosim.system.record import Record
@@ -123,8 +123,7 @@ class System:
 
         Parameters
         ----------
-        fmu : an FMU or its path, or a Function; of ``ss.System`` also a linear system of
-            python-control, or a Python function of the inputs that its parameters name
+        fmu : an FMU or its path, or a Function
         interface : by which an FMU is run: ``co_simulation``, the default where it has one, or
             ``model_exchange``
 
@@ -386,9 +385,9 @@ class System:
             isolation,
         ).prepare()
 
-    def copy(self) -> System:
+    def copy(self) -> Self:
         """Return a system that can be changed without changing this one; FMUs are shared."""
-        twin = System(self.name)
+        twin = type(self)(self.name)
         for name, value in vars(self).items():
             setattr(twin, name, value.copy() if isinstance(value, dict) else value)
         return twin
@@ -421,9 +420,6 @@ def _component(name: str, thing: Any, interface: Interface | None) -> Component:
         return Fmu(thing, interface=interface)
     if isinstance(thing, Component):
         return thing
-    for convert in CONVERTERS:
-        if (component := convert(thing)) is not None:
-            return component
     raise ConnectionFault(
         f"{name}: a {type(thing).__name__} is no component; expected an FMU, its path or a Function"
     )

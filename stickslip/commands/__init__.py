@@ -4,7 +4,9 @@ The first line of the file, ``stickslip NAME`` and what it does, makes it a comm
 """
 
 import argparse
+import re
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 from stickslip.output import LOG
@@ -28,12 +30,25 @@ def at_least(least: int) -> Callable[[str], int]:
     """Return the type of an option that is a whole number, for ``argparse``."""
 
     def whole_number(text: str) -> int:
-        value = int(text)
-        if value < least:
-            raise argparse.ArgumentTypeError(f"must be at least {least}, got {value}")
+        if not re.fullmatch(r"[+-]?\d+", text) or (value := int(text)) < least:
+            raise argparse.ArgumentTypeError(
+                f"expected a whole number, at least {least}, got {text!r}"
+            )
         return value
 
     return whole_number
+
+
+def require_files(*paths: Path | None) -> None:
+    """Raise OSError where a file or folder that is given is not there, before heavy imports."""
+    for path in paths:
+        if path is not None:
+            path.stat()
+
+
+def complete_with(action: argparse.Action, names: Callable[[], Iterable[str]]) -> None:
+    """Let a shell complete the values of an argument that is not limited to them."""
+    action.completer = lambda **_: names()  # type: ignore[attr-defined]
 
 
 def warn(message: str) -> None:

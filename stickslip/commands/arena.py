@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip import models
-from stickslip.commands import FLAG, SEVERAL, add_options, at_least
+from stickslip.commands import FLAG, SEVERAL, add_options, at_least, complete_with, require_files
 from stickslip.commands.execution import add_worker_options
 from stickslip.commands.progress import TerminalProgress, add_live_option
 from stickslip.errors import UsageError
 from stickslip.evaluation.arena.budget import Budget
-from stickslip.evaluation.arena.names import require_parts
+from stickslip.evaluation.arena.names import drive_names, part_names, require_drives, require_parts
 from stickslip.output import Answer
 from stickslip.results.folder import reserved
 from stickslip.tuning.execution import Execution
@@ -32,9 +32,10 @@ def declare(parser: argparse.ArgumentParser) -> None:
         " arena.csv, arena.html, and the winner of each drive as FMU, C and structured text."
     )
     laws = f"only drives with these friction laws: {', '.join(models.law_names())}"
-    add_options(parser, {"--laws LAW": laws}, **SEVERAL)
+    add_options(parser, {"--laws LAW": laws}, choices=models.law_names(), **SEVERAL)
     names = "what competes, such as pi, static or lugre+ekbf (default: all)"
-    add_options(parser, {"--compensators NAME": names}, **SEVERAL)
+    named = parser.add_argument("--compensators", metavar="NAME", help=names, **SEVERAL)
+    complete_with(named, part_names)
     add_options(parser, {"--drives FILE.toml": "drives instead of the default ones"}, type=Path)
     learned = "a learned drive instead of the default ones, or beside those of --drives"
     add_options(parser, {"--drive learned.json": learned}, type=Path, **SEVERAL)
@@ -101,6 +102,9 @@ def run(options: argparse.Namespace) -> Answer:
 
 def _plan(options: argparse.Namespace) -> Plan:
     """Return what the options choose."""
+    require_files(options.drives, *options.drive, *options.compensator, *options.ports)
+    if not (options.drives or options.drive):
+        require_drives(options.only, drive_names())
     if not options.compensator:  # else names of the user's own count, too
         for name in options.compensators or ():
             require_parts(name)

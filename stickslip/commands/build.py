@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 
 from stickslip import models
-from stickslip.commands import FLAG, add_options
+from stickslip.commands import FLAG, add_options, complete_with
 from stickslip.commands.platforms import add_platform_option, parse_platforms
 from stickslip.fmi.process import Threads
 from stickslip.output import Answer
@@ -18,7 +18,8 @@ VERSIONS: tuple[models.FmiVersion, ...] = (2, 3)
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("models", nargs="*", metavar="MODEL", help="all of them by default")
+    named = parser.add_argument("models", nargs="*", metavar="MODEL", help="all by default")
+    complete_with(named, models.model_names)
     parser.add_argument("--fmi", choices=["2", "3", "both"], default="both")
     laws = ", ".join(models.law_names())
     add_options(parser, {"--law NAME": f"friction law of the models that contain one: {laws}"})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from stickslip.commands import add_options
+from stickslip.commands import add_options, require_files
 from stickslip.output import Answer
 
 
@@ -25,6 +25,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Print two tables; write them with a page if there is a folder."""
+    require_files(*options.places)
     from stickslip.report.drives import drives_sections
     from stickslip.report.markup import paragraph
     from stickslip.report.page import picture_files, write_page

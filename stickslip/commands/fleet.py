@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stickslip.commands import FLAG, add_options, at_least
+from stickslip.commands import FLAG, add_options, at_least, require_files
 from stickslip.commands.execution import add_worker_options
 from stickslip.commands.progress import TerminalProgress, add_live_option, spread_of
 from stickslip.output import Answer
@@ -44,6 +44,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Learn all drives, write the results, print what is known; status 1 if a drive failed."""
+    require_files(options.table)
     from stickslip.fleet import read_fleet
     from stickslip.fleet.writing import files_of
 

@@ -8,7 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.catalog.parameters import unit_of
-from stickslip.commands import FLAG, SEVERAL, add_old_spelling, add_options, at_least, warn
+from stickslip.commands import (
+    FLAG,
+    SEVERAL,
+    add_old_spelling,
+    add_options,
+    at_least,
+    complete_with,
+    warn,
+)
 from stickslip.commands.assignments import add_law_option
 from stickslip.commands.execution import add_algorithm_option, add_execution_options, execution_of
 from stickslip.commands.log_options import (
@@ -21,7 +29,7 @@ from stickslip.commands.log_options import (
 from stickslip.commands.progress import TerminalProgress, add_live_option
 from stickslip.commands.rig_option import add_rig_option, rig_of
 from stickslip.errors import UsageError
-from stickslip.evaluation.arena.names import require_parts
+from stickslip.evaluation.arena.names import part_names, require_parts
 from stickslip.output import Answer
 from stickslip.results.folder import reserved
 
@@ -72,7 +80,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_law_option(
         parser, "auto", more="; auto: the one that predicts the force best where it is not fitted"
     )
-    parser.add_argument(
+    named = parser.add_argument(
         "--compensator",
         default="",
         metavar="NAME",
@@ -80,6 +88,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "such as ekbf or amin, both as in static+ekbf, or auto for the best of them on the drives "
         "that the log supports (default: the law, and ekbf where it helps)",
     )
+    complete_with(named, lambda: ["auto", *part_names()])
     absent = {"--without SIGNAL": "signals that the controller cannot give a compensator"}
     add_options(parser, absent, choices=("encoder", "motor_force"), **SEVERAL)
     parser.set_defaults(run=run)

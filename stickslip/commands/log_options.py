@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
-from stickslip.commands import SEVERAL, add_options
+from stickslip.commands import SEVERAL, add_options, require_files
 from stickslip.commands.assignments import split_assignments
 from stickslip.errors import UsageError
 from stickslip.logs import ROLES, Column, Description, Finding, Kind, load_description
@@ -62,11 +62,14 @@ def one_of(what: str, *given: Path | None) -> Path:
     ------
     UsageError
         When there is none, or more than one.
+    OSError
+        When the file is not there.
     """
     paths = [path for path in given if path is not None]
     if len(paths) != 1:
         got = " and ".join(map(str, paths)) or "none"
         raise UsageError(f"expected {what} as an argument; got {got}")
+    require_files(paths[0])
     return paths[0]
 
 

@@ -112,7 +112,8 @@ class TerminalProgress:
         width = max(map(len, rows), default=0)
         for place, (name, (share, text)) in enumerate(rows.items(), 1):
             if name not in self._rows:
-                self._rows[name] = tqdm(total=1.0, position=place, leave=False, file=self._stream)
+                looks = {"bar_format": "{desc}", "leave": False, "file": self._stream}
+                self._rows[name] = tqdm(total=1.0, position=place, **looks)
             row, bar = self._rows[name], "" if math.isnan(share) else "|{bar:20}| "
             row.bar_format = f"  {name:{width}} {bar}{text}"
             row.n = 0.0 if math.isnan(share) else share

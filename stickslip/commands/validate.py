@@ -11,7 +11,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.commands import FLAG, add_options, warn
+from stickslip.commands import FLAG, add_options, require_files, warn
 from stickslip.commands.assignments import add_set_option, add_source_option, drive_changes
 from stickslip.commands.log_options import add_log_options, description_of, one_of, print_findings
 from stickslip.commands.progress import TerminalProgress
@@ -53,10 +53,12 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Compare with a log, or evaluate on the simulated drive."""
+    file = one_of("a learned.json", options.learned, options.learned_option)
+    require_files(options.log, options.without, options.rig)
     from stickslip.results.learned import LearnedFile
     from stickslip.results.validated_folder import COMPARISON_FILES, LOG_FILES
 
-    learned = LearnedFile(one_of("a learned.json", options.learned, options.learned_option))
+    learned = LearnedFile(file)
     if options.rig:
         if options.log or options.without or options.set or options.velocity_filter:
             raise UsageError("--rig: expected none of --log, --without, --set, --velocity-filter")

@@ -8,12 +8,21 @@ import numpy as np
 
 from stickslip.errors import RecordingError, UsageError
 from stickslip.logs.clock import clock_seconds, is_clock
-from stickslip.logs.description import Description, quantity_key
+from stickslip.logs.description import Description
 from stickslip.logs.finding import Finding
 from stickslip.logs.recording import Motion
 from stickslip.logs.roles import named_quantity, suffix_unit
 from stickslip.logs.table import LogTable
-from stickslip.logs.units import QUANTITIES, Unit, motion_of, unit_named, unit_names
+from stickslip.logs.units import (
+    QUANTITIES,
+    Unit,
+    expected_units,
+    motion_of,
+    quantity_key,
+    quantity_of,
+    unit_named,
+    unit_names,
+)
 from stickslip.servo.measurement import Array
 
 LARGEST = 1e30
@@ -23,18 +32,10 @@ FEW = 10
 
 
 def unit_of(table: LogTable, description: Description, role: str, name: str) -> Unit | None:
-    """Return the unit of a column: that of the description, else that of the header, else None.
-
-    Raises
-    ------
-    UsageError
-        When the unit of the description is unknown.
-    """
+    """Return the unit of a column: that of the description, else that of the header, else None."""
     given = description.column(role).unit
     if given is not None:
-        if unit := unit_named(given):
-            return unit
-        raise UsageError(f"unit '{given}' of {role} is unknown; expected {_expected(role)}")
+        return unit_named(given)
     if stated := table.units.get(name):
         return unit_named(stated)
     ending = suffix_unit(name)
@@ -59,7 +60,7 @@ def unit_fault(
     """
     if description.column(role).scale is not None:
         return None
-    expected = _quantity(role, motion)
+    expected = quantity_of(role, motion)
     SI = unit_names(expected)[0]
     if unit:
         if unit.quantity == expected or _implied_scale(table, description, role, unit) is not None:
@@ -71,7 +72,7 @@ def unit_fault(
             what = f"{role} is in {unit.name} of a rated {expected} that is not known"
             return Finding("error", what, "", advice)
         what = f"{role} is in {unit.name}, which is not a {expected} ({motion} motion)"
-        advice = f"give a unit such as {_expected(role, motion)}, or what {one} is in {SI}"
+        advice = f"give a unit such as {expected_units(role, motion)}, or what {one} is in {SI}"
         advice = f"{advice} with --scale {role}=NUMBER"
         if role not in ("time", "position", "force"):
             advice = f"{advice}; --column {role}=none leaves it out"
@@ -89,7 +90,7 @@ def unit_fault(
         what = "whole numbers only, without a unit"
     else:
         return None
-    advice = f"give --unit {role}=UNIT, such as {_expected(role, motion)}"
+    advice = f"give --unit {role}=UNIT, such as {expected_units(role, motion)}"
     per = {"current": "A", "voltage": "V", "percentage": "1 %", "torque": "N.m"}.get(named or "")
     other = ", or --motion rotary" if named == "torque" else ""
     advice = f"{advice}, or --scale {role}=NUMBER, in {SI} per {per or '1'}{other}"
@@ -189,7 +190,7 @@ def assumed_units(
 ) -> list[Finding]:
     """Return the note on columns without a stated unit."""
     assumed = [
-        f"{role} in {unit_names(_quantity(role, motion))[0]}"
+        f"{role} in {unit_names(quantity_of(role, motion))[0]}"
         for role, unit in units.items()
         if unit is None and description.column(role).scale is None
     ]
@@ -207,14 +208,3 @@ def _points_in_time(table: LogTable, name: str) -> Array:
     except (ValueError, OverflowError) as error:
         reason = " ".join(str(error).split())[:80]
         raise RecordingError(f"{table.path}: column '{name}': not a time ({reason})") from None
-
-
-def _quantity(role: str, motion: Motion) -> str:
-    return "time" if role == "time" else QUANTITIES[motion][quantity_key(role)]
-
-
-def _expected(role: str, motion: Motion | None = None) -> str:
-    """Return the commonest units of a role."""
-    motions = [motion] if motion else list(QUANTITIES)
-    names = [name for m in motions for name in unit_names(_quantity(role, m))[:4]]
-    return ", ".join(dict.fromkeys(names))

@@ -7,12 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
-from stickslip.logs.description import quantity_key
 from stickslip.logs.finding import Finding
 from stickslip.logs.motion import kinematics
 from stickslip.logs.reading import Reading
 from stickslip.logs.unit_factors import EQUALS, described_ratio, near_factor
-from stickslip.logs.units import QUANTITIES, Unit, sized_unit
+from stickslip.logs.units import QUANTITIES, Unit, quantity_key, sized_unit
 from stickslip.servo.measurement import Array, smoothed
 
 RATE = "d(position)/dt"

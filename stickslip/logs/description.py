@@ -13,6 +13,7 @@ from stickslip.errors import UsageError
 from stickslip.fmi.messages import suggestion
 from stickslip.logs.controller import GAINS, Kind, check_gains
 from stickslip.logs.recording import Motion
+from stickslip.logs.units import expected_units, unit_named
 from stickslip.toml_files import NUMBER, TABLE, TEXT, checked, is_number, list_of, read_toml
 from stickslip.toml_files import Kind as KeyKind
 
@@ -34,12 +35,6 @@ ROLES = (
 """What a column can be."""
 CONFIRMED = ("mass", "speed", "acceleration", "force")
 """Figures that are errors where they are extreme, until they are confirmed."""
-
-
-def quantity_key(role: str) -> str:
-    """Return what a role measures: time, position, velocity or force."""
-    key = role.removesuffix("_command").removeprefix("added_")
-    return "force" if key == "friction" else key
 
 
 @dataclass(frozen=True)
@@ -108,6 +103,10 @@ class Description:
         for role, column in self.columns.items():
             if not isinstance(column, Column):
                 raise UsageError(f"columns: {role}: expected a Column, got {column!r:.80}")
+            if column.unit is not None and unit_named(column.unit) is None:
+                raise UsageError(
+                    f"unit '{column.unit}' of {role} is unknown; expected {expected_units(role)}"
+                )
         for name in ("sample_period", "tau_i"):
             if not isinstance(value := getattr(self, name), int | float | None):
                 raise UsageError(f"{name} = {value!r:.80}: expected a number, in s")

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 
 from stickslip.errors import RecordingError
-from stickslip.logs.description import ROLES, Description, quantity_key
+from stickslip.logs.description import ROLES, Description
 from stickslip.logs.finding import Finding
 from stickslip.logs.table import LogTable
-from stickslip.logs.units import QUANTITIES, unit_named
+from stickslip.logs.units import QUANTITIES, quantity_key, unit_named
 
 _EXACT = {
     "time": "t time timestamp zeitstempel time_stamp x_value",

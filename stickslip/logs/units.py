@@ -176,3 +176,21 @@ def motion_of(unit: Unit) -> Motion | None:
         if unit.quantity in quantities.values():
             return motion
     return None
+
+
+def quantity_key(role: str) -> str:
+    """Return what the role of a column measures: time, position, velocity or force."""
+    key = role.removesuffix("_command").removeprefix("added_")
+    return "force" if key == "friction" else key
+
+
+def quantity_of(role: str, motion: Motion) -> str:
+    """Return the quantity of a role's units in a motion."""
+    return "time" if role == "time" else QUANTITIES[motion][quantity_key(role)]
+
+
+def expected_units(role: str, motion: Motion | None = None) -> str:
+    """Return the commonest units of a role."""
+    motions = [motion] if motion else list(QUANTITIES)
+    names = [name for m in motions for name in unit_names(quantity_of(role, m))[:4]]
+    return ", ".join(dict.fromkeys(names))

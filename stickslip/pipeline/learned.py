@@ -16,7 +16,7 @@ import pandas as pd
 
 from stickslip import ga
 from stickslip.cosim import Trapezoid
-from stickslip.cosim.system.display import html_table
+from stickslip.cosim.display import html_table
 from stickslip.evaluation.guards import Benefit, Drive, Hold
 from stickslip.evaluation.tracking import Tracking
 from stickslip.identification.estimation import (

@@ -153,8 +153,8 @@ def test_a_plot_has_a_panel_for_each_unit(result):
     (one,) = result.plot("y")
     assert one.get_ylabel() == "a.y [N]"
     assert one.get_legend() is None
-    assert result.plot("force", axes=[one]) == [one]
-    assert len(one.lines) == 2
+    assert result.plot("force", axes=[one]) == result.plot("force", axes=one) == [one]
+    assert len(one.lines) == 3
     with pytest.raises(KeyError, match=r"'a\.z' was not recorded; did you mean"):
         result.plot("a.z")
     with pytest.raises(ValueError, match="expected axes for 2 units, got 1"):

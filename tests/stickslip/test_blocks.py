@@ -77,6 +77,11 @@ def test_delay_gain_saturation_and_table():
         (lambda: ss.blocks.saturation(1.0, 1.0), UsageError, "expected the lower one first"),
         (lambda: ss.blocks.lookup([0.0, 0.0], [1.0, 2.0]), UsageError, "x that rises"),
         (lambda: ss.blocks.lookup([0.0, 1.0], [1.0]), UsageError, r"expected \(n,\) each"),
+        (lambda: ss.blocks.lookup(["a", 1.0], [1.0]), UsageError, "points: expected numbers"),
+        (lambda: ss.blocks.gain("x"), UsageError, "k: expected a number, got 'x'"),
+        (lambda: ss.blocks.gain(2.0, {"in": "kN"}), UsageError, "units: there is no 'in'"),
+        (lambda: ss.blocks.gain(2.0, "N"), UsageError, "units: expected them by name"),
+        (lambda: ss.blocks.saturation(None, 1.0), UsageError, "low: expected a number, got None"),
     ],
 )
 def test_what_is_no_component_is_told(thing, error, message):

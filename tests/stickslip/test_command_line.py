@@ -92,7 +92,7 @@ def test_a_log_may_follow_its_options(tmp_path, capsys):
         ["--log", missing],
     ):
         assert run("learn", *words) == 1
-        assert f"{missing}: cannot be read (No such file" in capsys.readouterr().err
+        assert f"{missing}: No such file" in capsys.readouterr().err
 
 
 def test_a_system_to_export_may_follow_its_options(package, tmp_path, capsys):
@@ -107,6 +107,7 @@ def test_a_system_to_export_may_follow_its_options(package, tmp_path, capsys):
         ("simulate --stpo 2 x.fmu", "there is no option '--stpo'; did you mean '--stop'"),
         ("learn --lwa auto x.csv", "there is no option '--lwa'; did you mean '--law'"),
         ("learn --law lugr x.csv", "--law: there is no 'lugr'; did you mean 'lugre'"),
+        ("arena --laws lugr --out x", "--laws: there is no 'lugr'; did you mean 'lugre'"),
         ("export compensatr", "did you mean 'compensator'"),
         ("build --platform x86-linux", "--platform: there is no 'x86-linux'; did you mean"),
         ("simulate --set a=1 x x.fmu", "--set: expected NAME=VALUE, got 'x'"),
@@ -252,6 +253,10 @@ def test_info_shows_what_an_fmu_contains(stage, capsys):
     assert table.start["m"] == described.variables["m"].start
     assert found.facts["experiment"]["step"] == described.experiment.step
     assert "Moving mass" in found._repr_html_()
+    assert "Moving mass" in ss.Fmu(stage)._repr_html_()
+    assert repr(found) == found.text()
+    with pytest.raises(KeyError, match="no table 'variable'; did you mean 'variables'"):
+        found["variable"]
 
 
 def test_info_reads_an_fmu_of_another_platform(tmp_path, capsys):

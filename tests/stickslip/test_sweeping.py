@@ -86,6 +86,19 @@ def test_a_run_that_fails_is_a_row_with_its_reason(stage):
     assert table["end"][1] == pytest.approx(expected(9.0, M), rel=2e-2)
 
 
+def test_a_figure_that_raises_costs_its_own_cell(stage):
+    system = ss.System("lone")
+    system.add("stage", stage, {"u": PUSH})
+    figures = {"end": end_of_stage, "one": lambda result: 1 // int(end_of_stage(result) > 0.1)}
+    table = system.sweep({"stage.F_c": [0.2, 20.0]}, figures, stop=STOP)
+    assert table["end"][0] == pytest.approx(expected(0.2, M), rel=1e-2)
+    assert table["end"][1] == pytest.approx(0.0, abs=1e-3)
+    assert table["one"][0] == 1.0
+    assert np.isnan(table["one"][1])
+    assert table["reason"][0] == ""
+    assert table["reason"][1].startswith("figure 'one': ZeroDivisionError")
+
+
 def end_of_stage(result: ss.Result) -> float:
     return float(result["stage.v"][-1])
 
@@ -95,11 +108,14 @@ def test_mistakes_are_one_line(stage):
         ss.sweep(stage, {"F_k": [1.0]}, {"end": end}, **RUN)
     with pytest.raises(ss.Fault, match="needs parameters with values, and figures"):
         ss.sweep(stage, {"F_c": []}, {"end": end}, **RUN)
-    with pytest.raises(KeyError, match="was not recorded"):
+    with pytest.raises(ss.Fault, match=r"figure .end.: KeyError: .*w' was not recorded.*; no run"):
         ss.sweep(stage, {"F_c": [1.0]}, {"end": lambda result: result["w"][-1]}, **RUN)
     with pytest.raises(ss.Fault, match=r"F_c: expected \(lowest, start, highest\)"):
         ss.optimise(stage, {"F_c": (0.1, 1.0)}, end, **RUN)
-    with pytest.raises(ss.Fault, match=r"system 'lone': give stop="):
+    for given in ({"parameters": [1.0], "figures": {}}, {"parameters": {}, "figures": [end]}):
+        with pytest.raises(ss.Fault, match="expected a dictionary with a name for each"):
+            ss.sweep(stage, **given, **RUN)
+    with pytest.raises(ss.Fault, match="lone: no stop time is proposed; give one in s: stop="):
         ss.simulate(ss.System("lone"))
 
 
@@ -114,6 +130,7 @@ def test_a_search_finds_the_value_that_made_a_run(stage, workers):
         stage, {"F_c": (0.05, 0.9, 0.95)}, off, evaluations=150, **RUN, workers=workers
     )
     assert found.parameters["F_c"] == pytest.approx(0.4, rel=5e-3)
+    assert f"F_c = {found.parameters['F_c']:.6g}; cost" in repr(found)
     assert found.cost == found.table["cost"].min()
     assert list(found.table) == ["generation", "F_c", "cost", "reason"]
     assert len(found.table) <= 150

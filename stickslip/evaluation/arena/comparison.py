@@ -17,6 +17,7 @@ from stickslip.errors import UsageError
 from stickslip.evaluation.arena.budget import Budget
 from stickslip.evaluation.arena.drives import default_drives, learned_drive, read_drives
 from stickslip.evaluation.arena.entrants import default_names, own_part
+from stickslip.evaluation.arena.names import require_drives
 from stickslip.evaluation.arena.protocol import Arena, Plan, run_arena
 from stickslip.evaluation.arena.table import ALL, arena_table, ranking, relative_errors
 from stickslip.evaluation.arena.writing import FILES, write_arena
@@ -55,8 +56,7 @@ def make_plan(
     elif not found:
         found = default_drives(laws)
     known = [drive.name for drive in found]
-    if unknown := [name for name in only if name not in known]:
-        raise UsageError(f"--only {unknown[0]}: there are the drives {', '.join(known)}")
+    require_drives(only, known)
     if len({name.lower() for name in known}) < len(known):
         raise UsageError(
             "--drive: two drives have the same name, upper and lower case alike, of"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 from stickslip import models
 from stickslip.errors import UsageError
 from stickslip.evaluation.arena.entrants import SPEED
+from stickslip.evaluation.arena.names import content
 from stickslip.evaluation.guards.trial import axis_values
 from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.results.learned import LearnedFile
@@ -117,8 +117,7 @@ def default_drives(laws: Sequence[str] | None = None) -> list[Drive]:
     ----------
     laws : only drives with one of these
     """
-    content = parse_toml(files(__package__).joinpath("drives.toml").read_bytes())
-    found, common = _drives("drives.toml", content)
+    found, common = _drives("drives.toml", content("drives.toml"))
     shown = {drive.law for drive in found}
     for name in models.law_names():
         if name not in shown:

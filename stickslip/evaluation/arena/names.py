@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -14,13 +14,31 @@ from stickslip.fmi.messages import suggestion
 
 
 @cache
-def _text() -> bytes:
-    return files(__package__).joinpath("entrants.toml").read_bytes()
+def _text(name: str) -> bytes:
+    return files(__package__).joinpath(name).read_bytes()
 
 
-def content() -> dict[str, Any]:
-    """Return ``entrants.toml``: a table for each part, ``combinations`` and ``behind``."""
-    return parse_toml(_text())
+def content(name: str = "entrants.toml") -> dict[str, Any]:
+    """Return ``entrants.toml``, a table for each part, ``combinations`` and ``behind``, or another.
+
+    ``drives.toml`` has ``measurement`` and a table for each drive.
+    """
+    return parse_toml(_text(name))
+
+
+def drive_names() -> list[str]:
+    """Return the names of the default drives: those of ``drives.toml``, and of laws without one."""
+    tables = content("drives.toml")
+    del tables["measurement"]
+    shown = {table["law"] for table in tables.values()}
+    return [*tables, *(law for law in models.law_names() if law not in shown)]
+
+
+def require_drives(wanted: Iterable[str], known: Sequence[str]) -> None:
+    """Raise UsageError where a drive that is wanted is not among those that are known."""
+    for name in wanted:
+        if name not in known:
+            raise UsageError(f"there is no drive '{name}'{suggestion(name, known)}")
 
 
 @cache

@@ -365,8 +365,7 @@ def test_an_entrant_above_the_limit_is_marked(tmp_path):
         (["--compensators", "lugra"], "there is no 'lugra'; did you mean 'lugre'"),
         (["--compensators", "ekbf+lugre"], "'lugre' must come first"),
         (["--compensators", "static+static"], "each part can be there once only"),
-        (["--laws", "luger"], "there is no friction law 'luger'"),
-        (["--only", "nobody"], "there are the drives"),
+        (["--only", "lugr"], "there is no drive 'lugr'; did you mean 'lugre'"),
         (["--seconds", "-1"], "expected a number above 0"),
     ],
 )

@@ -1,4 +1,4 @@
-"""How a system shows itself in a notebook."""
+"""Tables that notebooks show."""
 
 from __future__ import annotations
 

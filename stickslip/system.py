@@ -1,0 +1,97 @@
+"""A system as the application gives it: with components of other kinds, and many runs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from stickslip.cosim.system import system
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from stickslip.cosim import DefaultExperiment
+    from stickslip.cosim.component import Interface
+    from stickslip.sweeping import Figure, Optimised
+
+
+class System(system.System):
+    """Components coupled from outputs to inputs. Variables are named ``component.variable``.
+
+    Its attributes are those of ``cosim.System``.
+    """
+
+    def add(
+        self,
+        name: str,
+        fmu: object,
+        parameters: Mapping[str, object] | None = None,
+        *,
+        interface: Interface | None = None,
+    ) -> None:
+        """Add a component, with start values by variable name.
+
+        Parameters
+        ----------
+        fmu : an FMU or its path, a block of ``ss.blocks``, a linear system of python-control, or a
+            Python function of the inputs that its parameters name
+        interface : by which an FMU is run: ``co_simulation``, the default where it has one, or
+            ``model_exchange``
+
+        Raises
+        ------
+        FmuError, ConnectionFault, ParameterError
+            When it is no component, its name is taken, or a start value does not fit.
+        LtiError
+            When a system of python-control is not linear, or improper.
+        """
+        from stickslip.blocks import component  # late: the process of an FMU needs no blocks
+
+        super().add(name, component(fmu), parameters, interface=interface)
+
+    def sweep(
+        self,
+        parameters: Mapping[str, Iterable[float]],
+        figures: Mapping[str, Figure],
+        **settings: Any,
+    ) -> pd.DataFrame:
+        """Run the system for every combination of parameter values; see ``ss.sweep``."""
+        from stickslip.sweeping import sweep  # late, for those who start quickly
+
+        return sweep(self, parameters, figures, **settings)
+
+    def optimise(
+        self, ranges: Mapping[str, Sequence[float]], cost: Figure, **settings: Any
+    ) -> Optimised:
+        """Search the parameters for which a cost is least; see ``ss.optimise``."""
+        from stickslip.sweeping import optimise  # late, for those who start quickly
+
+        return optimise(self, ranges, cost, **settings)
+
+
+def read_ssp(
+    path: str | os.PathLike[str], variant: str | None = None
+) -> tuple[System, DefaultExperiment]:
+    """Read a system and the times it proposes.
+
+    Components of nested systems are called ``outer/inner``, so that their variables are
+    ``outer/inner.variable``. The system remembers the package: written again, it keeps all that is
+    not read of it.
+
+    Parameters
+    ----------
+    path : the ``.ssp`` file
+    variant : name of one of the systems that the file describes; the default one if left out
+
+    Raises
+    ------
+    SspError
+        When the file is not an SSP package, or a component is not an FMU.
+    """
+    from stickslip import cosim  # as above
+
+    read, experiment = cosim.read_ssp(path, variant)
+    found = System(read.name)
+    vars(found).update(vars(read))
+    return found, experiment
