@@ -114,16 +114,14 @@ def _print_drives(fleet: Fleet) -> None:
 
 def _print_parameters(table: pd.DataFrame) -> None:
     """Print each parameter's range over the drives in which it is identifiable."""
-    from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
+    from stickslip.fleet.writing import summary
 
-    seen = table[table["parameter"].notna() & (table["identifiability"] != NOT_IDENTIFIABLE)]
-    if seen.empty:
+    over = summary(table)
+    if over.empty:
         return
-    heads = ("minimum", "median", "maximum")
-    print(f"\n{'':8} {'':9} {'drives':>6} " + " ".join(f"{head:>11}" for head in heads))
-    for (name, unit), of in seen.groupby(["parameter", "unit"], sort=False):
-        value = of["value"]
-        figures = (value.min(), value.median(), value.max())
+    heads = " ".join(f"{head:>11}" for head in over.columns[3:])
+    print(f"\n{'':8} {'':9} {'drives':>6} {heads}")
+    for name, unit, drives, *figures in over.itertuples(index=False, name=None):
         numbers = " ".join(f"{figure:11.5g}" for figure in figures)
-        print(f"{name:8} {unit:9} {len(of):6} {numbers}")
+        print(f"{name:8} {unit:9} {drives:6} {numbers}")
     print()

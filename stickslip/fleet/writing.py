@@ -12,15 +12,19 @@ import pandas as pd
 from stickslip.fleet.study import TABLE, Fleet
 from stickslip.fleet.table import Drive, Variant
 from stickslip.fmi.files import atomic_write
+from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.pipeline.reproduction import drive_truth
 from stickslip.report.drives import drives_sections
 from stickslip.report.markup import Html, element, join, paragraph
-from stickslip.report.page import picture_files, write_page
-from stickslip.results.compared import PARAMETERS, parameter_rows
+from stickslip.report.markup import table as markup_table
+from stickslip.report.page import Section, picture_files, write_page
+from stickslip.report.quantity import number, symbol
+from stickslip.results.compared import PARAMETERS, error_ratios, parameter_rows
 from stickslip.results.folder import completed
 
 COLUMNS = [*PARAMETERS, "criterion", "source", "truth", "reason"]
 PAGE = "fleet.html"
+SUMMARY = ["parameter", "unit", "drives", "minimum", "median", "maximum"]
 
 
 def fleet_table(fleet: Fleet) -> pd.DataFrame:
@@ -43,6 +47,19 @@ def fleet_table(fleet: Fleet) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
+def summary(table: pd.DataFrame) -> pd.DataFrame:
+    """Return each parameter over the drives in which it is identifiable.
+
+    A row for each parameter and unit, with the number of drives, minimum, median and maximum.
+    """
+    seen = table[table["parameter"].notna() & (table["identifiability"] != NOT_IDENTIFIABLE)]
+    rows = [
+        (name, unit, len(of), of["value"].min(), of["value"].median(), of["value"].max())
+        for (name, unit), of in seen.groupby(["parameter", "unit"], sort=False)
+    ]
+    return pd.DataFrame(rows, columns=SUMMARY)
+
+
 def files_of(drives: Sequence[Drive]) -> list[str]:
     """Return the names of the files that ``write_fleet`` writes or removes."""
     learned = (_learned(drive.name) for drive in drives)
@@ -62,9 +79,26 @@ def write_fleet(fleet: Fleet, table: pd.DataFrame, folder: Path) -> None:
     command = {"name": "fleet", "drives": names}
     with completed(folder, command, files_of(fleet.drives), {TABLE: table}) as staging:
         atomic_write(staging / "fleet.json", json.dumps({"drives": known}, indent=2) + "\n")
-        write_page(staging, "Fleet", drives_sections(table, _head(fleet), "fleet"), PAGE)
+        write_page(staging, "Fleet", _sections(fleet, table), PAGE)
         for name, document in fleet.learned.items():
             atomic_write(staging / _learned(name), json.dumps(document, indent=2) + "\n")
+
+
+def _sections(fleet: Fleet, table: pd.DataFrame) -> list[Section]:
+    """Return the sections of the page; what compensators bring is there where it was tried."""
+    errors = pd.DataFrame(
+        [{"name": name, **error_ratios(document)} for name, document in fleet.learned.items()]
+    )
+    tried = len(errors) and errors["fitted"].notna().any()
+    head, over = _head(fleet), summary(table)
+    if len(over):
+        rows = [
+            (symbol(row[0]), row[1].replace(".", " "), str(row[2]), *map(number, row[3:]))
+            for row in over.itertuples(index=False, name=None)
+        ]
+        title = "Parameters over the drives in which they are identifiable"
+        head = join([head, markup_table(SUMMARY, rows, title, (0, 1))])
+    return drives_sections(table, head, "fleet", errors if tried else None)
 
 
 def _head(fleet: Fleet) -> Html:

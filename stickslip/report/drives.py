@@ -17,6 +17,7 @@ from stickslip.identification.fitting.identifiability import (
     NOT_IDENTIFIABLE,
     WEAKLY_IDENTIFIABLE,
 )
+from stickslip.report.interactive import name_points
 from stickslip.report.markup import Html
 from stickslip.report.markup import table as markup_table
 from stickslip.report.page import Illustration, Section, made_with
@@ -73,7 +74,7 @@ def drives_sections(
             file,
             partial(drives_figure, table),
             "A panel for each parameter, a line with value and 95 % interval for each drive",
-            "Figure 1. Values with their 95 % intervals. What is not identifiable does not set the"
+            "Values with their 95 % intervals. What is not identifiable does not set the"
             " range of its panel.",
         )
         parts.append(illustration)
@@ -179,10 +180,13 @@ def _draw(axes: Axes, table: pd.DataFrame, line: Array) -> None:
     axes.grid(axis="y")
     for level, (colour, inside, width) in LOOKS.items():
         of = (table["identifiability"] == level).to_numpy()
-        ends = table["low"].to_numpy(float)[of], table["high"].to_numpy(float)[of]
-        axes.hlines(line[of], *ends, color=colour, lw=width)
-        axes.plot(value[of], line[of], "o", color=colour, mfc=inside, ms=3.2)
-    axes.plot(truth, line, "|", color=INK, ms=8.0, mew=0.8, zorder=1)
+        gaps = np.full(of.sum(), np.nan)
+        ends = np.column_stack([table.loc[of, ["low", "high"]].to_numpy(float), gaps])
+        axes.plot(ends.ravel(), np.repeat(line[of], 3), color=colour, lw=width)
+        (dots,) = axes.plot(value[of], line[of], "o", color=colour, mfc=inside, ms=3.2)
+        name_points(dots, table.loc[of, "name"])
+    (bars,) = axes.plot(truth, line, "|", color=INK, ms=8.0, mew=0.8, zorder=1)
+    name_points(bars, [f"truth of {name}" for name in table["name"]])
 
 
 def _range(table: pd.DataFrame) -> tuple[float, float]:

@@ -11,7 +11,7 @@ import gzip
 import json
 import re
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -19,9 +19,11 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, FuncFormatter
 
 from stickslip.report.markup import Html
 from stickslip.servo.measurement import Array
@@ -31,6 +33,7 @@ LEAST = 50
 DIGITS = 6
 Panel = dict[str, Any]
 _kept: WeakKeyDictionary[Line2D, tuple[Array, Array]] = WeakKeyDictionary()
+_named: WeakKeyDictionary[Line2D, list[str]] = WeakKeyDictionary()
 
 
 def keep(line: Line2D, x: Array, y: Array) -> None:
@@ -38,15 +41,21 @@ def keep(line: Line2D, x: Array, y: Array) -> None:
     _kept[line] = (x, y)
 
 
+def name_points(line: Line2D, names: Iterable[str]) -> None:
+    """Let the points of a line (n,) show these names where the figure is opened."""
+    _named[line] = list(names)
+
+
 def panels(figure: Figure) -> list[Panel]:
-    """Return the panels of a figure that show long lines, with all their lines.
+    """Return the panels of a figure that show long lines or named points, with all their lines.
 
     Panels whose abscissas are linked have the same ``link``.
     """
     shown = [
         axes
         for axes in figure.axes
-        if any(np.size(one.get_xdata()) >= LEAST for one in _lines(axes))
+        if axes.name == "rectilinear"
+        and any(one in _named or np.size(one.get_xdata()) >= LEAST for one in _lines(axes))
     ]
     return [_panel(axes, shown) for axes in shown]
 
@@ -88,37 +97,45 @@ def _panel(axes: Axes, shown: list[Axes]) -> Panel:
     return {
         "title": plain(axes.get_title(loc="left") or axes.get_title()),
         "link": next(linked),
-        "x": {
-            "label": plain(axes.get_xlabel()),
-            "scale": axes.get_xscale(),
-            "range": axes.get_xlim(),
-        },
-        "y": {
-            "label": plain(axes.get_ylabel()),
-            "scale": axes.get_yscale(),
-            "range": axes.get_ylim(),
-        },
+        "x": _axis(axes.xaxis),
+        "y": _axis(axes.yaxis),
         "lines": [_line(one) for one in _lines(axes)],
     }
 
 
+def _axis(axis: Axis) -> Panel:
+    """Return label, scale, range, and the labels of ticks that are words."""
+    words, formatter = {}, axis.get_major_formatter()
+    if isinstance(axis.get_major_locator(), FixedLocator) and isinstance(formatter, FuncFormatter):
+        places = [float(place) for place in axis.get_majorticklocs()]
+        words = dict(zip(places, formatter.format_ticks(places), strict=True))
+    return {
+        "label": plain(axis.get_label_text()),
+        "scale": axis.get_scale(),
+        "range": list(axis.get_view_interval()),
+        "words": words,
+    }
+
+
 def _line(line: Line2D) -> Panel:
+    """Return a line; where it is not finite, it has a gap."""
     shown = _kept.get(line, line.get_data())
     x, y = (np.ravel(np.asarray(values, dtype=float)) for values in shown)
-    known = np.isfinite(x) & np.isfinite(y)
     label = str(line.get_label())
     return {
         "label": "" if label.startswith("_") else plain(label),
         "colour": to_hex(line.get_color()),
         "joined": line.get_linestyle() not in ("None", "", " "),
         "dashed": line.get_linestyle() == "--",
-        "x": _rounded(x[known]),
-        "y": _rounded(y[known]),
+        "mark": {"None": "", " ": ""}.get(marker := str(line.get_marker()), marker),
+        "x": _rounded(x),
+        "y": _rounded(y),
+        "names": _named.get(line, []),
     }
 
 
-def _rounded(values: Array) -> list[float]:
-    return [float(f"{value:.{DIGITS}g}") for value in values]
+def _rounded(values: Array) -> list[float | None]:
+    return [float(f"{one:.{DIGITS}g}") if np.isfinite(one) else None for one in values]
 
 
 def plain(text: str) -> str:

@@ -105,7 +105,7 @@ def render(title: str, sections: Iterable[Section], pictures: Mapping[str, Pictu
 
     Parameters
     ----------
-    pictures : the illustrations by name
+    pictures : the illustrations by name, in the order of their numbers
     """
     opened = {name: picture.panels for name, picture in pictures.items() if picture.panels}
     return _PAGE.substitute(
@@ -170,12 +170,12 @@ def _markup(
     if isinstance(part, list):
         return element("div", join((_markup(one, pictures) for one in part), "\n"), class_="row")
     if isinstance(part, Illustration):
-        return _figure(part, pictures[part.name])
+        return _figure(part, pictures[part.name], [*pictures].index(part.name) + 1)
     return part
 
 
-def _figure(shown: Illustration, picture: Picture) -> Html:
-    """Return a picture on its white card with a caption."""
+def _figure(shown: Illustration, picture: Picture, number: int) -> Html:
+    """Return a picture on its card, with its number on the page and a caption."""
     alternative = shown.alternative
     image = Html(f'<img src="{picture.embedded()}" alt="{escape(alternative)}">')
     kind = "column" if picture.width <= COLUMN else "page"
@@ -183,7 +183,13 @@ def _figure(shown: Illustration, picture: Picture) -> Html:
         "div", image, class_="scroll", tabindex="0", role="region", aria_label=alternative
     )
     plot = {"data_plot": shown.name} if picture.panels else {}
-    return element("figure", card, element("figcaption", shown.caption), class_=kind, **plot)
+    return element(
+        "figure",
+        card,
+        element("figcaption", f"Figure {number}. ", shown.caption),
+        class_=kind,
+        **plot,
+    )
 
 
 MILLIMETRES = 25.4

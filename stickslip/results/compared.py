@@ -88,7 +88,7 @@ def compare(places: Iterable[Path]) -> Compared:
         learned = LearnedFile(file)
         try:
             parameters += parameter_rows(name, learned.document["parameters"])
-            errors.append({"name": name, **_errors(learned.document)})
+            errors.append({"name": name, **error_ratios(learned.document)})
         except (AttributeError, KeyError, TypeError, ValueError) as fault:
             raise UsageError(f"{file}: is no result of learn, reproduce or fleet") from fault
     return Compared(pd.DataFrame(parameters, columns=PARAMETERS), pd.DataFrame(errors))
@@ -118,7 +118,8 @@ def _names(files: list[Path]) -> list[str]:
     raise UsageError("the same result is named twice")
 
 
-def _errors(document: Mapping[str, Any]) -> dict[str, Any]:
+def error_ratios(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row of ``Compared.errors`` but for its name, from the content of a learned.json."""
     ratios = {"share": np.nan, "fitted": np.nan, "worst": np.nan}
     law = document.get("law", "lugre")
     if document.get("refusal"):

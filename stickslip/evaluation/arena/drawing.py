@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from stickslip.report import style
+from stickslip.report.interactive import name_points
 from stickslip.report.quantity import number
 
 
@@ -39,9 +40,10 @@ def _front(axes: Axes, x: pd.Series[Any], y: pd.Series[Any]) -> None:
         if not any((x[o] <= x[name]) & (y[o] <= y[name]) & (o != name) for o in x.index)
     ]
     best.sort(key=lambda name: float(x[name]))
-    axes.plot(x[best], y[best], color=style.WITH, lw=style.LINE, zorder=1)
-    colours = [style.WITH if name in best else style.GREY for name in x.index]
-    axes.scatter(x, y, s=14, c=colours, zorder=2)
+    others = [name for name in x.index if name not in best]
+    for names, colour, joined in ((best, style.WITH, "-"), (others, style.GREY, "")):
+        (line,) = axes.plot(x[names], y[names], "o", ls=joined, color=colour, ms=3.7)
+        name_points(line, names)
     axes.set(xscale="log", yscale="log")
     axes.margins(x=0.12, y=0.06)
     for axis, low, high in ((axes.xaxis, *axes.get_xlim()), (axes.yaxis, *axes.get_ylim())):

@@ -16,7 +16,7 @@ from stickslip.evaluation.arena.drawing import draw_circle, draw_pareto
 from stickslip.evaluation.arena.entrants import Entrant
 from stickslip.evaluation.arena.protocol import Arena
 from stickslip.evaluation.arena.table import ALL, budget_text, ranking, relative_errors
-from stickslip.evaluation.arena.validation import PER_STEP, POINTS, WORST
+from stickslip.evaluation.arena.validation import PER_STEP, WORST
 from stickslip.report.markup import Html, element, join, paragraph, quiet, table, tile
 from stickslip.report.page import Illustration, Section, made_with
 from stickslip.report.quantity import number
@@ -334,7 +334,7 @@ def _script(arena: Arena, found: pd.DataFrame) -> Html:
         }
         for name, one in COMMANDS.items()
     }
-    data = {"cells": cells, "motions": motions, "points": POINTS}
+    data: dict[str, object] = {"cells": cells, "motions": motions}
     data["reference"] = arena.plan.reference
     data["errors"], data["deep"] = _errors(arena, found), DEEP
     packed = gzip.compress(json.dumps(data, separators=(",", ":")).encode(), mtime=0)
@@ -343,7 +343,6 @@ def _script(arena: Arena, found: pd.DataFrame) -> Html:
     code = folder.joinpath("arena.js").read_text(encoding="utf-8")
     return Html(
         f"<style>\n{look}</style>\n"
-        '<dialog id="cell" aria-label="Time plots of a cell"></dialog>\n'
         f'<script type="application/gzip" id="data">{b64encode(packed).decode()}</script>\n'
         f'<script type="module">\n{code}</script>'
     )

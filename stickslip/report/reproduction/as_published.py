@@ -60,7 +60,7 @@ def study_section(study: WholeStudy, drive: Mapping[str, float]) -> Section:
             FIG5,
             partial(draw_band, published),
             "Best cost over the generations, a band over seeds",
-            "Fig. 5 as published, from coarse starts: cost (6), the sum of ($v$ − $v_r$)² over the "
+            "Fig. 5 of the paper, from coarse starts: cost (6), the sum of ($v$ − $v_r$)² over the "
             f"{number(samples, 6)} samples of a training run, velocities in m/s. The paper "
             f"prints no unit; this reading makes its final {number(PAPER_COST)} comparable, not "
             "equal.",

@@ -152,16 +152,14 @@ def draw_scheme(reproduction: Reproduction) -> Figure:
     sheet = Sheet(figure)
     low, middle, high = 15.0, 40.0, 69.0
     sheet.group((37, 2), 52, 50, "")
-    sheet.text((63, 5.2), "Velocity loop with compensator, Fig. 2(a)", small=True)
-    nominal = sheet.block(
-        Block(36, high, 42), "Nominal velocity loop", "without friction, Fig. 2(b)", PALE
-    )
+    sheet.text((63, 5.2), "Velocity loop with compensator", small=True)
+    nominal = sheet.block(Block(36, high, 42), "Nominal velocity loop", "without friction", PALE)
     model = _model(reproduction.options.law)
     compensator = sheet.block(Block(63, middle, 40), "Friction compensator", model, PALE)
     drive = sheet.block(Block(63, low, 40), "Velocity loop", "drive with friction")
     title = reproduction.algorithm.title.removeprefix("a ").partition(" of ")[0]
     learner = sheet.block(
-        Block(122, middle, 32, 14), title[0].upper() + title[1:], "Steps 1 to 4, Fig. 4", PALE
+        Block(122, middle, 32, 14), title[0].upper() + title[1:], "Steps 1 to 4", PALE
     )
     cost = sheet.block(Block(157, middle, 23, 14), "Cost (6)", r"$1/J = \sum (v - v_r)^2$")
     gap = sheet.sum((177, middle))

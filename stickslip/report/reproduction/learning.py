@@ -43,23 +43,23 @@ def learning_section(reproduction: Reproduction) -> Section:
             partial(draw_scheme, reproduction),
             "Block diagram: the genetic algorithm sets the compensator’s parameters so that the "
             "drive’s velocity is that of the nominal loop",
-            "Fig. 3. The learning scheme. The drive runs once for each candidate; its velocity $v$ "
-            "is compared with $v_r$ of the nominal loop, which has no friction.",
+            "The learning scheme, Fig. 3 of the paper. The drive runs once for each candidate; its "
+            "velocity $v$ is compared with $v_r$ of the nominal loop, which has no friction.",
         ),
         Illustration(
             "fig4_flow",
             partial(draw_flow, reproduction),
             "Flow chart of the four steps of the learning",
-            "Fig. 4. The steps of the learning, with the settings of this run.",
+            "The steps of the learning, Fig. 4 of the paper, with the settings of this run.",
         ),
         _course(reproduction),
         Illustration(
             "fig5_fitness",
             partial(draw_fitness, reproduction),
             "Best and mean cost over the generations, logarithmic",
-            "Fig. 5. Cost (6) over the generations: the sum of ($v$ − $v_r$)² over the samples of "
-            "one training run of the simulated drive, velocities in m/s, as the encoder shows them "
-            "and low-passed. The line is a run without compensation.",
+            "Cost (6) over the generations, as Fig. 5 of the paper: the sum of ($v$ − $v_r$)² over "
+            "the samples of one training run of the simulated drive, velocities in m/s, as the "
+            "encoder shows them and low-passed. The line is a run without compensation.",
         ),
         _training_cost(reproduction),
         _settings(reproduction),

@@ -40,10 +40,10 @@ def design_section(reproduction: Reproduction) -> Section:
             "fig2_loops",
             partial(draw_loops, loop, reproduction.truth, reproduction.options),
             "Block diagrams of the compensated loop and of the nominal loop, and a step response",
-            "Fig. 2. (a) The loop with feedforward friction compensation. The compensating force "
-            "is called $F_{ff}$ here; the paper calls it $F_c$, as it does Coulomb friction. (b) "
-            "The nominal loop, to which (a) reduces when friction is compensated. (c) Its response "
-            "to a step of the command.",
+            "Fig. 2 of the paper. (a) The loop with feedforward compensation. The compensating "
+            "force is called $F_{ff}$ here; the paper calls it $F_c$, as it does Coulomb "
+            "friction. (b) The nominal loop, to which (a) reduces when friction is compensated. "
+            "(c) Its response to a step of the command.",
         ),
         table(("", "", "Value", "Unit"), rows, "Design of the velocity loop", (0, 1, 3)),
     )
@@ -54,7 +54,7 @@ def use_section(reproduction: Reproduction) -> Section:
     F_c = reproduction.refinement.values["F_c"]
     files = {
         "compensator.fmu": "the tuned compensator alone, for any tool that imports FMUs",
-        "loop.ssp": "the whole loop of Fig. 2(a) with it, for any tool that opens SSP",
+        "loop.ssp": "the whole loop with it, for any tool that opens SSP",
         "learned.json": "the learned parameters with units, cost, seed and versions",
         "table2.csv, table4.csv, fitness.csv": "the tables of this page, unrounded",
     }

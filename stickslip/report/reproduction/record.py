@@ -68,14 +68,13 @@ def _loops(reproduction: RecordReproduction) -> Section:
             "fig2_loops",
             partial(draw_loops, loop, reproduction.truth, options),
             "Block diagrams of the compensated and the nominal loop, and its step response",
-            "Fig. 2. The loops; the velocity filter, which takes the place of the velocity "
-            "estimate, is not drawn.",
+            "The loops; the velocity filter, which takes the place of the velocity estimate, is "
+            "not drawn.",
         ),
         Illustration(
             "fig5_fitness",
             partial(draw_course, algorithm, COST),
             "Cost over the generations of the search",
-            f"Fig. 5. The global search: {algorithm.stopped}. The fit that follows it has no "
-            "generations.",
+            f"The global search: {algorithm.stopped}. The fit that follows it has no generations.",
         ),
     )

@@ -69,10 +69,10 @@ def validation_section(validation: Validation, table4: pd.DataFrame | None = Non
             partial(draw_tracking, validation),
             "Velocity and velocity error of the simulated drive at motion start and reversal, "
             "without and with compensation",
-            "Fig. 6. The simulated drive. (a) The command and the measured velocity with "
-            "compensation. (b), (c) Velocity and error $v_{cmd}$ − $v$ where the motion starts and "
-            "reverses: measured velocity as a thick line, true velocity as a thin one. Table 4 "
-            "evaluates the shaded window.",
+            "The simulated drive, as Fig. 6 of the paper. (a) The command and the measured "
+            "velocity with compensation. (b), (c) Velocity and error $v_{cmd}$ − $v$ where the "
+            "motion starts and reverses: measured velocity as a thick line, true velocity as a "
+            "thin one. Table 4 evaluates the shaded window.",
         ),
     )
 

@@ -62,5 +62,5 @@ def test_what_is_no_table_is_refused(tmp_path, capsys):
     assert main(["fleet", str(picture), "--out", str(tmp_path / "out")]) == 1
     assert "not a CSV file in UTF-8" in capsys.readouterr().err
     assert main(["fleet", str(tmp_path / "no.csv"), "--out", str(tmp_path / "out")]) == 1
-    assert "cannot be read" in capsys.readouterr().err
+    assert "no.csv: No such file" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from stickslip.report.interactive import keep, panels, plain
+from stickslip.report.interactive import keep, name_points, panels, plain
 from stickslip.report.page import Illustration, Section, write_page
 
 T = np.linspace(0.0, 2.0, 200)
@@ -49,11 +49,27 @@ def test_panels_are_the_lines_of_the_figure():
     assert [line["label"] for line in upper["lines"]] == ["v_cmd", ""]  # not the level of 0.5
     assert [line["dashed"] for line in upper["lines"]] == [False, True]
     np.testing.assert_allclose(upper["lines"][0]["y"], np.sin(T), rtol=1e-5)
-    assert min(upper["lines"][1]["y"]) >= 1.0
+    gap = np.array(upper["lines"][1]["y"], dtype=float)
+    np.testing.assert_array_equal(np.isnan(gap), T < 1.0)
     assert lower["y"]["label"] == "Position [μm]"
     assert (other["x"]["scale"], other["lines"][0]["joined"]) == ("log", False)
     assert panels(short()) == []
     assert plain(r"$\sigma_0$ [m/s$^2$]") == "σ_0 [m/s²]"
+
+
+def test_named_points_open_with_the_words_of_their_axis():
+    figure = Figure()
+    axes = figure.subplots()
+    (dots,) = axes.plot([3.0, 4.0], [0.0, 1.0], "o")
+    assert panels(figure) == []
+    axes.set_yticks([0.0, 1.0], ["first", "second"])
+    name_points(dots, ["a", "b"])
+    (panel,) = panels(figure)
+    assert (panel["x"]["words"], panel["y"]["words"]) == ({}, {0.0: "first", 1.0: "second"})
+    assert (panel["lines"][0]["names"], panel["lines"][0]["mark"]) == (["a", "b"], "o")
+    polar = Figure()
+    polar.add_subplot(projection="polar").plot(T, T)
+    assert panels(polar) == []
 
 
 def test_a_thinned_line_opens_with_the_points_that_were_kept():

@@ -121,8 +121,9 @@ def drawing(name, estimation):
 
 
 def words(folder):
-    """The page's text, without style and markup."""
+    """The page's text, without style, scripts and markup."""
     page = (folder / "report.html").read_text(encoding="utf-8").split("</style>")[1]
+    page = re.sub("(?s)<script.*?</script>", "", page)
     return unescape(re.sub("<[^>]*>", "", page)).replace("\u00a0", " ")
 
 
