@@ -17,4 +17,4 @@ with ss.SocketRig(*sys.argv[1:] or ["localhost:5020"], sheet, limits) as drive:
     rig = ss.KeptRig(drive, "drive_1/motions")
     learned = ss.learn(rig, limits=ss.Limits(stroke=0.1, speed=0.04, acceleration=2.0))
     ss.write_learned(learned, "drive_1/learned")
-    print(ss.validate(rig, learned).table())
+    print(ss.validate(rig, learned))

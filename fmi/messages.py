@@ -1,12 +1,16 @@
-"""Untrusted names and texts in messages: quoted, escaped, cut short, and what they may mean."""
+"""Texts in messages: names that are not trusted, what they may mean, and quantities."""
 
 from __future__ import annotations
 
 import difflib
+import math
+import re
 from collections.abc import Iterable
 from itertools import islice
 
 _MOST = 5000  # names that are compared with one that is not known
+_SCALABLE = re.compile(r"(m|s|N|N\.m|Nm|rad|A|V|W|J|K|Pa|Hz)(?![\w^*])")
+_PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M"}
 
 
 def shown(name: str, most: int = 80) -> str:
@@ -28,3 +32,22 @@ def suggestion(name: str, names: Iterable[str]) -> str:
         return f"; did you mean {' or '.join(map(repr, near))}?"
     shown = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
     return f"; there is {shown}" if known else "; there is none"
+
+
+def scaled_unit(unit: str | None, largest: float) -> tuple[float, str]:
+    """Return factor and unit that show values of a size by numbers between 1 and 1000.
+
+    Only a unit that begins with one that takes SI prefixes is scaled, such as m/s but not m2.
+    """
+    if not unit or not _SCALABLE.match(unit) or not 0.0 < largest < math.inf:
+        return 1.0, unit or "1"
+    # A largest value that is 1 but for rounding is 1, not 1000 thousandths.
+    thousands = 3 * math.floor(math.log10(largest * (1.0 + 1e-9)) / 3)
+    power = min(max(thousands, min(_PREFIXES)), max(_PREFIXES))
+    return 10.0**-power, _PREFIXES[power] + unit
+
+
+def quantity(value: float, unit: str, digits: int = 3) -> str:
+    """Return a value with its unit and an SI prefix, such as ``0.4 µm``."""
+    factor, scaled = scaled_unit(unit, abs(value))
+    return f"{factor * value:.{digits}g} {scaled}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -10,27 +9,13 @@ import numpy as np
 
 from stickslip.cosim.display import html_table
 from stickslip.cosim.signals.signals import Array
+from stickslip.fmi.messages import scaled_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_SCALABLE = re.compile(r"(m|s|N|N\.m|Nm|rad|A|V|W|J|K|Pa|Hz)(?![\w^*])")
-_PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M"}
 _HEIGHT, _WIDTH, _PANEL = 1.0, 7.0, 2.0
 """Of a figure without panels, its width, and the height of a panel [inch]."""
-
-
-def scaled_unit(unit: str | None, largest: float) -> tuple[float, str]:
-    """Return factor and unit that show values of a size by numbers between 1 and 1000.
-
-    Only a unit that begins with one that takes SI prefixes is scaled, such as m/s but not m2.
-    """
-    if not unit or not _SCALABLE.match(unit) or not np.isfinite(largest) or largest <= 0.0:
-        return 1.0, unit or "1"
-    # A largest value that is 1 but for rounding is 1, not 1000 thousandths.
-    thousands = int(3 * np.floor(np.log10(largest * (1.0 + 1e-9)) / 3))
-    power = min(max(thousands, min(_PREFIXES)), max(_PREFIXES))
-    return 10.0**-power, _PREFIXES[power] + unit
 
 
 def draw(

@@ -1,4 +1,4 @@
-"""``--isolate``: FMUs in a process of their own; the default where it is tested, on Linux."""
+"""``--isolate``: FMUs in a process of their own; the default for those of others, on Linux."""
 
 from __future__ import annotations
 
@@ -18,9 +18,8 @@ def add_isolation(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--isolate",
         action=argparse.BooleanOptionalAction,
-        default=sys.platform == "linux",
         help="run the FMUs in a child process, so that a crash does not end the command (default "
-        "on Linux)",
+        "on Linux, unless this installation compiled all of them)",
     )
     limits = {
         "--timeout S": "with isolation: time limit of the run (default: 30 s for each step)",
@@ -34,7 +33,7 @@ def add_isolation(parser: argparse.ArgumentParser) -> None:
     add_options(parser, allow, action="append")
 
 
-def isolation_of(options: argparse.Namespace) -> cosim.Isolation | None:
+def isolation_of(options: argparse.Namespace) -> cosim.Isolated:
     """Return what the options ask for.
 
     Raises
@@ -48,6 +47,9 @@ def isolation_of(options: argparse.Namespace) -> cosim.Isolation | None:
     limits: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     if options.allow:
         limits["allow"] = tuple(options.allow)
-    if limits and not options.isolate:
+    limited = options.isolate or (options.isolate is None and sys.platform == "linux")
+    if limits and not limited:
         raise UsageError(f"--{next(iter(limits))} needs --isolate, which it limits")
-    return cosim.Isolation(**limits) if options.isolate else None
+    if limits or options.isolate:
+        return cosim.Isolation(**limits)
+    return "foreign" if options.isolate is None else None

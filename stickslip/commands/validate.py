@@ -143,9 +143,9 @@ def _on_rig(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
         if rig is None:
             raise UsageError("--rig: expected a file")
         progress.stage("validating")
-        found = validate(rig, rig.loop, compensator, command, options.feed).table()
-    table = found[["velocity", "region", "metric", "without", "with", "reduction"]]
-    print("Velocity errors [mm/s]:", table.round(3).to_string(index=False), sep="\n")
+        found = validate(rig, rig.loop, compensator, command, options.feed)
+    print(found)
+    table = found.errors()
     about = {"name": "validate", "rig": str(options.rig), "parameters": compensator}
     files = {"validation.csv": table.to_csv(index=False, lineterminator="\n")}
     write_files(options.out, about, files)

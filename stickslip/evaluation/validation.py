@@ -66,16 +66,22 @@ class Run:
         return np.asarray(cumulative_trapezoid(self.v_cmd, self.t, initial=0))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Validation:
-    """Both runs, and the instants at which motion starts and reverses [s]."""
+    """Both runs, and the instants at which motion starts and reverses [s].
+
+    It shows itself as the table of its errors.
+    """
 
     without: Run
     compensated: Run
     instants: dict[str, float]
 
-    def table(self) -> pd.DataFrame:
-        """Return Table 4 beside the paper's; velocities in mm/s, reductions as fractions (9)."""
+    def errors(self) -> pd.DataFrame:
+        """Return velocity errors [mm/s] without and with compensation, and reductions (9).
+
+        A row for each velocity (measured, true), region (start, reverse) and metric.
+        """
         regions = regions_after(self.instants)
         without, compensated = (
             velocity_errors(run, regions) for run in (self.without, self.compensated)
@@ -83,11 +89,22 @@ class Validation:
         rows = []
         for key in without:
             before, after = 1e3 * without[key], 1e3 * compensated[key]
-            paper = PAPER_TABLE4[key[1:]]
-            rows.append((*key, before, after, reduction(before, after), *paper, reduction(*paper)))
+            rows.append((*key, before, after, reduction(before, after)))
         head = ["velocity", "region", "metric", "without", "with", "reduction"]
-        paper_head = ["paper_without", "paper_with", "paper_reduction"]
-        return pd.DataFrame(rows, columns=[*head, *paper_head])
+        return pd.DataFrame(rows, columns=head)
+
+    def table(self) -> pd.DataFrame:
+        """Return Table 4: the errors beside those of the paper."""
+        table = self.errors()
+        paper = [PAPER_TABLE4[key] for key in zip(table["region"], table["metric"], strict=True)]
+        table[["paper_without", "paper_with"]] = paper
+        return table.assign(paper_reduction=[reduction(*one) for one in paper])
+
+    def __repr__(self) -> str:
+        return f"Velocity errors [mm/s]:\n{self.errors().round(3).to_string(index=False)}"
+
+    def _repr_html_(self) -> str:
+        return f"<p>Velocity errors [mm/s]</p>{self.errors().round(3).to_html(index=False)}"
 
 
 def velocity_errors(run: Run, regions: Regions) -> dict[tuple[str, str, str], float]:

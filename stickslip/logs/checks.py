@@ -7,6 +7,7 @@ from dataclasses import fields
 
 import numpy as np
 
+from stickslip.fmi.messages import quantity, scaled_unit
 from stickslip.logs.controller import Controller
 from stickslip.logs.delay import (
     Delay,
@@ -136,8 +137,9 @@ def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     step = recording.encoder_step
     if not step or recording.position is None:
         return
-    noise = f"{step / recording.T_s / max(shown.top_speed, 1e-300):.2g} of the top speed"
-    figure = f"step {step:.4g}, which is {noise} in the difference of two samples"
+    size = quantity(step, "rad" if recording.motion == "rotary" else "m", 4)
+    share = f"{100.0 * step / recording.T_s / max(shown.top_speed, 1e-300):.2g} %"
+    figure = f"step {size}; in the difference of two samples, {share} of the top speed"
     travel = float(np.ptp(recording.position)) / step
     if travel < 100:
         advice = "move farther, or use a finer encoder"
@@ -179,7 +181,9 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     """Yield what can and cannot be identified, and which experiment shows the rest."""
     unit = "rad" if recording.motion == "rotary" else "m"
     low, high = shown.speeds
-    figure = f"{shown.moving:.1%} of the time, 90 % of it at {low:.2g} to {high:.2g} {unit}/s"
+    factor, speed = scaled_unit(f"{unit}/s", high)
+    speeds = f"{factor * low:.2g} to {factor * high:.3g} {speed}"
+    figure = f"{shown.moving:.1%} of the time, 90 % of it at {speeds}"
     advice = "move faster or longer; only presliding may be identifiable"
     fine = shown.moving >= 2 * LITTLE
     yield Finding.either(fine, "the drive moves", "the drive hardly moves", figure, advice)
@@ -200,10 +204,10 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
         words = "m is identifiable", "m is poorly identifiable"
         yield Finding.either(shown.inertial >= LITTLE, *words, figure, f"{PLAN} m")
     if high < 3 * low:
-        figure = f"only speeds of {low:.2g} to {high:.2g} {unit}/s"
+        figure = f"only speeds of {speeds}"
         yield Finding("warning", "b and F_c are hard to separate", figure, f"{PLAN} b F_c")
     share = f"{shown.slow:.1%} of the motion, {shown.slow_samples} samples"
-    figure = f"{share} below {shown.slow_speed:.2g} {unit}/s"
+    figure = f"{share} below {quantity(shown.slow_speed, f'{unit}/s')}"
     words = "F_s and v_s may be identifiable", "F_s and v_s are poorly identifiable"
     yield Finding.either(shown.slow >= LITTLE, *words, figure, f"{PLAN} F_s v_s")
     turn, advice = shown.turn_around, f"{PLAN} sigma_0 sigma_1"
@@ -213,8 +217,8 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
         return
     counts = f", {turn.counts:.0f} encoder steps" if np.isfinite(turn.counts) else ""
     figure = (
-        f"{turn.times} velocity reversals; friction reverses within {turn.distance:.2g} {unit}"
-        f"{counts} and {turn.samples:.0f} samples"
+        f"{turn.times} velocity reversals; friction reverses within"
+        f" {quantity(turn.distance, unit)}{counts} and {turn.samples:.0f} samples"
     )
     fine = turn.times * turn.samples >= 100 and turn.counts >= 3 and turn.samples >= 3
     words = "sigma_0 and sigma_1 may be identifiable", "sigma_0 and sigma_1 are poorly identifiable"

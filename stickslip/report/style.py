@@ -41,7 +41,7 @@ SMALL = 7.5
 """Small print [pt]."""
 
 _STYLE: Any = {
-    "font.family": "STIXGeneral",
+    "font.family": ["STIXGeneral", "DejaVu Sans"],
     "mathtext.fontset": "stix",
     "font.size": 9.0,
     "axes.titlesize": 9.0,
@@ -78,14 +78,20 @@ _LOCK = Lock()
 
 
 @contextmanager
+def _boxes() -> Iterator[None]:
+    """Draw a box, without a warning, for a character of a name that no font has."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph .* missing from", UserWarning)
+        yield
+
+
+@contextmanager
 def house_style() -> Iterator[None]:
     """Draw and save in the house style; matplotlib's own settings are back afterwards.
 
     They are global, so only one thread at a time draws.
     """
-    with _LOCK, mpl.rc_context(), warnings.catch_warnings():
-        # A name may have characters that no font has: a box stands for them.
-        warnings.filterwarnings("ignore", r"Glyph .* missing from", UserWarning)
+    with _LOCK, mpl.rc_context(), _boxes():
         mpl.rcdefaults()
         mpl.rcParams.update(_STYLE)
         yield
@@ -96,7 +102,8 @@ class PageFigure(Figure):
 
     def _repr_png_(self) -> bytes:
         content = BytesIO()
-        self.savefig(content, format="png", dpi=_SCREEN)
+        with _boxes():
+            self.savefig(content, format="png", dpi=_SCREEN)
         return content.getvalue()
 
 

@@ -11,8 +11,8 @@ from matplotlib import pyplot as plt
 
 from stickslip import cosim
 from stickslip.cosim import CosimError, Unit
-from stickslip.cosim.run.display import scaled_unit
 from stickslip.cosim.run.labelled import with_pint
+from stickslip.fmi.messages import scaled_unit
 
 
 @pytest.fixture

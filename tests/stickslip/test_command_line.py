@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import io
 import json
 import re
@@ -16,6 +17,7 @@ import pytest
 import stickslip as ss
 from stickslip import cosim, models
 from stickslip.cli import COMMANDS, main
+from stickslip.commands.isolation import add_isolation, isolation_of
 
 SHORT = ["--stop", "0.02", "--step", "0.001"]
 
@@ -314,3 +316,19 @@ def test_what_the_output_cannot_encode_is_escaped(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "stdout", output)
     assert run("info", path) == 0
     assert rb"schr\xe4g \u2192 ab" in output.buffer.getvalue()
+
+
+def test_only_foreign_fmus_are_isolated_unless_asked(monkeypatch):
+    monkeypatch.setattr("sys.platform", "linux")
+    parser = argparse.ArgumentParser()
+    add_isolation(parser)
+    chosen = {
+        words: isolation_of(parser.parse_args(words.split()))
+        for words in ("", "--no-isolate", "--isolate", "--timeout 3")
+    }
+    assert chosen == {
+        "": "foreign",
+        "--no-isolate": None,
+        "--isolate": ss.cosim.Isolation(),
+        "--timeout 3": ss.cosim.Isolation(timeout=3.0),
+    }
