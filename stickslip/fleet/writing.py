@@ -14,7 +14,7 @@ from stickslip.fleet.table import Drive, Variant
 from stickslip.fmi.files import atomic_write
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.pipeline.reproduction import drive_truth
-from stickslip.report.drives import drives_sections
+from stickslip.report.drives import drives_sections, readable_unit
 from stickslip.report.markup import Html, element, join, paragraph
 from stickslip.report.markup import table as markup_table
 from stickslip.report.page import Section, picture_files, write_page
@@ -92,10 +92,10 @@ def _sections(fleet: Fleet, table: pd.DataFrame) -> list[Section]:
     tried = len(errors) and errors["fitted"].notna().any()
     head, over = _head(fleet), summary(table)
     if len(over):
-        rows = [
-            (symbol(row[0]), row[1].replace(".", " "), str(row[2]), *map(number, row[3:]))
-            for row in over.itertuples(index=False, name=None)
-        ]
+        rows = []
+        for name, SI, drives, *values in over.itertuples(index=False, name=None):
+            factor, unit = readable_unit(name, SI)
+            rows.append((symbol(name), unit, str(drives), *(number(factor * v) for v in values)))
         title = "Parameters over the drives in which they are identifiable"
         head = join([head, markup_table(SUMMARY, rows, title, (0, 1))])
     return drives_sections(table, head, "fleet", errors if tried else None)

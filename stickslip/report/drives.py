@@ -89,17 +89,13 @@ def _parameters(table: pd.DataFrame) -> Html:
     learned = table[table["parameter"].notna()].sort_values(
         "parameter", kind="stable", key=lambda names: names.map(order)
     )
-    rows = [
-        (
-            symbol(row["parameter"]),
-            row["name"],
-            number(row["value"]),
-            f"{number(row['low'])} to {number(row['high'])}" if pd.notna(row["low"]) else "",
-            row["unit"].replace(".", " "),
-            row["identifiability"] or "",
-        )
-        for row in learned.to_dict("records")
-    ]
+    rows = []
+    for row in learned.to_dict("records"):
+        factor, unit = readable_unit(row["parameter"], row["unit"])
+        value, low, high = (number(factor * row[name]) for name in ("value", "low", "high"))
+        bounds = f"{low} to {high}" if pd.notna(row["low"]) else ""
+        level = row["identifiability"] or ""
+        rows.append((symbol(row["parameter"]), row["name"], value, bounds, unit, level))
     heads = ("parameter", "result", "value", "95 % interval", "unit", "")
     return markup_table(heads, rows, "Parameters by result", (0, 1, 4, 5))
 
@@ -127,6 +123,11 @@ def _compensators(errors: pd.DataFrame) -> Html:
     )
 
 
+def readable_unit(parameter: str, unit: str) -> tuple[float, str]:
+    """Return factor and name of a unit in which the numbers of a parameter are short."""
+    return SCALES.get((parameter, unit), (1.0, unit.replace(".", " ")))
+
+
 def drives_figure(table: pd.DataFrame) -> Figure:
     """Return a figure with a panel for each parameter and a line for each drive.
 
@@ -147,7 +148,7 @@ def drives_figure(table: pd.DataFrame) -> Figure:
         parameter, unit = key
         axes = figure.add_subplot(rows, COLUMNS, k + 1, sharey=first)
         first = first or axes
-        scale, unit = SCALES.get((parameter, unit), (1.0, unit.replace(".", " ")))
+        scale, unit = readable_unit(parameter, unit)
         scaled = of_it.assign(**{name: scale * of_it[name].astype(float) for name in NUMBERS})
         _draw(axes, scaled, np.array([names.index(name) for name in of_it["name"]]))
         axes.set_title(f"${SYMBOLS.get(parameter, parameter)}$ [{unit}]")

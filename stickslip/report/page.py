@@ -161,7 +161,7 @@ def made_with() -> Html:
     """Return a table of versions."""
     versions = installed_versions(PACKAGES)
     rows = [("Python", platform.python_version()), *versions.items()]
-    return table(("Package", "Version"), rows, "Made with", (0, 1))
+    return table(("Package", "Version"), rows, "Versions", (0, 1))
 
 
 def _markup(
