@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.cosim import Variable, read_ssp, variants
 from stickslip.cosim.display import html_table
-from stickslip.cosim.fmu.fmu import described
+from stickslip.cosim.fmu.fmu import Fmu, described
 from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
 from stickslip.fmi.messages import printable, suggestion
@@ -99,12 +99,12 @@ _TITLES = {
 }
 
 
-def info(path: Path | str, variant: str | None = None) -> Info:
+def info(path: Fmu | Path | str, variant: str | None = None) -> Info:
     """Return what an FMU or a system structure package contains, without running it.
 
     Parameters
     ----------
-    path : FILE.fmu or FILE.ssp; an FMU may be one that this machine cannot run
+    path : FILE.fmu, FILE.ssp or an ``ss.Fmu``; a file may be one that this machine cannot run
     variant : name of a system of an .ssp file that has several
 
     Raises
@@ -114,7 +114,7 @@ def info(path: Path | str, variant: str | None = None) -> Info:
     CosimError
         When the file cannot be read.
     """
-    file = Path(path)
+    file = path.path if isinstance(path, Fmu) else Path(path)
     if file.suffix == ".ssp":
         return _package(file, variant)
     if file.suffix != ".fmu":

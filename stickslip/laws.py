@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip import cosim, models
 from stickslip.cosim.signals.signals import Input, sampled
-from stickslip.errors import UsageError
+from stickslip.errors import UsageError, number
 from stickslip.simulation import simulate
 
 _MOST_STEPS = 1e8
@@ -57,6 +57,7 @@ def run_law(
     (name, signal), *more = [*(item for item in given.items() if item[1] is not None), ("", None)]
     if len(more) != 1 or signal is None:
         raise UsageError("expected one of velocity, position and force")
+    stop, step = number("stop", stop), number("step", step)
     model, driven = ("stage", "u") if name == "force" else ("compensator", "v")
     if not (0.0 < step < math.inf and 0.0 < stop < math.inf and stop / step <= _MOST_STEPS):
         raise UsageError(

@@ -18,8 +18,9 @@ _STEPS = 500  # of a run for which no step is proposed
 
 
 def simulate(
-    path: cosim.System | Path | str,
+    path: cosim.System | cosim.Fmu | Path | str,
     *,
+    start: float | None = None,
     stop: float | None = None,
     step: float | None = None,
     parameters: Mapping[str, Any] | None = None,
@@ -31,8 +32,8 @@ def simulate(
 
     Parameters
     ----------
-    path : a system, FILE.fmu or FILE.ssp
-    stop, step : [s], instead of those that the file proposes; where it proposes no step, the
+    path : a system, an FMU, FILE.fmu or FILE.ssp
+    start, stop, step : [s], instead of those that the file proposes; where it proposes no step, the
         smallest that its FMUs propose, or 1/500 of the time from start to stop
     parameters : start values by name, ``component.variable`` or, of one FMU, ``variable``
     inputs : signals by exposed input, as of ``Simulation.run``: series over time [s], a data frame
@@ -50,9 +51,12 @@ def simulate(
     """
     model = Model.of(path)
     signals = model.signals(inputs)
+    model.require_free(parameters or (), signals)
     for name, value in (parameters or {}).items():
         model.set(name, value)
-    with model.prepare(stop=stop, step=step, record=model.record(record), **options) as simulation:
+    with model.prepare(
+        start=start, stop=stop, step=step, record=model.record(record), **options
+    ) as simulation:
         return simulation.run(inputs=signals)
 
 
@@ -72,10 +76,12 @@ class Model:
     inputs: Mapping[str, cosim.Table] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, source: cosim.System | Path | str) -> Model:
-        """Return a copy of a system, or read a file."""
+    def of(cls, source: cosim.System | cosim.Fmu | Path | str) -> Model:
+        """Return a copy of a system, one of an FMU, or read a file."""
         if isinstance(source, cosim.System):
             return cls(Path(source.name), source.copy(), cosim.DefaultExperiment())
+        if isinstance(source, cosim.Fmu):
+            return cls._lone(source)
         return cls.open(Path(source))
 
     @classmethod
@@ -87,15 +93,19 @@ class Model:
             raise UsageError(f"{path}: expected a file .ssp or .fmu")
         if variant is not None:
             raise UsageError(f"{path}: --variant names a system of an .ssp; this is one FMU")
-        fmu = cosim.Fmu(path)
-        system = cosim.System(path.stem)
+        return cls._lone(cosim.Fmu(path))
+
+    @classmethod
+    def _lone(cls, fmu: cosim.Fmu) -> Model:
+        system = cosim.System(fmu.path.stem)
         system.add(fmu.identifier, fmu)
         _expose_inputs(system)
-        return cls(path, system, fmu.experiment)
+        return cls(fmu.path, system, fmu.experiment)
 
     def prepare(
         self,
         *,
+        start: float | None = None,
         stop: float | None = None,
         step: float | None = None,
         record: cosim.Record | None = None,
@@ -108,28 +118,28 @@ class Model:
         UsageError
             When they make no run.
         """
-        start = self.experiment.start or 0.0
+        start = (self.experiment.start or 0.0) if start is None else start
         stop = self.experiment.stop if stop is None else stop
         if stop is None:
             raise UsageError(
                 f"{self.path}: no stop time is proposed; give one in s: stop=, or --stop"
             )
-        step = self.step(stop) if step is None else step
+        step = self.step(start, stop) if step is None else step
         try:
             return self.system.prepare(start=start, stop=stop, step=step, record=record, **options)
         except cosim.ExperimentError as fault:
             hint = "" if "tolerance" in str(fault) else "; see stop and step"
             raise UsageError(f"{self.path}: {fault}{hint}") from fault
 
-    def step(self, stop: float) -> float:
-        """Return the step of a run to a stop time [s].
+    def step(self, start: float, stop: float) -> float:
+        """Return the step of a run from a start to a stop time [s].
 
         It is the one that the file proposes, else the smallest that its FMUs propose, reduced so
         that it divides the run, else 1/500 of the run.
         """
         if self.experiment.step is not None:
             return self.experiment.step
-        duration = stop - (self.experiment.start or 0.0)
+        duration = stop - start
         proposed = (one.experiment.step for one in self.system.components.values())
         least = min((step for step in proposed if step), default=None)
         if least is None or not 0.0 < least < duration < math.inf:
@@ -177,7 +187,23 @@ class Model:
     def signals(self, inputs: Inputs | None) -> dict[str, Input]:
         """Return the signals of a run: those that are given, else those packed with the file."""
         given = cosim.signals_of(self.inputs if inputs is None else inputs)
-        return {self.exposed(name): signal for name, signal in given.items()}
+        found = {self.exposed(name): signal for name, signal in given.items()}
+        if len(found) < len(given):
+            raise UsageError(f"{self.path}: an input is given twice: {', '.join(given)}")
+        return found
+
+    def require_free(self, names: Iterable[str], signals: Iterable[str]) -> None:
+        """Raise UsageError where a start value would have no effect, since something drives it."""
+        for name in names:
+            targets = self.system.inputs.get(name, (self.qualified(name),))
+            for target in targets:
+                source = self.system.connections.get(target)
+                driven = (one for one in signals if target in self.system.inputs.get(one, ()))
+                if source := source or next(driven, None):
+                    raise UsageError(
+                        f"{name}: a start value has no effect, because the input gets its values"
+                        f" from {source}"
+                    )
 
     def set(self, name: str, value: object) -> None:
         """Give a variable a start value, or the one that an exposed input is connected to."""
@@ -185,12 +211,14 @@ class Model:
         self.system.set(name if others else target, value)
 
     def qualified(self, name: str) -> str:
-        """Return component.variable, of a lone component also for the variable alone."""
-        components = list(self.system.components)
-        first = name.partition(".")[0]
-        if len(components) > 1 or first in components or name in self.system.inputs:
+        """Return component.variable, also for a variable alone that one component has."""
+        components = self.system.components
+        if name.partition(".")[0] in components or name in self.system.inputs:
             return name
-        return f"{components[0]}.{name}"
+        having = [one for one in components if name in components[one].variables]
+        if len(components) == 1 or len(having) == 1:
+            return f"{[*having, *components][0]}.{name}"
+        return name
 
     def exposed(self, column: str) -> str:
         """Return the input that a column drives: named so, or as the variable with its dots."""

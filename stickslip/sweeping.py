@@ -66,7 +66,7 @@ class Optimised:
 
 
 def sweep(
-    system: cosim.System | Path | str,
+    system: cosim.System | cosim.Fmu | Path | str,
     parameters: Mapping[str, Iterable[float]],
     figures: Mapping[str, Figure],
     *,
@@ -86,7 +86,7 @@ def sweep(
 
     Parameters
     ----------
-    system : a system, FILE.fmu or FILE.ssp
+    system : a system, an FMU, FILE.fmu or FILE.ssp
     parameters : ``component.variable``, or ``variable`` of one FMU, -> values in its unit
     figures : name -> a function of the result that gives a number; picklable (a function of a
         module, not a lambda) unless the workers are threads
@@ -121,6 +121,7 @@ def sweep(
         raise UsageError(f"figure {taken[0]!r}: has the name of another column; choose another")
     model, specification, signals = _prepared(system, stop, step, inputs, record, options)
     names = [model.qualified(name) for name in values]
+    model.require_free(names, signals)
     if len({*names}) < len(names):
         raise UsageError(f"a parameter comes twice: {', '.join(values)}")
     for name, some in zip(names, values.values(), strict=True):
@@ -153,7 +154,7 @@ def sweep(
 
 
 def optimise(
-    system: cosim.System | Path | str,
+    system: cosim.System | cosim.Fmu | Path | str,
     ranges: Mapping[str, Sequence[float]],
     cost: Figure,
     *,
@@ -208,6 +209,7 @@ def optimise(
     limits = ga.Limits(evaluations=evaluations)
     search = ga.optimiser(algorithm, ga.Problem(genes), limits, seed)
     names = [model.qualified(name) for name in ranges]
+    model.require_free(names, signals)
     with (
         ga.SimulatedCost(specification, names, partial(_cost, cost), signals) as evaluate,
         ga.executor(where, workers) as executor,
@@ -240,16 +242,36 @@ def _evaluated(run: _Run, _seed: int, _stage: object = None) -> Outcome:
     found: dict[str, float | str] = {}
     for name, of in run.figures.items():
         try:
-            value = of(result)
-        except Exception as fault:  # noqa: BLE001 - a function of the user
-            found.setdefault("reason", f"figure {name!r}: {type(fault).__name__}: {fault}")
-        else:
-            found[name] = number(f"figure {name!r}", value)
+            found[name] = _figure(of, result)
+        except ga.CandidateFailed as fault:
+            found.setdefault("reason", f"figure {name!r}: {fault}")
     return Outcome(json.dumps(found))
 
 
 def _cost(cost: Figure, result: cosim.Result) -> float:
-    return number("the cost", cost(result))
+    try:
+        return _figure(cost, result)
+    except ga.CandidateFailed as fault:
+        raise ga.CandidateFailed(f"the cost: {fault}") from None
+
+
+def _figure(of: Figure, result: cosim.Result) -> float:
+    """Return what a function of the user makes of a run.
+
+    Raises
+    ------
+    CandidateFailed
+        When it raises, or returns no number.
+    """
+    try:
+        value = of(result)
+    except Exception as fault:
+        raise ga.CandidateFailed(f"{type(fault).__name__}: {fault}") from fault
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        got = printable(repr(value), 80)
+        raise ga.CandidateFailed(f"expected a number, got {got}") from None
 
 
 def _require_names(**given: object) -> None:
@@ -288,7 +310,7 @@ def _nothing(_: cosim.Result) -> float:
 
 
 def _prepared(
-    system: cosim.System | Path | str,
+    system: cosim.System | cosim.Fmu | Path | str,
     stop: float | None,
     step: float | None,
     inputs: Inputs | None,

@@ -64,13 +64,21 @@ class Result:
         self._system = system
 
     def __getitem__(self, name: str) -> Array:
+        if not isinstance(name, str):
+            raise self._unknown(name)
         if (column := self._column(name)) is not None:
             return self.values[:, column]
         if (array := self._array(name)) is not None:
             return array
+        raise self._unknown(name)
+
+    def _unknown(self, name: object) -> KeyError:
+        """Return what is wrong with a name that is no column."""
+        if not isinstance(name, str):
+            return KeyError(f"{name!r}: expected the name of one signal")
         if same := [known for known in self.names if known.endswith(f".{name}")]:
-            raise KeyError(f"{name!r} was recorded of several components: {', '.join(same)}")
-        raise KeyError(f"{name!r} was not recorded{suggestion(name, self.names)}")
+            return KeyError(f"{name!r} was recorded of several components: {', '.join(same)}")
+        return KeyError(f"{name!r} was not recorded{suggestion(name, self.names)}")
 
     def _array(self, name: str) -> Array | None:
         """Return an array of which all elements were recorded, (n, *dimensions)."""
@@ -124,11 +132,12 @@ class Result:
         KeyError
             When a signal was not recorded.
         """
-        columns = [self._column(name) for name in names] if names else range(len(self.names))
+        known = (self._column(name) if isinstance(name, str) else None for name in names)
+        columns = [*known] if names else range(len(self.names))
         chosen = {}
         for name, column in zip(names or self.names, columns, strict=True):
             if column is None:
-                raise KeyError(f"{name!r} was not recorded{suggestion(name, self.names)}")
+                raise self._unknown(name)
             chosen[self.names[column]] = self.values[:, column]
         return draw(self.time, chosen, self.units, axes)
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from stickslip.cosim.errors import SignalError
 from stickslip.cosim.signals.csv_columns import read_columns
 from stickslip.cosim.signals.span import slack
-from stickslip.fmi.messages import suggestion
+from stickslip.fmi.messages import printable, suggestion
 
 Array = NDArray[np.float64]
 
@@ -253,10 +253,18 @@ def sampled(name: str, signal: Input, time: Array) -> Array:
         signal = signal.sample(time)
     elif callable(signal):
         signal = signal(time)
+    if hasattr(signal, "magnitude") and hasattr(signal, "units"):
+        raise SignalError(
+            f"input {name!r}: expected numbers in the unit of the input, got a quantity in"
+            f" {signal.units}; give the magnitude of quantity.to(unit)"
+        )
+    wrong = f"input {name!r}: expected numbers, got {printable(repr(signal), 80)}"
+    if isinstance(signal, str | bytes):
+        raise SignalError(wrong)
     try:
         values = np.asarray(signal, dtype=np.float64)
     except (TypeError, ValueError):
-        raise SignalError(f"input {name!r}: expected numbers, got {signal!r}") from None
+        raise SignalError(wrong) from None
     if values.ndim and values.shape != time.shape:
         raise SignalError(
             f"input {name!r} has the shape {values.shape}, expected {time.shape}:"

@@ -172,6 +172,11 @@ def _from_frame(frame: pd.DataFrame, label: str) -> dict[str, Table]:
 
 def _numbers(column: pd.Series) -> Array:
     """Return the values (n,) of a column; differences of time in seconds."""
+    if hasattr(column.dtype, "units"):  # of Pint
+        raise SignalError(
+            f"column {column.name!r} holds quantities in {column.dtype.units}; expected numbers in"
+            " the unit of the input: column.pint.to(unit).pint.magnitude"
+        )
     if column.dtype.kind == "m":
         return np.asarray(column.dt.total_seconds())
     if column.dtype.kind in "Mc":

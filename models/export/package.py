@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import get_args
 
 from stickslip.fmi.files import atomic_write
+from stickslip.fmi.messages import suggestion
 from stickslip.fmi.toolchain import (
     Platform,
     binaries,
@@ -100,7 +101,7 @@ def load_model(name: str, law: str | None = None) -> Model:
     """
     folder = _folders().get(name)
     if folder is None:
-        raise UnknownModel(f"there is no model '{name}'; there are {', '.join(model_names())}")
+        raise UnknownModel(f"there is no model '{name}'{suggestion(name, model_names())}")
     default = read_toml(folder / "model.toml").get("law")
     if law is not None and default is None:
         raise UnknownLaw(f"model '{name}' contains no friction law, so it cannot have '{law}'")

@@ -39,6 +39,14 @@ def at_least(least: int) -> Callable[[str], int]:
     return whole_number
 
 
+def seconds(text: str) -> float:
+    """Return a time limit [s], a type for ``argparse``."""
+    value = float(text)
+    if not value > 0.0:
+        raise argparse.ArgumentTypeError(f"expected a number of seconds above 0, got {text!r}")
+    return value
+
+
 def require_files(*paths: Path | None) -> None:
     """Raise OSError where a file or folder that is given is not there, before heavy imports."""
     for path in paths:

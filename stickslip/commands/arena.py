@@ -44,7 +44,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     ports = {"--ports FILE.toml": "how it is connected, one for each --compensator"}
     add_options(parser, ports, type=Path, **SEVERAL)
     only = "only these drives, by name"
-    add_options(parser, {"--only DRIVE": only}, **SEVERAL)
+    chosen = parser.add_argument("--only", metavar="DRIVE", help=only, **SEVERAL)
+    complete_with(chosen, drive_names)
     starts = "runs of each command, with other noise and another place between encoder steps"
     add_options(parser, {"--seeds N": starts}, type=at_least(1), default=20)
     evaluations = "budget of each compensator on each drive: candidates"

@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stickslip.commands import FLAG, add_options
+from stickslip.commands import FLAG, add_options, seconds
 from stickslip.errors import UsageError
 from stickslip.fmi.process.sandbox import permissions
 from stickslip.output import Answer
@@ -26,9 +26,9 @@ def declare(parser: argparse.ArgumentParser) -> None:
     }
     add_options(parser, flags, **FLAG)
     limit = {"--timeout S": "time limit of the binary for one rule"}
-    add_options(parser, limit, type=float, default=20.0)
+    add_options(parser, limit, type=seconds, default=20.0)
     total = {"--total S": "time limit for each file; what is known by then is printed"}
-    add_options(parser, total, type=float, default=math.inf)
+    add_options(parser, total, type=seconds, default=math.inf)
     allow = {"--allow network|exec|files=DIR": "what the sandbox lets FMUs do; may be repeated"}
     add_options(parser, allow, action="append", default=[])
     parser.set_defaults(run=run)

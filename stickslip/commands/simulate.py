@@ -48,8 +48,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, numbers, type=float)
     add_set_option(parser, "start values: component.variable=VALUE; arrays as 'x=1 2 3'")
     files = {
-        "--input FILE.csv|FILE.parquet": "table with a column time [s] and one per input, "
-        "interpolated linearly (default: the input in the package)",
+        "--input FILE.csv|FILE.parquet": "table with a column 'time' in s and one per input, "
+        "named as it, interpolated linearly (default: the input in the package)",
         "--out FILE.csv|FILE.parquet|FILE.xlsx": "file for the recorded signals",
         "--save FILE": "file for the state at --until",
         "--resume FILE": "continue from a saved state",

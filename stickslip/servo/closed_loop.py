@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from stickslip import cosim, models
+from stickslip.errors import UsageError, number
 from stickslip.servo.chain_response import ChainResponse, Robustness
 from stickslip.servo.systems import Compensator, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -77,7 +79,14 @@ def robustness(
     ------
     UnknownModel, UnknownLaw
         When there is no such compensator.
+    UsageError
+        When friction is below 0, or the mass not above.
     """
+    friction = number("friction", friction)
+    if not 0.0 <= friction < math.inf:
+        raise UsageError(f"friction = {friction:g} N: expected 0 or more")
+    if m is not None and not 0.0 < number("m", m) < math.inf:
+        raise UsageError(f"m = {m:g} kg: expected more than 0")
     fmus = Path(folder) / "chain"
     chain = _built(fmus, (), compensators)
     with ChainResponse(fmus, loop, chain) as response:

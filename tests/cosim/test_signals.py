@@ -1,6 +1,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
+import pint
+import pint_pandas  # noqa: F401 - it defines the types of columns
 import pytest
 
 from stickslip import cosim
@@ -59,6 +62,9 @@ def test_all_kinds_of_inputs(simulation):
         (np.zeros(4), r"shape \(4,\), expected \(5,\)"),
         ([0, 0, np.nan, 0, 0], "not finite at t = 1 s"),
         ("text", "expected numbers"),
+        ("12", "expected numbers"),
+        (pint.Quantity(1.0, "kN"), "in the unit of the input, got a quantity in kilonewton"),
+        (pd.Series([1.0, 2.0], [0.0, 1.0], dtype="pint[kN]"), "holds quantities in kilonewton"),
     ],
 )
 def test_inputs_that_cannot_be(simulation, signal, message):

@@ -89,12 +89,16 @@ def test_a_run_that_fails_is_a_row_with_its_reason(stage):
 def test_a_figure_that_raises_costs_its_own_cell(stage):
     system = ss.System("lone")
     system.add("stage", stage, {"u": PUSH})
-    figures = {"end": end_of_stage, "one": lambda result: 1 // int(end_of_stage(result) > 0.1)}
-    table = system.sweep({"stage.F_c": [0.2, 20.0]}, figures, stop=STOP)
+    figures = {
+        "end": end_of_stage,
+        "one": lambda result: 1 // int(end_of_stage(result) > 0.1),
+        "none": lambda result: 1.0 if end_of_stage(result) > 0.1 else None,
+    }
+    table = system.sweep({"F_c": [0.2, 20.0]}, figures, stop=STOP)
     assert table["end"][0] == pytest.approx(expected(0.2, M), rel=1e-2)
     assert table["end"][1] == pytest.approx(0.0, abs=1e-3)
     assert table["one"][0] == 1.0
-    assert np.isnan(table["one"][1])
+    assert table.loc[1, ["one", "none"]].isna().all()
     assert table["reason"][0] == ""
     assert table["reason"][1].startswith("figure 'one': ZeroDivisionError")
 
@@ -117,6 +121,31 @@ def test_mistakes_are_one_line(stage):
             ss.sweep(stage, **given, **RUN)
     with pytest.raises(ss.Fault, match="lone: no stop time is proposed; give one in s: stop="):
         ss.simulate(ss.System("lone"))
+
+
+def test_a_start_value_that_something_overrules_is_refused(stage):
+    system = ss.System("two")
+    system.add("stage", stage)
+    system.add("half", ss.blocks.gain(0.5))
+    system.expose("u", "half.u")
+    system.connect("half.y", "stage.u")
+    figures = {"end": end_of_stage}
+    with pytest.raises(ss.Fault, match=r"stage.u: .* gets its values from half.y"):
+        system.sweep({"stage.u": [1.0, 2.0]}, figures, stop=STOP)
+    with pytest.raises(ss.Fault, match=r"half.u: .* gets its values from u"):
+        ss.simulate(system, parameters={"half.u": 1.0}, inputs={"u": 2.0}, stop=STOP)
+    with pytest.raises(ss.Fault, match=r"an input is given twice: u, stage\.u"):
+        ss.simulate(stage, inputs={"u": 12.0, "stage.u": 3.0}, stop=STOP)
+    free = system.sweep({"half.u": [2.0 * PUSH]}, figures, stop=STOP)
+    assert free["end"][0] == pytest.approx(expected(1.0, M), rel=1e-2)
+
+
+def test_an_fmu_runs_from_a_start_time(stage):
+    fmu = ss.Fmu(stage)
+    result = ss.simulate(fmu, start=1.0, stop=1.0 + STOP, step=1e-3, inputs={"stage.u": PUSH})
+    assert result.time[0] == 1.0
+    assert end(result) == pytest.approx(expected(1.0, M), rel=1e-3)
+    assert repr(ss.info(fmu)) == repr(ss.info(stage))
 
 
 @pytest.mark.parametrize("workers", [1, 2])
