@@ -143,7 +143,7 @@ LOGS = [
     _log("brackets", "a name of brackets and blanks, slow to search", "no column of time",
          lambda _: b"( " * 30_000 + b",b\n" + b"1,2\n" * 50),
     _log("spreadsheet", "a spreadsheet", "an archive", b"PK\3\4" + bytes(30)),
-    _log("missing", "no file", "log.csv: cannot be read", None),
+    _log("missing", "no file", "log.csv: No such file", None),
     _log("pipe", "a pipe that nobody writes to", "no regular file", os.mkfifo),
     _log("huge", "4 GB", "4294967296 bytes, at most", _huge),
     _log("parquet-cut", "half a Parquet file", "not a Parquet file, or damaged", lambda _: _parquet(t=np.arange(99.0), x=np.arange(99.0))[:300], ".parquet"),

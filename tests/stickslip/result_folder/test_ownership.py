@@ -84,7 +84,7 @@ def test_absent_files_and_those_of_other_commands_are_no_obstacle(folder, put):
 
 
 COMMANDS = {
-    "learn": (["learn", "--log", "LOG"], learned_folder.FILES, "pipeline.log_learning.learn"),
+    "learn": (["learn", "--log", __file__], learned_folder.FILES, "pipeline.log_learning.learn"),
     "reproduce": (["reproduce"], reproduction_results.FILES, "pipeline.reproduction.reproduce"),
     "record": (
         ["reproduce", "--mode", "record"],
