@@ -43,6 +43,11 @@ class Axis:
         check("b", self.b, "N s/m", True, "a number")
         check("tau_i", self.tau_i, "s", self.tau_i >= 0.0, "0 or above")
 
+    def of_drive(self) -> dict[str, float | bool]:
+        """Return the start values of a drive FMU on this axis; without a lag it has none."""
+        lag = {"tau_i": self.tau_i} if self.tau_i else {"current_loop": False}
+        return {"m": self.m, "b": self.b, **lag}
+
     def sampled(self, T_s: float) -> control.StateSpace:
         """Return the axis from a held command u [N] to motor force F, velocity v and position x.
 

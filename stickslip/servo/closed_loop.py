@@ -50,8 +50,7 @@ def closed_loop(
     models.build_fmu("drive", fmus, law=law)
     chain = _built(fmus, ("nominal_loop", "velocity_controller"), compensators)
     system = build_loop(fmus, loop, chain)
-    axis = {"m": loop.axis.m, "b": loop.axis.b, "tau_i": loop.axis.tau_i}
-    for name, value in {**axis, **(drive or {})}.items():
+    for name, value in {**loop.axis.of_drive(), **(drive or {})}.items():
         system.set(f"drive.{name}", value)
     return system
 

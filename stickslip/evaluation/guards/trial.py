@@ -55,11 +55,9 @@ class Trial:
 
 def axis_values(loop: VelocityLoop, sheet: Datasheet) -> dict[str, float | bool]:
     """Return the start values of a drive FMU on the axis that a loop counts on."""
-    axis = loop.axis
-    lag = {"tau_i": axis.tau_i} if axis.tau_i else {"current_loop": False}
-    known = {"m": axis.m, "b": axis.b, "u_max": sheet.peak_force}
+    known = {**loop.axis.of_drive(), "u_max": sheet.peak_force}
     # The paper's converter has steps larger than the friction of a small drive.
-    return {**known, **lag, "dac": False, "encoder_step": sheet.encoder_step}
+    return {**known, "dac": False, "encoder_step": sheet.encoder_step}
 
 
 @dataclass(frozen=True)
