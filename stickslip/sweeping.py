@@ -140,8 +140,9 @@ def sweep(
             found = json.loads(outcome.learned) if outcome.learned else {"reason": outcome.reason}
             rows[run.place] = dict(zip(values, run.values, strict=True)) | found
             if "reason" in found and not failed:
-                _log.warning("a run of the sweep failed: %s", found["reason"])
                 failed.append("reason")
+                if len(rows) < len(grid):  # soon enough to stop the others
+                    _log.warning("a run of the sweep failed: %s", found["reason"])
             report(len(rows), len(grid))
 
         run_jobs(_evaluated, runs, 0, where, workers, take)

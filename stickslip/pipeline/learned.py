@@ -67,6 +67,11 @@ class Learned:
     loops: Loops | ControlError
 
     @property
+    def refusal(self) -> str:
+        """Why the compensator should not be used; empty where there is no reason."""
+        return ""
+
+    @property
     def designed(self) -> Loops:
         """The loops of the drive.
 
@@ -163,7 +168,8 @@ class LearnedFromRecording(Learned):
         values = ", ".join(
             f"{name} = {one.value:.5g}" for name, one in self.estimation.known.items()
         )
-        return f"LearnedFromRecording({self.estimation.law.name}: {values})"
+        refused = f"; not recommended: {self.refusal}" if self.refusal else ""
+        return f"LearnedFromRecording({self.estimation.law.name}: {values}{refused})"
 
     def _repr_html_(self) -> str:
         """Return what a notebook shows: the parameters, what is written and what is warned of."""

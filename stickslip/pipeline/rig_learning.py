@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from stickslip import ga
 from stickslip.cosim import SineSweep, Trapezoid
+from stickslip.errors import HarmfulError
 from stickslip.evaluation import validation
 from stickslip.evaluation.validation import Validation
 from stickslip.identification.stages import Estimate, Identification, identify
@@ -106,10 +107,14 @@ def validate(
 
     Raises
     ------
+    HarmfulError
+        When learning does not recommend the compensator; nothing is run.
     RigError
         When a motion did not end as commanded.
     ControlError
         When no loop of the drive is known.
     """
+    if learned.refusal:
+        raise HarmfulError(f"{rig.name}: learn does not recommend it: {learned.refusal}; not run")
     plain, loop, _ = learned.designed
     return validation.validate(rig, loop, learned.friction, command, feed, plain)

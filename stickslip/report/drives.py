@@ -102,7 +102,7 @@ def _parameters(table: pd.DataFrame) -> Html:
 
 def _compensators(errors: pd.DataFrame) -> Html:
     def shown(value: float) -> str:
-        return number(value, 3) if pd.notna(value) else ""
+        return number(value, 4) if pd.notna(value) else ""
 
     rows = [
         (

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from stickslip.report import style
 from stickslip.report.interactive import name_points
@@ -48,6 +48,11 @@ def _front(axes: Axes, x: pd.Series[Any], y: pd.Series[Any]) -> None:
     axes.margins(x=0.12, y=0.06)
     for axis, low, high in ((axes.xaxis, *axes.get_xlim()), (axes.yaxis, *axes.get_ylim())):
         few = high > 30.0 * low
+        if high < 1.5 * low:
+            axis.set_major_locator(MaxNLocator(4))
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_locator(NullLocator())
+            continue
         axis.set_major_locator(LogLocator(subs=(1.0,) if few else (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter(NullFormatter())

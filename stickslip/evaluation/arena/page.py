@@ -54,8 +54,9 @@ def _head(arena: Arena, found: pd.DataFrame) -> Section:
     drives, starts = len(plan.drives), plan.starts
     texts = [
         paragraph(
-            f"{len(plan.entrants)} entrants on {drives} simulated drives. Each is tuned by the"
-            f" same genetic algorithm from the encoder and the motor force ({budget_text(plan)}),"
+            f"{len(plan.entrants)} entrants on {drives} simulated"
+            f" {'drive' if drives == 1 else 'drives'}. Each is tuned by the same genetic"
+            f" algorithm from the encoder and the motor force ({budget_text(plan)}),"
             " and validated by the true velocity on motions on which it was not tuned,"
             f" {starts} {'run' if starts == 1 else 'runs'} each."
         )

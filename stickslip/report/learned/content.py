@@ -201,7 +201,7 @@ def _compared(compared: Compared) -> list[Html]:
     rows = [
         (
             one["compensator"],
-            *(number(one[name], 3) for name in sizes),
+            *(number(one[name], 4) for name in sizes),
             "yes" if one["acceptable"] else "no",
         )
         for one in compared.table().to_dict("records")
@@ -230,7 +230,7 @@ def _observer(observed: Observed) -> list[Html]:
     rows = [
         (
             one["part"],
-            *(number(one[name], 3) for name in ("fitted", "mean", "worst")),
+            *(number(one[name], 4) for name in ("fitted", "mean", "worst")),
             "yes" if one["acceptable"] else "no",
         )
         for one in observed.summary().to_dict("records")

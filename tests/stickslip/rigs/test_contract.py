@@ -1,12 +1,13 @@
 """What every rig promises: the paper's loop, and limits."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from stickslip import Command, FmuRig, Limits, Log, Rig, RigLimits, ga, learn
-from stickslip.errors import LimitError, RigError, UsageError
+from stickslip import Command, FmuRig, Limits, Log, Rig, RigLimits, ga, learn, validate
+from stickslip.errors import HarmfulError, LimitError, RigError, UsageError
 from stickslip.pipeline.log_learning import check_rig
 from stickslip.pipeline.recorded import read_rig
 from stickslip.servo.datasheet import LOOP, Datasheet
@@ -187,3 +188,10 @@ def test_a_log_in_other_units_spoils_the_values_and_noise_does_not(fmus, noise, 
     found = list(check_rig(read_rig(Measured(fmus, Datasheet(), LOOP.T_s), Limits(duration=5.0))))
     assert [one.spoils for one in found] == ["values"] * is_wrong
     assert all("not that of the loop and the command" in one.what for one in found)
+
+
+def test_a_compensator_that_is_not_recommended_moves_nothing():
+    rig, learned = Ideal(WIDE), SimpleNamespace(refusal="the force is out of scale")
+    with pytest.raises(HarmfulError, match="does not recommend it: the force is out of scale; not"):
+        validate(rig, learned)
+    assert not rig.moved
