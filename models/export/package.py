@@ -77,7 +77,7 @@ def load_law(name: str) -> Law:
         When its law.toml is not well formed.
     """
     if name not in law_names():
-        raise UnknownLaw(f"there is no friction law '{name}'; there are {', '.join(law_names())}")
+        raise UnknownLaw(f"there is no friction law '{name}'{suggestion(name, law_names())}")
     return read_law(MODELS / "laws" / name)
 
 

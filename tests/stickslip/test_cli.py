@@ -245,7 +245,7 @@ def test_validate_with_a_velocity_filter_prints_what_each_part_adds(results, tmp
     ("message", "arguments"),
     [
         ("there is no model 'stag'", "build stag"),
-        ("no friction law 'ghost'; there are", "build --law ghost"),
+        ("no friction law 'ghost'", "build --law ghost"),
         ("'nominal_loop' contains no friction law", "build nominal_loop --law gms"),
         ("no variable 'mm'", "simulate STAGE --set mm=1"),
         ("outside", "simulate STAGE --set m=-1"),
