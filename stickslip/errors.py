@@ -1,4 +1,4 @@
-"""Errors of the application.
+"""Errors of the application, and a check that raises one.
 
 StickslipError(Fault)
     UsageError(ValueError)              an option, name or value that a command cannot take

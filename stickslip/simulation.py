@@ -81,7 +81,7 @@ class Model:
         if isinstance(source, cosim.System):
             return cls(Path(source.name), source.copy(), cosim.DefaultExperiment())
         if isinstance(source, cosim.Fmu):
-            return cls._lone(source)
+            return cls._lone(source, source.path)
         return cls.open(Path(source))
 
     @classmethod
@@ -93,14 +93,14 @@ class Model:
             raise UsageError(f"{path}: expected a file .ssp or .fmu")
         if variant is not None:
             raise UsageError(f"{path}: --variant names a system of an .ssp; this is one FMU")
-        return cls._lone(cosim.Fmu(path))
+        return cls._lone(cosim.Fmu(path), path)
 
     @classmethod
-    def _lone(cls, fmu: cosim.Fmu) -> Model:
-        system = cosim.System(fmu.path.stem)
+    def _lone(cls, fmu: cosim.Fmu, path: Path) -> Model:
+        system = cosim.System(path.stem)
         system.add(fmu.identifier, fmu)
         _expose_inputs(system)
-        return cls(fmu.path, system, fmu.experiment)
+        return cls(path, system, fmu.experiment)
 
     def prepare(
         self,
@@ -221,10 +221,12 @@ class Model:
         return name
 
     def exposed(self, column: str) -> str:
-        """Return the input that a column drives: named so, or as the variable with its dots."""
-        own = (column, *(column.removeprefix(f"{name}.") for name in self.system.components))
-        spelled = (one for name in own for one in (name, name.replace(".", "_")))
-        return next((one for one in spelled if one in self.system.inputs), column)
+        """Return the input that a column names: itself, or the only variable that it drives."""
+        if column in self.system.inputs:
+            return column
+        target = (self.qualified(column),)
+        alone = (name for name, targets in self.system.inputs.items() if targets == target)
+        return next(alone, column.replace(".", "_"))
 
 
 def _expose_inputs(system: cosim.System) -> None:

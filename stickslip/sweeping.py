@@ -108,8 +108,8 @@ def sweep(
     Raises
     ------
     UsageError
-        When there is nothing to vary or to evaluate, a name comes twice, or a figure is not a
-        number, or fails in every run.
+        When there is nothing to vary or to evaluate, a name comes twice, something drives what
+        is to be varied, or no run gives a figure.
     CosimError
         When the system, a name or an input is wrong.
     """
@@ -186,9 +186,10 @@ def optimise(
     Raises
     ------
     UsageError
-        When a range has not three numbers, or the cost, the seed or the budget is not a number.
+        When a range has not three numbers, or the seed or the budget is not a number.
     GaError
-        When a range or setting makes no sense, or every run of the first generation failed.
+        When a range or setting makes no sense, or every run of the first generation failed, or
+        its cost.
     CosimError
         When the system, a name or an input is wrong.
     """
@@ -212,7 +213,9 @@ def optimise(
     names = [model.qualified(name) for name in ranges]
     model.require_free(names, signals)
     with (
-        ga.SimulatedCost(specification, names, partial(_cost, cost), signals) as evaluate,
+        ga.SimulatedCost(
+            specification, names, partial(_figure, "the cost", cost), signals
+        ) as evaluate,
         ga.executor(where, workers) as executor,
         _shown(progress) as report,
     ):
@@ -243,20 +246,13 @@ def _evaluated(run: _Run, _seed: int, _stage: object = None) -> Outcome:
     found: dict[str, float | str] = {}
     for name, of in run.figures.items():
         try:
-            found[name] = _figure(of, result)
+            found[name] = _figure(f"figure {name!r}", of, result)
         except ga.CandidateFailed as fault:
-            found.setdefault("reason", f"figure {name!r}: {fault}")
+            found.setdefault("reason", str(fault))
     return Outcome(json.dumps(found))
 
 
-def _cost(cost: Figure, result: cosim.Result) -> float:
-    try:
-        return _figure(cost, result)
-    except ga.CandidateFailed as fault:
-        raise ga.CandidateFailed(f"the cost: {fault}") from None
-
-
-def _figure(of: Figure, result: cosim.Result) -> float:
+def _figure(what: str, of: Figure, result: cosim.Result) -> float:
     """Return what a function of the user makes of a run.
 
     Raises
@@ -267,12 +263,11 @@ def _figure(of: Figure, result: cosim.Result) -> float:
     try:
         value = of(result)
     except Exception as fault:
-        raise ga.CandidateFailed(f"{type(fault).__name__}: {fault}") from fault
+        raise ga.CandidateFailed(f"{what}: {type(fault).__name__}: {fault}") from fault
     try:
-        return float(value)
-    except (TypeError, ValueError):
-        got = printable(repr(value), 80)
-        raise ga.CandidateFailed(f"expected a number, got {got}") from None
+        return number(what, value)
+    except UsageError as fault:
+        raise ga.CandidateFailed(str(fault)) from None
 
 
 def _require_names(**given: object) -> None:

@@ -115,12 +115,12 @@ def _simulate(options: argparse.Namespace) -> Answer:
     from stickslip.simulation import Model
 
     model = Model.open(options.file, options.variant)
-    for name, value in split_assignments(options.set).items():
+    given = cosim.read_tables(options.input, options.hold) if options.input else None
+    inputs = model.signals(given)
+    starts = split_assignments(options.set)
+    model.require_free(starts, inputs)
+    for name, value in starts.items():
         model.set(name, value)
-    inputs = model.inputs
-    if options.input:
-        tables = cosim.read_tables(options.input, options.hold)
-        inputs = {model.exposed(name): table for name, table in tables.items()}
     prepared = model.prepare(
         stop=options.stop,
         step=options.step,

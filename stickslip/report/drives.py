@@ -92,9 +92,9 @@ def _parameters(table: pd.DataFrame) -> Html:
     rows = []
     for row in learned.to_dict("records"):
         factor, unit = readable_unit(row["parameter"], row["unit"])
-        value, low, high = (number(factor * row[name]) for name in ("value", "low", "high"))
-        bounds = f"{low} to {high}" if pd.notna(row["low"]) else ""
-        level = row["identifiability"] or ""
+        known = [row[end] for end in ("low", "high") if pd.notna(row[end])]
+        bounds = " to ".join(number(factor * end) for end in known)
+        value, level = number(factor * row["value"]), row["identifiability"] or ""
         rows.append((symbol(row["parameter"]), row["name"], value, bounds, unit, level))
     heads = ("parameter", "result", "value", "95 % interval", "unit", "")
     return markup_table(heads, rows, "Parameters by result", (0, 1, 4, 5))

@@ -121,13 +121,13 @@ def _line(line: Line2D) -> Panel:
     """Return a line; where it is not finite, it has a gap."""
     shown = _kept.get(line, line.get_data())
     x, y = (np.ravel(np.asarray(values, dtype=float)) for values in shown)
-    label = str(line.get_label())
+    label, marker = str(line.get_label()), str(line.get_marker())
     return {
         "label": "" if label.startswith("_") else plain(label),
         "colour": to_hex(line.get_color()),
         "joined": line.get_linestyle() not in ("None", "", " "),
         "dashed": line.get_linestyle() == "--",
-        "mark": {"None": "", " ": ""}.get(marker := str(line.get_marker()), marker),
+        "mark": marker if marker not in ("None", " ") else "",
         "x": _rounded(x),
         "y": _rounded(y),
         "names": _named.get(line, []),

@@ -84,7 +84,8 @@ def robustness(
     friction = number("friction", friction)
     if not 0.0 <= friction < math.inf:
         raise UsageError(f"friction = {friction:g} N: expected 0 or more")
-    if m is not None and not 0.0 < number("m", m) < math.inf:
+    m = loop.axis.m if m is None else number("m", m)
+    if not 0.0 < m < math.inf:
         raise UsageError(f"m = {m:g} kg: expected more than 0")
     fmus = Path(folder) / "chain"
     chain = _built(fmus, (), compensators)

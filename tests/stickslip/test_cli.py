@@ -95,12 +95,18 @@ def test_a_shell_completes(typed, offered, tmp_path):
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["learn", "--compensator", "lugre+ekfb", "log.csv"],
+        ["learn", "--compensator", "lugre+ekfb", __file__],
+        ["learn", "none.csv"],
+        ["learn", __file__, "--unit", "position=furlong"],
         ["arena", "--compensators", "lugre+ekfb", "--out", "arena"],
+        ["arena", "--only", "lugr", "--out", "arena"],
+        ["fleet", "none.csv", "--out", "fleet"],
+        ["compare", "none"],
+        ["validate", "none.json"],
     ],
-    ids=["learn", "arena"],
+    ids=" ".join,
 )
-def test_mistyped_compensators_are_found_before_anything_large_is_loaded(arguments):
+def test_mistakes_are_found_before_anything_large_is_loaded(arguments):
     loaded = modules("print(cli.main(sys.argv[1:])); print(*sys.modules)", *arguments)
     assert loaded[0] == {"1"}
     assert not LARGE & loaded[-1]

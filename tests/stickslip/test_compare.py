@@ -52,6 +52,13 @@ def test_values_intervals_and_error_ratios_stand_side_by_side(tmp_path, capsys):
     assert main(["verify", str(out)]) == 0
 
 
+def test_results_without_intervals_are_compared_too(tmp_path):
+    bare = {"schema": 2, "parameters": {"F_c": {"value": 6.0, "unit": N}}}
+    (tmp_path / "learned.json").write_text(json.dumps(bare))
+    assert main(["compare", str(tmp_path), "--out", str(tmp_path / "out")]) == 0
+    assert "6" in (tmp_path / "out" / "compare.html").read_text()
+
+
 def test_results_of_one_name_are_told_apart_by_their_folders(tmp_path, capsys):
     places = [learned(tmp_path / name / "run", 6.0, 0.1) for name in ("a", "b")]
     assert main(["--json", "compare", *places]) == 0

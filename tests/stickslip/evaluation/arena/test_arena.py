@@ -25,11 +25,13 @@ from stickslip.evaluation.arena.comparison import arena as arena_of
 from stickslip.evaluation.arena.course import Course
 from stickslip.evaluation.arena.drives import default_drives, learned_drive, read_drives
 from stickslip.evaluation.arena.entrants import Coarse, Tuned, default_names, entrant, own_part
+from stickslip.evaluation.arena.names import drive_names
 from stickslip.evaluation.arena.protocol import Plan, build, run_arena
 from stickslip.evaluation.arena.table import ALL, COLUMNS, RELATIVE, arena_table, relative_errors
 from stickslip.evaluation.arena.tuning import Budget, tune
 from stickslip.evaluation.arena.validation import WORST, validate, validate_changed
 from stickslip.evaluation.arena.writing import write_arena
+from stickslip.models import UnknownLaw
 from stickslip.models.export.units import force_and_length
 from stickslip.results.folder import UNFINISHED
 from stickslip.servo.chain_response import ChainResponse
@@ -370,6 +372,9 @@ def test_an_entrant_above_the_limit_is_marked(tmp_path):
     ],
 )
 def test_what_is_unknown_is_named(options, message, tmp_path, capsys):
+    assert drive_names() == [drive.name for drive in default_drives()]
+    with pytest.raises(UnknownLaw, match="there is no friction law 'luger'"):
+        default_drives(["luger"])
     assert main(["arena", *options, "--out", str(tmp_path)]) == 1
     assert message in capsys.readouterr().err
 
