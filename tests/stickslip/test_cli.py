@@ -75,6 +75,9 @@ def test_arguments_are_parsed_before_anything_large_is_loaded():
         ("simulate --re", {"--real-time", "--record", "--resume"}),
         ("simulate --stop=1 ./", {"./a.fmu", "./b.ssp", "./deep/"}),
         ("simulate a.fmu --stop ", set()),
+        ("learn log.csv --compensator ek", {"ekbf"}),
+        ("arena --only armst", {"armstrong"}),
+        ("build velocity_f", {"velocity_filter"}),
     ],
 )
 def test_a_shell_completes(typed, offered, tmp_path):
