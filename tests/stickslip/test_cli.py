@@ -75,7 +75,7 @@ def test_arguments_are_parsed_before_anything_large_is_loaded():
         ("simulate --re", {"--real-time", "--record", "--resume"}),
         ("simulate --stop=1 ./", {"./a.fmu", "./b.ssp", "./deep/"}),
         ("simulate a.fmu --stop ", set()),
-        ("learn log.csv --compensator ek", {"ekbf"}),
+        ("learn log.csv --compensator ek", {"ekbf", "ekbf2"}),
         ("arena --only armst", {"armstrong"}),
         ("build velocity_f", {"velocity_filter"}),
     ],
