@@ -62,7 +62,7 @@ class Optimised:
 
     @property
     def _runs(self) -> str:
-        return f"{len(self.table)} runs, ended by {self.stopped}"
+        return f"{len(self.table)} runs; {self.stopped}"
 
 
 def sweep(
