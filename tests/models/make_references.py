@@ -338,10 +338,11 @@ def velocity_filter(p: Parameters) -> Columns:
     """Estimate a motion under a lagging force; friction is known but for a tenth of it."""
     given = lagging_motion()
     ahead, gain = predictor(p, given.pop("N")), np.array([p["L_x"], p["L_v"], p["L_d"]])
-    estimate = [np.zeros(3)]
+    estimate, rate = [np.zeros(3)], 0.0
     for k, position in enumerate(given["x_enc"][:-1]):
         x, *others = ahead(k, estimate[-1])
-        estimate.append([x, *others] + gain * (position - x))
+        rate += p.get("L_1", 0.0) * (position - x)
+        estimate.append([x, *others] + gain * (position - x) + [0.0, 0.0, STEP * rate])
     _, v_hat, d_hat = np.transpose(estimate)
     given["F_ff"] = given.pop("F_in")
     return {**given, "v_hat": v_hat, "d_hat": d_hat}
@@ -350,16 +351,20 @@ def velocity_filter(p: Parameters) -> Columns:
 def coulomb_observer(p: Parameters) -> Columns:
     """Observe the same, with a reference velocity that reverses and creeps."""
     given = lagging_motion()
-    ahead, v_r = predictor(p, given.pop("N")), 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
-    now, a, s, F, a_hat, v_last = np.zeros(3), 0.0, 0.0, [0.0], [0.0], v_r[0]
+    N = given.pop("N")
+    ahead, v_r = predictor(p, N), 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
+    now, a, s, v_last = np.zeros(3), p["a_0"], 0.0, v_r[0]
+    F, a_hat = [0.0], [0.0]
     for k, position in enumerate(given["x_enc"][:-1]):
         x, v, _ = ahead(k, np.array([now[0], now[1], -a * s]))
         r = position - x
         now = np.array([x + p["L_x"] * r, v + p["L_v"] * r, 0.0])
         a -= s * p["L_d"] * r
-        s = np.clip((v_r[k] + v_last) / 2 / p["v_t"], -1.0, 1.0)
-        early = (v_r[k] + v_last) / 2 + p["lead"] * (v_r[k] - v_last) / STEP
-        F.append(given["F_in"][k] + p["share"] * a * np.clip(early / p["v_t"], -1.0, 1.0))
+        slope, mean = (v_r[k] - v_last) / STEP, (v_r[k] + v_last) / 2
+        v_s, v_lead = (now[1],) * 2 if p["measured"] else (mean, mean + p["lead"] * slope)
+        s, early = np.clip(np.array([v_s, v_lead]) / p["v_t"], -1.0, 1.0)
+        returned = p["k_a"] * (N[k] - a * s - p["b"] * now[1] - p["m"] * slope)
+        F.append(given["F_in"][k] + p["share"] * a * early - returned)
         a_hat.append(a)
         v_last = v_r[k]
     return {**given, "v_r": v_r, "F": np.array(F), "a_hat": np.array(a_hat)}
@@ -394,14 +399,18 @@ def momentum_observer(p: Parameters) -> Columns:
     """Observe the same by the change of momentum."""
     given, residual = lagging_motion(), momentum(p)
     N, x, v_r = given.pop("N"), given["x_enc"], 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
-    a, F, a_hat = 0.0, [0.0], [0.0]
+    a, F, a_hat, s, w, v_k = p["a_0"], [0.0], [0.0], 1.0, p["w_q"], 0.0
     for k in range(200):
         last = max(k - 1, 0)
         friction, v = residual(N[[last, k]], x[[last, k]])
-        s = np.clip(v / p["v_t"], -1.0, 1.0)
-        a += (1.0 - np.exp(-p["w_q"] * STEP)) * s * (friction - a * s)
+        v_k = 2.0 * v - v_k
+        if p["coulomb"]:
+            s = np.clip(v / p["v_t"], -1.0, 1.0)
+            w = p["w_q"] * (abs(v) / p["v_t"]) ** (p["mu"] - 1.0)
+        a += (1.0 - np.exp(-w * STEP)) * s * (friction - a * s)
         early = (v_r[k] + v_r[last]) / 2 + p["lead"] * (v_r[k] - v_r[last]) / STEP
-        F.append(given["F_in"][k] + p["share"] * a * np.clip(early / p["v_t"], -1.0, 1.0))
+        ahead = np.clip((v_k if p["measured"] else early) / p["v_t"], -1.0, 1.0)
+        F.append(given["F_in"][k] + p["share"] * a * (ahead if p["coulomb"] else 1.0))
         a_hat.append(a)
     return {**given, "v_r": v_r, "F": np.array(F), "a_hat": np.array(a_hat)}
 
@@ -439,7 +448,8 @@ def static_feedforward(p: Parameters) -> Columns:
     F_in = 2.0 * np.cos(2 * np.pi * 3.0 * t)
     early = (v[1:-1] + v[:-2]) / 2 + p["lead"] * np.diff(v[:-1]) / STEP
     early = np.concatenate([v[:1], early])
-    force = p["F_c"] * np.clip(early / p["v_t"], -1.0, 1.0)
+    side = 1.0 + p["asymmetry"] * np.where(early < 0.0, -1.0, 1.0)
+    force = side * p["F_c"] * np.clip(early / p["v_t"], -1.0, 1.0) + p["b"] * early
     return {"time": t, "v": v, "F_in": F_in, "F": np.append(0.0, F_in[:-1] + force)}
 
 
@@ -452,28 +462,36 @@ def dob(p: Parameters) -> Columns:
     return {**table, "F_in": known, "F": last - p["share"] * table["d_hat"]}
 
 
-def lugre_observer(p: Parameters) -> Columns:
-    """Follow an encoder that lags behind a reference, with (2) and its correction by Radau."""
-    t, v_r = through_zero()
-    x_enc = np.rint(np.cumsum(np.concatenate([[0.0], v_r[:-2], [0.0]])) * STEP / 4e-7) * 4e-7
+def lugre_observer(p: Parameters, n: int = 401, held: tuple[float, float] | None = None) -> Columns:
+    """Follow an encoder that lags behind a reference for n samples, with (2) by Radau.
+
+    With ``held``, both have constant velocities [m/s].
+    """
+    t, v_r = (column[:n] for column in through_zero())
+    x_enc = np.cumsum(np.concatenate([[0.0], v_r[:-2], [0.0]])) * STEP
+    if held:
+        x_enc, v_r = held[0] * t, np.full(len(t), held[1])
+    x_enc = np.rint(x_enc / 4e-7) * 4e-7
     F_in = 2.0 * np.cos(2 * np.pi * 3.0 * t)
-    weight = 1.0 - np.exp(-STEP / p["tau_f"])
-    v, z, F, z_hat = 0.0, 0.0, [0.0], [0.0]
-    for k in range(400):
-        v += weight * ((x_enc[k] - x_enc[max(k - 1, 0)]) / STEP - v)
-        error = v - v_r[max(k - 1, 0)]
+    weight = 1.0 - np.exp(-STEP / p["tau_f"]) if p["tau_f"] else 1.0
+    v_k, z, F, z_hat = 0.0, 0.0, [0.0], [0.0]
+    for k in range(n - 1):
+        last = max(k - 1, 0)
+        v_k += weight * ((x_enc[k] - x_enc[last]) / STEP - v_k)
+        early = (v_r[k] + v_r[last]) / 2 + p["lead"] * (v_r[k] - v_r[last]) / STEP
+        v, correction = early if p["reference"] else v_k, p["k_e"] * (v_k - v_r[last])
+        sigma_1 = p["sigma_1"] * (np.exp(-((v / p["v_d"]) ** 2)) if p["v_d"] else 1.0)
 
-        def held(share: float, z: float = z, v: float = v, e: float = error) -> np.ndarray:
-            def rates(_: float, y: np.ndarray) -> list[float]:
-                return [(bristle_rate(v, y[0] * Z_UNIT, p) - share * p["k_e"] * e) / Z_UNIT, y[0]]
+        def motion(_: float, y: np.ndarray, v: float = v, c: float = correction) -> list[float]:
+            dz = bristle_rate(v, y[0] * Z_UNIT, p) - c
+            damped = dz + (1.0 - p["share_1"]) * c
+            return [dz / Z_UNIT, y[0], damped / Z_UNIT]
 
-            start, span = [z / Z_UNIT, 0.0], (0.0, STEP)
-            return solve_ivp(rates, span, start, "Radau", rtol=1e-11, atol=1e-14).y[:, -1] * Z_UNIT
-
-        end, area = held(1.0)
-        force = (p["sigma_0"] * area + p["sigma_1"] * (held(p["share_1"])[0] - z)) / STEP
-        z = np.clip(end, -3 * p["F_s"] / p["sigma_0"], 3 * p["F_s"] / p["sigma_0"])
-        F.append(F_in[k] + force)
+        tight = {"rtol": 1e-11, "atol": 1e-14}
+        solved = solve_ivp(motion, (0.0, STEP), [z / Z_UNIT, 0.0, 0.0], "Radau", **tight).y
+        z, area, damped = solved[:, -1] * Z_UNIT
+        z = np.clip(z, -3 * p["F_s"] / p["sigma_0"], 3 * p["F_s"] / p["sigma_0"])
+        F.append(F_in[k] + (p["sigma_0"] * area + sigma_1 * damped) / STEP)
         z_hat.append(z)
     return {"time": t, "x_enc": x_enc, "v_r": v_r, "F_in": F_in, "F": F, "z_hat": z_hat}
 

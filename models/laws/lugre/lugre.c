@@ -61,8 +61,8 @@ double lugre_observed(double h, double v, double injected, double damped, double
     const double a = forgetting_rate(v, p);
     const double dz = v - injected - a * *z;
     const double way = h * elementary_phi(a * h) * dz;
-    const double felt = h * elementary_phi(a * h) * (v - damped * injected - a * *z);
     const double mean_z = *z + h * elementary_phi2(a * h) * dz;
+    const double sigma_1 = lugre_damping(v, p, NULL);
     *z += way;
-    return p->sigma_0 * mean_z + lugre_damping(v, p, NULL) * felt / h;
+    return p->sigma_0 * mean_z + sigma_1 * way / h + sigma_1 * (1.0 - damped) * injected;
 }

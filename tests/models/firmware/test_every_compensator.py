@@ -39,6 +39,7 @@ STARTS = {
     "coulomb_observer": {"k_a": 0.2, "a_0": 3.0, "measured": 1.0},
     "momentum_observer": {"mu": 1.5, "a_0": 3.0, "share": 0.8},
     "adaptive_scale": {"s_0": 1.3, "rate": 20.0, "b": 0.0},
+    "lugre_observer": {"share_1": 0.3, "v_d": 5e-3, "k_e": 0.6},
     "observer": {"m": 2.0, "b": 30.0, "tau_i": 4e-4, "L_v": 300.0, "share": 0.8},
 }
 
