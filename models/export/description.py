@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 
 from stickslip.models.errors import DescriptionError, StartValueError
 from stickslip.models.export.law import MODELS, Law, merge, read_law, read_toml, require_known
-from stickslip.models.export.units import DISPLAY, NOMINAL, READ_IN, UNITS, rate_unit
+from stickslip.models.export.units import DISPLAY, NOMINAL, READ_IN, UNITS, motion_unit, rate_unit
 
 Role = Literal[
     "time", "input", "state", "mode", "derivative", "indicator", "output", "memory", "parameter"
@@ -110,7 +110,7 @@ class Model:
     ``sampled`` says that it does nothing between the samples it takes. ``icon`` is drawn of
     polylines on a tile of 100 by 100. ``law`` is the friction law that it
     contains, ``ports`` how a compensator is connected, ``sources`` the C of the law whose equations
-    it uses without containing it.
+    it uses without containing it. ``rotary`` says that the units are those of a rotary drive.
     """
 
     name: str
@@ -128,6 +128,7 @@ class Model:
     law: Law | None = None
     ports: Ports | None = None
     sources: tuple[Path, ...] = ()
+    rotary: bool = False
 
     @property
     def is_continuous(self) -> bool:
@@ -143,6 +144,17 @@ class Model:
     def has_model_exchange(self) -> bool:
         """Tell whether a tool's solver can take it over."""
         return self.is_continuous or self.sampled
+
+    def of_motion(self, *, rotary: bool) -> Model:
+        """Return the model with the units of a linear drive, as in model.toml, or a rotary one."""
+
+        def given(unit: str | None) -> str | None:
+            return unit and motion_unit(unit, rotary=rotary)
+
+        variables = (
+            replace(v, unit=given(v.unit), display=given(v.display)) for v in self.variables
+        )
+        return replace(self, variables=tuple(variables), rotary=rotary)
 
     def with_start(self, start: Mapping[str, float]) -> Model:
         """Return the model with other start values.

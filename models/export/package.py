@@ -131,6 +131,7 @@ def build_fmu(
     start: Mapping[str, float] | None = None,
     law: str | None = None,
     called: str | None = None,
+    rotary: bool = False,
     terminals: bool = True,
 ) -> Path:
     """Write ``folder/name.fmu`` and return its path.
@@ -144,6 +145,7 @@ def build_fmu(
     start : parameter -> start value, in the unit of model.toml, instead of the one there
     law : a friction law of ``law_names()`` in place of the model's default
     called : name of the file and of the model in it, by default ``name``
+    rotary : with the units of a rotary drive
     terminals : with terminalsAndIcons.xml, of which FMI Library says FATAL in FMI 2.0
 
     Raises
@@ -158,7 +160,7 @@ def build_fmu(
     """
     if fmi not in get_args(FmiVersion):
         raise ModelError(f"fmi is {fmi!r}; expected 2 or 3")
-    model = load_model(name, law).with_start(start or {})
+    model = load_model(name, law).with_start(start or {}).of_motion(rotary=rotary)
     model = replace(model, name=checked_name(called or model.name))
     # The reference holds for the start values of model.toml and law.toml.
     expected = not start and reference_file(model) is not None

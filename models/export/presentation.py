@@ -135,4 +135,6 @@ def index(model: Model, icon: str) -> str:
         text = readme.read_text(encoding="utf-8")
     if model.law is not None:
         text += "\n" + (model.law.folder / "README.md").read_text(encoding="utf-8")
+    if model.rotary:
+        text = "For this rotary drive read rad for m, N m for N and kg m2 for kg.\n\n" + text
     return _PAGE.format(title=html.escape(model.title), icon=icon, body=html.escape(text))

@@ -19,13 +19,16 @@ UNITS: dict[str, dict[str, int]] = {
     "N/m": {"kg": 1, "s": -2},
     "N.s/m": {"kg": 1, "s": -1},
     "N/s": {"kg": 1, "m": 1, "s": -3},
-    "N/(m.s)": {"kg": 1, "s": -3},
+    "N/m/s": {"kg": 1, "s": -3},
     "s": {"s": 1},
     "1/s": {"s": -1},
 }
 
 
-DISPLAY = {
+_ROTARY = {"kg": "kg.m2", "m": "rad", "mm": "mrad", "um": "urad", "N": "N.m", "N2": "N2.m2"}
+_OF_LINEAR = re.compile(r"\b(kg|[mu]?m|N2?)\b")
+
+DISPLAY: dict[str, dict[str, float]] = {
     "m": {"mm": 1e3, "um": 1e6},
     "m/s": {"mm/s": 1e3},
     "s": {"ms": 1e3},
@@ -37,6 +40,20 @@ READ_IN = {"m": "mm", "m/s": "mm/s", "s": "ms"}
 """Unit -> display unit where model.toml and law.toml give none."""
 NOMINAL = {"N": 10.0, "m": 0.01, "m/s": 0.01, "m/s2": 0.1, "s": 1e-4}
 """Unit -> nominal value of a signal where model.toml and law.toml give none."""
+
+
+def motion_unit(unit: str, *, rotary: bool) -> str:
+    """Return a unit of a linear drive, or that of a rotary one: ``N.m.s/rad`` for ``N.s/m``."""
+    return _OF_LINEAR.sub(lambda symbol: _ROTARY[symbol[0]], unit) if rotary else unit
+
+
+DISPLAY |= {
+    motion_unit(unit, rotary=True): {
+        motion_unit(name, rotary=True): factor for name, factor in shown.items()
+    }
+    for unit, shown in DISPLAY.items()
+    if unit != "s"
+}
 
 
 def rate_unit(unit: str) -> str:

@@ -25,6 +25,7 @@ def write_compensator(
     law: str | None = None,
     model: str = "compensator",
     called: str | None = None,
+    rotary: bool = False,
 ) -> list[Path]:
     """Write a compensator as ``NAME.c`` and ``NAME.h``, or as ``NAME.st``.
 
@@ -36,6 +37,7 @@ def write_compensator(
     law : friction law of a feedforward, by default LuGre
     model : name of the compensator's model
     called : name in the code, by default that of the model
+    rotary : with the units of a rotary drive
 
     Raises
     ------
@@ -50,7 +52,7 @@ def write_compensator(
     """
     if language not in get_args(Language):
         raise ModelError(f"language is {language!r}; expected 'c' or 'st'")
-    found = load_model(model, law).with_start(start or {})
+    found = load_model(model, law).with_start(start or {}).of_motion(rotary=rotary)
     found = replace(found, name=checked_name(called or found.name))
     if language == "st" and is_reserved(struct_name(found)):
         raise ModelError(f"{found.name!r} is a word of structured text; choose another name")

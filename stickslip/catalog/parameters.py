@@ -6,7 +6,7 @@ from functools import cache
 
 from stickslip import models
 from stickslip.models import Law, LawParameter
-from stickslip.models.export.units import force_and_length
+from stickslip.models.export.units import force_and_length, motion_unit
 
 
 def _drive(name: str, unit: str, symbol: str, meaning: str, shown_by: str | None) -> LawParameter:
@@ -42,16 +42,6 @@ DRIVE = {
     )
 }
 """The parameters that every drive has, whatever its friction law."""
-
-_ROTARY = {
-    "kg": "kg.m2",
-    "N.s/m": "N.m.s/rad",
-    "N": "N.m",
-    "m": "rad",
-    "m/s": "rad/s",
-    "N/m": "N.m/rad",
-    "N/s": "N.m/s",
-}
 
 PAPER = {
     "m": 5.557,
@@ -123,7 +113,7 @@ def parameter(name: str) -> LawParameter:
 
 def unit_of(name: str, *, rotary: bool = False) -> str:
     """Return the unit of a parameter, for a linear or a rotary drive."""
-    return _motion_unit(parameter(name).unit, rotary=rotary)
+    return motion_unit(parameter(name).unit, rotary=rotary)
 
 
 @cache
@@ -133,11 +123,7 @@ def start_unit(name: str, *, rotary: bool = False) -> str:
         return unit_of(name, rotary=rotary)
     except KeyError:
         units = {one.name: one.unit for one in models.load_model("drive").variables}
-        return _motion_unit(units[name] or "1", rotary=rotary)
-
-
-def _motion_unit(unit: str, *, rotary: bool) -> str:
-    return _ROTARY.get(unit, unit) if rotary else unit
+        return motion_unit(units[name] or "1", rotary=rotary)
 
 
 @cache

@@ -62,7 +62,8 @@ def run(options: argparse.Namespace) -> Answer:
         models.load_model(one.model, law).with_start(one.values)
         share = _guarded_share(learned, one, force=options.force)
         start = learned.law.share(one.values, share)
-        paths = _write(options, one.model, law, start)
+        named = {"called": NAME, "rotary": learned.rotary}
+        paths = write_as(options, one.model, start=start, law=law, **named)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
     print(*paths, sep="\n")
@@ -106,7 +107,6 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
         learned.datasheet,
         learned.standard_errors,
         feed=learned.feed,
-        rotary=learned.rotary,
         force=force,
     )
     for finding in found:
@@ -122,15 +122,11 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
     return 1.0 if force else benefit.share
 
 
-def _write(
-    options: argparse.Namespace, model: str, law: str | None, start: dict[str, float]
-) -> list[Path]:
+def write_as(options: argparse.Namespace, model: str, **given: Any) -> list[Path]:
+    """Write a compensator in the form that is wanted; ``given`` is that of ``models.build_fmu``."""
     from stickslip import models
     from stickslip.models.firmware import write_compensator
 
     if options.form != "fmu":
-        return write_compensator(
-            options.out, options.form, start=start, law=law, model=model, called=NAME
-        )
-    further = fmu_options(options)
-    return [models.build_fmu(model, options.out, start=start, law=law, called=NAME, **further)]
+        return write_compensator(options.out, options.form, model=model, **given)
+    return [models.build_fmu(model, options.out, **given, **fmu_options(options))]

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.commands import add_options
-from stickslip.commands.export_compensator import add_form_option
-from stickslip.commands.platforms import add_fmu_options, fmu_options
+from stickslip.commands.export_compensator import add_form_option, write_as
+from stickslip.commands.platforms import add_fmu_options
 from stickslip.errors import UsageError
 from stickslip.output import Answer
 
@@ -31,11 +31,10 @@ def run(options: argparse.Namespace) -> Answer:
     UsageError
         When there is none, or it is not available in the form that is wanted.
     """
-    from stickslip import models
-    from stickslip.models.firmware import write_compensator
     from stickslip.results.learned import LearnedFile
 
-    components = LearnedFile(options.parameters).components
+    learned = LearnedFile(options.parameters)
+    components = learned.components
     if not components:
         raise UsageError(f"{options.parameters}: contains no components")
     written: list[Path] = []
@@ -44,11 +43,9 @@ def run(options: argparse.Namespace) -> Answer:
             "start": {v.name: v.start for v in model.variables if v.role == "parameter"},
             "law": model.law.name if model.law else None,
             "called": name,
+            "rotary": learned.rotary,
         }
-        if options.form == "fmu":
-            paths = [models.build_fmu(model.name, options.out, **given, **fmu_options(options))]
-        else:
-            paths = write_compensator(options.out, options.form, model=model.name, **given)
+        paths = write_as(options, model.name, **given)
         print(*paths, sep="\n")
         written += paths
     return Answer({"written": written})

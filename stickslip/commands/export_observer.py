@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.commands import FLAG, add_options, warn
-from stickslip.commands.export_compensator import add_form_option
-from stickslip.commands.platforms import add_fmu_options, fmu_options
+from stickslip.commands.export_compensator import add_form_option, write_as
+from stickslip.commands.platforms import add_fmu_options
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.fmi.process import temporary_folder
 from stickslip.output import Answer
@@ -43,7 +43,6 @@ def run(options: argparse.Namespace) -> Answer:
         When learning refused it, or the peak sensitivity of the loop is too large with it.
     """
     from stickslip import models
-    from stickslip.models.firmware import write_compensator
     from stickslip.results.learned import LearnedFile
 
     learned = LearnedFile(options.parameters)
@@ -55,13 +54,7 @@ def run(options: argparse.Namespace) -> Answer:
             if not options.force:
                 raise HarmfulError(f"{options.parameters}: {refusal}; --force exports it anyway")
             warn(refusal)
-        if options.form == "fmu":
-            further = fmu_options(options)
-            paths = [models.build_fmu(model, options.out, start=start, called=NAME, **further)]
-        else:
-            paths = write_compensator(
-                options.out, options.form, start=start, model=model, called=NAME
-            )
+        paths = write_as(options, model, start=start, called=NAME, rotary=learned.rotary)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: observer: {error}") from None
     print(*paths, sep="\n")

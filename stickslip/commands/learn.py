@@ -149,7 +149,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
         )
         print_estimation(learned.estimation)
         if learned.tracking:
-            rotary = learned.estimation.recording.motion == "rotary"
+            rotary = learned.estimation.recording.rotary
             tables.print_tracking(learned.tracking, rotary=rotary)
         if learned.trial:
             tables.print_benefit(learned.benefit or learned.trial.benefit)
@@ -198,7 +198,7 @@ def print_estimation(estimation: Estimation) -> None:
     for fault in estimation.faults:
         print(f"{fault}; no parameter is reported as identifiable" if fault.spoils else fault)
     print_laws(estimation)
-    rotary = estimation.recording.motion == "rotary"
+    rotary = estimation.recording.rotary
     for name, known in estimation.known.items():
         interval = f"[{known.low:.5g}, {known.high:.5g}]"
         unit = unit_of(name, rotary=rotary)

@@ -90,6 +90,6 @@ def _sentence(name: str, change: Change, found: LogPrediction, values: Values) -
         unit = "%"
     else:
         value, low, high = change.value, change.low, change.high
-        rotary = found.recording.motion == "rotary"
+        rotary = found.recording.rotary
         unit = unit_of("b" if name == "b" else "F_c", rotary=rotary)
     return f"{WORDS[name]}: {value:+.3g} {unit} against the learned, 95 % [{low:.3g}, {high:.3g}]"

@@ -137,7 +137,7 @@ def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     step = recording.encoder_step
     if not step or recording.position is None:
         return
-    size = quantity(step, "rad" if recording.motion == "rotary" else "m", 4)
+    size = quantity(step, "rad" if recording.rotary else "m", 4)
     share = f"{100.0 * step / recording.T_s / max(shown.top_speed, 1e-300):.2g} %"
     figure = f"step {size}; in the difference of two samples, {share} of the top speed"
     travel = float(np.ptp(recording.position)) / step
@@ -179,7 +179,7 @@ def _delayed(name: str, other: str, delay: Delay, T_s: float, taken_out: int = 0
 
 def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     """Yield what can and cannot be identified, and which experiment shows the rest."""
-    unit = "rad" if recording.motion == "rotary" else "m"
+    unit = "rad" if recording.rotary else "m"
     low, high = shown.speeds
     factor, speed = scaled_unit(f"{unit}/s", high)
     speeds = f"{factor * low:.2g} to {factor * high:.3g} {speed}"

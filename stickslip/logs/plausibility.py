@@ -69,7 +69,7 @@ def implausible(reading: Reading) -> Iterator[Finding]:
         advice = "give --unit time=ms, or --unit time=s if it is so"
         yield Finding("error", "the sampling is very slow", figure, advice)
     shown, motion = excitation(recording), kinematics(recording)
-    unit = "rad" if recording.motion == "rotary" else "m"
+    unit = "rad" if recording.rotary else "m"
     moved, suffix = ("velocity", "/s") if recording.position is None else ("position", "")
     if moved in assumed and (travel := float(np.ptp(motion.x))) > LONGEST[recording.motion]:
         figure = f"{travel:.4g} {unit}, and {moved} states no unit"
@@ -77,7 +77,7 @@ def implausible(reading: Reading) -> Iterator[Finding]:
         yield Finding("error", "the travel is very long", figure, advice)
     if moved not in reading.units or not reading.timed:
         return  # an error already
-    rotary = recording.motion == "rotary"
+    rotary = recording.rotary
     figures = {
         "speed": (float(np.quantile(np.abs(motion.v), 0.99)), f"{unit}/s"),
         "acceleration": (shown.acceleration, f"{unit}/s^2"),
@@ -97,7 +97,8 @@ def implausible(reading: Reading) -> Iterator[Finding]:
 
 def _against_motion(reading: Reading, mass: float, coulomb: float) -> Finding:
     """Return the error of a force whose sign is not that of the position."""
-    figure = f"F = m a + b v + F_c sign(v) gives m = {mass:.3g} kg and F_c = {coulomb:.3g} N"
+    kg, N = ("kg m^2", "N m") if reading.recording.rotary else ("kg", "N")
+    figure = f"F = m a + b v + F_c sign(v) gives m = {mass:.3g} {kg} and F_c = {coulomb:.3g} {N}"
     scale = reading.description.column("force").scale
     before = "" if scale is None else f"{scale}*"
     advice = f"give --scale force={before}-1, which turns its sign"
@@ -106,7 +107,7 @@ def _against_motion(reading: Reading, mass: float, coulomb: float) -> Finding:
 
 def implausible_mass(reading: Reading, low: float, high: float) -> Finding | None:
     """Return the finding on a mass between two values [kg] that hardly any drive has."""
-    unit = "kg m^2" if reading.recording.motion == "rotary" else "kg"
+    unit = "kg m^2" if reading.recording.rotary else "kg"
     return _asked(reading, "mass", low, high, unit) if high > 0.0 else None
 
 

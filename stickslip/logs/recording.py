@@ -46,6 +46,11 @@ class Recording:
     source: str = "recording"
 
     @property
+    def rotary(self) -> bool:
+        """Whether the drive is rotary."""
+        return self.motion == "rotary"
+
+    @property
     def controller_inputs(self) -> dict[str, Array]:
         """What the controller received (n,), by inputs of its FMU: v_cmd, x_cmd and F_ff."""
         v_cmd, added = self.velocity_command, self.added_velocity

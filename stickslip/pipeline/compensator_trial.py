@@ -93,15 +93,15 @@ def try_compensator(
         encoder_step=step,
         encoder_noise=encoder_noise(position_of(recording), step) if compensator else 0.0,
     )
-    law, rotary = estimation.law, recording.motion == "rotary"
-    drives = family(law, learned.friction, command, known_friction(estimation))
+    law, rotary = estimation.law, recording.rotary
+    drives = family(law, learned.friction, command, known_friction(estimation), rotary=rotary)
     errors = {
         name: estimation.known[name].standard_error
         for name in estimation.fit.space.friction
         if estimation.known[name].identifiability != NOT_IDENTIFIABLE
     }
     own = learned.friction
-    with bench_of(law, loop, own, drives, command, sheet, rotary=rotary, workers=workers) as bench:
+    with bench_of(law, loop, own, drives, command, sheet, workers=workers) as bench:
         benefits = bench.benefits(feedforwards(law, learned.friction))
         best = best_of(benefits)
         found = findings_of(bench, learned.friction, best, best.share, errors)
@@ -200,7 +200,8 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
     known, controller = estimation.known, reading.controller
     if "m" not in known:
         raise ControlError("the mass is not known")
-    axis = Axis(known["m"].value, max(known["b"].value, 0.0), reading.tau_i or 0.0)
+    rotary = reading.recording.rotary
+    axis = Axis(known["m"].value, max(known["b"].value, 0.0), reading.tau_i or 0.0, rotary)
     T_s = estimation.recording.T_s
     rejected = estimation.controller is not None and estimation.controller.error > AGREES
     if controller.K_p and not (controller.P_x or controller.I_x or rejected):

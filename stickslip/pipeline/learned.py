@@ -335,7 +335,8 @@ def learn_recording(
     if law == AUTO:
         on_stage("comparing friction laws")
         workers = search.execution.workers if search else 1
-        choice = choose(predictions(recording, gains, workers=workers))
+        tried = predictions(recording, gains, workers=workers)
+        choice = choose(tried, rotary=recording.rotary)
         law = choice.chosen.candidate.law.name
     with candidate_fmus(law) as fmus:
         task = Task(

@@ -56,9 +56,7 @@ def read_log(
     raise_errors(path, findings)
     on_findings(findings)
     recording = aligned(reading.recording, samples_late(reading.recording))
-    kinds = [
-        ("linear", "rotary")[rotary] for rotary in (recording.motion == "rotary", learned.rotary)
-    ]
+    kinds = [("linear", "rotary")[rotary] for rotary in (recording.rotary, learned.rotary)]
     if kinds[0] != kinds[1]:
         raise UsageError(
             f"{path}: a log of a {kinds[0]} drive, but {learned.path} has a {kinds[1]} one; give "

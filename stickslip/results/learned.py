@@ -39,6 +39,7 @@ from stickslip.identification.estimation import Estimation
 from stickslip.identification.selection import law_table
 from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.models import Law, Model, StartValueError, UnknownLaw, UnknownModel, load_model
+from stickslip.models.export.units import motion_unit
 from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.servo.axis import Axis
@@ -139,7 +140,7 @@ def _opinion_document(opinion: SecondOpinion) -> dict[str, Any]:
 def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
     """Return the content of learned.json for what one recording gave, values in SI units."""
     estimation, loop = learned.estimation, learned.known_loop
-    rotary = estimation.recording.motion == "rotary"
+    rotary = estimation.recording.rotary
     known = estimation.known
     parameters = {
         name: {"value": value.value, "unit": unit_of(name, rotary=rotary)}
@@ -173,14 +174,14 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         document |= {
             "feed": "nominal",
             "loop": loop_document(loop),
-            "validation": validation_document(VALIDATION),
+            "validation": validation_document(VALIDATION, rotary=rotary),
         }
     return document | _law_entry(estimation.law) | {"versions": versions()}
 
 
 def _prediction_document(estimation: Estimation) -> dict[str, Any]:
     """Return the force error of each law that was tried where it was not fitted."""
-    unit = unit_of("F_c", rotary=estimation.recording.motion == "rotary")
+    unit = unit_of("F_c", rotary=estimation.recording.rotary)
     laws = [
         {
             "law": row["law"],
@@ -210,6 +211,7 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
     Speeds and errors are in m/s, or rad/s for a rotary drive; an error that is not finite is null.
     """
     document = recording_document(learned) | {"refusal": learned.refusal}
+    rotary = learned.estimation.recording.rotary
     if learned.tracking is not None:
         document["tracking"] = _tracking_document(learned.tracking)
     if learned.trial is None:
@@ -217,14 +219,13 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
     trial, benefit = learned.trial, learned.of_law or learned.trial.benefit
     if trial.holds:
         document["hold"] = {name: _hold_document(one) for name, one in trial.holds.items()}
-    rotary = learned.estimation.recording.motion == "rotary"
     return document | {
         "share": {"value": benefit.share, "unit": "1"},
         "compensator": _with_units(benefit.variant.feedforward, rotary=rotary),
         **_feedforward_entry(learned),
         **_observer_entry(learned),
-        "validation": validation_document(trial.command),
-        "datasheet": datasheet_document(trial.datasheet),
+        "validation": validation_document(trial.command, rotary=rotary),
+        "datasheet": datasheet_document(trial.datasheet, rotary=rotary),
         "family": [
             {
                 "drive": drive.name,
@@ -240,7 +241,7 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
 def _hold_document(hold: Hold) -> dict[str, Any]:
     """Return how a cascade holds its position."""
     return {
-        "swing": {"value": _finite(hold.swing), "unit": "m"},
+        "swing": {"value": _finite(hold.swing), "unit": hold.unit[1:]},
         "reversals": hold.reversals,
         "duration": {"value": hold.duration, "unit": "s"},
         "drive": hold.drive,
@@ -262,16 +263,15 @@ def _feedforward_entry(learned: LearnedFromRecording) -> dict[str, Any]:
         },
     }
     if one.model != "compensator":
-        found["feedforward"] = _component(one)
+        found["feedforward"] = _component(one, rotary=learned.estimation.recording.rotary)
     return found
 
 
-def _component(one: Compensator) -> dict[str, Any]:
+def _component(one: Compensator, *, rotary: bool) -> dict[str, Any]:
     """Return a compensator that is none of a law."""
     units = {known.name: known.unit or "1" for known in load_model(one.model).variables}
-    given = dict(one.values)
-    values = {name: {"value": float(x), "unit": units[name]} for name, x in given.items()}
-    return {"model": one.model, "parameters": values}
+    given = {name: float(value) for name, value in dict(one.values).items()}
+    return {"model": one.model, "parameters": _stated(given, units, rotary=rotary)}
 
 
 def _observer_entry(learned: LearnedFromRecording) -> dict[str, Any]:
@@ -282,7 +282,8 @@ def _observer_entry(learned: LearnedFromRecording) -> dict[str, Any]:
     entry: dict[str, Any] = {"refusal": learned.observer_refusal}
     if observed.designed is not None:
         designed = observed.designed
-        component = _component(designed.observer)
+        rotary = learned.estimation.recording.rotary
+        component = _component(designed.observer, rotary=rotary)
         if component["model"] == OBSERVER_MODEL:
             del component["model"]
         entry |= {
@@ -334,18 +335,27 @@ def loop_document(loop: VelocityLoop) -> dict[str, dict[str, Any]]:
         values |= {name: getattr(loop, name) for name in _OUTER}
     if loop.velocity_filter is not None:
         values |= {name: getattr(loop.velocity_filter, name) for name in _GAINS}
-    return {name: {"value": value, "unit": LOOP_UNITS[name]} for name, value in values.items()}
+    return _stated(values, LOOP_UNITS, rotary=loop.axis.rotary)
 
 
-def validation_document(command: Trapezoid) -> dict[str, dict[str, Any]]:
+def validation_document(command: Trapezoid, *, rotary: bool = False) -> dict[str, Any]:
     """Return a validation command as plain data, for the entry ``validation``."""
-    values = dataclasses.asdict(command)
-    return {name: {"value": values[name], "unit": unit} for name, unit in TRAPEZOID.items()}
+    return _stated(dataclasses.asdict(command), TRAPEZOID, rotary=rotary)
 
 
-def datasheet_document(sheet: Datasheet) -> dict[str, dict[str, Any]]:
+def datasheet_document(sheet: Datasheet, *, rotary: bool = False) -> dict[str, Any]:
     """Return what is known of motor and encoder as plain data, for the entry ``datasheet``."""
-    return {name: {"value": getattr(sheet, name), "unit": DATASHEET[name]} for name in DATASHEET}
+    return _stated({name: getattr(sheet, name) for name in DATASHEET}, DATASHEET, rotary=rotary)
+
+
+def _stated(
+    values: Mapping[str, float], units: Mapping[str, str], *, rotary: bool
+) -> dict[str, dict[str, Any]]:
+    """Return values by name, each with its unit on this kind of drive."""
+    return {
+        name: {"value": value, "unit": motion_unit(units[name], rotary=rotary)}
+        for name, value in values.items()
+    }
 
 
 def save_learned(path: Path | str, simulation: Simulation) -> Path:
@@ -496,7 +506,8 @@ class LearnedFile:
         """The drives on which the compensator is tried; by default those around the friction."""
         entries = self.document.get("family")
         if entries is None:
-            return family(self.law, self.friction, self.validation, Known())
+            given = (self.law, self.friction, self.validation, Known())
+            return family(*given, rotary=self.rotary)
         try:
             return tuple(map(self._drive, entries))
         except (KeyError, TypeError, UnknownLaw) as error:
@@ -606,7 +617,7 @@ class LearnedFile:
             return None
         try:
             with np.errstate(all="ignore"):
-                return _loop_of(entry)
+                return _loop_of(entry, rotary=self.rotary)
         except KeyError as error:
             raise UsageError(
                 f"{self.path}: loop: {error} is missing; expected {', '.join((*_AXIS, *_LOOP))}"
@@ -682,13 +693,14 @@ class LearnedFile:
 
     def _check_units(self, entry: str, stated: Mapping[str, Any]) -> None:
         """Raise where a value is not stated in the unit in which it is read."""
-        units: Mapping[str, str] = _UNITS.get(entry, {})
+        units, old = dict(_UNITS.get(entry, {})), self.rotary and entry in _UNITS
         if entry == "parameters":
             known = (name for name in stated if name in self.law.parameters or name in _AXIS[:2])
-            units = {name: unit_of(name, rotary=self.rotary) for name in known}
+            units = {name: unit_of(name) for name in known}
         for name, unit in stated.items():
-            expected = units.get(name, unit)
-            if unit != expected:
+            expected = motion_unit(units.get(name, unit), rotary=self.rotary)
+            # What a rotary drive's loop is, was stated in the units of a linear one.
+            if name in units and unit != expected and not (old and unit == units[name]):
                 raise UsageError(
                     f"{self.path}: {entry}: {name} is in {unit!r:.40}; expected {expected}, in"
                     " which it is read"
@@ -717,8 +729,8 @@ def _with_switches(values: Mapping[str, float], model: Model) -> dict[str, float
     return {name: bool(value) if name in switches else value for name, value in values.items()}
 
 
-def _loop_of(entry: Mapping[str, float]) -> VelocityLoop:
-    axis = Axis(**{name: entry[name] for name in _AXIS})
+def _loop_of(entry: Mapping[str, float], *, rotary: bool) -> VelocityLoop:
+    axis = Axis(**{name: entry[name] for name in _AXIS}, rotary=rotary)
     velocity_filter = None
     if "L_x" in entry:
         gains = {name: entry[name] for name in _GAINS}

@@ -84,6 +84,7 @@ def write_learned(
             )
         )
     written = learned.writes(force=force)
+    rotary = learned.estimation.recording.rotary
     absent = [
         "compensator.fmu",
         "observer.fmu",
@@ -96,10 +97,11 @@ def write_learned(
             write_tables({TABLE.removesuffix(".csv"): learned.trial.table()}, staging)
         if learned.observer and written in (OBSERVER, BOTH):
             one = learned.observer
-            models.build_fmu(one.model, staging, start=one.values, called="observer")
+            models.build_fmu(one.model, staging, start=one.values, called="observer", rotary=rotary)
         loop = learned.known_loop
         if loop and loop.K_x and written in (FEEDFORWARD, BOTH):
-            models.build_fmu("nominal_loop", staging, start=nominal_parameters(loop))
+            values = nominal_parameters(loop)
+            models.build_fmu("nominal_loop", staging, start=values, rotary=rotary)
         write_compensator(  # last: its page names the files beside it
             learned,
             log_document(learned),
@@ -131,7 +133,9 @@ def write_compensator(
     if export:
         one, law = learned.feedforward, learned.estimation.law.name
         of_law = law if one.model == "compensator" else None
-        models.build_fmu(one.model, staging, start=one.values, law=of_law, called="compensator")
+        rotary = learned.estimation.recording.rotary
+        named: dict[str, Any] = {"law": of_law, "called": "compensator", "rotary": rotary}
+        models.build_fmu(one.model, staging, start=one.values, **named)
     write_estimation_report(learned.estimation, learned.findings, staging, further, opening)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.fmi.errors import Fault
+from stickslip.models.export.units import motion_unit
 
 if TYPE_CHECKING:
     import control
@@ -26,6 +27,8 @@ class ControlError(Fault, ValueError):
 class Axis:
     """The axis without friction: mass m [kg], viscous friction b [N s/m], current lag tau_i [s].
 
+    For a rotary axis read rad for m, N m for N and kg m2 for kg.
+
     Raises
     ------
     ControlError
@@ -35,13 +38,18 @@ class Axis:
     m: float
     b: float
     tau_i: float = 0.0
+    rotary: bool = False
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        check("m", self.m, "kg", self.m > 0.0, "above 0")
-        check("m", self.m, "kg", 1e-12 < self.m < 1e12, "1e-12 to 1e12")
-        check("b", self.b, "N s/m", True, "a number")
+        check("m", self.m, self.unit("kg"), self.m > 0.0, "above 0")
+        check("m", self.m, self.unit("kg"), 1e-18 < self.m < 1e12, "1e-18 to 1e12")
+        check("b", self.b, self.unit("N s/m"), True, "a number")
         check("tau_i", self.tau_i, "s", self.tau_i >= 0.0, "0 or above")
+
+    def unit(self, unit: str) -> str:
+        """Return a unit of a linear axis as it is printed for this one."""
+        return motion_unit(unit, rotary=self.rotary).replace(".", " ")
 
     def of_drive(self) -> dict[str, float | bool]:
         """Return the start values of a drive FMU on this axis; without a lag it has none."""

@@ -110,12 +110,12 @@ def design_observer(
     ControlError
         When the loop exceeds the limit without an observer, or none reduces the expected error.
     """
-    check("encoder_step", encoder_step, "m", encoder_step > 0.0, "above 0")
-    check("friction", friction, "N", friction > 0.0, "above 0")
+    check("encoder_step", encoder_step, loop.axis.unit("m"), encoder_step > 0.0, "above 0")
+    check("friction", friction, loop.axis.unit("N"), friction > 0.0, "above 0")
     check("limit", limit, "1", limit > 1.0, "above 1")
     check("order", order, "1", order in (1, 2), "1 or 2")
     noise = FORCE_NOISE * friction if force_noise is None else force_noise
-    check("force_noise", noise, "N", noise >= 0.0, "0 or above")
+    check("force_noise", noise, loop.axis.unit("N"), noise >= 0.0, "0 or above")
     opened = [Opened(loop, share * loop.axis.m) for share in masses]
     search = _Search(loop, opened, encoder_step, friction, noise, limit, order)
     without = search.tried(None)

@@ -193,8 +193,8 @@ def close_velocity_loop(
     """
     check("T_s", T_s, "s", T_s > 0.0, "above 0")
     check("tau_f", tau_f, "s", tau_f >= 0.0, "0 or above")
-    check("K_p", K_p, "N s/m", True, "a number")
-    check("K_i", K_i, "N/m", True, "a number")
+    check("K_p", K_p, axis.unit("N s/m"), True, "a number")
+    check("K_i", K_i, axis.unit("N/m"), True, "a number")
     # I+ = I + T_s K_i e,  u = K_p e + I+
     names = {"name": "controller", "inputs": "e", "outputs": "u_pi"}
     controller = control.ss(1.0, T_s * K_i, 1.0, K_p + T_s * K_i, T_s, **names)
@@ -221,7 +221,8 @@ def close_velocity_loop(
     fastest = max(abs(nominal.poles()))
     if not fastest < 1.0:
         raise ControlError(
-            f"K_p = {K_p:g} N s/m and K_i = {K_i:g} N/m leave the velocity loop unstable"
+            f"K_p = {K_p:g} {axis.unit('N s/m')} and K_i = {K_i:g} {axis.unit('N/m')} leave the "
+            "velocity loop unstable"
             f"{f' with K_x = {K_x:g} 1/s around it' if K_x else ''}: "
             f"a pole is at |z| = {fastest:.4f}"
         )

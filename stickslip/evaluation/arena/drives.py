@@ -236,7 +236,8 @@ def _drive(name: str, table: Mapping[str, Any], common: Any) -> Drive:
         raise UsageError(f"axis: '{unknown[0]}' is unknown; expected {', '.join(own)}")
     if type(speed) not in (int, float) or not 0.0 < speed < np.inf:
         raise UsageError(f"speed: expected a number above 0, got {speed!r}")
-    axis = Axis(**{**own, **assumed})
+    m, b, tau_i = {**own, **assumed}.values()
+    axis = Axis(m, b, tau_i)
     sheet = Datasheet(axis.m, true["u_max"], axis.tau_i, true["encoder_step"], true["noise_F"])
     drive = Drive(
         name, title, law, parameters, loop, nominal, axis, sheet=sheet, speed=float(speed)

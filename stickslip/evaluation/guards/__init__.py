@@ -82,7 +82,6 @@ def benefits_on_drives(
     standard_errors: Mapping[str, float],
     *,
     feed: Feed = "nominal",
-    rotary: bool = False,
     force: bool = False,
 ) -> tuple[tuple[Benefit, ...], list[Finding]]:
     """Try ways to compensate on a family of drives.
@@ -102,9 +101,7 @@ def benefits_on_drives(
     benefits : of each variant
     findings : of all guards on the best feedforward among the variants
     """
-    with bench_of(
-        law, loop, friction, drives, command, datasheet, feed=feed, rotary=rotary
-    ) as bench:
+    with bench_of(law, loop, friction, drives, command, datasheet, feed=feed) as bench:
         benefits = bench.benefits(variants)
         best = best_of(benefits)
         share = 1.0 if force else best.share
@@ -125,13 +122,13 @@ def bench_of(
     datasheet: Datasheet,
     *,
     feed: Feed = "nominal",
-    rotary: bool = False,
     workers: int = 1,
 ) -> Iterator[Bench]:
     """Build the loop in which variants are tried; parameters as for ``benefits_on_drives``."""
     with temporary_folder() as folder:
-        tried = commands(command, loop.T_s, friction, datasheet.encoder_step, rotary=rotary)
-        bench = Bench(folder, law, loop, drives, tried, feed, datasheet, rotary, workers)
+        step, rotary = datasheet.encoder_step, loop.axis.rotary
+        tried = commands(command, loop.T_s, friction, step, rotary=rotary)
+        bench = Bench(folder, law, loop, drives, tried, feed, datasheet, workers)
         with closing(bench):
             yield bench
 

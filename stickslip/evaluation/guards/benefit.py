@@ -251,7 +251,6 @@ class Bench:
     commands: Sequence[Command]
     feed: Feed = "nominal"
     datasheet: Datasheet = field(default_factory=Datasheet)
-    rotary: bool = False
     workers: int = 1
 
     def __post_init__(self) -> None:
@@ -341,7 +340,7 @@ class Bench:
                 yield drive, command
 
     def _benefit(self, variant: Variant, shares: Sequence[float]) -> Benefit:
-        unit = "mrad/s" if self.rotary else "mm/s"
+        unit = self.loop.axis.unit("mm/s")
         cells = list(zip(self._cells(), self._without, strict=True))
         runs = self._runs(variant)
 

@@ -18,6 +18,7 @@ from stickslip.catalog.parameters import friction_law
 from stickslip.catalog.space import ParameterSpace
 from stickslip.cosim import Trapezoid
 from stickslip.models import Law
+from stickslip.models.export.units import motion_unit
 from stickslip.servo.measurement import Array
 
 Values = Mapping[str, float]
@@ -96,7 +97,9 @@ class Known:
     better: frozenset[str] = frozenset()
 
 
-def family(law: Law, friction: Values, command: Trapezoid, known: Known) -> tuple[Drive, ...]:
+def family(
+    law: Law, friction: Values, command: Trapezoid, known: Known, *, rotary: bool = False
+) -> tuple[Drive, ...]:
     """Return the drives on which a compensator is tried.
 
     Parameters
@@ -119,7 +122,7 @@ def family(law: Law, friction: Values, command: Trapezoid, known: Known) -> tupl
         "friction as fitted": friction,
         **{f"friction x {level:g}": law.share(friction, level) for level in LEVELS},
         **{name: {**friction, **changes} for name, changes in uneven.items()},
-        **dict(_corners(law, friction, known.ranges)),
+        **dict(_corners(law, friction, known.ranges, rotary=rotary)),
         **{f"plausible friction {k + 1}": one for k, one in enumerate(known.plausible)},
     }
     drives = [Drive(name, law.name, values) for name, values in own.items()]
@@ -149,7 +152,7 @@ def commands(
     friction : gives the presliding deflection, in which small moves are measured
     encoder_step : of which a move has several [m]
     """
-    unit = "mrad/s" if rotary else "mm/s"
+    unit = motion_unit("mm/s", rotary=rotary)
     t = np.arange(round((command.corners()[-1] + command.begin) / T_s) + 1) * T_s
     found = []
     for share in SPEEDS:
@@ -185,14 +188,14 @@ def _more_at_rest(law: Law, values: Values, slow: float) -> Values:
 
 
 def _corners(
-    law: Law, friction: Values, ranges: Mapping[str, tuple[float, float]]
+    law: Law, friction: Values, ranges: Mapping[str, tuple[float, float]], *, rotary: bool
 ) -> Iterator[tuple[str, Values]]:
     """Yield friction without rise towards rest, and with each value at either end."""
     bounded = ParameterSpace.of(law).bounded
     for name, bound in bounded.items():
         yield f"{name} = {bound}", {**friction, name: friction[bound]}
     for name, ends in ranges.items():
-        unit = law.parameters[name].unit
+        unit = motion_unit(law.parameters[name].unit, rotary=rotary)
         for value in ends:
             changed = {**friction, name: value}
             changed |= {one: max(changed[one], changed[bound]) for one, bound in bounded.items()}

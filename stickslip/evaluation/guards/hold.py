@@ -99,7 +99,7 @@ def hunting_at_rest(found: Mapping[str, Hold], compensated: Variant, step: float
         f" {described(found['none'])} without; expected at most {1e6 * limit:.3g} {hold.unit};"
         " switch the integral off at rest, lower K_i, or raise K_p"
     )
-    return [Finding("hunting", hold.swing, limit, "m", message)]
+    return [Finding("hunting", hold.swing, limit, hold.unit[1:], message)]
 
 
 def described(hold: Hold) -> str:
@@ -129,7 +129,7 @@ def _held(bench: Bench, drive: Drive, variant: Variant) -> Hold:
         for half in halves
     ]
     worst = max(found, key=lambda hold: (hold.reversals >= 2, hold.swing))
-    return replace(worst, drive=drive.name, unit="urad" if bench.rotary else "um")
+    return replace(worst, drive=drive.name, unit=loop.axis.unit("um"))
 
 
 def _motions(v_cmd: Array, step: float, n: int, T_s: float) -> tuple[Array, list[int]]:

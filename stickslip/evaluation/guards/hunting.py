@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from stickslip.evaluation.guards.trial import Finding, Trial
+from stickslip.servo.axis import Axis
 from stickslip.servo.measurement import Array
 
 HOLD = 1.0
@@ -34,16 +35,18 @@ def hunting(trial: Trial) -> list[Finding]:
         swing = float(np.ptp(v[(begin + end) // 2 : end]))
         limit = max(speed, trial.friction.get("v_s", STILL * float(np.abs(trial.v_cmd).max())))
         if swing > limit:
-            findings.append(_finding(speed, swing, limit))
+            findings.append(_finding(speed, swing, limit, trial.loop.axis))
     return sorted(findings, key=lambda finding: finding.limit / finding.figure)[:1]
 
 
-def _finding(speed: float, swing: float, limit: float) -> Finding:
+def _finding(speed: float, swing: float, limit: float, axis: Axis) -> Finding:
+    unit = axis.unit("mm/s")
     message = (
-        f"the velocity swings by {1e3 * swing:.3g} mm/s while {1e3 * speed:.3g} mm/s is commanded;"
-        f" expected at most {1e3 * limit:.3g} mm/s; raise K_p, lower K_i, or command faster"
+        f"the velocity swings by {1e3 * swing:.3g} {unit} while {1e3 * speed:.3g} {unit} is"
+        f" commanded; expected at most {1e3 * limit:.3g} {unit}; raise K_p, lower K_i, or command"
+        " faster"
     )
-    return Finding("hunting", swing, limit, "m/s", message)
+    return Finding("hunting", swing, limit, axis.unit("m/s"), message)
 
 
 def _plateaus(v_cmd: Array, least: int) -> Iterator[tuple[int, int]]:

@@ -41,10 +41,12 @@ def stribeck(trial: Trial) -> list[Finding]:
         return []
     worst = float(speed[at.argmax()])
     falls, damping = -float(slope(trial.friction, worst)), trial.loop.K_p + trial.loop.axis.b
+    unit = trial.loop.axis.unit
     message = (
-        f"at {1e3 * worst:.3g} mm/s friction falls by {falls:.4g} N s/m against a damping K_p + b"
-        f" of {damping:.4g} N s/m, and while the command is at such speeds a deviation grows by"
-        f" e^{figure:.3g}; expected at most e^{LIMIT:g}; raise K_p, or pass these speeds faster"
+        f"at {1e3 * worst:.3g} {unit('mm/s')} friction falls by {falls:.4g} {unit('N s/m')} against"
+        f" a damping K_p + b of {damping:.4g} {unit('N s/m')}, and while the command is at such"
+        f" speeds a deviation grows by e^{figure:.3g}; expected at most e^{LIMIT:g}; raise K_p, or"
+        " pass these speeds faster"
     )
     return [Finding("stribeck", figure, LIMIT, "1", message)]
 

@@ -54,7 +54,7 @@ def _too_large(run: Run, without: float) -> list[Finding]:
     force = f"a force {100 * share:.0f} % too large" if share else "this force"
     message = (
         f"{force} makes the tracking error at least as large as without a"
-        f" compensator, {1e3 * without:.3g} mm/s; expected {100 * LEAST:g} % or more; raise K_p,"
+        f" compensator, {_speed(run, without)}; expected {100 * LEAST:g} % or more; raise K_p,"
         " or do not compensate on this command"
     )
     return [Finding("over-compensation", share, LEAST, "1", message)]
@@ -75,8 +75,12 @@ def _at_bounds(run: Run, without: float, errors: Mapping[str, float]) -> list[Fi
     if worst <= without or run.error() >= without:
         return []
     message = (
-        f"with {case}, a bound of its 95 % interval, the tracking error is {1e3 * worst:.3g} mm/s;"
-        f" expected at most that without a compensator, {1e3 * without:.3g} mm/s; learn from a"
+        f"with {case}, a bound of its 95 % interval, the tracking error is {_speed(run, worst)};"
+        f" expected at most that without a compensator, {_speed(run, without)}; learn from a"
         " recording that shows this parameter better"
     )
-    return [Finding("uncertainty", worst, without, "m/s", message)]
+    return [Finding("uncertainty", worst, without, run.trial.loop.axis.unit("m/s"), message)]
+
+
+def _speed(run: Run, error: float) -> str:
+    return f"{1e3 * error:.3g} {run.trial.loop.axis.unit('mm/s')}"

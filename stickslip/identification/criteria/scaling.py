@@ -62,13 +62,17 @@ class Scale:
         return replace(recording, **signals, encoder_step=step)  # type: ignore[arg-type]
 
 
+SI = Scale()
+"""No scale."""
+
+
 def recording_scale(recording: Recording) -> Scale:
     """Return the scale that suits a recording; none where no force was logged."""
     velocity = np.diff(position_of(recording)) / recording.T_s
     forces = (recording.force, recording.friction, recording.force_command)
     force = next((signal for signal in forces if signal is not None), None)
     if force is None:  # the controller's gains will tell
-        return Scale()
+        return SI
     return scale_of(force, velocity)
 
 

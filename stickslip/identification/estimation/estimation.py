@@ -14,7 +14,7 @@ from stickslip import ga
 from stickslip.catalog.parameters import DRIVE, unit_of
 from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
-from stickslip.identification.criteria.scaling import Scale
+from stickslip.identification.criteria.scaling import SI, Scale
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.search import Search
@@ -123,7 +123,7 @@ class Estimation:
         DataFrame
             parameter, unit, value, standard_error, low, high (95 %), identifiability, sentence
         """
-        rotary = self.recording.motion == "rotary"
+        rotary = self.recording.rotary
         columns = ("value", "standard_error", "low", "high", "identifiability", "sentence")
         rows = [
             {"parameter": name, "unit": unit_of(name, rotary=rotary)}
@@ -169,7 +169,7 @@ class Estimation:
 
 def restored(estimation: Estimation, scale: Scale) -> Estimation:
     """Return the estimation of a scaled recording in SI units; ``fit`` stays scaled."""
-    if scale == Scale():
+    if scale == SI:
         return estimation
     known = {
         name: replace(

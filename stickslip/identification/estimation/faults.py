@@ -83,13 +83,13 @@ def hidden(
     for fault in faults:
         for name in set(fault.hides) & set(known):
             one = known[name]
-            sentence = f"{NOT_IDENTIFIABLE} in this experiment: {fault.what}"
+            template = f"{NOT_IDENTIFIABLE} in this experiment: {fault.what}"
             changed[name] = replace(
                 one,
                 low=LEAST * one.value,
                 high=max(one.high, strongest),
                 identifiability=NOT_IDENTIFIABLE,
-                sentence=sentence,
+                template=template,
             )
     return changed
 

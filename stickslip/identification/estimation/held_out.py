@@ -68,5 +68,5 @@ def check_held_out(
         causes = (*causes, replace(place, left=place.left / scale.force))
     own = own.restored(scale)
     others = [one for one in tried if one.candidate != candidate]
-    findings = mismatch(own, others, causes, rotary=task.recording.motion == "rotary")
+    findings = mismatch(own, others, causes, rotary=task.recording.rotary)
     return HeldOut((own, *others), tuple(findings))

@@ -115,7 +115,7 @@ def _learn(
     criterion, reason = choose(task, check)
     law = friction_law(task.law)
     with InverseModel(task.fmus, recording, workers=task.workers, law=law) as model:
-        start = begin(model, recording)
+        start = begin(model, recording, scale)
         if task.is_level:
             start = replace(start, space=start.space.level())
         inverse = model.over(start.narrow(start.space, start.sliding))

@@ -17,6 +17,7 @@ from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.fitting.identifiability import (
     IDENTIFIABLE,
     NOT_IDENTIFIABLE,
+    VALUE,
     Identifiability,
 )
 from stickslip.models import LawParameter
@@ -49,17 +50,17 @@ def conservative(
         parameter = space.law.parameters.get(name)
         if parameter and not parameter.at_least and one.identifiability == NOT_IDENTIFIABLE:
             value = _weakest(parameter, one)
-            taken[name] = replace(one, value=value, sentence=_sentence(name, f"{value:.4g}", one))
+            taken[name] = replace(one, value=value, template=_template(name, VALUE, one))
     for name, bound in space.bounded.items():
         one, least = known[name], taken[bound].value
         if one.identifiability == NOT_IDENTIFIABLE:
             value, what = least, bound
         elif one.identifiability != IDENTIFIABLE and one.value > max(BEYOND * largest, least):
-            value, what = max(largest, least), f"{max(largest, least):.4g}"
+            value, what = max(largest, least), VALUE
         else:
             value, what = max(one.value, least), ""
-        sentence = _sentence(name, what, one) if what and value < one.value else one.sentence
-        taken[name] = replace(one, value=value, low=min(one.low, value), sentence=sentence)
+        template = _template(name, what, one) if what and value < one.value else one.template
+        taken[name] = replace(one, value=value, low=min(one.low, value), template=template)
     return taken
 
 
@@ -93,8 +94,8 @@ def _weakest(parameter: LawParameter, one: Identifiability) -> float:
     return max(one.low, SOFTEST * one.value if is_contact else 0.0)
 
 
-def _sentence(name: str, what: str, one: Identifiability) -> str:
+def _template(name: str, what: str, one: Identifiability) -> str:
     if one.identifiability != NOT_IDENTIFIABLE:
-        return f"{one.sentence}; {name} = {what} is taken, the largest friction in the recording"
+        return f"{one.template}; {name} = {what} is taken, the largest friction in the recording"
     taken = f"{name} = {what} is taken, as {name} is {NOT_IDENTIFIABLE}"
-    return one.sentence.replace(NOT_IDENTIFIABLE, taken)
+    return one.template.replace(NOT_IDENTIFIABLE, taken)

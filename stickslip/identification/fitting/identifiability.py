@@ -27,6 +27,8 @@ NOT_IDENTIFIABLE = "not identifiable"
 LEVELS = (IDENTIFIABLE, WEAKLY_IDENTIFIABLE, NOT_IDENTIFIABLE)
 PRIOR_DOMINATED = 0.5
 """Standard error, as share of the prior standard deviation, above which the prior decides."""
+VALUE = "{value}"
+"""Place of the value in a template."""
 POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
 PASSES = 3
 SETTLED = 0.01
@@ -46,7 +48,8 @@ class Identifiability:
     value, standard_error : of the fit
     low, high : 95 % interval
     identifiability : one of ``LEVELS``
-    sentence : the same for people, with the experiment that shows the parameter
+    template : the same for people, with the experiment that shows the parameter, and ``VALUE``
+        for the value, which may still be scaled
     """
 
     value: float
@@ -54,7 +57,12 @@ class Identifiability:
     low: float
     high: float
     identifiability: str
-    sentence: str
+    template: str
+
+    @property
+    def sentence(self) -> str:
+        """The template with the value."""
+        return self.template.replace(VALUE, f"{self.value:.4g}")
 
 
 def identifiability(name: str, fitted: Fit, errors: Values, degrees: int) -> Identifiability:
@@ -106,18 +114,18 @@ def _classified(
     else:
         level = IDENTIFIABLE
         said = f"{IDENTIFIABLE}, +-{100 * relative:.2g} %"
-    return Identifiability(**vars(interval), identifiability=level, sentence=said)
+    return Identifiability(**vars(interval), identifiability=level, template=said)
 
 
 def unreliable(known: Identifiability) -> Identifiability:
     """Return a value whose recording is at fault: it is weakly identifiable at best."""
     if known.identifiability != IDENTIFIABLE:
         return known
-    sentence = (
-        known.sentence.replace(IDENTIFIABLE, f"{WEAKLY_IDENTIFIABLE} at best")
+    template = (
+        known.template.replace(IDENTIFIABLE, f"{WEAKLY_IDENTIFIABLE} at best")
         + ", see the warnings"
     )
-    return replace(known, identifiability=WEAKLY_IDENTIFIABLE, sentence=sentence)
+    return replace(known, identifiability=WEAKLY_IDENTIFIABLE, template=template)
 
 
 def _remedy(name: str, space: ParameterSpace) -> str:

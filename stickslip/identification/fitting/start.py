@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip.catalog.parameters import scaled_start
+from stickslip.catalog.parameters import scaled_start, unit_of
 from stickslip.catalog.space import ParameterSpace, Values
 from stickslip.errors import IdentificationError
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.motion import measured_force, position_of
+from stickslip.identification.criteria.scaling import SI, Scale
 from stickslip.identification.sliding.friction_curve import FrictionCurve, Interval, friction_curve
 from stickslip.logs import Recording
 from stickslip.servo.stribeck_curve import level
@@ -113,8 +114,12 @@ class Start:
         return replace(space, lower=lower, upper=upper)
 
 
-def begin(model: InverseModel, recording: Recording) -> Start:
+def begin(model: InverseModel, recording: Recording, scale: Scale = SI) -> Start:
     """Fit F(t - delay) = m a + b v + F_c sign(v) + F_0 where the drive slides.
+
+    Parameters
+    ----------
+    scale : of the recording
 
     Raises
     ------
@@ -130,9 +135,13 @@ def begin(model: InverseModel, recording: Recording) -> Start:
         advice = "check signs and units of force and position (--scale force=-1 turns a sign)"
         if float(model.force[model.used] @ v[model.used]) > 0.0:
             advice = "log a faster motion that slides further and accelerates: stickslip plan"
+        given = {
+            name: f"{value / scale.of(name):.3g} {unit_of(name, rotary=recording.rotary)}"
+            for name, value in {"m": m, "F_c": F_c}.items()
+        }
         raise IdentificationError(
-            f"{recording.source}: F = m a + b v + F_c sign(v) gives m = {m:.3g} kg and F_c = "
-            f"{F_c:.3g} N; expected both above 0: {advice}"
+            f"{recording.source}: F = m a + b v + F_c sign(v) gives m = {given['m']} and F_c = "
+            f"{given['F_c']}; expected both above 0: {advice}"
         )
     travel = float(np.ptp(np.cumsum(v) * model.T_s))
     share = PRESLIDING[model.measures_friction]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from stickslip.catalog.parameters import unit_of
 from stickslip.identification.selection.prediction import Prediction
 
 TIE = 2.0
@@ -34,7 +35,7 @@ class Choice:
     reason: str
 
 
-def choose(predictions: Sequence[Prediction]) -> Choice:
+def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice:
     """Choose the first of the laws that are tied with the one that predicts best.
 
     Coulomb and viscous friction is the first, LuGre the second. A law with more parameters takes
@@ -50,7 +51,8 @@ def choose(predictions: Sequence[Prediction]) -> Choice:
     best = min(able, key=lambda one: one.force)
     tied = [one for one in able if not is_better(best, one)]
     chosen, others = tied[0], [one.candidate.title for one in tied[1:]]
-    reason = f"{chosen.candidate.title} predicts the parts held out within {chosen.force:.3g} N"
+    force = f"{chosen.force:.3g} {unit_of('F_c', rotary=rotary)}"
+    reason = f"{chosen.candidate.title} predicts the parts held out within {force}"
     if chosen.candidate.is_level:
         reason += (
             ", and nothing more can be seen in this log: neither presliding nor a Stribeck curve"

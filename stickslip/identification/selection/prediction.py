@@ -129,7 +129,7 @@ def predictions(
                 candidate_fmus(candidate.law.name) as fmus,
                 InverseModel(fmus, scaled, workers=workers, law=candidate.law) as inverse,
             ):
-                fitted = _fitted(fmus, inverse, scaled, candidate)
+                fitted = _fitted(fmus, inverse, scaled, candidate, scale)
                 one = predict(inverse, fitted, fmus, scaled, candidate, gains)
             found.append(one.restored(scale))
     return found
@@ -230,12 +230,14 @@ def _without(inverse: InverseModel, fitted: Fit, fold: Fold) -> Array:
     return rest
 
 
-def _fitted(fmus: Path, inverse: InverseModel, recording: Recording, candidate: Candidate) -> Fit:
+def _fitted(
+    fmus: Path, inverse: InverseModel, recording: Recording, candidate: Candidate, scale: Scale
+) -> Fit:
     """Return the fit from the best of several points, with the choices such as an exponent.
 
     The starts are compared on fewer samples.
     """
-    start = begin(inverse, recording)
+    start = begin(inverse, recording, scale)
     space = candidate.restricted(start.space)
     with InverseModel(fmus, _thinned(recording), inverse.cutoff, law=candidate.law) as thin:
         criterion = thin.over(space)

@@ -293,7 +293,7 @@ def _next(estimation: Estimation) -> list[Html]:
     ]
     if not vague:
         return []
-    motion = " --motion rotary" if estimation.recording.motion == "rotary" else ""
+    motion = " --motion rotary" if estimation.recording.rotary else ""
     return [
         paragraph(
             "Another experiment can identify these parameters better: this command plans one. A "

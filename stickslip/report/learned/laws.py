@@ -12,7 +12,7 @@ from stickslip.report.quantity import number, percentage
 
 def laws(estimation: Estimation) -> Section:
     """Return the section with the force error of each law that was tried."""
-    unit = unit_of("F_c", rotary=estimation.recording.motion == "rotary")
+    unit = unit_of("F_c", rotary=estimation.recording.rotary)
     rows = [
         (
             row["law"],

@@ -135,7 +135,7 @@ def _loop(found: LogPrediction) -> bool:
 
 
 def _changes(found: LogPrediction, values: Values) -> Section:
-    rotary, rows = found.recording.motion == "rotary", []
+    rotary, rows = found.recording.rotary, []
     for name, change in found.changes.items():
         if name in ("m", FRICTION):
             factor, unit = 100.0 / (values["m"] if name == "m" else 1.0), "%"

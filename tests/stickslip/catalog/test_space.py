@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import stickslip
+from stickslip import models
 from stickslip.catalog.parameters import estimated, force_and_length_of, friction_law, unit_of
 from stickslip.catalog.space import ParameterSpace
+from stickslip.models.export.units import DISPLAY, base_unit
 
 VALUES = {
     "F_s": 9.0, "F_c": 6.0, "v_s": 5e-4, "sigma_0": 4e5, "sigma_1": 4e3,
@@ -91,6 +93,22 @@ def test_prior_residuals_count_standard_deviations(space):
 def test_units_and_their_exponents(name, linear, rotary, exponents):
     assert (unit_of(name), unit_of(name, rotary=True)) == (linear, rotary)
     assert force_and_length_of(name) == exponents
+
+
+@pytest.mark.parametrize("name", models.model_names())
+def test_units_of_a_rotary_drive_are_those_of_its_motion(name):
+    """A torque is a force times a metre per radian, whatever the exponents of time."""
+    linear = models.load_model(name)
+    assert linear.of_motion(rotary=False) == linear
+    for one, rotary in zip(linear.variables, linear.of_motion(rotary=True).variables, strict=True):
+        if one.unit is None:
+            continue
+        base, of = base_unit(one.unit), base_unit(rotary.unit)
+        mass, length = base.get("kg", 0), base.get("m", 0)
+        radians = length - mass if one.unit != "kg" else 0
+        expected = {"kg": mass, "m": 2 * mass, "s": base.get("s", 0), "rad": radians}
+        assert of == {unit: power for unit, power in expected.items() if power}
+        assert (rotary.display in DISPLAY[rotary.unit]) if one.display else rotary.display is None
 
 
 def test_gains_have_the_exponents_of_their_units():
