@@ -10,7 +10,15 @@ from typing import Any, Literal, get_args
 
 from stickslip.models.errors import DescriptionError, StartValueError
 from stickslip.models.export.law import MODELS, Law, merge, read_law, read_toml, require_known
-from stickslip.models.export.units import DISPLAY, NOMINAL, READ_IN, UNITS, motion_unit, rate_unit
+from stickslip.models.export.units import (
+    DISPLAY,
+    NOMINAL,
+    READ_IN,
+    UNITS,
+    motion_unit,
+    parameter_range,
+    rate_unit,
+)
 
 Role = Literal[
     "time", "input", "state", "mode", "derivative", "indicator", "output", "memory", "parameter"
@@ -39,6 +47,7 @@ _KEYS = {
     *("output", "derivative", "depends", "uses", "held", "variability"),
 }
 _VARIABILITY = {"memory": "discrete", "mode": "discrete", "parameter": "fixed"}
+_OPEN = {"min": None, "max": None}
 _KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
@@ -271,6 +280,7 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
     size = table.get("size", ())
     start = _flat(table.get("start", 0.0))
     indices = _indices(size)
+    minimum, maximum = parameter_range(table if role == "parameter" else {**_OPEN, **table})
     if len(start) not in (1, len(indices)):
         raise DescriptionError(f"{where}: {len(start)} start values for {len(indices)} elements")
     for place, index in enumerate(indices):
@@ -282,8 +292,8 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
             unit=unit,
             display=table.get("display", READ_IN.get(unit or "")),
             start=start[place if len(start) > 1 else 0],
-            minimum=table.get("min"),
-            maximum=table.get("max"),
+            minimum=minimum,
+            maximum=maximum,
             nominal=table.get("nominal", None if role == "parameter" else NOMINAL.get(unit or "")),
             is_output=role == "output" or table.get("output", False),
             depends=table.get("depends", {}),

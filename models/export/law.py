@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from stickslip.models.errors import DescriptionError
-from stickslip.models.export.units import READ_IN, force_and_length
+from stickslip.models.export.units import READ_IN, force_and_length, parameter_range
 
 Steady = Literal["coulomb", "stribeck", "lorentz"]
 Coordinate = Literal["log", "linear"]
@@ -192,13 +192,14 @@ def read_law(folder: Path) -> Law:
 def _parameter(name: str, table: Mapping[str, Any]) -> LawParameter:
     start = table["start"] if isinstance(table["start"], list) else [table["start"]]
     force, length = force_and_length(table["unit"])
+    low, high = parameter_range(table)
     return LawParameter(
         name=name,
         unit=table["unit"],
         description=table["description"],
         start=tuple(map(float, start)),
-        low=table["min"],
-        high=table["max"],
+        low=table["min"] if low is None else low,
+        high=table["max"] if high is None else high,
         display=table.get("display", READ_IN.get(table["unit"])),
         symbol=table["symbol"],
         coordinate=table.get("coordinate", "linear"),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
+from typing import Any
 
 BaseUnit = dict[str, float]
 """Exponents of base units; ``factor`` where the unit is not made of these alone."""
@@ -24,6 +26,19 @@ UNITS: dict[str, dict[str, int]] = {
     "1/s": {"s": -1},
 }
 
+
+RANGES = {
+    "N": (1e-15, 1e15),
+    "m": (1e-15, 1e9),
+    "m/s": (1e-15, 1e9),
+    "kg": (1e-18, 1e12),
+    "N/m": (1e-12, 1e18),
+    "N.s/m": (1e-15, 1e15),
+    "N/s": (1e-15, 1e21),
+    "N/m/s": (1e-15, 1e24),
+}
+"""Unit -> ends of a parameter where model.toml and law.toml give none: wider than any drive's, from
+a micro-actuator's nN and nm/s to a press's MN, since a law's values are some decades around its."""
 
 _ROTARY = {"kg": "kg.m2", "m": "rad", "mm": "mrad", "um": "urad", "N": "N.m", "N2": "N2.m2"}
 _OF_LINEAR = re.compile(r"\b(kg|[mu]?m|N2?)\b")
@@ -54,6 +69,12 @@ DISPLAY |= {
     for unit, shown in DISPLAY.items()
     if unit != "s"
 }
+
+
+def parameter_range(table: Mapping[str, Any]) -> tuple[float | None, float | None]:
+    """Return the ends of a parameter: its own ``min`` and ``max``, or those of its unit."""
+    low, high = RANGES.get(table.get("unit", ""), (None, None))
+    return table.get("min", low), table.get("max", high)
 
 
 def rate_unit(unit: str) -> str:

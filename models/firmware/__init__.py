@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -10,11 +11,13 @@ from typing import Literal, get_args
 from stickslip.fmi.files import atomic_write
 from stickslip.models.errors import ModelError
 from stickslip.models.export.package import checked_name, load_model
+from stickslip.models.export.units import motion_unit
 from stickslip.models.firmware.c99 import c_files, struct_name
 from stickslip.models.firmware.structured_text import st_file
 from stickslip.models.firmware.words import is_reserved
 
 Language = Literal["c", "st"]
+_COMMENT = re.compile(r"(?:/\*|\(\*).*?(?:\*/|\*\))", re.DOTALL)
 
 
 def write_compensator(
@@ -52,9 +55,16 @@ def write_compensator(
     """
     if language not in get_args(Language):
         raise ModelError(f"language is {language!r}; expected 'c' or 'st'")
-    found = load_model(model, law).with_start(start or {}).of_motion(rotary=rotary)
+    found = load_model(model, law).with_start(start or {})
     found = replace(found, name=checked_name(called or found.name))
     if language == "st" and is_reserved(struct_name(found)):
         raise ModelError(f"{found.name!r} is a word of structured text; choose another name")
     files = c_files(found) if language == "c" else st_file(found)
+    if rotary:
+        files = {name: _COMMENT.sub(_of_rotary, text) for name, text in files.items()}
     return [atomic_write(Path(folder) / name, text) for name, text in files.items()]
+
+
+def _of_rotary(comment: re.Match[str]) -> str:
+    """Return a comment with the units of a rotary drive in brackets."""
+    return re.sub(r"\[.*?\]", lambda unit: motion_unit(unit[0], rotary=True), comment[0])

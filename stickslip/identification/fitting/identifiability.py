@@ -79,6 +79,9 @@ def identifiability(name: str, fitted: Fit, errors: Values, degrees: int) -> Ide
     if space.is_log[space.index(name)] and value > 0.0:
         ratio = float(np.exp(min(factor * error / value, 50.0)))
         low, high = value / ratio, value * ratio
+        if name not in space.bounded:  # nothing tells of values that no fit may have
+            ends = np.exp([bound[space.index(name)] for bound in (space.lower, space.upper)])
+            low, high = max(low, min(ends[0], value)), min(high, max(ends[1], value))
     else:
         low, high = value - factor * error, value + factor * error
     interval = Interval(value, error, low, high)

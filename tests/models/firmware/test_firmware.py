@@ -210,5 +210,5 @@ def test_the_interpreter_is_as_strict_as_a_controller():
 
 
 def test_start_values_outside_their_range_are_told(tmp_path):
-    with pytest.raises(models.StartValueError, match=r"F_c = -1 N is outside 1e-09 \.\. 1e\+09 N"):
+    with pytest.raises(models.StartValueError, match=r"F_c = -1 N is outside 1e-15 \.\. 1e\+15 N"):
         write_compensator(tmp_path, "c", start={"F_c": -1.0})
