@@ -80,7 +80,7 @@ def print_benefit(benefit: Benefit, file: TextIO | None = None) -> None:
             cells = (
                 f"{factor * row.without:.3g} -> {factor * row.compensated:.3g}" for row in rows
             )
-            print(f"{drive:40}" + "".join(f"{cell:>18}" for cell in cells), file=file)
+            print(f"{drive:40}" + "".join(f"  {cell:>16}" for cell in cells), file=file)
 
 
 def print_holds(holds: Mapping[str, Hold]) -> None:

@@ -11,7 +11,7 @@ import stickslip
 from stickslip import models
 from stickslip.catalog.parameters import estimated, force_and_length_of, friction_law, unit_of
 from stickslip.catalog.space import ParameterSpace
-from stickslip.models.export.units import DISPLAY, base_unit
+from stickslip.models.export.units import DISPLAY, base_unit, force_and_length
 
 VALUES = {
     "F_s": 9.0, "F_c": 6.0, "v_s": 5e-4, "sigma_0": 4e5, "sigma_1": 4e3,
@@ -93,6 +93,22 @@ def test_prior_residuals_count_standard_deviations(space):
 def test_units_and_their_exponents(name, linear, rotary, exponents):
     assert (unit_of(name), unit_of(name, rotary=True)) == (linear, rotary)
     assert force_and_length_of(name) == exponents
+
+
+@pytest.mark.parametrize("law", models.law_names())
+@pytest.mark.parametrize(("force", "length"), [(1e-10, 1e-4), (1e-3, 1e4), (1e6, 10.0)])
+def test_a_drive_of_any_size_is_in_range(law, force, length):
+    """A micro-actuator of nN and um/s, a fast motor of mN m and 1000 rad/s, and a press of MN."""
+    for name in ("drive", "compensator"):
+        model = models.load_model(name, law)
+        of_size = {
+            one.name: one.start
+            * force ** force_and_length(one.unit)[0]
+            * length ** force_and_length(one.unit)[1]
+            for one in model.variables
+            if one.role == "parameter" and one.type == "real"
+        }
+        assert model.with_start(of_size)
 
 
 @pytest.mark.parametrize("name", models.model_names())

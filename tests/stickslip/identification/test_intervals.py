@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -36,3 +38,11 @@ def test_the_truth_is_in_95_of_100_intervals(fitted, name, degrees):
         factor = np.array([value - known.low, known.high - value]) / scale
     below, above = factor[:, None] * error
     assert np.mean((mean > -below) & (mean < above)) == pytest.approx(0.95, abs=0.003)
+
+
+def test_an_interval_ends_where_no_fit_may_go(fitted):
+    """A value at its end is taken, written and exported, however little the recording shows."""
+    space = replace(fitted.space, lower=np.full(len(fitted.q), -7.0), upper=fitted.q + 7.0)
+    errors = dict.fromkeys(space.names, 1e6)
+    known = identifiability("v_s", replace(fitted, space=space), errors, 10)
+    assert (known.low, known.high) == pytest.approx((np.exp(-7.0), np.exp(7.0)))
