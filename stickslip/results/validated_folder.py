@@ -11,6 +11,7 @@ from stickslip.evaluation.compared_logs import LogComparison
 from stickslip.evaluation.log_prediction import LogPrediction
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.logs import Motion
+from stickslip.models.export.units import motion_unit
 from stickslip.report.page import picture_files, write_page
 from stickslip.report.validated import comparison, log
 from stickslip.results.folder import staged
@@ -78,7 +79,9 @@ def write_comparison(
         {
             "kind": kind,
             "error": key,
-            "unit": "m/s" if key.startswith("velocity") else "m",
+            "unit": motion_unit(
+                "m/s" if key.startswith("velocity") else "m", rotary=motion == "rotary"
+            ),
             "without": one.errors[NONE].items()[key],
             "with": one.errors[FEEDFORWARD].items()[key],
             "reduction": reduction.value,
