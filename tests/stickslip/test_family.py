@@ -26,6 +26,7 @@ from stickslip.evaluation.guards import (
 )
 from stickslip.evaluation.guards.benefit import _repeated
 from stickslip.evaluation.guards.family import deflection, travel
+from stickslip.identification.criteria.scaling import Scale
 from stickslip.models import law_names
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
@@ -232,3 +233,24 @@ def test_drives_of_the_family_have_the_noise_of_the_log(tmp_path):
         [benefit] = Bench(folder, LUGRE, PAPER, own, slow, datasheet=sheet).benefits([observer])
         ratios.append(benefit.fitted_ratio)
     assert ratios[1] > 1.1 * ratios[0]
+
+
+@pytest.mark.parametrize(("force", "length"), [(1e-6, 1e-3), (1e-3, 1e3), (1e5, 10.0)])
+def test_a_drive_of_another_size_is_tried_alike(tmp_path, force, length):
+    """With the same equations in other units; a press of MN is not held at the paper's 205 N."""
+
+    def errors(force, length):
+        scale = Scale(force, length)
+        axis = Axis(**scale.values({"m": PAPER.axis.m, "b": PAPER.axis.b}), tau_i=PAPER.axis.tau_i)
+        gains = scale.values({"K_p": PAPER.K_p, "K_i": PAPER.K_i})
+        loop = close_velocity_loop(axis, PAPER.T_s, PAPER.tau_f, **gains)
+        friction = scale.values(TABLE_2)
+        sheet = Datasheet(peak_force=205.0 * force, encoder_step=4e-7 * length)
+        height, slope = VALIDATION.height * length, VALIDATION.slope * length
+        tried = commands(replace(VALIDATION, height=height, slope=slope), 5e-4, friction, 4e-7)
+        own, folder = [Drive("it", "lugre", friction)], tmp_path / f"{force}"
+        bench = Bench(folder, LUGRE, loop, own, tried[:2], datasheet=sheet)
+        [benefit] = bench.benefits([feedforward(friction)])
+        return [row.compensated / length for row in benefit.rows]
+
+    assert errors(force, length) == pytest.approx(errors(1.0, 1.0), rel=1e-2)

@@ -28,7 +28,7 @@ import numpy as np
 from stickslip import cosim, models
 from stickslip.catalog.parameters import friction_law
 from stickslip.evaluation.guards.family import MOVES, Command, Drive
-from stickslip.evaluation.guards.trial import axis_values
+from stickslip.evaluation.guards.trial import axis_values, in_loop
 from stickslip.identification.criteria.runs import Runs
 from stickslip.models import Law
 from stickslip.progress import steps
@@ -439,9 +439,7 @@ class _Runs(ExitStack):
         They are infinite when the run fails.
         """
         targets = self.targets[command.name]
-        values = {
-            f"drive.{name}": value for name, value in {**self.axis, **drive.parameters}.items()
-        }
+        values = in_loop({**self.axis, **drive.parameters})
         until = (len(command.v_cmd) - 1) * self.T_s
         try:
             result = self.simulations[drive.law].run(

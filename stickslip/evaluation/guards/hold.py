@@ -18,7 +18,7 @@ import numpy as np
 from stickslip import cosim
 from stickslip.evaluation.guards.benefit import Bench, Variant
 from stickslip.evaluation.guards.family import Drive
-from stickslip.evaluation.guards.trial import Finding, axis_values
+from stickslip.evaluation.guards.trial import Finding, axis_values, in_loop
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -116,7 +116,7 @@ def _held(bench: Bench, drive: Drive, variant: Variant) -> Hold:
     v_cmd, begins = _motions(bench.commands[0].v_cmd, step, n, loop.T_s)
     system = build_loop(bench.folder_of(drive.law), loop, variant.chain, bench.feed)
     values = {**axis_values(loop, bench.datasheet), **drive.parameters}
-    system.parameters |= {f"drive.{name}": value for name, value in values.items()}
+    system.parameters |= in_loop(values)
     stop = (len(v_cmd) - 1) * loop.T_s
     with system.prepare(step=loop.T_s, stop=stop, record=("drive.x",)) as simulation:
         try:

@@ -47,7 +47,7 @@ class Trial:
         chosen = dict(self.compensator) if compensated else None
         system = paper_loop(self.fmus, self.loop, chosen, self.feed)
         axis = {**self.friction, **axis_values(self.loop, self.datasheet)}
-        system.parameters |= {f"drive.{name}": value for name, value in axis.items()}
+        system.parameters |= in_loop(axis)
         stop = (len(self.v_cmd) - 1) * self.loop.T_s
         with system.prepare(step=self.loop.T_s, stop=stop, record=("drive.v",)) as simulation:
             yield Run(self, simulation)
@@ -58,6 +58,12 @@ def axis_values(loop: VelocityLoop, sheet: Datasheet) -> dict[str, float | bool]
     known = {**loop.axis.of_drive(), "u_max": sheet.peak_force}
     # The paper's converter has steps larger than the friction of a small drive.
     return {**known, "dac": False, "encoder_step": sheet.encoder_step}
+
+
+def in_loop(drive: Mapping[str, float]) -> dict[str, float]:
+    """Return start values of a drive FMU as those of a loop, whose controller has its limit."""
+    values = {f"drive.{name}": value for name, value in drive.items()}
+    return {**values, "controller.u_max": drive["u_max"]}
 
 
 @dataclass(frozen=True)
