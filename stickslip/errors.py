@@ -4,7 +4,7 @@ StickslipError(Fault)
     UsageError(ValueError)              an option, name or value that a command cannot take
     RecordingError(ValueError)          a log's file that cannot become a recording
     IdentificationError(RuntimeError)   a recording does not show what is looked for
-    HarmfulError(RuntimeError)          a compensator that makes its loop worse
+    HarmfulError(RuntimeError)          a compensator that makes its loop worse, or was not tried
     ResultsError(RuntimeError)          a folder of results that is not what its manifest says
     RigError(RuntimeError)              a rig cannot run a command, or did not run it to its end
         LimitError                      a limit refused a command, or aborted its motion
@@ -33,7 +33,7 @@ class IdentificationError(StickslipError, RuntimeError):
 
 
 class HarmfulError(StickslipError, RuntimeError):
-    """A compensator makes the loop worse that it is for."""
+    """A compensator makes the loop worse that it is for, or was not tried in one."""
 
 
 class ResultsError(StickslipError, RuntimeError):

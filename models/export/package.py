@@ -133,6 +133,7 @@ def build_fmu(
     called: str | None = None,
     rotary: bool = False,
     terminals: bool = True,
+    note: str = "",
 ) -> Path:
     """Write ``folder/name.fmu`` and return its path.
 
@@ -147,6 +148,7 @@ def build_fmu(
     called : name of the file and of the model in it, by default ``name``
     rotary : with the units of a rotary drive
     terminals : with terminalsAndIcons.xml, of which FMI Library says FATAL in FMI 2.0
+    note : a sentence without full stop, with which the description in the FMU begins
 
     Raises
     ------
@@ -161,7 +163,8 @@ def build_fmu(
     if fmi not in get_args(FmiVersion):
         raise ModelError(f"fmi is {fmi!r}; expected 2 or 3")
     model = load_model(name, law).with_start(start or {}).of_motion(rotary=rotary)
-    model = replace(model, name=checked_name(called or model.name))
+    description = f"{note}. {model.description}" if note else model.description
+    model = replace(model, name=checked_name(called or model.name), description=description)
     # The reference holds for the start values of model.toml and law.toml.
     expected = not start and reference_file(model) is not None
     return pack_fmu(

@@ -76,19 +76,21 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
     Raises
     ------
     HarmfulError
-        When it makes the loop worse at every share, or learning refused it, and is not forced.
+        When it makes the loop worse at every share, was never tried, or learning refused it, and is
+        not forced.
     """
     from stickslip.commands.tables import print_benefit
     from stickslip.evaluation.guards import benefits_on_drives, feedforward
 
-    path = learned.path
-    if learned.refusal and not force:
-        raise HarmfulError(
-            f"{path}: learn refused it: {learned.refusal}; --force exports it anyway"
-        )
-    loop = learned.loop
+    path, loop = learned.path, learned.loop
+    refusal = f"learn refused it: {learned.refusal}" if learned.refusal else ""
+    if loop is None and not learned.is_tried:
+        refusal = refusal or "it contains neither a loop to try this compensator in nor a trial"
+    if refusal and not force:
+        raise HarmfulError(f"{path}: {refusal}; --force exports it anyway")
+    if refusal:
+        warn(f"{path}: {refusal}; exported, as --force asks for")
     if loop is None:
-        warn(f"{path} contains no loop, so the effect of this compensator is not checked")
         return 1.0
     command = learned.validation
     duration = command.corners()[-1] + command.begin

@@ -36,7 +36,7 @@ from stickslip.results.folder import reserved
 if TYPE_CHECKING:
     from stickslip.identification.estimation import CriterionName, Estimation
     from stickslip.logs import Description
-    from stickslip.pipeline.learned import LearnedFromRecording
+    from stickslip.results.learned_folder import Written
 
 
 CRITERIA: dict[str, CriterionName] = {
@@ -163,29 +163,28 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             warn(warning)
         if options.out:
             progress.stage("writing the results")
-            write_learned(learned, options.out, force=options.force)
-            _print_written(learned, options)
-    return log_document(learned) | {"folder": options.out}
+            written = write_learned(learned, options.out, force=options.force)
+            _print_written(written, options.out)
+            return written.document() | {"folder": options.out}
+    return log_document(learned) | {"folder": None}
 
 
-def _print_written(learned: LearnedFromRecording, options: argparse.Namespace) -> None:
-    from stickslip.pipeline.observed import BOTH, OBSERVER
+def _print_written(written: Written, folder: Path) -> None:
+    """Print which FMUs are in the folder, and why others are not."""
+    from stickslip.results.learned_folder import COMPENSATOR
 
+    learned, files = written.learned, written.files
+    for sentence in written.sentences:
+        warn(sentence)
     benefit = learned.benefit
-    if learned.refusal:
-        fate, how = ("written", "") if options.force else ("not written", " (--force writes it)")
-        warn(f"compensator.fmu is {fate}: {learned.refusal}{how}")
-    elif benefit and benefit.share < 1.0:
-        share = "1, as --force asks for" if options.force else f"{benefit.share:g}"
-        print(f"share of the force in compensator.fmu: {share}; {benefit.reason}")
-    if options.compensator and learned.choice in (OBSERVER, BOTH) and learned.observer_refusal:
-        fate = "written" if learned.observer and options.force else "not written"
-        warn(f"observer.fmu is {fate}: {learned.observer_refusal}")
-    written: str = learned.writes(force=options.force)
-    if written and learned.trial and learned.trial.compared:
-        written += f" ({learned.trial.compared.chosen.name})"
-    print(f"written: {written or 'no compensation'}")
-    print(f"all results are in {options.out}; open report.html first")
+    if benefit and benefit.share < 1.0 and not learned.refusal and COMPENSATOR in files:
+        share = "1, as --force asks for" if written.forced else f"{benefit.share:g}"
+        print(f"share of the force in {COMPENSATOR}: {share}; {benefit.reason}")
+    parts: str = learned.writes(force=written.forced)
+    if parts and learned.trial and learned.trial.compared:
+        parts += f" ({learned.trial.compared.chosen.name})"
+    print(f"written: {parts or 'no compensation'}")
+    print(f"all results are in {folder}; open report.html first")
 
 
 def print_estimation(estimation: Estimation) -> None:

@@ -73,6 +73,7 @@ def try_compensator(
     absent : signals that the controller lacks, of ``candidates.SIGNALS``
     workers : number of runs in parallel
     """
+    learned = replace(learned, asked=compensator)
     estimation = learned.estimation
     mass = estimation.known.get("m")
     question = implausible_mass(reading, mass.low, mass.high) if mass else None
@@ -132,7 +133,7 @@ def try_compensator(
     others = tuple(one for one in (*benefits, *tried) if one is not best)
     warnings = tuple(map(str, found))
     trial = SimulatedTrial(command, sheet, best, warnings, drives, others, observed, held, compared)
-    return replace(learned, trial=trial, asked=compensator)
+    return replace(learned, trial=trial)
 
 
 def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]:

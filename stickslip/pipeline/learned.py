@@ -246,7 +246,21 @@ class LearnedFromRecording(Learned):
     def refusal(self) -> str:
         """Why the compensator should not be written; empty where there is no reason."""
         benefit = self.benefit
-        return self._doubt or (benefit.refusal if benefit and not benefit.acceptable else "")
+        return (
+            self._doubt
+            or self._untried
+            or (benefit.refusal if benefit and not benefit.acceptable else "")
+        )
+
+    @property
+    def _untried(self) -> str:
+        """Why the compensator was not tried; empty where it was."""
+        if not isinstance(self.loops, ControlError):
+            return ""
+        return (
+            f"it was not tried, because no velocity loop can be closed: {self.loops}; learn from a"
+            " log of position and motor force"
+        )
 
     @property
     def observer(self) -> Compensator | None:
@@ -258,12 +272,16 @@ class LearnedFromRecording(Learned):
     def observer_refusal(self) -> str:
         """Why the observer should not be written; empty where there is no reason."""
         if self.trial is None or self.trial.observed is None:
-            return "no disturbance observer was tried"
+            return self._untried or "no disturbance observer was tried"
         return self._doubt or self.trial.observed.refusal(self.choice)
 
     def writes(self, *, force: bool = False) -> Choice:
-        """Return what is written: the choice without what is refused, unless it is forced."""
+        """Return what is written: the choice without what is refused, unless it is forced.
+
+        Forced, the feedforward that the default includes is written beside an observer, too.
+        """
         feedforward = self.choice in (FEEDFORWARD, BOTH) and (force or not self.refusal)
+        feedforward |= force and self.choice == OBSERVER and not self.asked
         if self.observer is None or self.choice not in (OBSERVER, BOTH):
             return FEEDFORWARD if feedforward else ""
         if self.observer_refusal and not force:
@@ -290,7 +308,7 @@ class LearnedFromRecording(Learned):
             if name in self.estimation.law.parameters and known.identifiability == NOT_IDENTIFIABLE
         ]
         if self.trial is None:
-            return (*guesses, "no velocity loop can be closed, so the compensator is not tried")
+            return tuple(guesses)
         loop = self.designed.compensated
         if not self.designed.known:
             guesses.append(

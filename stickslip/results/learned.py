@@ -610,6 +610,11 @@ class LearnedFile:
         return str(self.document.get("refusal") or "")
 
     @property
+    def is_tried(self) -> bool:
+        """Whether learning tried the compensator at the share of its force in the file."""
+        return bool(self.document.get("tracking_error"))
+
+    @property
     def loop(self) -> VelocityLoop | None:
         """The velocity loop; None in a file without it."""
         entry = self._entry("loop")

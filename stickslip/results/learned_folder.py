@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ from stickslip import models
 from stickslip.fmi.files import atomic_write
 from stickslip.logs import Recording
 from stickslip.pipeline.learned import LearnedFromRecording
-from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER
+from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
 from stickslip.pipeline.record_mode import RecordReproduction
 from stickslip.pipeline.recorded import gains_of
 from stickslip.report.learned import FILES as REPORT
@@ -20,6 +20,7 @@ from stickslip.report.learned import write_estimation_report
 from stickslip.report.learned.content import compensation
 from stickslip.report.learned.tracking import FIGURE as TRACKING
 from stickslip.report.learned.tracking import tracking_section
+from stickslip.report.markup import paragraph
 from stickslip.report.page import Section, picture_files
 from stickslip.report.reproduction.record import FIGURES, sections
 from stickslip.results.folder import staged
@@ -27,15 +28,15 @@ from stickslip.results.learned import log_document, recording_document
 from stickslip.results.reproduction_folder import command_of, write_json, write_loop, write_tables
 from stickslip.rigs.contract import commissioning_loop
 from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.systems import nominal_parameters
+from stickslip.servo.systems import Compensator, nominal_parameters
 
+COMPENSATOR, OBSERVER_FMU = "compensator.fmu", "observer.fmu"
+FMUS = (COMPENSATOR, OBSERVER_FMU, "nominal_loop.fmu")
 TABLE = "tracking_error.csv"
 """Errors on the family of simulated drives."""
 FILES = (
     "learned.json",
-    "compensator.fmu",
-    "observer.fmu",
-    "nominal_loop.fmu",
+    *FMUS,
     TABLE,
     *picture_files([TRACKING]),
     *REPORT,
@@ -50,10 +51,53 @@ RECORD_FILES = (
 """What ``write_record_results`` writes."""
 
 
+@dataclass(frozen=True)
+class Written:
+    """What ``write_learned`` wrote.
+
+    Attributes
+    ----------
+    learned : as it is recommended
+    files : names of the FMUs in the folder
+    forced : whether what is refused was to be written, and the whole force
+    """
+
+    learned: LearnedFromRecording
+    files: tuple[str, ...]
+    forced: bool
+
+    def document(self) -> dict[str, Any]:
+        """Return the content of learned.json."""
+        one = self.learned
+        found = log_document(one.with_whole_force() if self.forced else one)
+        entry = {"files": list(self.files), "forced": self.forced}
+        return found | {"refusal": one.refusal, "written": entry}
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What is refused or reduced, and whether it was written nevertheless, a line each."""
+        one, found = self.learned, []
+        could = file_names(one.writes(force=True))
+        asked = one.asked != "" and one.choice in (OBSERVER, BOTH)
+        refusals = {COMPENSATOR: one.refusal, OBSERVER_FMU: one.observer_refusal if asked else ""}
+        for name, why in refusals.items():
+            how = "" if self.forced or name not in could else " (--force writes it)"
+            fate = "written, as --force asks for" if name in self.files else "not written"
+            if why:
+                found.append(f"{name} is {fate}: {why}{how}")
+        return tuple(found)
+
+
+def file_names(choice: Choice) -> tuple[str, ...]:
+    """Return the names of the FMUs of a choice, without the loop that a cascade needs."""
+    parts = {COMPENSATOR: (FEEDFORWARD, BOTH), OBSERVER_FMU: (OBSERVER, BOTH)}
+    return tuple(name for name, choices in parts.items() if choice in choices)
+
+
 def write_learned(
     learned: LearnedFromRecording, folder: Path | str, *, force: bool = False
-) -> None:
-    """Write learned.json, report and, if nothing speaks against it or it is forced, the FMU.
+) -> Written:
+    """Write learned.json, report and, if nothing speaks against it or it is forced, the FMUs.
 
     Raises
     ------
@@ -62,81 +106,70 @@ def write_learned(
     """
     folder = Path(folder)
     command = {"name": "learn", "log": learned.estimation.recording.source, "seed": learned.seed}
-    if force:
-        learned = learned.with_whole_force()
-    further = []
-    if learned.trial and learned.benefit:
-        further.append(
-            compensation(learned.benefit, learned.trial.observed, learned.trial.compared)
-        )
-    opening = []
-    if learned.tracking and learned.trial:
-        motion, share = learned.estimation.recording.motion, learned.trial.benefit.share
-        refusal = "" if force else learned.refusal
-        opening.append(
-            tracking_section(
-                learned.tracking,
-                motion,
-                share,
-                observed=learned.observer is not None,
-                compared=learned.trial.compared is not None,
-                refusal=refusal,
-            )
-        )
-    written = learned.writes(force=force)
-    rotary = learned.estimation.recording.rotary
-    absent = [
-        "compensator.fmu",
-        "observer.fmu",
-        "nominal_loop.fmu",
-        TABLE,
-        *picture_files([TRACKING]),
-    ]
-    with staged(folder, command, without=absent) as staging:
-        if learned.trial:
-            write_tables({TABLE.removesuffix(".csv"): learned.trial.table()}, staging)
-        if learned.observer and written in (OBSERVER, BOTH):
-            one = learned.observer
-            models.build_fmu(one.model, staging, start=one.values, called="observer", rotary=rotary)
+    shown = learned.with_whole_force() if force else learned
+    names = file_names(learned.writes(force=force))
+    with staged(folder, command, without=[*FMUS, TABLE, *picture_files([TRACKING])]) as staging:
+        if shown.trial:
+            write_tables({TABLE.removesuffix(".csv"): shown.trial.table()}, staging)
+        if learned.observer and OBSERVER_FMU in names:
+            _build(learned, learned.observer, "observer", staging, learned.observer_refusal)
         loop = learned.known_loop
-        if loop and loop.K_x and written in (FEEDFORWARD, BOTH):
-            values = nominal_parameters(loop)
-            models.build_fmu("nominal_loop", staging, start=values, rotary=rotary)
-        write_compensator(  # last: its page names the files beside it
-            learned,
-            log_document(learned),
+        if COMPENSATOR in names:
+            _build(learned, shown.feedforward, "compensator", staging, learned.refusal)
+            if loop and loop.K_x:
+                nominal = Compensator("nominal", "nominal_loop", nominal_parameters(loop))
+                _build(learned, nominal, "nominal_loop", staging)
+        files = tuple(name for name in FMUS if (staging / name).exists())
+        written = Written(learned, files, force)
+        write_json(written.document(), staging / "learned.json")
+        write_estimation_report(  # last: its page names the files beside it
+            learned.estimation,
+            learned.findings,
             staging,
-            further,
-            opening,
-            export=written in (FEEDFORWARD, BOTH),
+            _trial_sections(shown),
+            [*map(_notice, written.sentences), *_tracking_sections(shown)],
+            forced=force,
         )
+    return written
 
 
-def write_compensator(
-    learned: LearnedFromRecording,
-    document: Mapping[str, Any],
-    staging: Path,
-    further: Sequence[Section],
-    opening: Sequence[Section] = (),
-    *,
-    export: bool = True,
+def _notice(sentence: str) -> Section:
+    return Section("", paragraph(f"{sentence}."))
+
+
+def _trial_sections(learned: LearnedFromRecording) -> list[Section]:
+    if not (learned.trial and learned.benefit):
+        return []
+    return [compensation(learned.benefit, learned.trial.observed, learned.trial.compared)]
+
+
+def _tracking_sections(learned: LearnedFromRecording) -> list[Section]:
+    if not (learned.tracking and learned.trial):
+        return []
+    return [
+        tracking_section(
+            learned.tracking,
+            learned.estimation.recording.motion,
+            learned.trial.benefit.share,
+            observed=learned.observer is not None,
+            compared=learned.trial.compared is not None,
+        )
+    ]
+
+
+def _build(
+    learned: LearnedFromRecording, one: Compensator, called: str, staging: Path, refusal: str = ""
 ) -> None:
-    """Write learned.json, compensator.fmu and the report on a recording.
-
-    Parameters
-    ----------
-    document : content of learned.json
-    further, opening : sections of the report after and before that of the parameters
-    export : whether to write compensator.fmu
-    """
-    write_json(document, staging / "learned.json")
-    if export:
-        one, law = learned.feedforward, learned.estimation.law.name
-        of_law = law if one.model == "compensator" else None
-        rotary = learned.estimation.recording.rotary
-        named: dict[str, Any] = {"law": of_law, "called": "compensator", "rotary": rotary}
-        models.build_fmu(one.model, staging, start=one.values, **named)
-    write_estimation_report(learned.estimation, learned.findings, staging, further, opening)
+    """Build the FMU of a part of the loop, in whose description is why it is not recommended."""
+    models.build_fmu(
+        one.model,
+        staging,
+        start=one.values,
+        law=learned.estimation.law.name if one.model == "compensator" else None,
+        called=called,
+        rotary=learned.estimation.recording.rotary,
+        note=f"Written with --force; learn does not recommend it: {refusal}" if refusal else "",
+    )
 
 
 def write_record_results(reproduction: RecordReproduction, folder: Path) -> None:
@@ -163,7 +196,9 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
         write_tables(tables, staging)
         atomic_write(staging / "recording.toml", _description(reproduction))
         write_loop(reproduction.system, loop, staging / "loop.ssp", reproduction.options)
-        write_compensator(learned, recording_document(learned), staging, sections(reproduction))
+        write_json(recording_document(learned), staging / "learned.json")
+        _build(learned, learned.feedforward, "compensator", staging)
+        write_estimation_report(estimation, learned.findings, staging, sections(reproduction))
 
 
 def _table(recording: Recording) -> pd.DataFrame:

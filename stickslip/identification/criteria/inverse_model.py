@@ -68,6 +68,7 @@ class InverseModel(Closing):
 
     Attributes
     ----------
+    moves : (n,) where the drive is not at rest, nor near it within the memory of the low-pass
     slides : (n,) where friction follows from the motion; everywhere for a law with presliding
     """
 
@@ -92,13 +93,11 @@ class InverseModel(Closing):
         self.used = slice(edge, len(self.t) - edge)
         self.specification = friction_run(fmus, self.motion.v, self.T_s)
         self.law = law or friction_law()
-        self.slides = np.ones(len(self.t), dtype=bool)
-        if not presliding(self.law):
-            noise = position_noise(position_of(recording), recording.encoder_step)
-            floor = velocity_noise(noise, self.T_s, self.cutoff)
-            rests = np.abs(self.motion.v) <= REST * floor
-            near = np.ones(2 * int(GUARD / self.cutoff / self.T_s) + 1)
-            self.slides = np.convolve(rests, near, "same") < 0.5
+        noise = position_noise(position_of(recording), recording.encoder_step)
+        rests = np.abs(self.motion.v) <= REST * velocity_noise(noise, self.T_s, self.cutoff)
+        near = np.ones(2 * int(GUARD / self.cutoff / self.T_s) + 1)
+        self.moves = np.convolve(rests, near, "same") < 0.5
+        self.slides = self.moves | bool(presliding(self.law))
         # The velocity of row n + 1 is the one at the end of the step from t[n].
         self.inputs = {"v": np.append(self.motion.v[1:], self.motion.v[-1])}
         self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])

@@ -5,16 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
 import pandas as pd
 
 from stickslip.catalog.parameters import unit_of
+from stickslip.identification.selection.folds import is_less
 from stickslip.identification.selection.prediction import Prediction
 
-TIE = 2.0
-"""Standard errors of the difference of two mean squares up to which two laws are tied."""
-MARGIN = 0.98
-"""Ratio of two errors above which they are tied in any case."""
 GAIN = 0.7
 """Error, over that of Coulomb and viscous friction, at which no parameter need be identified."""
 
@@ -40,13 +36,14 @@ def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice
 
     Coulomb and viscous friction is the first, LuGre the second. A law with more parameters takes
     part only if the recording identifies one of them at least, or if it predicts much better: the
-    best of several flexible models predicts a little better by chance.
+    best of several flexible models predicts a little better by chance. A law that fails
+    beside a regression takes no part.
     """
     simplest = predictions[0].force
     able = [
         one
         for one in predictions
-        if one.candidate.is_level or one.shown or one.force < GAIN * simplest
+        if one.candidate.is_level or ((one.shown or one.force < GAIN * simplest) and not one.fails)
     ]
     best = min(able, key=lambda one: one.force)
     tied = [one for one in able if not is_better(best, one)]
@@ -63,19 +60,8 @@ def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice
 
 
 def is_better(one: Prediction, other: Prediction) -> bool:
-    """Tell whether one predicts better, by the standard error over blocks.
-
-    Either the difference of the mean squares or their ratio must be significant: where one law
-    fails in few blocks only, the difference has a large standard error.
-    """
-    if one.force > MARGIN * other.force:
-        return False
-    least = np.finfo(float).tiny
-    ratio = np.log(np.maximum(other.squares, least) / np.maximum(one.squares, least))
-    gains = (other.squares - one.squares, ratio)
-    return any(
-        bool(np.mean(gain) > TIE * np.std(gain, ddof=1) / np.sqrt(len(gain))) for gain in gains
-    )
+    """Tell whether one predicts better, by the standard error over blocks."""
+    return is_less(one.squares, other.squares)
 
 
 def law_table(predictions: Sequence[Prediction]) -> pd.DataFrame:

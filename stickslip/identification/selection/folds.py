@@ -8,9 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.servo.measurement import Array
+
 FOLDS = 5
 BLOCKS = 40
 """Blocks of equal duration; every fifth is held out at once."""
+TIE = 2.0
+"""Standard errors of the difference of two mean squares up to which two laws are tied."""
+MARGIN = 0.98
+"""Ratio of two errors above which they are tied in any case."""
 
 
 @dataclass(frozen=True)
@@ -39,3 +45,26 @@ def folds(n: int, memory: int) -> Iterator[Fold]:
         held_out = block % FOLDS == k
         near = np.convolve(held_out, np.ones(2 * memory + 1), mode="same") > 0.5
         yield Fold(~near, held_out)
+
+
+def mean_squares(residual: Array, used: NDArray[np.bool_]) -> Array:
+    """Return the mean square of a residual (n,) in each block that has samples that are used."""
+    block = blocks(len(residual))[used]
+    count = np.bincount(block)
+    return np.asarray(np.bincount(block, residual[used] ** 2)[count > 0] / count[count > 0])
+
+
+def is_less(one: Array, other: Array) -> bool:
+    """Tell whether mean squares (blocks,) are less than others, by the standard error over blocks.
+
+    Either the difference of the mean squares or their ratio must be significant: where one law
+    fails in few blocks only, the difference has a large standard error.
+    """
+    if np.mean(one) > MARGIN**2 * np.mean(other):
+        return False
+    least = np.finfo(float).tiny
+    ratio = np.log(np.maximum(other, least) / np.maximum(one, least))
+    return any(
+        bool(np.mean(gain) > TIE * np.std(gain, ddof=1) / np.sqrt(len(gain)))
+        for gain in (other - one, ratio)
+    )

@@ -61,9 +61,19 @@ def mismatch(
     others : predictions of the other laws that were tried; the best is one of the causes
     causes : further causes that were tested
     """
+    unit = "N m" if rotary else "N"
+    if found.fails and found.moving:
+        yield Finding(
+            "warning",
+            f"the law {found.candidate.title} predicts the force of the moving drive worse than "
+            "Coulomb and viscous friction alone",
+            f"error of {found.moving.law:.3g} {unit} where it was not fitted, a regression leaves "
+            f"{found.moving.regression:.3g} {unit}",
+            "give --law auto",
+            spoils="values",
+        )
     if not (is_mismatch(found) or is_beaten(found, others)):
         return
-    unit = "N m" if rotary else "N"
     tested = sorted((*causes, *_another_law(found, others)), key=lambda cause: cause.left)
     figure = (
         f"error of {found.force:.3g} {unit} where it was not fitted, {100.0 * found.relative:.2g} "

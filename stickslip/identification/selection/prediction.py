@@ -25,7 +25,8 @@ from stickslip.identification.fitting.multistart import SURE, select, variants
 from stickslip.identification.fitting.search import solve_linear
 from stickslip.identification.fitting.start import Start, begin
 from stickslip.identification.selection.candidates import Candidate, candidates
-from stickslip.identification.selection.folds import Fold, blocks, folds
+from stickslip.identification.selection.folds import Fold, folds, mean_squares
+from stickslip.identification.selection.moving import Moving, moving
 from stickslip.identification.selection.noise import encoder_error, explained
 from stickslip.logs import Recording
 from stickslip.progress import steps
@@ -61,6 +62,7 @@ class Prediction:
     explained : root mean square that noise and the steps of encoder and force make [N]
     squares : (blocks,) mean square of the held-out error of each block [N^2]
     shown : names of the law's parameters beyond Coulomb friction that the recording identifies
+    moving : beside a regression where the drive moves; None where that was not compared
     """
 
     candidate: Candidate
@@ -71,6 +73,12 @@ class Prediction:
     explained: float
     squares: Array
     shown: tuple[str, ...]
+    moving: Moving | None = None
+
+    @property
+    def fails(self) -> bool:
+        """Whether Coulomb and viscous friction alone is better while the drive moves."""
+        return self.moving is not None and self.moving.fails and not self.candidate.is_level
 
     @property
     def ratio(self) -> float:
@@ -96,6 +104,7 @@ class Prediction:
             force=self.force / scale.force,
             explained=self.explained / scale.force,
             squares=self.squares / scale.force**2,
+            moving=self.moving and self.moving.scaled(1.0 / scale.force),
         )
 
 
@@ -160,10 +169,11 @@ def predict(
     residual : of ``held_out``, where it is there already
     """
     residual = held_out(inverse, fitted) if residual is None else residual
-    count = np.bincount(blocks(len(residual)))
+    everywhere = np.ones(len(residual), dtype=bool)
     encoder = encoder_error(inverse, fitted.parameters, fmus, recording, gains)
     force = float(np.sqrt(np.mean(residual**2)))
     measured = inverse.measured(fitted.parameters)[inverse.used]
+    split = folds(len(residual), memory(inverse))
     return Prediction(
         candidate,
         fitted.parameters,
@@ -171,8 +181,9 @@ def predict(
         force,
         force / max(float(np.sqrt(np.mean(measured**2))), np.finfo(float).tiny),
         explained(inverse, fitted.residual, encoder),
-        np.bincount(blocks(len(residual)), residual**2) / count,
+        mean_squares(residual, everywhere),
         _shown(fitted),
+        moving(inverse, fitted.parameters, residual, split),
     )
 
 

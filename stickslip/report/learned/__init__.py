@@ -25,6 +25,8 @@ def sections(
     beside: Sequence[str],
     further: Sequence[Section] = (),
     opening: Sequence[Section] = (),
+    *,
+    forced: bool = False,
 ) -> list[Section]:
     """Return the sections of the page.
 
@@ -33,6 +35,7 @@ def sections(
     findings : of reading and checking the log
     beside : names of the files in the page's folder
     further, opening : sections that follow that of the parameters, and that precede it
+    forced : whether the compensator is written whatever its trial was
     """
     return [
         content.head(estimation),
@@ -44,7 +47,7 @@ def sections(
         content.log(estimation, findings),
         content.fit(estimation),
         content.identifiability(estimation),
-        content.use(estimation, beside),
+        content.use(estimation, beside, forced=forced),
     ]
 
 
@@ -54,6 +57,8 @@ def write_estimation_report(
     folder: Path,
     further: Sequence[Section] = (),
     opening: Sequence[Section] = (),
+    *,
+    forced: bool = False,
 ) -> list[Path]:
     """Write parameters.csv, each figure as PNG and SVG, and report.html.
 
@@ -64,6 +69,5 @@ def write_estimation_report(
     written = [atomic_write(folder / "parameters.csv", table)]
     beside = [path.name for path in folder.iterdir()]
     title = f"Friction of a drive, learned from {estimation.recording.source}"
-    return written + write_page(
-        folder, title, sections(estimation, findings, beside, further, opening)
-    )
+    found = sections(estimation, findings, beside, further, opening, forced=forced)
+    return written + write_page(folder, title, found)

@@ -262,21 +262,22 @@ FILES = {
 }
 
 
-def use(estimation: Estimation, beside: Collection[str]) -> Section:
+def use(estimation: Estimation, beside: Collection[str], *, forced: bool = False) -> Section:
     """Return the last section.
 
     Parameters
     ----------
     beside : names of the files in the page's folder
+    forced : whether what is refused was written
     """
-    exports = []
-    if "learned.json" in beside:
+    exports, force = [], " --force" if forced else ""
+    if "compensator.fmu" in beside and "learned.json" in beside:
         exports += [
-            "stickslip export compensator --parameters learned.json --as fmu",
-            "stickslip export compensator --parameters learned.json --as st",
+            f"stickslip export compensator --parameters learned.json --as {form}{force}"
+            for form in ("fmu", "st")
         ]
     if "observer.fmu" in beside:
-        exports.append("stickslip export observer --parameters learned.json --as st")
+        exports.append(f"stickslip export observer --parameters learned.json --as st{force}")
     if "compensator.fmu" in beside:
         exports.append("stickslip check compensator.fmu")
     parts = [file_list({name: what for name, what in FILES.items() if name in beside})]

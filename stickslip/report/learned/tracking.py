@@ -32,7 +32,6 @@ def tracking_section(
     *,
     observed: bool = False,
     compared: bool = False,
-    refusal: str = "",
 ) -> Section:
     """Return the section.
 
@@ -41,7 +40,6 @@ def tracking_section(
     share : of the compensator's force
     observed : whether an observer was designed, which another section shows
     compared : whether other compensators were tried, which that section shows
-    refusal : why the compensator is not written; empty where it is
     """
     errors = tracking.errors()
     scales = _scales(tracking, motion)
@@ -64,7 +62,6 @@ def tracking_section(
         part += " It is that of the law alone; “Whether compensation helps” has what is written."
     elif observed:
         part += " It is the feedforward alone; “Whether compensation helps” has the observer, too."
-    refused = [paragraph(f"compensator.fmu is not written: {refusal}.")] if refusal else []
     return Section(
         "Tracking without and with the compensator",
         paragraph(
@@ -73,7 +70,6 @@ def tracking_section(
             )
             + _verdict(tracking, motion)
         ),
-        *refused,
         Illustration(
             FIGURE,
             partial(draw_tracking, tracking, motion),

@@ -35,13 +35,6 @@ def test_the_section_labels_measured_and_simulated_and_names_loop_and_command():
     assert "Measured" not in words(tracking_section(tracked(), "linear"))
 
 
-def test_a_compensator_that_is_not_written_is_named_first():
-    text = words(tracking_section(tracked(), "linear", refusal="it is worse at 2 mm/s"))
-    assert "compensator.fmu is not written: it is worse at 2 mm/s." in text
-    assert text.index("is not written") < text.index("Simulated, with")
-    assert "is not written" not in words(tracking_section(tracked(), "linear"))
-
-
 def test_the_detail_is_where_compensation_changes_most():
     part = window(tracked())
     assert part.start / 1e3 < 1.25
