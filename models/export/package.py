@@ -148,7 +148,7 @@ def build_fmu(
     called : name of the file and of the model in it, by default ``name``
     rotary : with the units of a rotary drive
     terminals : with terminalsAndIcons.xml, of which FMI Library says FATAL in FMI 2.0
-    note : a sentence without full stop, with which the description in the FMU begins
+    note : a sentence without full stop, before the description in the FMU
 
     Raises
     ------

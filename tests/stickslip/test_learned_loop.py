@@ -132,6 +132,21 @@ def test_export_of_a_harmless_share_is_quiet(learned, tmp_path, capsys):
     assert start_of(tmp_path / "compensator.fmu", "F_c") == pytest.approx(0.8 * PAPER["F_c"])
 
 
+def test_export_of_what_was_never_tried_is_refused_and_forced(learned, tmp_path, capsys):
+    fmu = tmp_path / "compensator.fmu"
+    refusal = "it was not tried, because no velocity loop can be closed"
+    for entries, why in (({}, "neither a loop"), ({"refusal": refusal}, refusal)):
+        path = learned(**entries)
+        assert export(path, tmp_path) == 1
+        assert why in capsys.readouterr().err
+        assert not fmu.exists()
+        assert export(path, tmp_path, "--force") == 0
+        assert f"{why}" in capsys.readouterr().err
+        fmu.unlink()
+    assert export(learned(tracking_error=[{"ratio": 0.5}]), tmp_path) == 0
+    assert capsys.readouterr().err == ""
+
+
 def test_the_datasheet_of_a_log_comes_back(learned):
     sheet = Datasheet(peak_force=40.0, tau_i=0.0, encoder_step=1e-6)
     assert LearnedFile(learned(datasheet=datasheet_document(sheet))).datasheet == sheet

@@ -58,5 +58,5 @@ def moving(
         fitted = np.linalg.lstsq(x[fold.fitted], y[fold.fitted])[0]
         rest[fold.held_out] = (y - x @ fitted)[fold.held_out]
     law, regression = (mean_squares(one, moves) for one in (residual, rest))
-    sizes = (float(np.sqrt(np.mean(one[moves] ** 2))) for one in (residual, rest))
-    return Moving(*sizes, fails=is_less(regression, law))
+    sizes = [float(np.sqrt(np.mean(one[moves] ** 2))) for one in (residual, rest)]
+    return Moving(sizes[0], sizes[1], is_less(regression, law))

@@ -33,6 +33,20 @@ def emps():
     return learned("emps", "DATA_EMPS.mat", "emps.toml")
 
 
+@pytest.fixture(scope="module")
+def sound(emps):
+    """Return the same as if LuGre predicted what it was not fitted to."""
+    return replace(emps, estimation=replace(emps.estimation, faults=()))
+
+
+def test_lugre_predicts_emps_worse_than_coulomb_and_viscous_friction(emps):
+    own = emps.estimation.predictions[0].moving
+    assert own.law > 1.3 * own.regression
+    assert "give --law auto" in emps.refusal
+    assert not emps.writes()
+    assert all(one.identifiability != "identifiable" for one in emps.estimation.known.values())
+
+
 def test_emps_is_explained_better_than_by_the_published_model(emps):
     assert emps.estimation.figures.force_unfiltered < 0.0408
     assert emps.estimation.figures.position <= 0.000138
@@ -56,7 +70,8 @@ def test_emps_shows_no_presliding_and_says_so(emps, capsys):
     assert "stickslip plan --show sigma_0" in said
 
 
-def test_what_was_learned_is_written_and_read(emps, tmp_path):
+def test_what_was_learned_is_written_and_read(sound, tmp_path):
+    emps = sound
     write_learned(emps, tmp_path)
     assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(emps.compensator)
     assert sum("not identifiable in this log" in warning for warning in emps.warnings) == 4
@@ -67,7 +82,8 @@ def test_what_was_learned_is_written_and_read(emps, tmp_path):
 
 
 @pytest.mark.usefixtures("without_pictures")
-def test_a_compensator_that_does_harm_is_not_written(emps, tmp_path):
+def test_a_compensator_that_does_harm_is_not_written(sound, tmp_path):
+    emps = sound
     benefit = emps.trial.benefit
     rows = tuple(replace(row, compensated=1.03 * row.without) for row in benefit.rows)
     harmful = replace(emps, trial=replace(emps.trial, benefit=Benefit(1.0, rows, rows)))
@@ -105,9 +121,14 @@ def test_a_compensator_of_wrong_values_is_not_written(emps, tmp_path, spoils, wr
     assert main([*export, "--force"]) == 0
 
 
-def test_the_hysteresis_of_a_tribometer():
-    estimation = learned("tribometer", "test_data_2.txt", "tribometer.toml").estimation
+@pytest.mark.usefixtures("without_pictures")
+def test_the_hysteresis_of_a_tribometer_and_nothing_untried(tmp_path):
+    found = learned("tribometer", "test_data_2.txt", "tribometer.toml")
+    estimation = found.estimation
     assert estimation.criterion == "inverse model"
     assert estimation.figures.force < 0.2
     assert estimation.known["sigma_0"].identifiability != "not identifiable"
     assert "sign was turned" in estimation.remarks[0]
+    assert "it was not tried" in found.refusal
+    assert not write_learned(found, tmp_path).files
+    assert write_learned(found, tmp_path, force=True).files == ("compensator.fmu",)

@@ -46,6 +46,14 @@ def test_a_law_whose_parameters_do_not_show_must_be_much_better(error, wins):
     assert (choose(found).chosen.candidate.law.name == "lugre") == wins
 
 
+def test_a_law_that_fails_beside_a_regression_is_not_chosen():
+    found = laws(lugre=0.5)
+    found[1] = predicted("lugre", 0.5, seed=2, fails=True)
+    assert choose(found).chosen.candidate.law.name == "gms"
+    found[3] = predicted("gms", 0.5, seed=4, fails=True)
+    assert choose(found).chosen.candidate.is_level
+
+
 def test_a_law_that_fails_in_one_block_only_is_worse():
     found = laws(lugre=0.5, gms=0.5)
     squares = 1.3 * found[3].squares

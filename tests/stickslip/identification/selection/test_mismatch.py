@@ -18,6 +18,16 @@ def found(error, explained):
     return replace(predicted("lugre", error), relative=error / 6.0, explained=explained)
 
 
+def test_a_law_that_fails_beside_a_regression_has_wrong_values():
+    (finding,) = mismatch(predicted("lugre", 0.12, fails=True), (), (), rotary=False)
+    assert finding.spoils == "values"
+    assert finding.advice == "give --law auto"
+    assert "0.12 N" in finding.figure
+    assert "0.06 N" in finding.figure
+    plain = predicted("coulomb_stribeck", 0.12, is_level=True, fails=True)
+    assert not list(mismatch(plain, (), (), rotary=False))
+
+
 @pytest.mark.parametrize(
     ("error", "explained", "spoils"),
     [

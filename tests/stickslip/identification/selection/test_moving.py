@@ -1,0 +1,62 @@
+"""A law beside a regression of Coulomb and viscous friction, on the same blocks held out."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from stickslip.identification.selection.folds import blocks, folds
+from stickslip.identification.selection.moving import moving
+
+N, T_S, MEMORY = 8000, 1e-3, 10
+T = T_S * np.arange(N)
+V = 0.04 * np.sin(2.0 * np.pi * T)
+RIGID = np.column_stack([np.gradient(V, T_S), V, np.ones(N)])
+MOVES = np.abs(V) > 4e-3
+NOISE = 0.05 * np.random.default_rng(1).standard_normal(N)
+FRICTION = 4.0 * np.tanh(V / 1e-4)
+
+
+def compared(residual, force):
+    """Compare a residual with the regression of a force; the drive has 2 kg and 3 N s/m."""
+    inverse = SimpleNamespace(
+        moves=MOVES,
+        used=slice(0, N),
+        motion=SimpleNamespace(v=V),
+        T_s=T_S,
+        cutoff=100.0,
+        measures_friction=False,
+        linear=RIGID,
+        measured=lambda _: force,
+    )
+    return moving(inverse, {}, residual, folds(N, MEMORY))
+
+
+FORCE = RIGID @ [2.0, 3.0, 0.2] + FRICTION + NOISE
+STRIBECK = 3.0 * np.exp(-np.abs(V) / 0.01) * np.sign(V)
+
+
+@pytest.mark.parametrize(
+    ("residual", "force", "fails"),
+    [
+        (NOISE, FORCE, False),  # as good as the regression
+        (NOISE + 0.3 * FRICTION, FORCE, True),  # friction 30 % wrong
+        (NOISE, FORCE + STRIBECK, False),  # better than the regression
+        (NOISE + np.where(MOVES, 0.0, 5.0), FORCE, False),  # wrong at rest only
+        (NOISE + 0.3 * (blocks(N) == 7), FORCE, False),  # one block is not the rule
+    ],
+)
+def test_a_law_fails_where_the_regression_is_better_beyond_chance(residual, force, fails):
+    found = compared(residual, force)
+    assert found.fails == fails
+    assert found.law == pytest.approx(np.sqrt(np.mean(residual[MOVES] ** 2)))
+
+
+def test_the_regression_predicts_what_it_was_not_fitted_to():
+    """Its error is that of the noise, a little more, and grows where one block is another drive."""
+    alike = compared(NOISE, FORCE).regression
+    assert alike == pytest.approx(0.05, rel=0.1)
+    other = FORCE + 2.0 * np.isin(blocks(N), np.arange(0, 40, 5))
+    fitted = np.linalg.lstsq(np.column_stack([np.sign(V), RIGID])[MOVES], other[MOVES])[0]
+    rest = (other - np.column_stack([np.sign(V), RIGID]) @ fitted)[MOVES]
+    assert compared(NOISE, other).regression > 1.05 * np.sqrt(np.mean(rest**2))
