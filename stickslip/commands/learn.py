@@ -70,7 +70,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, seeds, type=at_least(1), default=1)
     flags = {
         "--check": "only check the log",
-        "--force": "write the whole force of the compensator even if it makes tracking worse",
+        "--force": "write the whole force of the compensator even if it is not recommended",
     }
     add_options(parser, flags, **FLAG)
     add_algorithm_option(parser)
