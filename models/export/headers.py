@@ -72,7 +72,7 @@ def _law(model: Model) -> list[str]:
     states = list(law.states)
     lines = [f"#define LAW_IS_SMOOTH {law.is_smooth:d}"]
     lines += [f"#define LAW_SWITCHES {model.is_switched:d}", "typedef Parameters Law;"]
-    lines.append("typedef States LawState;")
+    lines.append(f"typedef {'Memory' if model.sampled else 'States'} LawState;")
     if model.is_switched:
         return [*lines, "typedef Derivatives LawRate;", "typedef Indicators LawEvents;", ""]
     if not law.is_smooth:

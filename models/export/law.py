@@ -219,8 +219,9 @@ def merge(content: dict[str, Any], law: Law) -> None:
 
     In ``depends``, ``derivative`` and ``uses`` of the model, ``law`` stands for what the law's
     force depends on; ``uses_with_level`` is used where that includes the level of friction. Where
-    a state of the model has no derivative, the law's have none either. A law with events is
-    integrated with the mass it acts on, so the model must have states of its own.
+    a state of the model has no derivative, the law's have none either; those of a sampled model are
+    memory. A law with events is integrated with the mass it acts on, so the model must have states
+    of its own.
 
     Raises
     ------
@@ -235,7 +236,8 @@ def merge(content: dict[str, Any], law: Law) -> None:
             f"{law.name}/law.toml: {twice[0]} is a variable of the model as well"
         )
     states = {name: dict(table) for name, table in law.states.items()}
-    integrated = all("derivative" in table for table in own.values())
+    sampled = content.get("sampled", False)
+    integrated = not sampled and all("derivative" in table for table in own.values())
     integrated = integrated and bool(law.is_smooth or (law.events and own))
     if not integrated:
         for table in (*own.values(), *states.values()):
@@ -271,7 +273,7 @@ def merge(content: dict[str, Any], law: Law) -> None:
                 n: k for name, k in depends.items() for n in _elements([name], law)
             }
             table["uses"] = list(_elements(table["uses"], law))
-    own |= states
+    content["memory" if sampled else "states"] |= states
     if integrated:
         content |= {"modes": dict(law.modes), "events": dict(law.events)}
     content["parameters"] |= law.tables

@@ -136,7 +136,8 @@ def _source(model: Model) -> str:
         for v in model.variables
         if v.role in ("parameter", "state")
     )
-    law = "\ntypedef Parameters Law;\ntypedef States LawState;" if model.law else ""
+    kept = "Memory" if model.sampled else "States"
+    law = f"\ntypedef Parameters Law;\ntypedef {kept} LawState;" if model.law else ""
     return "\n\n".join(
         [
             f'#include "{name}.h"\n\n#include <stddef.h>\n#include <stdint.h>',

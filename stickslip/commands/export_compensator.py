@@ -60,10 +60,9 @@ def run(options: argparse.Namespace) -> Answer:
     law = learned.law.name if one.model == NAME else None
     try:
         models.load_model(one.model, law).with_start(one.values)
-        share = _guarded_share(learned, one, force=options.force)
-        start = learned.law.share(one.values, share)
+        block = learned.deployed(_guarded_share(learned, one, force=options.force))
         named = {"called": NAME, "rotary": learned.rotary}
-        paths = write_as(options, one.model, start=start, law=law, **named)
+        paths = write_as(options, block.model, start=block.values, law=law, **named)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
     print(*paths, sep="\n")
@@ -91,6 +90,9 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
     if refusal:
         warn(f"{path}: {refusal}; exported, as --force asks for")
     if loop is None:
+        warn(
+            f"{path} contains no loop: the force is that of the velocity command, which comes early"
+        )
         return 1.0
     command = learned.validation
     duration = command.corners()[-1] + command.begin

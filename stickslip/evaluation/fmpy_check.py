@@ -1,8 +1,8 @@
 """What FMPy makes of the compensator that was learned: its description, and its force.
 
-FMPy steps ``compensator.fmu`` alone over the velocities that the compensator had in a run of the
-whole loop. A force that differs from the recorded one in any bit would mean that other tools do
-not get the compensator that was learned.
+FMPy steps ``compensator.fmu`` alone over the commands of a run of the whole loop. A force that
+differs from the recorded one in any bit would mean that other tools do not get the compensator that
+was learned.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip import cosim, models
+from stickslip import cosim
 from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_loop import VelocityLoop
 
-INPUT, OUTPUT = "compensator.v", "compensator.F_mean"
+RECORDED, OUTPUT = "compensator.F_mean", "F_ff"
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """One run of the loop, and FMPy over the same velocities.
+    """One run of the loop, and FMPy over the same commands.
 
     Attributes
     ----------
-    samples : values of F_mean that were compared, the initial one included
+    samples : values of the force that were compared, the initial one included
     different : how many of them are not the same double
     largest : largest difference [N]
     """
@@ -56,6 +56,7 @@ class SecondOpinion:
     ----------
     tool : name and version
     description : what the FMU says of itself: name, FMI version, interfaces, ...
+    variables : all but the elements of arrays
     comparisons : by the name of the command that was run
     """
 
@@ -72,56 +73,44 @@ def second_opinion(
 
     Parameters
     ----------
-    fmu : the compensator by itself, with what was learned as its start values
-    system : ``paper_loop`` with the same compensator. What it sets beside the learned parameters,
-        how the compensator is timed, FMPy sets as well.
+    fmu : the compensator by itself, as it is deployed
+    system : ``paper_loop`` with the same compensator
     commands : by name (n,) [m/s], one value a sample
     """
-    ports = models.load_model("compensator").ports
-    timed = ports.axis if ports else {}
-    timing = {
-        variable: value
-        for key, value in system.parameters.items()
-        for component, _, variable in [key.partition(".")]
-        if component == "compensator" and variable in timed
-    }
     comparisons = {}
     for name, v_cmd in commands.items():
-        stop = (len(v_cmd) - 1) * loop.T_s
-        with system.prepare(step=loop.T_s, stop=stop, record=(INPUT, OUTPUT)) as simulation:
-            run = simulation.run(inputs=loop.commands(v_cmd))
-        force = _stepped_by_fmpy(fmu, run[INPUT], loop.T_s, timing)
-        difference = np.abs(force - run[OUTPUT])
-        unlike = force.view(np.int64) != run[OUTPUT].view(np.int64)
+        given, stop = loop.commands(v_cmd), (len(v_cmd) - 1) * loop.T_s
+        with system.prepare(
+            step=loop.T_s, stop=stop, record=(RECORDED,), constant_step=True
+        ) as simulation:
+            recorded = simulation.run(inputs=given)[RECORDED]
+        force = _stepped_by_fmpy(fmu, given, loop.T_s)
+        difference = np.abs(force - recorded)
+        unlike = force.view(np.int64) != recorded.view(np.int64)
         comparisons[name] = Comparison(len(force), int(unlike.sum()), float(difference.max()))
     description, variables = _described(fmu)
     return SecondOpinion(f"FMPy {version('fmpy')}", description, variables, comparisons)
 
 
-def _stepped_by_fmpy(fmu: Path, v: Array, T_s: float, start: Mapping[str, object]) -> Array:
-    """Return F_mean (n,) [N] over recorded velocities (n,) [m/s].
-
-    The recorded ``v[k]`` is what the step that ends at sample k had as its input. FMPy sets inputs
-    at the beginning of a step, by interpolation: so the table gives ``v[k]`` at sample k - 1. At
-    the first sample it jumps from the value of the initialization to that of the first step.
-    """
+def _stepped_by_fmpy(fmu: Path, commands: Mapping[str, Array], T_s: float) -> Array:
+    """Return the force (n,) [N] over commands (n,), each set at the beginning of its step."""
     import fmpy  # takes half a second, and only this needs it
 
-    t = np.arange(len(v)) * T_s
-    table = np.zeros(len(v) + 1, dtype=[("time", float), ("v", float)])
-    table["time"] = np.concatenate([[-T_s, 0.0], t[:-1]])
-    table["v"] = np.concatenate([v[:1], v[:1], v[1:]])
+    rows = list(zip(*commands.values(), strict=True))
+    table = np.array(
+        [(k * T_s, *row) for k, row in enumerate(rows)],
+        dtype=[(name, float) for name in ("time", *commands)],
+    )
     result = fmpy.simulate_fmu(
         str(fmu),
         fmi_type="CoSimulation",
         start_time=0.0,
-        stop_time=t[-1],
+        stop_time=table["time"][-1],
         output_interval=T_s,
-        start_values=dict(start),
         input=table,
-        output=["F_mean"],
+        output=[OUTPUT],
     )
-    return np.ascontiguousarray(result["F_mean"], dtype=float)
+    return np.ascontiguousarray(result[OUTPUT], dtype=float)
 
 
 def _described(fmu: Path) -> tuple[dict[str, str], tuple[FmuVariable, ...]]:
@@ -146,5 +135,6 @@ def _described(fmu: Path) -> tuple[dict[str, str], tuple[FmuVariable, ...]]:
             v.name, v.causality or "local", v.unit or "", v.start or "", v.description or ""
         )
         for v in description.modelVariables
+        if "[" not in v.name
     )
     return {key: value or "–" for key, value in head.items()}, variables

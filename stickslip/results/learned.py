@@ -43,7 +43,8 @@ from stickslip.models.export.units import motion_unit
 from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.deployment import deployed
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed
 from stickslip.servo.velocity_filter import VelocityFilter
@@ -134,7 +135,7 @@ def _opinion_document(opinion: SecondOpinion) -> dict[str, Any]:
         }
         for name, one in opinion.comparisons.items()
     }
-    return {"tool": opinion.tool, "output": "F_mean", "runs": runs}
+    return {"tool": opinion.tool, "output": "F_ff", "runs": runs}
 
 
 def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
@@ -152,6 +153,7 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         "parameters": parameters,
         "F_0": {"value": estimation.F_0, "unit": unit_of("F_c", rotary=rotary)},
         "delay": {"value": estimation.delay, "unit": "s"},
+        "T_s": {"value": estimation.recording.T_s, "unit": "s"},
         **{
             name: {"value": value, "unit": unit_of(name, rotary=rotary)}
             for name, value in estimation.chosen.items()
@@ -629,6 +631,17 @@ class LearnedFile:
             ) from None
         except (ValueError, ArithmeticError) as error:  # a ControlError is a ValueError
             raise UsageError(f"{self.path}: loop: {error}") from None
+
+    def deployed(self, share: float = 1.0) -> Compensator:
+        """Return a share of the feedforward as a controller takes it; see ``servo.deployment``."""
+        loop = self.loop if self.feed == "nominal" else None
+        entry = self.document.get("T_s", {"value": loop.T_s if loop else LOOP.T_s})
+        one, values = self.feedforward, self.law.share(self.feedforward.values, share)
+        return deployed(
+            dataclasses.replace(one, values=values),
+            loop,
+            self._values("T_s", {"T_s": entry})["T_s"],
+        )
 
     @property
     def validation(self) -> Trapezoid:

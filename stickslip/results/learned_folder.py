@@ -28,10 +28,11 @@ from stickslip.results.learned import log_document, recording_document
 from stickslip.results.reproduction_folder import command_of, write_json, write_loop, write_tables
 from stickslip.rigs.contract import commissioning_loop
 from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.systems import Compensator, nominal_parameters
+from stickslip.servo.deployment import deployed
+from stickslip.servo.systems import Compensator
 
 COMPENSATOR, OBSERVER_FMU = "compensator.fmu", "observer.fmu"
-FMUS = (COMPENSATOR, OBSERVER_FMU, "nominal_loop.fmu")
+FMUS = (COMPENSATOR, OBSERVER_FMU)
 TABLE = "tracking_error.csv"
 """Errors on the family of simulated drives."""
 FILES = (
@@ -89,7 +90,7 @@ class Written:
 
 
 def file_names(choice: Choice) -> tuple[str, ...]:
-    """Return the names of the FMUs of a choice, without the loop that a cascade needs."""
+    """Return the names of the FMUs of a choice."""
     parts = {COMPENSATOR: (FEEDFORWARD, BOTH), OBSERVER_FMU: (OBSERVER, BOTH)}
     return tuple(name for name, choices in parts.items() if choice in choices)
 
@@ -113,12 +114,8 @@ def write_learned(
             write_tables({TABLE.removesuffix(".csv"): shown.trial.table()}, staging)
         if learned.observer and OBSERVER_FMU in names:
             _build(learned, learned.observer, "observer", staging, learned.observer_refusal)
-        loop = learned.known_loop
         if COMPENSATOR in names:
-            _build(learned, shown.feedforward, "compensator", staging, learned.refusal)
-            if loop and loop.K_x:
-                nominal = Compensator("nominal", "nominal_loop", nominal_parameters(loop))
-                _build(learned, nominal, "nominal_loop", staging)
+            _build(learned, _block(shown), "compensator", staging, learned.refusal)
         files = tuple(name for name in FMUS if (staging / name).exists())
         written = Written(learned, files, force)
         write_json(written.document(), staging / "learned.json")
@@ -157,15 +154,22 @@ def _tracking_sections(learned: LearnedFromRecording) -> list[Section]:
     ]
 
 
+def _block(learned: LearnedFromRecording) -> Compensator:
+    """Return the feedforward as a controller takes it."""
+    T_s = learned.estimation.recording.T_s
+    return deployed(learned.feedforward, learned.known_loop, T_s)
+
+
 def _build(
     learned: LearnedFromRecording, one: Compensator, called: str, staging: Path, refusal: str = ""
 ) -> None:
     """Build the FMU of a part of the loop, in whose description is why it is not recommended."""
+    law = learned.estimation.law.name if models.load_model(one.model).law else None
     models.build_fmu(
         one.model,
         staging,
         start=one.values,
-        law=learned.estimation.law.name if one.model == "compensator" else None,
+        law=law,
         called=called,
         rotary=learned.estimation.recording.rotary,
         note=f"Written with --force; learn does not recommend it: {refusal}" if refusal else "",
@@ -197,7 +201,7 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
         atomic_write(staging / "recording.toml", _description(reproduction))
         write_loop(reproduction.system, loop, staging / "loop.ssp", reproduction.options)
         write_json(recording_document(learned), staging / "learned.json")
-        _build(learned, learned.feedforward, "compensator", staging)
+        _build(learned, _block(learned), "compensator", staging)
         write_estimation_report(estimation, learned.findings, staging, sections(reproduction))
 
 

@@ -22,11 +22,14 @@ from stickslip.report.reproduction import write_report
 from stickslip.report.reproduction.as_published import FIGURES, study_section
 from stickslip.results.folder import staged
 from stickslip.results.learned import reproduction_document
+from stickslip.servo.deployment import deployed
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
-from stickslip.servo.systems import for_all_platforms
+from stickslip.servo.systems import Compensator, for_all_platforms
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.published.readings import TABLES, WholeStudy
 
+FMU = "compensator"
+"""Name of the compensator's model and FMU."""
 PREFIX = "as_published_"
 """Of the tables of the learning as published."""
 FILES = (
@@ -65,12 +68,14 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
             tables["sensitivity"] = reproduction.motions.sensitivity
         tables["fitness"] = reproduction.algorithm.convergence()
         write_tables(tables, staging)
-        learned, law = reproduction.refinement, reproduction.options.law
-        fmu = models.build_fmu("compensator", staging, start=learned.values, law=law)
+        options, loop = reproduction.options, reproduction.identification.loop
+        one = Compensator(FMU, FMU, reproduction.refinement.values)
+        block = deployed(one, loop if options.feed == "nominal" else None, loop.T_s)
+        model, law = block.model, options.law
+        fmu = models.build_fmu(model, staging, start=block.values, law=law, called=FMU)
         reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu))
         write_json(reproduction_document(reproduction), staging / "learned.json")
-        loop, path = reproduction.identification.loop, staging / "loop.ssp"
-        write_loop(reproduction.system, loop, path, reproduction.options)
+        write_loop(reproduction.system, loop, staging / "loop.ssp", options)
         write_report(reproduction, staging)
 
 

@@ -37,6 +37,8 @@ TOLERANCE = {
     "rbf": {"F": 1e-9},
     "mlp": {"F": 1e-9},
     "lugre_observer": {"F": 1e-8, "z_hat": 1e-14},
+    "command_feedforward": {"F_ff": 1e-12, "v_r": 1e-15},
+    "command_static": {"F_ff": 1e-12, "v_r": 1e-15},
 }
 
 

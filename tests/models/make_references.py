@@ -108,9 +108,10 @@ def through_zero() -> tuple[np.ndarray, np.ndarray]:
     return t, 0.03 * np.sin(2 * np.pi * 6.0 * t) * np.cos(2 * np.pi * 1.5 * t) + 1e-4
 
 
-def lugre(p: Parameters) -> Columns:
+def lugre(p: Parameters, speeds: np.ndarray | None = None) -> Columns:
     """Follow a velocity through zero, by z(t) = z_inf + (z - z_inf) e^(-a t)."""
     t, v = through_zero()
+    v = v if speeds is None else speeds
     z, F_mean, F_f = 0.0, [0.0], [friction(v[0], 0.0, p)]
     for speed in v[:-1]:
         end = np.sign(speed) * stribeck(speed, p) / p["sigma_0"]
@@ -632,6 +633,38 @@ def nominal_loop(p: Parameters) -> Columns:
     return {"time": t, "v_cmd": v_cmd, "a_cmd": a_cmd, "v_r": np.array(v_r)}
 
 
+def commands(p: Parameters) -> tuple[Columns, np.ndarray]:
+    """Return commands and v_r of the loop without friction, and its mean velocities, ahead."""
+    t, v_cmd = through_zero()
+    commands = {"v_cmd": v_cmd, "x_cmd": 0.01 + np.cumsum(v_cmd) * STEP}
+    commands["a_cmd"] = np.gradient(v_cmd, STEP)
+    n = range(1, 9)
+    A = np.array([[p[f"loop_A[{i},{k}]"] for k in n] for i in n])
+    B, G, E, C = (np.array([p[f"loop_{name}[{i}]"] for i in n]) for name in "BGEC")
+    x, x_last, v_r = np.zeros(8), commands["x_cmd"][0], [0.0]
+    for v, place, a in zip(*commands.values(), strict=True):
+        x, x_last = A @ (x + G * (place - x_last)) + B * v + E * a, place
+        v_r.append(C @ x + p["loop_D"] * v)
+    begin, end = np.append(p["loop_D"] * v_cmd[0], v_r[1:-1]), np.array(v_r[1:])
+    ahead = (begin + end) / 2 + p["lead"] * (end - begin) / STEP
+    return {"time": t, **commands, "v_r": np.array(v_r[:-1])}, ahead
+
+
+def command_feedforward(p: Parameters) -> Columns:
+    """Follow the loop without friction by the closed form of LuGre."""
+    given, ahead = commands(p)
+    viscous = p["b"] * np.append(0.0, ahead[:-1])
+    return {**given, "F_ff": lugre(p, ahead)["F_mean"] + viscous}
+
+
+def command_static(p: Parameters) -> Columns:
+    """Follow it by Coulomb friction with a ramp."""
+    given, ahead = commands(p)
+    side = 1.0 + p["asymmetry"] * np.where(ahead < 0.0, -1.0, 1.0)
+    force = side * p["F_c"] * np.clip(ahead / p["v_t"], -1.0, 1.0) + p["b"] * ahead
+    return {**given, "F_ff": np.append(0.0, force[:-1])}
+
+
 def main(folder: Path) -> None:
     """Write every model's reference.csv below a folder."""
     for calculate in (
@@ -657,6 +690,8 @@ def main(folder: Path) -> None:
         mlp,
         lugre_network,
         nominal_loop,
+        command_feedforward,
+        command_static,
     ):
         name = calculate.__name__
         table = pd.DataFrame(calculate(start_values(name)))

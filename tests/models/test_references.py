@@ -16,7 +16,7 @@ CALCULATED = (
     *("velocity_controller", "velocity_filter", "nominal_loop", "static_feedforward", "dob"),
     *("coulomb_observer", "momentum_observer", "lugre_observer", "lffc", "rbf", "mlp"),
     "lugre_network",
-    "adaptive_scale",
+    *("adaptive_scale", "command_feedforward", "command_static"),
 )
 
 

@@ -42,7 +42,7 @@ def test_the_folder_is_whole_and_keeps_no_checkpoint(folder):
     files = {path.name for path in folder.iterdir()}
     assert {"learned.json", "parameters.csv", "report.html", "compensator.fmu"} <= files
     assert not [name for name in files if "checkpoint" in name]
-    assert files == {*FILES, "manifest.json"} - {"nominal_loop.fmu"}  # of a cascade only
+    assert files == {*FILES, "manifest.json"}
 
 
 def test_workers_change_no_byte(log, folder, tmp_path):
@@ -175,8 +175,8 @@ def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
 
 def test_the_compensator_has_what_was_learned(folder, tmp_path):
     learned = json.loads((folder / "learned.json").read_text())["parameters"]
-    given = ["--input", f"{tmp_path}/v.csv", "--record", "F_f", "--out", f"{tmp_path}/F.csv"]
-    (tmp_path / "v.csv").write_text("time,v\n0,0.02\n1,0.02\n")
+    given = ["--input", f"{tmp_path}/v.csv", "--record", "F_ff", "--out", f"{tmp_path}/F.csv"]
+    (tmp_path / "v.csv").write_text("time,v_cmd\n0,0.02\n1,0.02\n")
     assert main(["simulate", str(folder / "compensator.fmu"), "--stop", "1", *given]) == 0
     last = float((tmp_path / "F.csv").read_text().splitlines()[-1].split(",")[-1])
     share = json.loads((folder / "learned.json").read_text())["share"]["value"]

@@ -1,4 +1,4 @@
-"""FMPy steps the compensator over what it met in the loop, and gets the same bits, or says so."""
+"""FMPy steps the compensator over the commands of the loop, and gets the same bits, or says so."""
 
 import fmpy
 import numpy as np
@@ -8,8 +8,9 @@ from stickslip import models
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.fmpy_check import second_opinion
 from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.deployment import deployed
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
-from stickslip.servo.systems import FEEDS, build_fmus, paper_loop
+from stickslip.servo.systems import FEEDS, Compensator, build_fmus, paper_loop
 from stickslip.servo.velocity_loop import design_velocity_loop
 
 pytestmark = pytest.mark.slow
@@ -33,7 +34,10 @@ def fmus(tmp_path_factory):
 def opinion(fmus, folder, own, feed="nominal", fmi=2):
     """Return FMPy's opinion of a compensator with ``own`` start values, the loop having TUNED."""
     loop = design_velocity_loop(Datasheet().axis(PAPER["m"], PAPER["b"]), LOOP)
-    fmu = models.build_fmu("compensator", folder, start=own, fmi=fmi)
+    known = loop if feed == "nominal" else None
+    block = deployed(Compensator("compensator", "compensator", own), known, loop.T_s)
+    values = {"lead": loop.axis.tau_i, **block.values}
+    fmu = models.build_fmu(block.model, folder, start=values, fmi=fmi, called="compensator")
     return second_opinion(fmu, paper_loop(fmus, loop, TUNED, feed), loop, COMMANDS)
 
 
@@ -61,5 +65,5 @@ def test_the_description_is_that_of_the_fmu(fmus, tmp_path):
     assert found.description["FMI version"] == "2.0"
     shown = {v.name: v for v in found.variables}
     assert {name: float(shown[name].start) for name in LUGRE} == TUNED
-    assert (shown["F_mean"].causality, shown["F_mean"].unit) == ("output", "N")
-    assert shown["F_mean"].start == ""
+    assert (shown["F_ff"].causality, shown["F_ff"].unit) == ("output", "N")
+    assert shown["F_ff"].start == ""

@@ -1,22 +1,11 @@
 #include "model.h"
 
-enum { ORDER = sizeof(((Memory *)0)->x) / sizeof(double) };
-
-static double product(const double row[ORDER], const double x[ORDER]) {
-    double sum = 0.0;
-    for (int i = 0; i < ORDER; i++)
-        sum += row[i] * x[i];
-    return sum;
-}
+#include "numerics/linear.h"
 
 /* One sample: x+ = A x + B v_cmd + E a_cmd, v_r = C x+ + D v_cmd. */
 static void sample(Memory *w, const Inputs *u, const Parameters *p) {
-    double next[ORDER];
-    for (int i = 0; i < ORDER; i++)
-        next[i] = product(p->A[i], w->x) + p->B[i] * u->v_cmd + p->E[i] * u->a_cmd;
-    for (int i = 0; i < ORDER; i++)
-        w->x[i] = next[i];
-    w->v_held = product(p->C, w->x) + p->D * u->v_cmd;
+    linear_step(w->x, p->A, p->B, u->v_cmd, p->E, u->a_cmd);
+    w->v_held = linear_output(p->C, w->x) + p->D * u->v_cmd;
 }
 
 #include "numerics/sampled.h"

@@ -256,9 +256,8 @@ def _observer(observed: Observed) -> list[Html]:
 FILES = {
     "parameters.csv": "the parameters with units and intervals, unrounded, in SI units",
     "learned.json": "the same with criterion, relative errors, seed and versions",
-    "compensator.fmu": "the tuned compensator, for any tool that imports FMUs",
+    "compensator.fmu": "the tuned compensator, from the controller's commands to the force to add",
     "observer.fmu": "the disturbance observer, to be added after the compensator",
-    "nominal_loop.fmu": "the reference velocity, which the compensator of a cascade takes",
 }
 
 

@@ -53,7 +53,7 @@ def use_section(reproduction: Reproduction) -> Section:
     """Return the last section."""
     F_c = reproduction.refinement.values["F_c"]
     files = {
-        "compensator.fmu": "the tuned compensator alone, for any tool that imports FMUs",
+        "compensator.fmu": "the tuned compensator, from the controller's commands to the force",
         "loop.ssp": "the whole loop with it, for any tool that opens SSP",
         "learned.json": "the learned parameters with units, cost, seed and versions",
         "table2.csv, table4.csv, fitness.csv": "the tables of this page, unrounded",
@@ -114,11 +114,10 @@ def _fmu(opinion: SecondOpinion) -> tuple[Html, ...]:
         paragraph(
             f"{opinion.tool} also ran compensator.fmu alone (",
             element("code", "simulate_fmu"),
-            ") over the velocities that the compensator had in two runs of the whole loop. "
-            f"{verdict}",
+            f") over the commands of two runs of the whole loop. {verdict}",
         ),
         table(
-            ("Run", "Samples of F_mean", "Different", "Largest difference [N]"),
+            ("Run", "Samples of the force", "Different", "Largest difference [N]"),
             [
                 (name, number(one.samples, 7), number(one.different, 7), number(one.largest, 3))
                 for name, one in comparisons.items()

@@ -17,6 +17,9 @@ from stickslip import cosim, models
 from stickslip.fmi import toolchain
 from stickslip.models.firmware import c_files, write_compensator
 from stickslip.models.firmware.structured_text import st_file
+from stickslip.servo.axis import Axis
+from stickslip.servo.deployment import loop_values
+from stickslip.servo.velocity_loop import close_velocity_loop
 
 sys.path.insert(0, str(Path(__file__).parent))  # structured_text
 import structured_text
@@ -30,8 +33,17 @@ OTHERS = {
     for name in models.model_names()
     if models.load_model(name).ports and name not in ("compensator", "dob")
 }
-CASES = {**FEEDFORWARDS, "observer": OBSERVER, **OTHERS}
+DEPLOYED = {
+    "command_lugre": ("command_feedforward", "lugre", "command_feedforward"),
+    "command_gms": ("command_feedforward", "gms", "command_feedforward"),
+    "command_static": ("command_static", None, None),
+}
+CASES = {**FEEDFORWARDS, **DEPLOYED, "observer": OBSERVER, **OTHERS}
+LOOP = loop_values(
+    close_velocity_loop(Axis(5.0, 6.0, 1e-4), STEP, STEP, 4e3, 3e4, m_ff=5.0, K_x=40.0)
+)
 STARTS = {
+    **{case: {**LOOP, "lead": 1e-4} for case in DEPLOYED},
     "dahl": {"i": 0.7},
     "lugre": {"v_d": 5e-3, "lead": 1e-4},
     "gms": {"F_s": 9.5, "C": 800.0, "delta": 2.0},
@@ -50,7 +62,8 @@ def signals(names: list[str]) -> dict[str, np.ndarray]:
     v = np.where(t < 0.01, 0.0, 0.04 * np.sin(40 * t) * np.cos(3 * t) + 2e-4 * np.sin(7 * t))
     x = np.round(np.cumsum(v) * STEP / 4e-7) * 4e-7
     F = 8.0 * np.tanh(v / 1e-3) + 3.0 * np.gradient(v, STEP)
-    found = {"v": v, "v_r": v, "x_enc": x, "F_m": F, "F_in": 5.0 * np.tanh(v / 2e-3), "u": 2.0 * F}
+    found = {"v_cmd": v, "x_cmd": np.cumsum(v) * STEP, "a_cmd": np.gradient(v, STEP)}
+    found |= {"v": v, "v_r": v, "x_enc": x, "F_m": F, "F_in": 5.0 * np.tanh(v / 2e-3), "u": 2.0 * F}
     return {name: found[name] for name in names}
 
 

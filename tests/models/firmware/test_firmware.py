@@ -127,18 +127,6 @@ def test_strict_compilers_of_c99_have_nothing_to_say(exported, flags, tmp_path):
         assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_the_code_of_the_guide_adds_the_force_of_the_fmu(exported, forces):
-    guide = (Path(__file__).parents[3] / "docs" / "deploying.md").read_text(encoding="utf-8")
-    code = re.search(r"^ {4}#include.*?^ {4}}$", guide, re.MULTILINE | re.DOTALL)
-    files = {name: (exported / name).read_text() for name in ("compensator.c", "compensator.h")}
-    files["guide.c"] = f"#pragma GCC visibility push(default)\n{code[0]}\n"
-    library = ctypes.CDLL(str(toolchain.shared_library("guide", files, flags=ASKED)))
-    library.added_force.restype = ctypes.c_double
-    library.start()
-    found = [library.added_force(ctypes.c_double(v)) for v in command()[:-1]]
-    np.testing.assert_array_equal(found, forces(SETTINGS[0])[:, 0])
-
-
 def test_c_includes_what_freestanding_targets_have(exported):
     """C99, section 4: a freestanding implementation has these and no <string.h>."""
     freestanding = ["float", "iso646", "limits", "stdarg", "stdbool", "stddef", "stdint"]
