@@ -20,11 +20,10 @@ from stickslip.logs.delay import (
 from stickslip.logs.excitation import Excitation, excitation
 from stickslip.logs.finding import Finding, Severity
 from stickslip.logs.force_path import force_path
-from stickslip.logs.grid import runs
 from stickslip.logs.lost_rows import lost_rows
 from stickslip.logs.motion import kinematics
 from stickslip.logs.recording import Recording
-from stickslip.servo.measurement import Array
+from stickslip.logs.saturation import saturation
 
 SIGNALS = tuple(
     field.name for field in fields(Recording) if field.type == "Array | None"
@@ -60,7 +59,7 @@ def check_recording(
     return (
         *findings,
         *([lost] if lost else force_path(aligned(recording, late))),  # the cause of the rest
-        *_saturation(recording, force_limit),
+        *saturation(recording, force_limit),
         *_quantisation(recording, shown),
         *_delays(recording, late),
         *_visibility(recording, shown),
@@ -101,35 +100,6 @@ def _signals(recording: Recording, controller: Controller) -> Iterator[Finding]:
     if duration < 1.0 or len(recording.t) < 500:
         figure = f"{duration:.3g} s, {len(recording.t)} samples"
         yield Finding("warning", "the recording is short", figure, "log 10 s or more")
-
-
-def _saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
-    """Yield forces at their limit, or flat at their extremes."""
-    for name in ("force", "force_command"):
-        force = getattr(recording, name)
-        if force is None:
-            continue
-        most = float(np.max(np.abs(force)))
-        at = np.abs(force) >= 0.995 * limit if limit else _flat(force)
-        share = float(np.mean(at))
-        if share > (0.0 if limit else 0.002):
-            advice = "there it does not follow its command; log a gentler motion"
-            what = f"{name} saturates at {most:.4g}"
-            yield Finding("warning", what, f"{share:.2%}", advice, spoils="intervals")
-        if limit and most > 1.05 * limit:
-            figure = f"{most:.4g} against {limit:.4g}"
-            advice = "check unit and scale, and that it was logged behind the limit"
-            what = f"{name} exceeds the force limit"
-            yield Finding("warning", what, figure, advice, spoils="values")
-
-
-def _flat(signal: Array) -> Array:
-    """Return where (n,) a signal stays at its maximum or minimum for three samples or more."""
-    marked = np.zeros(len(signal), dtype=bool)
-    for extreme in (signal.max(), signal.min()):
-        for begin, end in runs(signal == extreme):
-            marked[begin:end] = end - begin >= 3
-    return marked
 
 
 def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:

@@ -7,9 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
+from stickslip.logs.delay import FARTHEST
 from stickslip.logs.finding import Finding
-from stickslip.logs.motion import kinematics
+from stickslip.logs.motion import Kinematics, basis, kinematics
 from stickslip.logs.reading import Reading
+from stickslip.logs.recording import Recording
 from stickslip.logs.unit_factors import EQUALS, described_ratio, near_factor
 from stickslip.logs.units import QUANTITIES, Unit, quantity_key, sized_unit
 from stickslip.servo.measurement import Array, smoothed
@@ -19,6 +21,15 @@ ALIKE, SAME = 0.8, 0.98
 """Correlation from which one signal is the other's image, and from which a factor below
 ``SMALL`` is one of units: a controller that follows badly may be off by as much."""
 SMALL = 20.0
+UNLIKE = 0.3
+"""Correlation below which two signals are not of one axis: noise and other axes have up to 0.23 if
+their motions are not alike, velocities of sound logs 0.99, commands of drives that stick 0.74."""
+SHARED, MOVING = 0.1, 0.1
+"""Share of the force below which it is not that of the motion: noise and other axes have up to
+0.09, drives that slip a few times in a log 0.15, others 0.4 to 1; share of the time in motion
+from which this is known."""
+DELAYS = 9
+"""Delays of the force that are tried."""
 FOLLOWS = 2.0
 """Ratio up to which a signal follows its command."""
 LATE, FILTERED = 0.1, 0.01
@@ -47,8 +58,18 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
         (speed, "velocity_command", FOLLOWS, LATE),
         ("force", "force_command", FOLLOWS, LATE),
     ):
-        if a in signals and b in signals and (image := _image(signals[a], signals[b], late)):
-            yield from _contradiction(reading, a, b, image, most)
+        if a not in signals or b not in signals:
+            continue
+        if (best := _unlike(signals, a, b, late)) is not None:
+            yield _unrelated(b, a, f"a correlation of {best:.2f}; expected at least {UNLIKE:g}")
+        ratio, high, low = _likeness(signals[a], signals[b], late)
+        if high >= ALIKE:
+            yield from _contradiction(reading, a, b, (ratio, high), most)
+        elif low <= -SAME and high < ALIKE / 2:
+            yield from _contradiction(reading, a, b, (-ratio, -low), most)
+    if "force" in signals and (share := _shared(recording, signals["force"], motion)) < SHARED:
+        figure = f"{share:.1%} of it is like inertia, viscous and Coulomb friction of that motion"
+        yield _unrelated("force", "the motion", f"{figure}; expected at least {SHARED:.0%}")
     if T_s := reading.controller.T_s:
         ratio = recording.T_s / T_s
         if not 1 / SLOWER <= ratio <= FASTER:
@@ -58,28 +79,57 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
             yield Finding("error", what, figure, advice)
 
 
-def _image(a: Array, b: Array, late: float) -> tuple[float, float] | None:
-    """Return how many times larger b (n,) is than a (n,), and their correlation; None if unlike.
+def _unrelated(b: str, a: str, figure: str) -> Finding:
+    """Return the error of a signal that has nothing in common with another."""
+    advice = f"choose the column of the same axis with --column {b}=NAME"
+    if b != "force":
+        advice = f"{advice}; --column {b}=none leaves it out"
+    return Finding("error", f"{b} is unrelated to {a}", figure, advice)
 
-    The ratio is negative where one is inverted.
+
+def _shared(recording: Recording, force: Array, motion: Kinematics) -> float:
+    """Return the share of a force (n,) like that of a rigid drive, 1 where it hardly moves.
+
+    The force may be late; most of a chance likeness is that of slow motions.
+    """
+    moving = np.abs(motion.v) > motion.floor
+    if np.mean(moving) < MOVING:
+        return 1.0
+    way = smoothed(np.sign(motion.v) * moving, recording.T_s, motion.cutoff)
+    columns = basis(np.column_stack([np.ones_like(way), motion.v, motion.a, way]))
+    varying = force - force.mean()
+    delays = np.linspace(-FARTHEST, FARTHEST, DELAYS) / recording.T_s
+    found = (columns.T @ np.roll(varying, -round(delay)) for delay in delays)
+    return max(float(one @ one) for one in found) / max(float(varying @ varying), 1e-300)
+
+
+def _likeness(a: Array, b: Array, late: float) -> tuple[float, float, float]:
+    """Return how many times larger b (n,) is than a (n,), and their extreme correlations.
 
     The ratio of standard deviations is that of regression both ways, and needs no alignment; the
-    correlation, at the best lag, tells whether one is the other's image. The farthest thousandths
-    of the samples are cut off.
+    correlations are those at the best lag, and at the best lag of one inverted. The farthest
+    thousandths of the samples are cut off.
     """
     a, b = (np.clip(s, *np.quantile(s, (0.001, 0.999))) for s in (a, b))
     a, b = a - a.mean(), b - b.mean()
     sizes = float(np.std(a)), float(np.std(b))
     if min(sizes) == 0:
-        return None
+        return np.nan, np.nan, np.nan
     lags = scipy.signal.correlate(b / sizes[1], a / sizes[0], mode="full", method="fft") / len(a)
     reach = int(late * len(a))
     lags = lags[len(a) - 1 - reach : len(a) + reach]
-    if lags.max() >= ALIKE:
-        return sizes[1] / sizes[0], float(lags.max())
-    if lags.min() <= -SAME and lags.max() < ALIKE / 2:
-        return -sizes[1] / sizes[0], -float(lags.min())
-    return None
+    return sizes[1] / sizes[0], float(lags.max()), float(lags.min())
+
+
+def _unlike(signals: dict[str, Array], a: str, b: str, late: float) -> float | None:
+    """Return the correlation of a signal b with a, if none shows that both are of one axis.
+
+    The command of a drive that sticks is unlike its motion, but not unlike the force.
+    """
+    others = [a, "force"] if a != "force" and "command" in b and "force" in signals else [a]
+    found = [_likeness(signals[one], signals[b], late)[1:] for one in others]
+    best = max(max(high, -low) for high, low in found)
+    return best if best < UNLIKE else None
 
 
 def _contradiction(

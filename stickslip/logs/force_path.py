@@ -49,7 +49,9 @@ def force_path(recording: Recording) -> Iterator[Finding]:
     force = recording.force
     if force is None:
         return
-    limits = (_before_limit(recording, force), _clipped(recording, np.abs(force)))
+    both_or_one_way = (np.abs(force), force, -force)
+    clipped = next(filter(None, (_clipped(recording, one) for one in both_or_one_way)), None)
+    limits = (_before_limit(recording, force), clipped)
     # A limit delays the force, too.
     yield from filter(None, limits if any(limits) else [_low_passed(recording)])
 
@@ -77,7 +79,9 @@ def _before_limit(recording: Recording, force: Array) -> Finding | None:
 def _clipped(recording: Recording, force: Array) -> Finding | None:
     """Return a finding where the motion shows more force than the log's largest, which piles up.
 
-    A rigid drive is fitted where the force is below that.
+    A rigid drive is fitted where the force is below that. One that is fitted to all samples must
+    explain these worse, as it does not where the largest force is that of a drive at constant
+    speed, or one that was commanded.
     """
     limit = float(np.quantile(force, 0.999))
     at = force > (1.0 - FLAT) * limit
@@ -89,9 +93,16 @@ def _clipped(recording: Recording, force: Array) -> Finding | None:
     below, above = ~near[drive.used], at[drive.used]
     if min(below.sum(), above.sum()) < FEWEST:
         return None
-    fit = np.linalg.lstsq(drive.columns[below], drive.force[drive.used][below], rcond=None)[0]
+    used = drive.force[drive.used]
+    fit, every = (
+        np.linalg.lstsq(drive.columns[part], used[part], rcond=None)[0]
+        for part in (below, np.ones_like(below))
+    )
     shown = float(np.mean(np.abs(drive.columns[above] @ fit)))
-    if shown < (1.0 + BEYOND) * float(np.mean(np.abs(drive.force[drive.used][above]))):
+    rest, whole = (
+        float(np.sum((used[below] - drive.columns[below] @ one) ** 2)) for one in (fit, every)
+    )
+    if shown < (1.0 + BEYOND) * float(np.mean(np.abs(used[above]))) or rest > EXPLAINED * whole:
         return None
     figure = f"{limit:.4g} for {np.mean(at):.1%} of the time, while the motion shows {shown:.4g}"
     advice = "log it with a larger range, or a gentler motion"

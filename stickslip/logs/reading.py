@@ -15,18 +15,16 @@ from stickslip.logs.controller import Controller
 from stickslip.logs.description import ROLES, Description, Product
 from stickslip.logs.finding import Finding
 from stickslip.logs.formats import read_table
-from stickslip.logs.grid import check_times, even_grid
+from stickslip.logs.grid import even_grid
 from stickslip.logs.recording import Motion, Recording
 from stickslip.logs.roles import assign_roles, named_quantity
+from stickslip.logs.sampling import even_rows, on_one_clock
+from stickslip.logs.steps import step_of
 from stickslip.logs.table import LogTable
 from stickslip.logs.unit_factors import EQUALS, described_ratio, near_factor
 from stickslip.logs.units import Unit, sized_unit
 from stickslip.servo.measurement import Array, derivative
 
-DIVISORS = 12
-"""Most encoder steps that the smallest difference of a signal may have."""
-SHARE = 0.98
-"""Share of the differences that must be whole steps."""
 MOST_FEEDFORWARD = 2.0
 """Largest velocity feedforward of a cascade, a share of the velocity command."""
 
@@ -128,14 +126,18 @@ def read_recording(
                 f"{table.path}: '{roles[role]}' ({role}) has {len(signal)} values; expected {n}, "
                 f"as '{roles[next(iter(signals))]}' has"
             )
-    t = signals.pop("time", np.asarray(np.arange(n) * (given.sample_period or 1.0)))
+    if given.sample_period:
+        stamps = table.numbers.get(roles.get("time", ""), np.arange(n, dtype=np.float64))
+        rows = even_rows(table, stamps, signals, findings)
+        signals = {role: signal[rows] for role, signal in signals.items()}
+        signals["time"] = np.arange(len(rows)) * given.sample_period
+        table = table.part(rows)
+    t = signals.pop("time")
     if given.span:
         t, signals, table = _cut(table, t, signals, given.span)
-    check_times(table, t)
     step = _encoder_step(table, given.encoder_step, signals, findings)
-    if motion == "rotary":
-        findings += _unwrap(signals)
-    grid = even_grid(table, t, signals)
+    rows, t, signals = on_one_clock(table, t, signals, findings)
+    grid = even_grid(table.part(rows), t, signals, motion)
     findings += [*grid.findings, *_integrated(given, signals)]
     if strict:
         raise_errors(table.path, findings)
@@ -236,12 +238,7 @@ def _cut(
         finite = t[np.isfinite(t)]
         has = f"{finite.min():.6g} to {finite.max():.6g} s" if len(finite) else "no times"
         raise UsageError(f"span {span[0]:g} to {span[1]:g} s: no samples there; the log has {has}")
-    rows = np.array([table.row(int(k)) for k in kept])
-    return (
-        t[kept],
-        {role: signal[kept] for role, signal in signals.items()},
-        LogTable(table.path, table.names, {}, scalars=table.scalars, rows=rows),
-    )
+    return t[kept], {role: signal[kept] for role, signal in signals.items()}, table.part(kept)
 
 
 def _integrated(given: Description, signals: dict[str, Array]) -> list[Finding]:
@@ -277,20 +274,6 @@ def _encoder_step(
     return given
 
 
-def _unwrap(signals: dict[str, Array]) -> list[Finding]:
-    """Remove the jumps of angles that restart with each revolution."""
-    findings = []
-    for role in ("position", "position_command"):
-        signal = signals.get(role)
-        if signal is None or not np.isfinite(signal).all():
-            continue
-        jumps = int(np.sum(np.abs(np.diff(signal)) > np.pi))
-        if jumps and np.ptp(signal) <= 2 * np.pi * 1.001:
-            signals[role] = np.unwrap(signal)
-            findings.append(Finding("note", f"{role} was counted on over full turns", f"{jumps}"))
-    return findings
-
-
 def _positive(table: LogTable, given_as: Product | None, what: str) -> float | None:
     if given_as is None:
         return None
@@ -298,37 +281,3 @@ def _positive(table: LogTable, given_as: Product | None, what: str) -> float | N
     if value <= 0:
         raise UsageError(f"{what} = {value:g}: expected more than 0")
     return value
-
-
-def step_of(signal: Array) -> float:
-    """Return the step of which all differences of a signal (n,) are multiples; 0 if there is none.
-
-    Differences within the rounding of doubles at the size of the signal are ignored. A filtered
-    signal, or one with all its digits, has no step.
-    """
-    differences = np.abs(np.diff(signal[np.isfinite(signal)]))
-    if not len(differences):
-        return 0.0
-    floor = 256 * np.finfo(float).eps * float(np.max(np.abs(signal[np.isfinite(signal)])))
-    differences = np.sort(differences[differences > floor])
-    if len(differences) < 10:
-        return 0.0
-    smallest = float(differences[len(differences) // 100])
-    near = differences[differences < 1.02 * smallest]
-    for divisor in range(1, DIVISORS + 1):
-        step = _refined(differences, float(np.median(near)) / divisor)
-        counts = differences / step
-        whole = np.abs(counts - np.round(counts)) < 0.05 + floor / step
-        if step > 4 * floor and np.mean(whole & (counts > 0.5)) >= SHARE:
-            return step
-    return 0.0
-
-
-def _refined(differences: Array, step: float) -> float:
-    """Return a step fitted to larger and larger differences."""
-    for most in (3, 30, 300):
-        counts = np.round(differences / step)
-        some = (counts > 0) & (counts <= most)
-        if some.any():
-            step = float(differences[some] @ counts[some] / (counts[some] @ counts[some]))
-    return step

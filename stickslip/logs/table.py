@@ -49,6 +49,11 @@ class LogTable:
         """Return the number in the file of the k-th value."""
         return k + 1 if self.rows is None else int(self.rows[k])
 
+    def part(self, rows: NDArray[np.intp]) -> LogTable:
+        """Return a table without columns that has some rows (k,) of this one."""
+        numbers = np.array([self.row(int(k)) for k in rows], dtype=np.intp)
+        return LogTable(self.path, self.names, {}, scalars=self.scalars, rows=numbers)
+
     def find(self, key: str | int, role: str) -> str:
         """Return the name of the column with a name or a number from 1.
 

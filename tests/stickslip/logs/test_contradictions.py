@@ -112,6 +112,26 @@ def test_a_bad_controller_is_not_a_contradiction(check_log):
                 assert "contradict" not in check_log(pd.DataFrame(table))[2]
 
 
+OTHER = 0.05 * np.sin(2 * np.pi * 0.37 * np.arange(4000) * 1e-3)
+SIGNALS = ("force", "velocity", "velocity_command", "position_command")
+
+
+@pytest.mark.parametrize("name", SIGNALS)
+@pytest.mark.parametrize("other", [OTHER, np.random.default_rng(0).standard_normal(4000)])
+def test_a_signal_that_is_unrelated_to_the_motion_is_an_error(check_log, name, other):
+    """Those of another axis, and noise."""
+    drive = rigid_drive(n=4000, step=4e-7)
+    table = {"time": drive.t, "position": drive.position, "force": drive.force}
+    status, errors, *_ = check_log(pd.DataFrame(table | {name: other}))
+    assert status == 1
+    [found] = [line for line in errors if "unrelated" in line]
+    assert found.startswith(f"error: {name} is unrelated to ")
+    assert f"--column {name}=NAME" in found
+    own = drive.velocity if "velocity" in name else table.get(name, drive.position)
+    noise = 0.5 * np.std(own) * np.random.default_rng(1).standard_normal(4000)
+    assert "unrelated" not in check_log(pd.DataFrame(table | {name: own + noise}))[2]
+
+
 @pytest.mark.parametrize("given", ["1", "1000", "1e-6"])
 def test_a_sample_period_that_the_time_contradicts(check, given):
     """In ms, a rate in Hz, in s but a thousand times too short."""

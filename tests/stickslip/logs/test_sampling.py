@@ -1,0 +1,138 @@
+"""Rows become samples of one clock, whatever the log's times are rounded to or repeated in."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from rigid_drive import rigid_drive
+
+from stickslip.errors import RecordingError
+from stickslip.logs import Description, read_recording
+from stickslip.logs.sampling import mean_period, regular_times
+
+REGULAR = {
+    "0.1 ms at 4 kHz": (2.5e-4, 1e-4, np.round),
+    "0.1 ms at 4 kHz, cut off": (2.5e-4, 1e-4, np.floor),
+    "pairs of equal times": (5e-4, 1e-3, np.floor),
+    "three rows a time": (1e-3 / 3, 1e-3, np.round),
+    "1 us at 7 kHz": (1 / 7000, 1e-6, np.round),
+    "a clock of 32768 Hz": (2.5e-4, 1 / 32768, np.floor),
+}
+
+
+@pytest.mark.parametrize("name", REGULAR)
+def test_a_regular_clock_is_recovered_from_its_rounded_times(name):
+    T_s, step, rounding = REGULAR[name]
+    t = 3.7 + np.arange(6000) * T_s
+    rounded = step * rounding(t / step + 1e-9)
+    found = regular_times(rounded, mean_period(rounded))
+    assert np.ptp(found - t) < 0.01 * step
+    assert np.ptp(np.diff(found)) < 1e-9 * T_s + 1e-15
+
+
+def test_single_precision_is_a_rounding():
+    t = 60.0 + np.arange(8000) / 7000
+    rounded = t.astype(np.float32).astype(float)
+    found = regular_times(rounded, mean_period(rounded))
+    assert np.ptp(found - t) < 1e-7
+
+
+def test_a_clock_that_drifts_is_recovered():
+    k = np.arange(40_000) * 2.5e-4
+    t = k * (1.0 + 1e-5 * k)
+    rounded = np.round(t, 4)
+    assert np.ptp(regular_times(rounded, mean_period(rounded)) - t) < 4e-5
+
+
+def test_rows_that_are_lost_from_a_rounded_clock_are_counted():
+    kept = np.delete(np.arange(6000), [40, 41, 999, 3000, 3001, 3002, 3003, 5990])
+    t = kept * 2.5e-4
+    rounded = np.round(t, 4)
+    assert np.ptp(regular_times(rounded, mean_period(rounded)) - t) < 2e-6
+
+
+@pytest.mark.parametrize("digits", [4, 6, 12])
+@pytest.mark.parametrize("jitter", [0.15, 0.3])
+def test_a_clock_that_jitters_is_not_regular(digits, jitter):
+    t = np.arange(5000) * 1e-3
+    t += np.random.default_rng(1).uniform(-jitter, jitter, 5000) * 1e-3
+    t = np.round(t, digits)
+    assert regular_times(t, mean_period(t)) is None
+
+
+@pytest.fixture
+def log() -> pd.DataFrame:
+    drive = rigid_drive(n=4000, step=4e-7)
+    return pd.DataFrame({"t [s]": drive.t, "x [m]": drive.position, "F [N]": drive.force})
+
+
+@pytest.fixture
+def read(tmp_path):
+    def run(table, **given):
+        path = tmp_path / "log.csv"
+        table.to_csv(path, index=False)
+        reading = read_recording(path, Description(**given))
+        return reading.recording, "\n".join(map(str, reading.findings))
+
+    return run
+
+
+REPEATED = {
+    "every 50th row": np.sort(np.r_[np.arange(4000), np.arange(0, 4000, 50)]),
+    "every row": np.repeat(np.arange(4000), 2),
+    "a block": np.r_[np.arange(2000), np.arange(1700, 4000)],
+}
+
+
+@pytest.mark.parametrize("name", REPEATED)
+@pytest.mark.parametrize("given", [{}, {"sample_period": 1e-3}])
+def test_copies_of_rows_are_dropped(log, read, name, given):
+    if given and name == "every row":
+        pytest.skip("half of the sample period contradicts the column of time")
+    recording, found = read(log.iloc[REPEATED[name]], **given)
+    np.testing.assert_array_equal(recording.position, log["x [m]"])
+    assert f"dropped: {len(REPEATED[name]) - 4000}, the first is row" in found
+
+
+def test_other_values_at_the_same_time_are_an_error(log, read):
+    twice = log.iloc[REPEATED["every 50th row"]].reset_index(drop=True)
+    twice.loc[twice["t [s]"].diff() == 0, "F [N]"] += 0.3
+    with pytest.raises(RecordingError, match=r"row 54: the same time and position .* other values"):
+        read(twice)
+
+
+def test_a_second_run_in_the_same_file_is_an_error(log, read):
+    with pytest.raises(RecordingError, match=r"row 4002: time goes from 3.999 to 0 s .* cut"):
+        read(pd.concat([log, log.assign(**{"F [N]": 2.0 * log["F [N]"]})]))
+
+
+def in_turn(table, shift: int, every: int = 1) -> pd.DataFrame:
+    """Return a log whose force has rows of its own, with blanks in the others."""
+    position, force = table.iloc[::2].copy(), table.iloc[shift :: 2 * every].copy()
+    position["F [N]"] = np.nan
+    force["x [m]"] = np.nan
+    return pd.concat([position, force]).sort_values("t [s]", kind="stable")
+
+
+@pytest.mark.parametrize(("shift", "every"), [(0, 1), (1, 1), (1, 3)])
+def test_channels_with_times_of_their_own_are_joined(read, shift, every):
+    drive = rigid_drive(n=8000, T_s=5e-4, F_c=0.0)
+    log = pd.DataFrame({"t [s]": drive.t, "x [m]": drive.position, "F [N]": drive.force})
+    recording, found = read(in_turn(log, shift, every))
+    assert recording.T_s == pytest.approx(1e-3)
+    assert ("joined" if shift == 0 else "interpolated to those of the position: force") in found
+    k = np.argmin(np.abs(drive.position - recording.position[500]))
+    first = round(k / 2) - 500
+    expected = drive.force[::2][first : first + len(recording.t)]
+    assert np.max(np.abs(recording.force - expected)) < 0.02 * np.max(np.abs(expected))
+
+
+def test_a_channel_that_is_far_slower_is_an_error(log, read):
+    slow = log.assign(**{"F [N]": log["F [N]"].where(log.index % 20 == 0)})
+    with pytest.raises(RecordingError, match=r"force was sampled each 0[.]02 s, and the position"):
+        read(slow)
+
+
+def test_a_sample_period_does_not_hide_channels_in_turn(log, read):
+    """Half of the rows hold no position; a period for each row would be wrong."""
+    with pytest.raises(RecordingError, match="without --sample-period"):
+        read(in_turn(log, 1), sample_period=1e-3)
