@@ -130,7 +130,7 @@ def read_recording(
         stamps = table.numbers.get(roles.get("time", ""), np.arange(n, dtype=np.float64))
         rows = even_rows(table, stamps, signals, findings)
         signals = {role: signal[rows] for role, signal in signals.items()}
-        signals["time"] = np.arange(len(rows)) * given.sample_period
+        signals["time"] = given.sample_period * np.arange(len(rows), dtype=np.float64)
         table = table.part(rows)
     t = signals.pop("time")
     if given.span:
