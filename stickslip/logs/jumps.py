@@ -117,7 +117,8 @@ def _unwrap(role: str, size: float, signals: dict[str, Array]) -> tuple[int, int
     known = np.flatnonzero(np.isfinite(signal))
     restarts = np.flatnonzero(np.abs(np.diff(signal[known])) > 0.5 * size)
     signal[known] = np.unwrap(signal[known], period=size)
-    signal += size * np.nanmedian(np.round((signals[role] - signal) / size))  # most are as logged
+    if role == "velocity":  # most are as logged; a position is where it began
+        signal += size * np.nanmedian(np.round((signals[role] - signal) / size))
     signals[role] = signal
     command = signals.get("position_command") if role == "position" else None
     if command is not None:
