@@ -7,17 +7,24 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from stickslip.errors import UsageError
 from stickslip.logs.units import unit_named
 
 _DELIMITERS = ("\t", ";", ",", "|", " ")
-_BRACKETED = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]$")
-_BEHIND = re.compile(r"^(.+?)(?:\s*,\s*|\s+/\s*|\s+in\s+)([^,\s]+)$")
+_BEHIND = re.compile(r"(?:,|\s/|\sin\s)\s*([^,\s]+)$")
 _GROUPED = re.compile(r"[-+]?\d{1,3}(\.\d{3})+,\d*")
 """A number such as 1.234,5."""
-_SAMPLE = 200
-_SAMPLED = 1 << 18
+_FIRST = frozenset("+-.,0123456789nNiI")
+"""How a number begins."""
+MISSING = frozenset(
+    " - -- --- n/a na n.a. #n/a #nv null none nil ? nan(ind) -nan(ind) 1.#qnan 1.#ind -1.#ind".split(" ")
+)
+"""What stands where a value is missing, in small letters."""
+SAMPLE = 200
+"""Lines that are looked at, from all over a text and at its end."""
+SAMPLED = 1 << 18
 """Characters of lines that are looked at."""
 _LONGEST_NAME = 200
 
@@ -30,10 +37,12 @@ class Dialect:
     ----------
     delimiter : one character; a space stands for any white space
     decimal : . or ,
+    width : fields of a line of data; 0 where no line holds a number
     """
 
     delimiter: str
     decimal: str
+    width: int = 0
 
     def fields(self, line: str) -> list[str]:
         """Return the fields of a line, without quotes and white space around them."""
@@ -47,6 +56,8 @@ class Dialect:
 
     def number(self, field: str) -> float | None:
         """Return the number that a field holds, None when it is not a number."""
+        if field[:1] not in _FIRST:
+            return None
         if self.decimal == ",":
             if _GROUPED.fullmatch(field):
                 field = field.replace(".", "")
@@ -58,37 +69,50 @@ class Dialect:
 
 
 def find_dialect(lines: Sequence[str], delimiter: str | None, decimal: str | None) -> Dialect:
-    """Return the dialect in which the last lines hold most numbers, equally many per line."""
-    longest = max(len(line) for line in lines[-_SAMPLE - 1 :])
-    some = min(_SAMPLE, max(3, _SAMPLED // max(1, longest)))
-    sample = lines[-some - 1 : -1] or lines
+    """Return the dialect in which some lines hold most numbers, equally many fields per line.
 
-    def score(dialect: Dialect) -> int:
-        rows = [dialect.fields(line) for line in sample]
-        width = commonest(map(len, rows))
-        fields = [field for row in rows if len(row) == width for field in row]
-        return sum(dialect.number(field) is not None for field in fields)
+    Raises
+    ------
+    UsageError
+        When delimiter and decimal sign are the same, and no quotes tell them apart.
+    """
+    most = max(3, SAMPLED // max(map(len, lines)))
+    sample = lines[:: max(1, len(lines) // most)]
+    quoted = any('"' in line for line in sample)
+    if delimiter and delimiter == decimal and not quoted:
+        raise UsageError(
+            f"delimiter and decimal sign are both '{delimiter}': expected numbers in quotes, got "
+            f"'{lines[-1][:40]}'; export the log with another delimiter"
+        )
+
+    def numbers(dialect: Dialect) -> Counter[int]:
+        count: Counter[int] = Counter()
+        for line in sample:
+            row = dialect.fields(line)
+            count[len(row)] += sum(dialect.number(field) is not None for field in row)
+        return count
 
     marks = [delimiter] if delimiter else _DELIMITERS
     points = [decimal] if decimal else [".", ","]
-    return max((Dialect(m, p) for m in marks for p in points if m != p), key=score)
-
-
-def commonest(counts: Iterable[int]) -> int:
-    """Return the most frequent count; 1 if there is none."""
-    return max(Counter(counts).items(), key=lambda item: item[1], default=(1, 0))[0]
+    found = [Dialect(m, p) for m in marks for p in points if m != p or quoted]
+    counts = {dialect: numbers(dialect).most_common(1)[0] for dialect in found}
+    best = max(found, key=lambda dialect: counts[dialect][1])
+    width, count = counts[best]
+    return replace(best, width=width if count else 0)
 
 
 def split_unit(text: str) -> tuple[str, str | None]:
     """Return name and unit of a header such as ``Position [mm]``, ``t / s`` or ``Force, N``."""
     if len(text) > _LONGEST_NAME:
         return text, None
-    if match := _BRACKETED.match(text):
-        name, unit = match.groups()
-        if name and unit and not unit.isdecimal():
+    if text.endswith(("]", ")")):
+        closed = max(text.rfind("]", 0, -1), text.rfind(")", 0, -1))
+        name, bracket, unit = re.sub(r"[\[(]", "[", text[closed + 1 : -1]).partition("[")
+        name = (text[: closed + 1] + name).strip()
+        if name and bracket and (unit := unit.strip()) and not unit.isdecimal():
             return name, unit
-    if (match := _BEHIND.match(text)) and unit_named(match.group(2)):
-        return match.group(1), match.group(2)
+    if (match := _BEHIND.search(text)) and unit_named(match[1]) and text[: match.start()].strip():
+        return text[: match.start()].strip(), match[1]
     return text, None
 
 

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import chain, pairwise
 
-from stickslip.logs.dialect import Dialect, commonest, split_unit, states_units, unbracketed
+from stickslip.logs.clock import is_clock
+from stickslip.logs.dialect import MISSING, Dialect, split_unit, states_units, unbracketed
 from stickslip.logs.roles import role_named
 
-_SAMPLE = 200
+_KEPT = 8
+"""Lines of text that are looked at for names, at both ends of those right above the data."""
+_SCORED = 200
+"""Fields of such a line of which it is counted how many name signals."""
+_LONGEST_KEY = 40
 _NAMES = ("name", "signalname", "symbolname", "signal", "bezeichnung")
 _UNITS = ("unit", "units", "einheit")
 _PERIOD = ("sampletimems", "sampletime")
@@ -32,7 +38,7 @@ class Header:
 
     Attributes
     ----------
-    begin : index of the first line of data
+    begin : number of the first line of data
     width : fields of a line of data
     names, units : of the columns; empty when the file names none
     paired : whether columns take turns: times, and a signal at these times
@@ -54,57 +60,67 @@ def is_data(text: str) -> bool:
     return not text.startswith(("#", "%"))
 
 
-def find_header(lines: Sequence[Line], dialect: Dialect) -> Header:
+def find_header(lines: Iterable[Line], dialect: Dialect) -> Header:
     """Return the header above the first line that holds mostly numbers.
 
-    Names are those of the last line of the right length without a number, or of one right above it
-    that names more of the signals that are looked for; text above is left out.
+    Names are those of the last line of the right length without a number, or of one above it that
+    names more of the signals that are looked for; text above is left out.
     """
-    width = commonest(len(dialect.fields(text)) for _, text in lines[-_SAMPLE:] if is_data(text))
-    head: list[list[str]] = []
-    above: list[int] = []
+    width = dialect.width
+    above: list[list[str]] = []
     titled: dict[str, list[str]] = {}
-    begin = 0
-    for k, (_, text) in enumerate(lines):
+    begin = below = last = 0
+    for k, ((number, text), (_, following)) in enumerate(pairwise(chain(lines, [(0, "")]))):
         row = dialect.fields(text.lstrip("#% "))
-        key = re.sub(r"[\W\d_]", "", row[0]).lower() if row else ""
+        key = re.sub(r"[\W\d_]", "", row[0][:_LONGEST_KEY]).lower() if row else ""
         if key in _KEYS:
             titled[key] = row
-        elif (titled or len(row) == width) and _holds_numbers(row, dialect):
-            following = dialect.fields(lines[k + 1][1]) if k + 1 < len(lines) else row
-            if len(following) != len(row) or _holds_numbers(following, dialect):
-                begin = k
-                break
-        elif len(row) == width and not any(dialect.number(field) is not None for field in row):
-            above.append(k)
-        head.append(row)
+        elif titled or len(row) == width:
+            known = _known(row, dialect)
+            if 0 < len(row) <= 2 * known:
+                after = dialect.fields(following) if following else row
+                if len(after) != len(row) or len(after) <= 2 * _known(after, dialect):
+                    begin = number
+                    break
+            elif not known and len(row) == width and not any(map(is_clock, row)):
+                joined = bool(above) and k == last + 1
+                if named := any(field.lower() not in MISSING for field in row):
+                    above = [*above, row] if joined else [row]
+                    del above[_KEPT:-_KEPT]
+                if named or joined:
+                    last, below = k, number + 1
     if names := next((titled[key] for key in _NAMES if len(titled) > 1 and key in titled), None):
         return _titled(begin, width, names, titled, dialect)
     if not above:
         return Header(begin, width, [], [])
-    names, units = _above(head, above)
-    times = [(role_named(name) or ("",))[0] == "time" for name in names]
-    paired = width >= 4 and all(times[::2]) and not any(times[1::2])
-    return Header(above[-1] + 1, width, names, units, paired)
+    names, units = _above(above)
+    paired = width >= 4 and all(map(_is_time, names[::2])) and not any(map(_is_time, names[1::2]))
+    return Header(below, width, names, units, paired)
 
 
-def _holds_numbers(row: list[str], dialect: Dialect) -> bool:
-    known = sum(dialect.number(field) is not None for field in row)
-    return known > 0 and 2 * known >= len(row)
+def _known(row: list[str], dialect: Dialect) -> int:
+    """Return how many fields are numbers."""
+    return sum(dialect.number(field) is not None for field in row)
 
 
-def _above(head: list[list[str]], above: list[int]) -> tuple[list[str], list[str | None]]:
+def _is_time(name: str) -> bool:
+    return (role_named(name) or ("",))[0] == "time"
+
+
+def _above(above: list[list[str]]) -> tuple[list[str], list[str | None]]:
     """Return names and units from the lines right above the data."""
-    last = above[-1]
-    together = [k for k in above if all(j in above for j in range(k, last))]
-    units: list[str | None] = []
-    if len(together) > 1 and states_units(head[last]):
-        units = [unbracketed(field) or None for field in head[last]]
-        together.pop()
-    split = {k: [split_unit(field) for field in head[k]] for k in together}
-    best = max(together, key=lambda k: (sum(bool(role_named(name)) for name, _ in split[k]), k))
-    names = [name for name, _ in split[best]]
-    return names, units or [unit for _, unit in split[best]]
+    places = [k for k, row in enumerate(above) if not states_units(row)] or [len(above) - 1]
+    best = max(places, key=lambda k: (sum(map(_has_role, above[k][:_SCORED])), k))
+    split = [split_unit(field) for field in above[best]]
+    stated = next((row for row in above[best + 1 :] if states_units(row)), None)
+    if stated is None and states_units(above[best]):
+        stated = above[best]
+    units = [unbracketed(field) or None for field in stated] if stated else [u for _, u in split]
+    return [name for name, _ in split], units
+
+
+def _has_role(field: str) -> bool:
+    return role_named(split_unit(field)[0]) is not None
 
 
 def _titled(

@@ -1,15 +1,24 @@
-"""Logs as text: CSV and its relatives."""
+"""Logs as text: CSV and its relatives.
+
+A file is decoded line by line, and its fields become numbers block by block, so that time and
+memory grow with its size, whatever it holds.
+"""
 
 from __future__ import annotations
 
+import codecs
+import io
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NoReturn
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.errors import RecordingError
-from stickslip.logs.clock import clock_seconds, filetime_seconds, is_clock
-from stickslip.logs.dialect import Dialect, find_dialect
+from stickslip.logs.clock import FILETIME, clock_seconds, filetime_seconds, is_clock
+from stickslip.logs.dialect import MISSING, SAMPLE, SAMPLED, Dialect, find_dialect
 from stickslip.logs.finding import Finding
 from stickslip.logs.header import Header, Line, find_header, is_data
 from stickslip.logs.signals import Signal, table_of
@@ -18,10 +27,51 @@ from stickslip.servo.measurement import Array
 
 MOST_BYTES = 1 << 28
 MOST_LINES = 4_000_000
-_BEGIN = 1 << 16
 LONGEST = 1 << 17
 """Characters of a line."""
-_BINARY = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
+_BLOCK = 1 << 20
+"""Characters of the lines that are texts at a time; their fields take about 40 MB."""
+_BEGIN = 1 << 16
+_BINARY = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
+_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+
+
+@dataclass
+class _Column:
+    """A column as it is read.
+
+    Attributes
+    ----------
+    parts : its numbers, NaN for a field that is empty or holds none
+    first : its first text
+    texts : all its texts if the first is a point in time, else none
+    wrong : texts that are not numbers
+    row, got : number of the row and text of the first of them
+    """
+
+    parts: list[Array] = field(default_factory=list)
+    first: str = ""
+    texts: list[str] = field(default_factory=list)
+    wrong: int = 0
+    row: int = 0
+    got: str = ""
+
+    @property
+    def numbers(self) -> Array:
+        """All numbers (n,)."""
+        return np.concatenate(self.parts)
+
+    def add(self, fields: Sequence[str], dialect: Dialect, rows: Sequence[int]) -> None:
+        """Append the fields of some rows."""
+        self.first = self.first or next(filter(None, fields), "")
+        timed = is_clock(self.first)
+        if timed or (self.first.isdecimal() and float(self.first) > FILETIME):
+            self.texts += fields
+        values, wrong = _numbers(fields, dialect, timed)
+        if wrong and not self.wrong:
+            self.row, self.got = rows[wrong[0]], fields[wrong[0]][:40]
+        self.wrong += len(wrong)
+        self.parts.append(values)
 
 
 def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None) -> LogTable:
@@ -37,47 +87,47 @@ def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None
     ------
     RecordingError
         When it is not text, holds no rows of numbers, or its rows differ in length.
+    UsageError
+        When delimiter and decimal sign are the same, and no quotes tell them apart.
     """
-    lines = _lines(path, data)
-    body = [text for _, text in lines if is_data(text)]
-    if not body:
-        raise RecordingError(f"{path}: no rows; expected columns of numbers")
-    dialect = find_dialect(body, delimiter, decimal)
+    if len(data) > MOST_BYTES:
+        raise RecordingError(f"{path}: {len(data)} bytes; at most {MOST_BYTES} are read as text")
+    lines = _Lines(path, data)
+    sample = [text for text in lines.sample() if is_data(text)]
+    if not sample:
+        raise RecordingError(f"{path}: empty, or comments only; expected columns of numbers")
+    dialect = find_dialect(sample, delimiter, decimal)
+    if not dialect.width:
+        raise RecordingError(f"{path}: no row of numbers; the last row is '{sample[-1][:40]}'")
     head = find_header(lines, dialect)
-    below = [line for line in lines[head.begin :] if is_data(line[1])]
-    numbered, rows = [k for k, _ in below], [dialect.fields(text) for _, text in below]
-    if not rows:
-        raise RecordingError(f"{path}: no row of numbers; the last row is '{body[-1][:40]}'")
+    findings: list[Finding] = []
+    columns, numbered = _columns(lines, dialect, head, findings)
+    if not len(numbered):
+        raise RecordingError(f"{path}: no row of numbers; the last row is '{sample[-1][:40]}'")
     header = head.names
-    findings: tuple[Finding, ...] = ()
-    if head.titled:
-        rows = [[*row, *[""] * head.width][: head.width] for row in rows]
-    else:
-        findings = _check_widths(path, rows, len(header) or head.width, numbered)
-    if header and all(not row[-1] for row in rows) and not header[-1]:
-        header, rows = header[:-1], [row[:-1] for row in rows]
+    if header and not header[-1] and not columns[-1].first:  # a delimiter ends each line
+        header, columns = header[:-1], columns[:-1]
     if head.paired:
-        return table_of(path, _pairs(path, head, rows, dialect), findings, timed=_timed(head))
-    names = _names(header or [str(k + 1) for k in range(len(rows[0]))])
+        signals = _pairs(path, head, columns)
+        return table_of(path, signals, tuple(findings), timed=_timed(head))
+    names = _names(header or [str(k + 1) for k in range(len(columns))])
     units = {name: unit for name, unit in zip(names, head.units, strict=False) if unit}
     numbers: dict[str, Array] = {}
     texts: dict[str, tuple[str, ...]] = {}
     faults: dict[str, str] = {}
-    for name, column in zip(names, zip(*rows, strict=True), strict=True):
-        values, wrong = _numbers(column, dialect)
-        if 2 * len(wrong) > len(values):
-            texts[name] = column
-            if is_clock(column[0]):
+    for name, column in zip(names, columns, strict=True):
+        if 2 * column.wrong > len(numbered):
+            texts[name] = tuple(column.texts) or (column.first,)
+            if is_clock(column.first):
                 units[name] = "s"
             continue
+        numbers[name] = column.numbers
         if name == "time" and head.titled:
-            values, units[name] = _scaled(values, column, head), "s"
-        numbers[name] = values
-        if wrong:
-            shown = column[wrong[0]][:40]
-            faults[name] = f"row {numbered[wrong[0]]}: expected a number, got '{shown}'"
+            numbers[name], units[name] = _scaled(numbers[name], column, head), "s"
+        if column.wrong:
+            faults[name] = f"row {column.row}: expected a number, got '{column.got}'"
     if not numbers:
-        shown = " ".join(rows[0])[:40]
+        shown = " ".join(column.first for column in columns)[:40]
         raise RecordingError(f"{path}: row {numbered[0]}: expected numbers, got '{shown}'")
     return LogTable(
         path,
@@ -86,64 +136,155 @@ def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None
         texts,
         units,
         faults,
-        rows=np.array(numbered[: len(rows)]),
+        rows=numbered,
         headed=bool(header),
-        findings=findings,
+        findings=tuple(findings),
     )
 
 
 def is_text(data: bytes) -> bool:
     """Whether the begin of a file is text."""
-    return not _BINARY.search(_decoded(data[:_BEGIN]))
+    return data.startswith(_UTF_16) or not _BINARY.search(data[:_BEGIN])
 
 
-def _decoded(data: bytes) -> str:
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return data.decode("utf-16", "replace")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode("latin-1")
+class _Lines:
+    """The lines of a text that are not empty, and their numbers.
 
+    Parameters
+    ----------
+    path : for messages
+    data : content of the file
 
-def _lines(path: str, data: bytes) -> list[Line]:
-    """Return the lines that are not empty."""
-    if len(data) > MOST_BYTES:
-        raise RecordingError(f"{path}: {len(data)} bytes; at most {MOST_BYTES} are read as text")
-    text = _decoded(data)
-    if _BINARY.search(text):
-        raise RecordingError(
-            f"{path}: binary, not text, and of no known format; expected CSV or a file that "
-            "ends in .parquet, .mat, .h5, .tdms, .mf4 or .xlsx"
-        )
-    numbered = enumerate(re.split(r"\r\n|\n|\r", text), start=1)
-    lines = [(k, line.strip(" \r")) for k, line in numbered if line.strip()]
-    if not lines:
-        raise RecordingError(f"{path}: empty; expected columns of numbers")
-    for k, line in lines:
-        if len(line) > LONGEST or k > MOST_LINES:
+    Raises
+    ------
+    RecordingError
+        When it is binary, or has too many lines.
+    """
+
+    def __init__(self, path: str, data: bytes) -> None:
+        self.path = path
+        if data.startswith(_UTF_16):
+            data = data.decode("utf-16", "replace").encode()
+        elif _BINARY.search(data):
             raise RecordingError(
-                f"{path}: row {k}: {len(line)} characters; expected at most {LONGEST} characters "
-                f"in a row and {MOST_LINES} rows"
+                f"{path}: binary, not text, and of no known format; expected CSV or a file that "
+                "ends in .parquet, .mat, .h5, .tdms, .mf4 or .xlsx"
             )
-    return lines
+        if b"\r" in data:
+            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        if (count := data.count(b"\n")) > MOST_LINES:
+            raise RecordingError(f"{path}: {count} rows; expected at most {MOST_LINES}")
+        self.data = data
+        decoder = codecs.getincrementaldecoder("utf-8")()
+        try:
+            for k in range(0, len(data), _BEGIN):
+                decoder.decode(data[k : k + _BEGIN], k + _BEGIN >= len(data))
+            self.encoding = "utf-8-sig"
+        except UnicodeDecodeError:
+            self.encoding = "latin-1"
+
+    def sample(self) -> list[str]:
+        """Return lines from all over the text, and its last ones."""
+        data, found = self.data.rstrip(), []
+        for k in range(SAMPLE):
+            begin = data.rfind(b"\n", 0, k * len(data) // SAMPLE) + 1
+            found.append(data[begin : begin + LONGEST].partition(b"\n")[0])
+        found += data[-SAMPLED:].split(b"\n")[-SAMPLE:]
+        texts = [line.decode(self.encoding, "replace").strip(" ") for line in found]
+        return [text for text in texts if text and not text.isspace()]
+
+    def blocks(self) -> Iterator[tuple[int, list[str]]]:
+        """Yield lines, empty ones too, and the number of the first of them.
+
+        Raises
+        ------
+        RecordingError
+            When a line is too long.
+        """
+        stream = io.TextIOWrapper(io.BytesIO(self.data), self.encoding, newline="\n")
+        number = 1
+        while block := stream.readlines(_BLOCK):
+            if max(map(len, block)) > LONGEST + 1:
+                number += next(k for k, line in enumerate(block) if len(line) > LONGEST + 1)
+                raise RecordingError(
+                    f"{self.path}: row {number}: expected at most {LONGEST} characters in a row"
+                )
+            yield number, block
+            number += len(block)
+
+    def __iter__(self) -> Iterator[Line]:
+        """Yield the lines that are not empty."""
+        for number, block in self.blocks():
+            for k, line in enumerate(block, start=number):
+                if not line.isspace():
+                    yield k, line.strip(" \n")
 
 
-def _check_widths(
-    path: str, rows: list[list[str]], width: int, numbered: Sequence[int]
-) -> tuple[Finding, ...]:
-    """Remove a last row that is cut off; raise where another row has a wrong length."""
-    k = next((k for k, row in enumerate(rows) if len(row) != width), None)
-    if k is None:
-        return ()
-    if k == len(rows) - 1 and k > 0 and len(rows[k]) < width:
-        del rows[k]
-        what = f"row {numbered[k]}, the last, is cut off"
-        return (Finding("warning", what, advice="it was left out"),)
+def _columns(
+    lines: _Lines, dialect: Dialect, head: Header, findings: list[Finding]
+) -> tuple[list[_Column], NDArray[np.intp]]:
+    """Return the columns below a header, and the numbers (n,) of their rows.
+
+    Raises
+    ------
+    RecordingError
+        When a row has a wrong length and is not the last.
+    """
+    columns = [_Column() for _ in range(head.width)]
+    numbered = [np.empty(0, dtype=np.intp)]
+    wrong: dict[int, int] = {}
+    for begin, block in lines.blocks():
+        number = max(begin, head.begin)
+        block = block[number - begin :]
+        if block and not wrong and (values := _plain_numbers(block, dialect, head)) is not None:
+            numbered.append(np.arange(number, number + len(block)))
+            for column, part in zip(columns, values.T, strict=True):
+                column.first = column.first or str(part[0])
+                column.parts.append(part)
+            continue
+        texts = ((k, line.strip(" \n")) for k, line in enumerate(block, number) if line.strip())
+        rows = {k: dialect.fields(text) for k, text in texts if is_data(text)}
+        if head.titled:
+            rows = {k: [*row, *[""] * head.width][: head.width] for k, row in rows.items()}
+        if wrong and rows:
+            _raise_width(lines.path, head, wrong)
+        wrong = {k: len(row) for k, row in rows.items() if len(row) != head.width}
+        if wrong and (len(wrong) > 1 or [*wrong] != [*rows][-1:]):
+            _raise_width(lines.path, head, wrong)
+        rows = {k: row for k, row in rows.items() if k not in wrong}
+        if rows:
+            places = [*rows]
+            numbered.append(np.array(places, dtype=np.intp))
+            for column, fields in zip(columns, zip(*rows.values(), strict=True), strict=True):
+                column.add(fields, dialect, places)
+    for k, count in wrong.items():
+        if count > head.width or len(numbered) == 1:
+            _raise_width(lines.path, head, wrong)
+        what = f"row {k}, the last, is cut off"
+        findings.append(Finding("warning", what, advice="it was left out"))
+    return columns, np.concatenate(numbered)
+
+
+def _raise_width(path: str, head: Header, wrong: Mapping[int, int]) -> NoReturn:
+    """Raise the error of the first row whose number of fields differs."""
+    row, count = next(iter(wrong.items()))
     raise RecordingError(
-        f"{path}: row {numbered[k]}: expected {width} fields as in the other rows, got "
-        f"{len(rows[k])}"
+        f"{path}: row {row}: expected {head.width} fields as in the other rows, got {count}"
     )
+
+
+def _plain_numbers(lines: Sequence[str], dialect: Dialect, head: Header) -> Array | None:
+    """Return the numbers (n, width) of lines that hold nothing else, None for other lines."""
+    if head.titled or head.paired or lines[0].isspace():
+        return None
+    if dialect.decimal == ",":
+        lines = [line.replace(",", ".") for line in lines]
+    delimiter = None if dialect.delimiter == " " else dialect.delimiter
+    try:
+        values = np.loadtxt(lines, delimiter=delimiter, comments=None, quotechar='"', ndmin=2)
+    except ValueError:
+        return None
+    return values if values.shape == (len(lines), head.width) else None
 
 
 def _names(header: Sequence[str]) -> tuple[str, ...]:
@@ -157,34 +298,33 @@ def _names(header: Sequence[str]) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _numbers(column: Sequence[str], dialect: Dialect) -> tuple[Array, list[int]]:
-    """Return a column as numbers, NaN for what is not one, and the places that are not empty."""
+def _numbers(column: Sequence[str], dialect: Dialect, timed: bool) -> tuple[Array, list[int]]:
+    """Return a column as numbers, NaN where it has none, and the places of other texts."""
+    if timed:
+        return np.full(len(column), np.nan), [k for k, field in enumerate(column) if field]
     try:
         fields = [f.replace(",", ".") for f in column] if dialect.decimal == "," else column
         return np.array(fields, dtype=np.float64), []
     except ValueError:
-        values = [dialect.number(field) if field else np.nan for field in column]
-        wrong = [k for k, value in enumerate(values) if value is None]
-        return np.array(values, dtype=np.float64), wrong
+        known = {field: dialect.number(field) for field in set(column)}
+        texts = {f for f, number in known.items() if number is None and f.lower() not in MISSING}
+        wrong = [k for k, field in enumerate(column) if field in texts] if texts else []
+        return np.array([known[field] for field in column], dtype=np.float64), wrong
 
 
-def _pairs(
-    path: str, head: Header, rows: Sequence[Sequence[str]], dialect: Dialect
-) -> Iterator[Signal]:
+def _pairs(path: str, head: Header, columns: Sequence[_Column]) -> Iterator[Signal]:
     """Yield the signals of columns that take turns with those of their times."""
     for k in range(0, head.width - 1, 2):
-        filled = [row for row in rows if row[k]]
-        times, fields = [row[k] for row in filled], [row[k + 1] for row in filled]
-        values, wrong = _numbers(fields, dialect)
+        times, values = columns[k : k + 2]
         name, unit = head.names[k + 1], head.units[k + 1] or ""
-        if not filled or len(wrong) > 0:
-            instead = f"'{fields[wrong[0]][:40]}'" if filled else "nothing"
-            yield Signal(name, None, unit, instead=instead)
+        if not times.first or values.wrong:
+            yield Signal(name, None, unit, instead=f"'{values.got}'" if times.first else "nothing")
             continue
-        t, wrong = _numbers(times, dialect)
-        if wrong and not is_clock(times[0]):
-            raise RecordingError(f"{path}: times of '{name}': got '{times[wrong[0]][:40]}'")
-        yield Signal(name, values, unit, _scaled(t, times, head, k))
+        if times.wrong and not is_clock(times.first):
+            raise RecordingError(f"{path}: times of '{name}': got '{times.got}'")
+        filled = np.array([bool(t) for t in times.texts] if times.texts else ~np.isnan(times.numbers))
+        times.texts = [text for text in times.texts if text]
+        yield Signal(name, values.numbers[filled], unit, _scaled(times.numbers[filled], times, head, k))
 
 
 def _timed(head: Header) -> str | None:
@@ -192,14 +332,14 @@ def _timed(head: Header) -> str | None:
     return "s" if head.titled else head.units[0]
 
 
-def _scaled(t: Array, texts: Sequence[str], head: Header, k: int = 0) -> Array:
+def _scaled(t: Array, column: _Column, head: Header, k: int = 0) -> Array:
     """Return times (n,) in s where the header has titled rows, else as they are.
 
     They are in ms, or in the unit that agrees with the sample period of the header.
     """
-    if is_clock(texts[0]):
-        return clock_seconds(texts)
-    if (counted := filetime_seconds(texts)) is not None:
+    if is_clock(column.first):
+        return clock_seconds(column.texts)
+    if (counted := filetime_seconds(column.texts)) is not None:
         return counted
     if not head.titled:
         return t
