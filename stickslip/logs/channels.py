@@ -14,12 +14,13 @@ from stickslip.logs.recording import Motion
 from stickslip.logs.roles import named_quantity, suffix_unit
 from stickslip.logs.table import LogTable
 from stickslip.logs.units import (
-    QUANTITIES,
     Unit,
     expected_units,
     motion_of,
+    quantities_of,
     quantity_key,
     quantity_of,
+    unit_fitting,
     unit_named,
     unit_names,
 )
@@ -27,6 +28,9 @@ from stickslip.servo.measurement import Array
 
 LARGEST = 1e30
 """Larger numbers indicate a misread file."""
+_COUNTED = (("position", "number"), ("velocity", "number per time"))
+_EPOCHS = ((1e18, "ns"), (1e17, "100 ns"), (1e14, "us"), (1e11, "ms"))
+"""Times from which on they count this: any since 1970, 100 ns since 1601."""
 FEW = 10
 """Distinct whole numbers up to which a column is a command in levels, and not counts."""
 
@@ -36,13 +40,21 @@ def unit_of(table: LogTable, description: Description, role: str, name: str) -> 
     given = description.column(role).unit
     if given is not None:
         return unit_named(given)
+    fits = quantities_of(role)
     if stated := table.units.get(name):
-        return unit_named(stated)
-    ending = suffix_unit(name)
-    unit = unit_named(ending) if ending else None
-    fits = {"time"} if role == "time" else {q[quantity_key(role)] for q in QUANTITIES.values()}
-    fits |= {"number"} | ({"current", "voltage"} if quantity_key(role) == "force" else set())
+        return unit_fitting(stated, fits)
+    unit = unit_fitting(suffix_unit(name) or "", fits)
+    if unit is None and role == "time":
+        return _epoch(table.numbers.get(name))
+    fits |= {"number", "number per time"}
+    fits |= {"current", "voltage"} if quantity_key(role) == "force" else set()
     return unit if unit and unit.quantity in fits else None
+
+
+def _epoch(t: Array | None) -> Unit | None:
+    """Return the unit of times (n,) since 1970, or of 100 ns since 1601, if they look so."""
+    usual = float(np.nanmedian(t)) if t is not None and np.isfinite(t).any() else 0.0
+    return next((unit_named(name) for least, name in _EPOCHS if usual > least), None)
 
 
 def unit_fault(
@@ -74,6 +86,9 @@ def unit_fault(
         what = f"{role} is in {unit.name}, which is not a {expected} ({motion} motion)"
         advice = f"give a unit such as {expected_units(role, motion)}, or what {one} is in {SI}"
         advice = f"{advice} with --scale {role}=NUMBER"
+        if (quantity_key(role), unit.quantity) in _COUNTED and unit.name not in ("%", "‰"):
+            turn = " (360 deg divided by the counts per turn)" if motion == "rotary" else ""
+            advice = f"give --encoder-step, the size of one count{turn}, or {advice[5:]}"
         if role not in ("time", "position", "force"):
             advice = f"{advice}; --column {role}=none leaves it out"
         return Finding("error", what, "", advice)
@@ -102,7 +117,7 @@ def _implied_scale(
 ) -> float | None:
     """Return what a count or 100 % stands for, where step or rated force tell; else None."""
     key, name = quantity_key(role), unit.name if unit else ""
-    if key in ("position", "velocity") and name in _COUNTS[key]:
+    if unit and name not in ("%", "‰") and (key, unit.quantity) in _COUNTED:
         given, what = description.encoder_step, "encoder_step"
     elif key == "force" and name in ("%", "‰"):
         given, what = description.rated, "rated force"
@@ -177,12 +192,6 @@ def signal_of(
             "check delimiter, decimal sign and scale"
         )
     return signal
-
-
-_COUNTS = {
-    "position": ("counts", "count", "cts", "inc", "increments", "LU", "1"),
-    "velocity": ("counts/s", "inc/s", "LU/s", "LU/min"),
-}
 
 
 def assumed_units(

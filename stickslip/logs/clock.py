@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from stickslip.logs.table import LogTable
+from stickslip.logs.units import unit_named
 from stickslip.servo.measurement import Array
 
 _DAY = re.compile(r"\d{4}-\d\d?-\d\d?[T ]\d|\d\d?[./]\d\d?[./]\d{4},? +\d|\d\d?:\d\d")
@@ -54,3 +57,33 @@ def filetime_seconds(texts: Sequence[str]) -> Array | None:
         return None
     first = int(texts[0])
     return np.array([(int(text) - first) * 1e-7 for text in texts])
+
+
+def with_joined_times(table: LogTable) -> LogTable:
+    """Return a table with one column of time for each two that hold whole seconds and the rest.
+
+    Such are ``stamp.sec`` and ``stamp.nanosec``, and ``tv_sec`` and ``tv_usec``.
+    """
+    numbers, units = dict(table.numbers), dict(table.units)
+    names = list(table.names)
+    seconds: dict[str, str] = {}
+    for name in table.names:
+        stem, last = re.fullmatch(r"(.*?)([^\W_]*)", name).groups()
+        unit = unit_named(last)
+        if unit is None or unit.quantity != "time" or name not in table.numbers:
+            continue
+        if unit.factor == 1:
+            seconds[stem] = name
+        elif (whole := seconds.get(stem)) and _is_rest(numbers[whole], numbers[name], unit.factor):
+            joined = f"{whole} and {name} as time"
+            begin = numbers[whole] - numbers[whole][:1]
+            numbers[joined], units[joined] = begin + numbers[name] * unit.factor, "s"
+            names[names.index(whole)] = joined
+            names.remove(name)
+    return replace(table, names=tuple(names), numbers=numbers, units=units)
+
+
+def _is_rest(seconds: Array, rest: Array, unit: float) -> bool:
+    """Whether numbers (n,) lie within one second, beside whole seconds."""
+    rest, seconds = rest[np.isfinite(rest)], seconds[np.isfinite(seconds)]
+    return bool(np.all((rest >= 0) & (rest * unit < 1)) and np.all(seconds % 1 == 0))

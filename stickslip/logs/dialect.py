@@ -6,7 +6,7 @@ import contextlib
 import csv
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from stickslip.errors import UsageError
@@ -16,10 +16,11 @@ _DELIMITERS = ("\t", ";", ",", "|", " ")
 _BEHIND = re.compile(r"(?:,|\s/|\sin\s)\s*([^,\s]+)$")
 _GROUPED = re.compile(r"[-+]?\d{1,3}(\.\d{3})+,\d*")
 """A number such as 1.234,5."""
+_WHITE = re.compile(r"\s")
 _FIRST = frozenset("+-.,0123456789nNiI")
 """How a number begins."""
 MISSING = frozenset(
-    " - -- --- n/a na n.a. #n/a #nv null none nil ? nan(ind) -nan(ind) 1.#qnan 1.#ind -1.#ind".split(" ")
+    ("", "-", "--", "---", "n/a", "na", "n.a.", "#n/a", "null", "none", "nil", "?", "1.#qnan")
 )
 """What stands where a value is missing, in small letters."""
 SAMPLE = 200
@@ -52,7 +53,8 @@ class Dialect:
             with contextlib.suppress(csv.Error):
                 row = next(csv.reader([line], delimiter=self.delimiter))
                 return [field.strip() for field in row]
-        return [field.strip() for field in line.split(self.delimiter)]
+        fields = line.split(self.delimiter)
+        return [field.strip() for field in fields] if _WHITE.search(line) else fields
 
     def number(self, field: str) -> float | None:
         """Return the number that a field holds, None when it is not a number."""

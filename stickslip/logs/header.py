@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import chain, pairwise
+from itertools import chain, islice, pairwise
 
 from stickslip.logs.clock import is_clock
 from stickslip.logs.dialect import MISSING, Dialect, split_unit, states_units, unbracketed
@@ -16,6 +16,8 @@ _KEPT = 8
 _SCORED = 200
 """Fields of such a line of which it is counted how many name signals."""
 _LONGEST_KEY = 40
+LOOKED_AT = 100_000
+"""Most lines above the first that holds a number or a point in time; they take 1 s."""
 _NAMES = ("name", "signalname", "symbolname", "signal", "bezeichnung")
 _UNITS = ("unit", "units", "einheit")
 _PERIOD = ("sampletimems", "sampletime")
@@ -69,8 +71,9 @@ def find_header(lines: Iterable[Line], dialect: Dialect) -> Header:
     width = dialect.width
     above: list[list[str]] = []
     titled: dict[str, list[str]] = {}
-    begin = below = last = 0
-    for k, ((number, text), (_, following)) in enumerate(pairwise(chain(lines, [(0, "")]))):
+    begin = below = last = k = filled = 0
+    looked_at = islice(lines, LOOKED_AT)
+    for k, ((number, text), (_, following)) in enumerate(pairwise(chain(looked_at, [(0, "")]))):
         row = dialect.fields(text.lstrip("#% "))
         key = re.sub(r"[\W\d_]", "", row[0][:_LONGEST_KEY]).lower() if row else ""
         if key in _KEYS:
@@ -82,13 +85,17 @@ def find_header(lines: Iterable[Line], dialect: Dialect) -> Header:
                 if len(after) != len(row) or len(after) <= 2 * _known(after, dialect):
                     begin = number
                     break
-            elif not known and len(row) == width and not any(map(is_clock, row)):
+            if known or any(map(is_clock, row)):
+                filled += 1
+            elif len(row) == width:
                 joined = bool(above) and k == last + 1
                 if named := any(field.lower() not in MISSING for field in row):
                     above = [*above, row] if joined else [row]
                     del above[_KEPT:-_KEPT]
                 if named or joined:
                     last, below = k, number + 1
+    if k + 1 == LOOKED_AT and not (begin or filled):
+        return Header(0, 0, [], [])
     if names := next((titled[key] for key in _NAMES if len(titled) > 1 and key in titled), None):
         return _titled(begin, width, names, titled, dialect)
     if not above:

@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip.errors import RecordingError, UsageError
 from stickslip.logs.channels import assumed_units, motion_from, signal_of, unit_fault, unit_of
+from stickslip.logs.clock import with_joined_times
 from stickslip.logs.controller import Controller
 from stickslip.logs.description import ROLES, Description, Product
 from stickslip.logs.finding import Finding
@@ -101,7 +102,7 @@ def read_recording(
         When the description does not suit it.
     """
     given = description or Description()
-    table = read_table(Path(path), given.delimiter, given.decimal)
+    table = with_joined_times(read_table(Path(path), given.delimiter, given.decimal))
     roles, detected = assign_roles(table, given)
     _check_roles(table, roles, given)
     units = {r: unit_of(table, given, r, roles[r]) for r in ROLES if r in roles}

@@ -3,51 +3,84 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from stickslip.errors import RecordingError
 from stickslip.logs.description import ROLES, Description
 from stickslip.logs.finding import Finding
 from stickslip.logs.table import LogTable
-from stickslip.logs.units import QUANTITIES, quantity_key, unit_named
+from stickslip.logs.units import (
+    QUANTITIES,
+    quantities_of,
+    quantity_key,
+    unit_fitting,
+    unit_named,
+)
 
 _EXACT = {
     "time": "t time timestamp zeitstempel time_stamp x_value",
-    "position": "x q y qm pos position x_enc x_m q_m theta phi angle",
-    "velocity": "v dq dx vel velocity speed omega w v_m xdot qdot dqm dqdt",
-    "force": "f tau f_m tau_m force torque motor_force motor_torque",
+    "position": "x q y qm pos position x_enc x_m q_m theta phi angle qpos mpos fpos apos",
+    "velocity": "v dq dx vel velocity speed omega w v_m xdot qdot dqm dqdt x_dot q_dot theta_dot "
+    "phi_dot thetadot phidot dtheta dphi qvel mspeed fvel",
+    "force": "f tau f_m tau_m tau_j force torque motor_force motor_torque",
     "friction": "friction f_f friction_force friction_torque tau_f",
-    "position_command": "qg ref reference setpoint x_d q_d r",
-    "velocity_command": "v_d",
+    "position_command": "qg ref reference setpoint x_d q_d theta_d phi_d x_r q_r theta_r r dpos "
+    "rpos",
+    "velocity_command": "v_d v_r dq_d dq_r omega_d omega_r rvel",
+    "force_command": "tau_d tau_j_d tau_r",
 }
 _WEAK = {
     "force": "u i iq i_q vir motor_current motorstrom corriente",
-    "time": "index date datum date_time datetime",
+    "time": "tout index date datum date_time datetime elapsed clock stamp epoch ts",
 }
 _SYMBOLS = {
     "position": "x q s y pos phi theta",
     "velocity": "v n w vel omega qd dq dx",
     "force": "f m tau",
+    "current": "i iq i_q",
 }
 """Symbols of a signal where a word beside them tells whether it is actual or commanded."""
-_ACTUAL = "act actual ist istwert meas measured fb feedback"
-_FILLERS = "value wert val smoothed filtered geglättet glatt co"
+_ACTUAL = (
+    "act actual ist istwert meas measured fb feedback present estimate estimated est observed mes"
+)
+_FILLERS = (
+    "value wert val smoothed filtered geglättet glatt co joint axis motor drive servo shaft state "
+    "states data field"
+)
 """Words that change nothing."""
 _BASES = {
     "time": "time seconds zeit uhrzeit temps tempo tiempo",
-    "position": "position pos angle displacement encoder enc theta travel lage winkel weg "
-    "posizione",
-    "velocity": "velocity vel velo speed omega geschwindigkeit drehzahl vitesse velocità velocidad",
-    "force": "force torque tau thrust kraft moment drehmoment trq",
-    "current": "current strom courant corrente",
+    "position": "position positions pos posn angle displacement encoder enc theta travel stroke "
+    "lage winkel drehwinkel weg hub posizione",
+    "velocity": "velocity velocities vel velo speed omega rpm geschwindigkeit drehzahl vitesse "
+    "velocità velocidad",
+    "force": "force torque torques tau thrust effort efforts loadcell kraft moment drehmoment trq "
+    "couple",
+    "current": "current cur curr strom courant corrente",
     "friction": "friction reibung",
 }
-_COMMANDS = "cmd command commanded ref reference setpoint set target desired demand soll sollwert"
-_OTHERS = (
-    "error err deviation limit max min std normal status mode raw ff feedforward acc load lag diff "
-    "difference following abweichung regelabweichung grenze grenzwert temperature temperatur "
-    "vorsteuerung fehler schleppfehler schleppabstand offset last power leistung"
+_SENSORS = "encoder enc"
+"""Words of a position, unless another quantity is named beside them."""
+_COMMANDS = (
+    "cmd command commanded ref reference setpoint set target desired demand soll sollwert goal "
+    "input des dem demanded tgt sp setp nominal planned traj trajectory profile request requested "
+    "req wanted consigne consigna vorgabe ipo interpolated control ctrl"
 )
-"""Words of what is none of our signals."""
+_OTHERS = (
+    "error err deviation limit max min std normal status mode ff feedforward acc accel "
+    "acceleration beschleunigung jerk lag diff difference delta following tracking abweichung "
+    "regelabweichung grenze grenzwert temperature temperatur vorsteuerung fehler schleppfehler "
+    "schleppabstand offset power leistung voltage spannung latency delay jitter duration cycle "
+    "period dt ext external contact disturbance gravity coriolis inertia model predicted rated "
+    "brake gain electrical elec id"
+)
+"""Names of unrelated signals."""
+_OTHER_CURRENTS = "d in bus dc supply battery phase field feldbildend"
+"""Words of currents that make no torque."""
+_LESSER = "load last raw modulo mean average avg secondary uncorrected without"
+"""Words of signals that are taken where no other is as good."""
+_COMPONENTS = "x y z q d"
+"""Components of a vector whose name says what it measures, such as current.q."""
 _ADDED = "added additive injected injection dither pulse pulses excitation anregung aufschaltung"
 _FEEDFORWARD = "ff feedforward vorsteuerung"
 """Words of a signal that is added to what the controller commands, or to its velocity command."""
@@ -83,10 +116,35 @@ _NAMED = (
 """What a column's name says that it measures; the first that fits."""
 
 
-_MEASURED = {"time": "time"} | {
+_MEASURED = {"time": "time", "current": "force", "voltage": "force"} | {
     quantity: role for motion in QUANTITIES.values() for role, quantity in motion.items()
 }
 """What a column is whose unit measures this."""
+_SAYS_ACTUAL, _SYMBOL, _WORDS, _UNIT, _CURRENT, _LEAST = range(6)
+"""Ranks of what makes a column a candidate for a role, best first."""
+
+
+def _sets(named: Mapping[str, str]) -> dict[str, frozenset[str]]:
+    return {key: frozenset(words.split()) for key, words in named.items()}
+
+
+_ROLES_OF = {name: role for role, names in _EXACT.items() for name in names.split()}
+_WEAKLY = {name: role for role, names in _WEAK.items() for name in names.split()}
+_BASE_WORDS, _SYMBOL_WORDS = _sets(_BASES), _sets(_SYMBOLS)
+_KINDS = _sets(
+    {
+        "commanded": _COMMANDS, "actual": _ACTUAL, "added": _ADDED, "forward": _FEEDFORWARD,
+        "filler": _FILLERS, "other": _OTHERS, "lesser": _LESSER,
+    }
+)  # fmt: skip
+_MEANT = frozenset().union(*_BASE_WORDS.values(), *_KINDS.values()) - _KINDS["filler"]
+"""Words in front of a component of a vector that say what it is."""
+_LONGEST_NAME = 200
+_PATH = r"[.:/](?=\s*[^\W\d_])"
+"""What separates the components of a name."""
+_SHOWN = 8
+_NO_SUFFIXES = ("in", "min", "mil", "pulse", "pulses", "second", "sample", "turn", "rot", "lu")
+"""Units that are other words at the end of a name."""
 
 
 def assign_roles(table: LogTable, description: Description) -> tuple[dict[str, str], list[Finding]]:
@@ -109,20 +167,28 @@ def assign_roles(table: LogTable, description: Description) -> tuple[dict[str, s
     if not table.headed:
         return found, []
     open_roles = [role for role in ROLES if description.column(role).name is None]
-    guesses = _guesses(table, open_roles, set(found.values()))
+    guesses = _guesses(table, open_roles, set(found.values()), description)
     if not guesses:
         return found, []
-    figure = ", ".join(f"{role} = {name}" for role, name in guesses.items())
-    advice = "--column ROLE=NAME overrides one, --column ROLE=none omits it"
-    remarks = [Finding("note", "columns detected by their names", figure, advice)]
     used = {*found.values(), *guesses.values()}
-    if rest := [name for name in table.names if name not in used]:
-        shown = ", ".join(rest[:8]) + (", ..." if len(rest) > 8 else "")
-        remarks.append(Finding("note", "columns not used", shown))
+    rest = [name for name in table.names if name not in used]
+    figure = ", ".join(f"{role} = {name}" for role, name in guesses.items())
+    if rest:
+        more = [f"{len(rest) - _SHOWN} more"] if len(rest) > _SHOWN else []
+        figure = f"{figure}; not used: {', '.join([*rest[:_SHOWN], *more])}"
+    advice = "--column ROLE=NAME overrides one, --column ROLE=none omits it"
+    what = "columns detected by their names and units"
+    remarks = [Finding("note", what, figure, advice)]
+    if "force_command" in guesses and not {"force", "friction"} & {*found, *guesses}:
+        what = f"'{guesses['force_command']}' is a set point of the force, not a measured one"
+        advice = "log the force or the current; --column force=none leaves it out"
+        remarks.append(Finding("warning", what, advice=advice))
     return found | guesses, remarks
 
 
-def _guesses(table: LogTable, roles: list[str], taken: set[str]) -> dict[str, str]:
+def _guesses(
+    table: LogTable, roles: list[str], taken: set[str], description: Description
+) -> dict[str, str]:
     candidates: dict[str, dict[int, list[str]]] = {}
     for name in table.names:
         if name in taken or (name not in table.numbers and not _may_be_time(table, name)):
@@ -135,8 +201,10 @@ def _guesses(table: LogTable, roles: list[str], taken: set[str]) -> dict[str, st
         if role not in candidates:
             continue
         best = _distinct(table, candidates[role][min(candidates[role])])
+        if len(best) > 1 and role == "time" and description.sample_period:
+            continue
         if len(best) > 1:
-            several = " or ".join(f"{role}={name}" for name in best)
+            several = " or ".join(f"{role}={name}" for name in best[:_SHOWN])
             raise RecordingError(
                 f"{table.path}: which column is {role}? give --column {several}, or {role}=none"
             )
@@ -158,51 +226,71 @@ def _may_be_time(table: LogTable, name: str) -> bool:
 
 
 def _role_of(name: str, stated: str | None) -> tuple[str, int] | None:
-    """Return role and rank (0 is best) of a column, by its name and the unit that it states."""
+    """Return role and rank of a column, by its name and the unit that it states."""
     found = role_named(name)
-    unit = unit_named(stated) if stated else None
-    measured = _MEASURED.get(unit.quantity) if unit else None
-    if measured is None:
+    fits = () if found is None else quantities_of(found[0])
+    unit = unit_fitting(stated or suffix_unit(name) or "", fits)
+    if unit is None or unit.quantity.startswith("number"):
         return found
-    if found is None:
+    measured = _MEASURED.get(unit.quantity)
+    if measured not in ("time", "position", "velocity", "force"):
+        return None
+    electric = unit.quantity in ("current", "voltage")
+    if found is None or (found[0] == "time" and measured != "time"):  # such as T [N.m]
         words = set(_words(name))
-        if measured == "time" or words & set(_OTHERS.split()):
+        if words & _KINDS["other"] or (electric and words & set(_OTHER_CURRENTS.split())):
             return None
-        if words & set(_COMMANDS.split()):
-            return f"{measured}_command", 1
-        return (measured, 1) if words & set(_ACTUAL.split()) else None
+        if words & _KINDS["commanded"]:
+            return None if measured == "time" else (f"{measured}_command", _UNIT)
+        if unit.quantity == "voltage":
+            return None
+        lesser = bool(words & _KINDS["lesser"])
+        return measured, _LEAST if lesser else _CURRENT if electric else _UNIT
     role, rank = found
     if quantity_key(role) == measured:
-        return found
-    return (f"{measured}_command", rank) if role.endswith("_command") else None
+        return role, max(rank, _CURRENT) if electric else rank
+    commanded = role.endswith("_command") and measured != "time"
+    return (f"{measured}_command", rank) if commanded else None
 
 
 def role_named(name: str) -> tuple[str, int] | None:
     """Return role and rank of a column's name, None when it says nothing."""
-    words = _words(name)
-    joined = "_".join(words)
-    for rank, table in ((0, _EXACT), (2, _WEAK)):
-        for role, names in table.items():
-            if joined in names.split():
-                return role, rank
-    number = re.fullmatch(r"(?:0x)?(r?)0*(\w{2,4}?)h?(?:_\d+)?", joined)
+    if len(name) > _LONGEST_NAME:
+        return None
+    *parents, last = re.split(_PATH, name)
+    digits = "_".join(_words(last, digits=True))
+    number = re.fullmatch(r"(?:0x)?(r?)0*(\w{2,4}?)h?(?:_\d+)?", digits)
     if number and (key := number[1] + number[2]) in _NUMBERED:
-        return _NUMBERED[key], 2 if key in _CURRENTS else 1
-    return _described(words)
+        return _NUMBERED[key], _CURRENT if key in _CURRENTS else _WORDS
+    words = _words(last)
+    joined = "_".join(words)
+    above = _words(parents[-1]) if parents else []
+    if (joined in _COMPONENTS.split() and _MEANT & set(above)) or (
+        joined in _ROLES_OF and (_KINDS["commanded"] | _KINDS["actual"]) & set(above)
+    ):
+        return _described([*above, *words])
+    for rank, table in ((_SYMBOL, _ROLES_OF), (_CURRENT, _WEAKLY)):
+        if joined in table:
+            return table[joined], rank
+    found = _described(words)
+    silent = _KINDS["commanded"] | _KINDS["actual"] | _KINDS["filler"]
+    return _described([*above, *words]) if found is None and silent.issuperset(words) else found
 
 
 def _described(words: list[str]) -> tuple[str, int] | None:
     """Return role and rank of a name whose words tell quantity and kind."""
     known = set(words)
-    commanded, actual, added, forward = (
-        bool(known & set(kind.split())) for kind in (_COMMANDS, _ACTUAL, _ADDED, _FEEDFORWARD)
-    )
-    kinds = f"{_COMMANDS} {_ACTUAL} {_FILLERS} {_ADDED} {_FEEDFORWARD}".split()
-    core = "_".join(word for word in words if word not in kinds)
-    bases = {base for base, names in _BASES.items() if known & set(names.split())}
-    if commanded or actual or added or forward:
-        bases |= {role for role, symbols in _SYMBOLS.items() if core in symbols.split()}
-        bases |= {"current"} if core in _WEAK["force"].split() else set()
+    kinds = {kind for kind, names in _KINDS.items() if known & names}
+    said = kinds & {"commanded", "actual", "added", "forward"}
+    neutral = frozenset().union(*(_KINDS[kind] for kind in (*said, "filler")))
+    core = "_".join(word for word in words if word not in neutral)
+    bases = {base for base, names in _BASE_WORDS.items() if known & names}
+    if len(bases) > 1 and not known & _BASE_WORDS["position"] - set(_SENSORS.split()):
+        bases -= {"position"}
+    if not bases and core in _ROLES_OF and len(words) > 1:
+        bases = {_ROLES_OF[core]}
+    elif not bases and said:
+        bases = {base for base, symbols in _SYMBOL_WORDS.items() if core in symbols}
     if "friction" in bases:
         bases = {"friction"}
     if bases > {"current"}:  # such as a current that makes torque
@@ -210,21 +298,27 @@ def _described(words: list[str]) -> tuple[str, int] | None:
     if len(bases) != 1:
         return None
     (base,) = bases
-    role, rank = ("force", 2) if base == "current" else (base, 1)
-    if (role == "force" and (added or forward)) or (role == "velocity" and added):
+    current = base == "current"
+    role, rank = "force" if current else base, _SAYS_ACTUAL if "actual" in kinds else _WORDS
+    rank = _CURRENT if current else _LEAST if "lesser" in kinds else rank
+    if said & {"added", *(["forward"] if role == "force" else [])} and role in (
+        "force",
+        "velocity",
+    ):
         return f"added_{role}", rank
-    if added or known & set(_OTHERS.split()):
+    if kinds & {"added", "other"} or (current and known & set(_OTHER_CURRENTS.split())):
         return None
-    if commanded and role in ("position", "velocity", "force"):
+    if "commanded" in kinds and role in ("position", "velocity", "force"):
         role = f"{role}_command"
     return role, rank
 
 
-def _words(name: str) -> list[str]:
-    """Return the words of the last component of a name, in small letters, without a unit."""
-    last = re.sub(r"^.*[.:/](?=\s*[^\W\d_])", "", _split_suffix(name)[0])
-    spaced = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", last)
+def _words(name: str, *, digits: bool = False) -> list[str]:
+    """Return the words of a name, in small letters, without a unit and without numbers."""
+    spaced = _spaced(_split_suffix(name)[0])
     words = [word.lower() for word in re.split(r"[\W_]+", spaced) if word]
+    if not digits:
+        words = [word for text in words if (word := text.rstrip("0123456789"))]
     return [part for word in words for part in _parts(word)]
 
 
@@ -238,29 +332,39 @@ def _parts(word: str) -> list[str]:
 
 def named_quantity(name: str) -> str | None:
     """Return what a column's name says that it measures: current, torque and so on, else None."""
-    plain = "_".join(_words(name)) + "".join(re.findall("[%‰]", name))
+    last = re.split(_PATH, name[:_LONGEST_NAME])[-1]
+    plain = "_".join(_words(last)) + "".join(re.findall("[%‰]", name))
     return next((quantity for quantity, pattern in _NAMED if re.search(pattern, plain)), None)
 
 
 def suffix_unit(name: str) -> str | None:
     """Return what may be a unit at the end of a name such as ``force_N`` or ``v_mm_s``."""
-    return _split_suffix(name)[1]
+    return _split_suffix(name)[1] if len(name) <= _LONGEST_NAME else None
 
 
-_PER_TIME = re.compile(r"(.+)[_ ](m|cm|mm|um|nm|in|inch|rad|mrad|deg|rev)[_/](s|min)")
-_SUFFIXES = (
-    "s ms us ns mm cm um nm inch rad mrad deg rev n mn kn nm mnm knm ncm a ma arms v rpm mmps mps "
-    "counts cts inc ticks samples pct percent permille"
-)
+def _spaced(name: str) -> str:
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.replace(" ", "_"))
 
 
 def _split_suffix(name: str) -> tuple[str, str | None]:
-    """Return a name without its unit, and the unit; the index of a symbol is none."""
-    if match := _PER_TIME.fullmatch(name):
-        return match[1], f"{match[2]}/{match[3]}"
-    head, _, tail = name.replace(" ", "_").rpartition("_")
-    index = len(head) <= 1 and tail in ("s", "N", "A", "V") and head.lower() not in ("t", "f", "i")
-    one = len(tail) == 1 and tail not in ("s", "N", "A", "V")
-    if not head or tail.lower() not in _SUFFIXES.split() or index or one:
-        return name, None
-    return head, tail
+    """Return a name without its unit, and the unit; the index of a symbol is none.
+
+    A name that is a unit, such as millis, remains.
+    """
+    words = [word for word in _spaced(name).split("_") if word]
+    for count in (3, 2, 1):
+        head, tail = "_".join(words[:-count]), words[-count:]
+        if len(tail) < count or (count == 3 and tail[1] != "per"):
+            continue
+        signs = ("/", ".") if count == 2 else ("/",)
+        for text in (sign.join((tail[0], tail[-1])) for sign in signs) if count > 1 else tail:
+            if unit_named(text) and (count > 1 or _is_suffix(head, text)):
+                return head or name, text
+    return name, None
+
+
+def _is_suffix(head: str, text: str) -> bool:
+    if len(text) == 1:
+        index = len(head) <= 1 and head.lower() not in ("t", "f", "i")
+        return text in ("s", "N", "A", "V") and bool(head) and not index
+    return text.lower() not in _NO_SUFFIXES

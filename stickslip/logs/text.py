@@ -20,7 +20,7 @@ from stickslip.errors import RecordingError
 from stickslip.logs.clock import FILETIME, clock_seconds, filetime_seconds, is_clock
 from stickslip.logs.dialect import MISSING, SAMPLE, SAMPLED, Dialect, find_dialect
 from stickslip.logs.finding import Finding
-from stickslip.logs.header import Header, Line, find_header, is_data
+from stickslip.logs.header import LOOKED_AT, Header, Line, find_header, is_data
 from stickslip.logs.signals import Signal, table_of
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
@@ -100,6 +100,8 @@ def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None
     if not dialect.width:
         raise RecordingError(f"{path}: no row of numbers; the last row is '{sample[-1][:40]}'")
     head = find_header(lines, dialect)
+    if not head.width:
+        raise RecordingError(f"{path}: no row of numbers in its first {LOOKED_AT} lines")
     findings: list[Finding] = []
     columns, numbered = _columns(lines, dialect, head, findings)
     if not len(numbered):
@@ -173,7 +175,7 @@ class _Lines:
         if b"\r" in data:
             data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         if (count := data.count(b"\n")) > MOST_LINES:
-            raise RecordingError(f"{path}: {count} rows; expected at most {MOST_LINES}")
+            raise RecordingError(f"{path}: {count} lines; expected at most {MOST_LINES}")
         self.data = data
         decoder = codecs.getincrementaldecoder("utf-8")()
         try:
@@ -242,20 +244,20 @@ def _columns(
                 column.first = column.first or str(part[0])
                 column.parts.append(part)
             continue
-        texts = ((k, line.strip(" \n")) for k, line in enumerate(block, number) if line.strip())
-        rows = {k: dialect.fields(text) for k, text in texts if is_data(text)}
+        places = [k for k, t in enumerate(block) if not t.isspace() and is_data(t.strip(" \n"))]
+        rows = [dialect.fields(block[k].strip(" \n")) for k in places]
         if head.titled:
-            rows = {k: [*row, *[""] * head.width][: head.width] for k, row in rows.items()}
-        if wrong and rows:
-            _raise_width(lines.path, head, wrong)
-        wrong = {k: len(row) for k, row in rows.items() if len(row) != head.width}
-        if wrong and (len(wrong) > 1 or [*wrong] != [*rows][-1:]):
-            _raise_width(lines.path, head, wrong)
-        rows = {k: row for k, row in rows.items() if k not in wrong}
+            rows = [[*row, *[""] * head.width][: head.width] for row in rows]
+        places = [number + k for k in places]
+        if {*map(len, rows)} - {head.width} or (wrong and rows):
+            wrong |= {k: len(row) for k, row in zip(places, rows, strict=True)}
+            wrong = {k: count for k, count in wrong.items() if count != head.width}
+            if len(wrong) > 1 or places[-1] not in wrong:
+                _raise_width(lines.path, head, wrong)
+            del places[-1], rows[-1]
         if rows:
-            places = [*rows]
             numbered.append(np.array(places, dtype=np.intp))
-            for column, fields in zip(columns, zip(*rows.values(), strict=True), strict=True):
+            for column, fields in zip(columns, zip(*rows, strict=True), strict=True):
                 column.add(fields, dialect, places)
     for k, count in wrong.items():
         if count > head.width or len(numbered) == 1:
@@ -322,9 +324,10 @@ def _pairs(path: str, head: Header, columns: Sequence[_Column]) -> Iterator[Sign
             continue
         if times.wrong and not is_clock(times.first):
             raise RecordingError(f"{path}: times of '{name}': got '{times.got}'")
-        filled = np.array([bool(t) for t in times.texts] if times.texts else ~np.isnan(times.numbers))
-        times.texts = [text for text in times.texts if text]
-        yield Signal(name, values.numbers[filled], unit, _scaled(times.numbers[filled], times, head, k))
+        filled = np.array([*map(bool, times.texts)] or ~np.isnan(times.numbers))
+        times.texts = [*filter(None, times.texts)]
+        t = _scaled(times.numbers[filled], times, head, k)
+        yield Signal(name, values.numbers[filled], unit, t)
 
 
 def _timed(head: Header) -> str | None:

@@ -16,16 +16,20 @@ from stickslip.logs.recording import Motion
 
 _TURN = 2 * math.pi
 _INCH = 0.0254
+_POUND = 4.4482216152605
 
 _FACTORS: dict[str, dict[str, float]] = {
-    "time": {"s": 1, "sec": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60, "h": 3600},
+    "time": {
+        "s": 1, "sec": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "100 ns": 1e-7, "min": 60, "h": 3600,
+    },
     "length": {
         "m": 1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9,
-        "inch": _INCH, "in": _INCH, "mil": _INCH / 1000,
+        "inch": _INCH, "in": _INCH, "mil": _INCH / 1000, "ft": 12 * _INCH,
     },
     "angle": {
         "rad": 1, "mrad": 1e-3, "urad": 1e-6, "deg": _TURN / 360, "°": _TURN / 360,
         "arcmin": _TURN / 21600, "arcsec": _TURN / 1296000, "rev": _TURN, "turn": _TURN,
+        "mdeg": _TURN / 360e3, "mrev": _TURN / 1e3,
     },
     "speed": {
         "m/s": 1, "cm/s": 1e-2, "mm/s": 1e-3, "um/s": 1e-6, "nm/s": 1e-9, "mm/min": 1e-3 / 60,
@@ -34,6 +38,7 @@ _FACTORS: dict[str, dict[str, float]] = {
     "angular speed": {
         "rad/s": 1, "mrad/s": 1e-3, "deg/s": _TURN / 360, "°/s": _TURN / 360, "rpm": _TURN / 60,
         "1/min": _TURN / 60, "rev/min": _TURN / 60, "rev/s": _TURN, "Hz": _TURN,
+        "krpm": _TURN * 1e3 / 60,
     },
     "acceleration": {
         "m/s^2": 1, "cm/s^2": 1e-2, "mm/s^2": 1e-3, "um/s^2": 1e-6, "in/s^2": _INCH, "g": 9.80665,
@@ -45,15 +50,18 @@ _FACTORS: dict[str, dict[str, float]] = {
     "angular jerk": {
         "rad/s^3": 1, "deg/s^3": _TURN / 360, "°/s^3": _TURN / 360, "rev/s^3": _TURN,
     },
-    "force": {"N": 1, "mN": 1e-3, "uN": 1e-6, "kN": 1e3, "lbf": 4.4482216152605, "kgf": 9.80665},
+    "force": {
+        "N": 1, "mN": 1e-3, "uN": 1e-6, "kN": 1e3, "lbf": _POUND, "kgf": 9.80665,
+        "gf": 9.80665e-3, "ozf": _POUND / 16, "cN": 1e-2, "daN": 10,
+    },
     "torque": {"N.m": 1, "mN.m": 1e-3, "uN.m": 1e-6, "kN.m": 1e3, "N.cm": 1e-2, "N.mm": 1e-3},
     "current": {"A": 1, "mA": 1e-3, "Arms": 1},
     "voltage": {"V": 1, "mV": 1e-3, "kV": 1e3},
     "number": {
         "1": 1, "%": 1e-2, "‰": 1e-3, "counts": 1, "count": 1, "cts": 1, "inc": 1, "increments": 1,
-        "LU": 1,
+        "LU": 1, "lsb": 1,
     },
-    "number per time": {"counts/s": 1, "inc/s": 1, "LU/s": 1, "LU/min": 1 / 60},
+    "number per time": {"counts/s": 1},
 }  # fmt: skip
 _SPELT = {
     "Nm": "N.m", "mNm": "mN.m", "uNm": "uN.m", "kNm": "kN.m", "Ncm": "N.cm", "Nmm": "N.mm",
@@ -68,6 +76,15 @@ _SPELT = {
     "Aeff": "Arms", "newton": "N", "ampere": "A", "volt": "V", "mm/sec": "mm/s", "m/sec": "m/s",
     "rad/sec": "rad/s", "deg/sec": "deg/s", "msec": "ms", "usec": "us", "µsec": "us",
     "percent": "%", "pct": "%", "pulses": "counts", "mps": "m/s", "mmps": "mm/s", "rps": "rev/s",
+    "cnt": "counts", "cnts": "counts", "qc": "counts", "cps": "counts/s", "pps": "counts/s",
+    "dps": "deg/s", "degps": "deg/s", "radps": "rad/s", "r/min": "rpm", "r/s": "rev/s",
+    "tr/min": "rpm", "tr/s": "rev/s", "U/s": "rev/s", "RPMs": "rpm", "rot": "rev",
+    "rotations": "rev", "revolution": "rev", "secs": "s", "millis": "ms", "millisec": "ms",
+    "milliseconds": "ms", "micros": "us", "microsec": "us", "microseconds": "us", "nsec": "ns",
+    "nsecs": "ns", "usecs": "us", "msecs": "ms",
+    "nanos": "ns", "nanosec": "ns", "nanoseconds": "ns", "cNm": "cN.m", "lb": "lbf", "lbs": "lbf",
+    "oz": "ozf", "ozin": "ozf.in", "inlb": "lbf.in", "ftlb": "lbf.ft", "kgcm": "kgf.cm",
+    "amps": "A", "amp": "A", "amperes": "A", "volts": "V",
 }  # fmt: skip
 
 QUANTITIES: dict[Motion, dict[str, str]] = {
@@ -113,10 +130,20 @@ _UNITS = {
 }
 
 
+_ALIKE: dict[str, set[Unit]] = {}
+for _name in (*_UNITS, *_SPELT):
+    if (_spelt := _SPELT.get(_name, _name)) in _UNITS:
+        _ALIKE.setdefault(_name.lower(), set()).add(_UNITS[_spelt])
+_PER_TIME = {"length": "speed", "angle": "angular speed", "number": "number per time"}
+_WEIGHTS = {"kg": "kgf", "g": "gf"}
+"""Forces of torques in kg.cm."""
+
+
 def unit_named(text: str) -> Unit | None:
     """Return the unit that people write so, None when there is none.
 
-    Upper and lower case count (mN and MN, nm and Nm), except where only one unit is meant.
+    Upper and lower case count (mN and MN, nm and Nm), except where only one unit is meant. A rate
+    such as turns/s and a torque such as oz-in are composed of their parts.
     """
     name = text.strip().replace("μ", "u").replace("µ", "u").replace("²", "^2").replace("³", "^3")
     name = re.sub(r"(?<=/s)(?=[23]$)", "^", name)
@@ -126,9 +153,34 @@ def unit_named(text: str) -> Unit | None:
             name = name.replace(sign, ".")
     if name in _UNITS:
         return _UNITS[name]
-    alike = [key for key in (*_UNITS, *_SPELT) if key.lower() == name.lower()]
-    found = _UNITS[_SPELT.get(alike[0], alike[0])] if len(alike) == 1 else None
-    return found if found and found.quantity not in _CASE_COUNTS else None
+    alike = _ALIKE.get(name.lower(), set())
+    found = next(iter(alike)) if len(alike) == 1 else None
+    if found and found.quantity not in _CASE_COUNTS:
+        return found
+    return _composed(name)
+
+
+def _composed(name: str) -> Unit | None:
+    """Return a length, an angle or a number per time, or a force times a length."""
+    sign = "/" if "/" in name else "."
+    parts = [_WEIGHTS.get(part, part) if sign == "." else part for part in name.split(sign) if part]
+    first, second = map(unit_named, parts) if len(parts) == 2 else (None, None)
+    if first is None or second is None:
+        return None
+    if sign == "/" and second.quantity == "time" and first.quantity in _PER_TIME:
+        return Unit(name, _PER_TIME[first.quantity], first.factor / second.factor)
+    if sign == "." and {first.quantity, second.quantity} == {"force", "length"}:
+        return Unit(name, "torque", first.factor * second.factor)
+    return None
+
+
+def unit_fitting(text: str, quantities: Collection[str]) -> Unit | None:
+    """Return the unit that people write so; in any case where only then it fits quantities."""
+    unit = unit_named(text)
+    if unit and unit.quantity in quantities:
+        return unit
+    alike = [unit for unit in _ALIKE.get(text.lower(), ()) if unit.quantity in quantities]
+    return alike[0] if len(alike) == 1 else unit
 
 
 def parse_quantity(text: str, what: str, quantities: Collection[str]) -> tuple[float, Unit | None]:
@@ -187,6 +239,11 @@ def quantity_key(role: str) -> str:
 def quantity_of(role: str, motion: Motion) -> str:
     """Return the quantity of a role's units in a motion."""
     return "time" if role == "time" else QUANTITIES[motion][quantity_key(role)]
+
+
+def quantities_of(role: str) -> frozenset[str]:
+    """Return the quantities of a role's units in all motions."""
+    return frozenset(quantity_of(role, motion) for motion in QUANTITIES)
 
 
 def expected_units(role: str, motion: Motion | None = None) -> str:
