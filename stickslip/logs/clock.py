@@ -68,8 +68,8 @@ def with_joined_times(table: LogTable) -> LogTable:
     names = list(table.names)
     seconds: dict[str, str] = {}
     for name in table.names:
-        stem, last = re.fullmatch(r"(.*?)([^\W_]*)", name).groups()
-        unit = unit_named(last)
+        last = re.split(r"[\W_]", name)[-1]
+        stem, unit = name.removesuffix(last), unit_named(last)
         if unit is None or unit.quantity != "time" or name not in table.numbers:
             continue
         if unit.factor == 1:

@@ -343,7 +343,9 @@ def suffix_unit(name: str) -> str | None:
 
 
 def _spaced(name: str) -> str:
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.replace(" ", "_"))
+    """Return a name with its words apart, but units such as mNm whole."""
+    words = name.replace(" ", "_").split("_")
+    return "_".join(w if unit_named(w) else re.sub("(?<=[a-z])(?=[A-Z])", "_", w) for w in words)
 
 
 def _split_suffix(name: str) -> tuple[str, str | None]:

@@ -65,7 +65,7 @@ def table_of(
     units: dict[str, str] = {}
     faults: dict[str, str] = {}
     scalars: dict[str, float] = {}
-    names: list[str] = []
+    names: dict[str, None] = {}
     for signal in signals:
         for name, column in _columns(signal):
             name, unit = split_unit(printable(name))
@@ -74,7 +74,7 @@ def table_of(
             if isinstance(column, float):
                 scalars[name] = column
                 continue
-            names.append(name)
+            names[name] = None
             if unit := signal.unit.strip() or unit or "":
                 units[name] = unit
             if isinstance(column, str):
@@ -91,7 +91,7 @@ def table_of(
         name = "time" if "time" not in names else "time of the signals"
         numbers[name], moved = _aligned(numbers, times, faults)
         findings = (*findings, *moved)
-        names.insert(0, name)
+        names = {name: None, **names}
         if timed:
             units[name] = timed
     return LogTable(

@@ -65,26 +65,20 @@ _FACTORS: dict[str, dict[str, float]] = {
 }  # fmt: skip
 _SPELT = {
     "Nm": "N.m", "mNm": "mN.m", "uNm": "uN.m", "kNm": "kN.m", "Ncm": "N.cm", "Nmm": "N.mm",
-    "A_rms": "Arms", "seconds": "s", "second": "s", "degrees": "deg", "degree": "deg",
-    "radians": "rad", "revolutions": "rev", "revs": "rev", "turns": "turn", "ticks": "counts",
-    "min^-1": "1/min", "min-1": "1/min", "A.rms": "Arms",
-    "micron": "um", "microns": "um", "inches": "inch", "samples": "counts", "sample": "counts",
-    "0.1 %": "‰", "0.1%": "‰", "0,1 %": "‰", "0,1%": "‰", "1/1000": "‰", "permille": "‰",
-    "U/min": "rpm", "Umdr/min": "rpm", "min⁻¹": "1/min", "Umdr": "rev", "Umdr.": "rev",
-    "Grad": "deg", "grd": "deg", "Grad/s": "deg/s", "sek": "s", "Sek.": "s", "Inkr": "inc",
-    "Inkr.": "inc", "Ink": "inc", "increment": "inc", "pulse": "counts", "tick": "counts",
-    "Aeff": "Arms", "newton": "N", "ampere": "A", "volt": "V", "mm/sec": "mm/s", "m/sec": "m/s",
-    "rad/sec": "rad/s", "deg/sec": "deg/s", "msec": "ms", "usec": "us", "µsec": "us",
-    "percent": "%", "pct": "%", "pulses": "counts", "mps": "m/s", "mmps": "mm/s", "rps": "rev/s",
-    "cnt": "counts", "cnts": "counts", "qc": "counts", "cps": "counts/s", "pps": "counts/s",
-    "dps": "deg/s", "degps": "deg/s", "radps": "rad/s", "r/min": "rpm", "r/s": "rev/s",
-    "tr/min": "rpm", "tr/s": "rev/s", "U/s": "rev/s", "RPMs": "rpm", "rot": "rev",
-    "rotations": "rev", "revolution": "rev", "secs": "s", "millis": "ms", "millisec": "ms",
-    "milliseconds": "ms", "micros": "us", "microsec": "us", "microseconds": "us", "nsec": "ns",
-    "nsecs": "ns", "usecs": "us", "msecs": "ms",
-    "nanos": "ns", "nanosec": "ns", "nanoseconds": "ns", "cNm": "cN.m", "lb": "lbf", "lbs": "lbf",
-    "oz": "ozf", "ozin": "ozf.in", "inlb": "lbf.in", "ftlb": "lbf.ft", "kgcm": "kgf.cm",
-    "amps": "A", "amp": "A", "amperes": "A", "volts": "V",
+    "cNm": "cN.m", "ozin": "ozf.in", "inlb": "lbf.in", "ftlb": "lbf.ft", "kgcm": "kgf.cm",
+    "A_rms": "Arms", "A.rms": "Arms", "Aeff": "Arms", "amp": "A", "ampere": "A", "volt": "V",
+    "newton": "N", "lb": "lbf", "lbs": "lbf", "oz": "ozf", "second": "s", "sek": "s", "Sek.": "s",
+    "msec": "ms", "millis": "ms", "millisec": "ms", "millisecond": "ms", "usec": "us",
+    "micros": "us", "microsec": "us", "microsecond": "us", "nsec": "ns", "nanosec": "ns",
+    "nanosecond": "ns", "micron": "um", "inches": "inch", "degree": "deg", "Grad": "deg",
+    "grd": "deg", "radian": "rad", "revolution": "rev", "rotation": "rev", "rot": "rev",
+    "Umdr": "rev", "Umdr.": "rev", "min^-1": "1/min", "min-1": "1/min", "min⁻¹": "1/min",
+    "U/min": "rpm", "U/s": "rev/s", "r/min": "rpm", "r/s": "rev/s", "tr/min": "rpm",
+    "tr/s": "rev/s", "rps": "rev/s", "mps": "m/s", "mmps": "mm/s", "dps": "deg/s",
+    "degps": "deg/s", "radps": "rad/s", "cps": "counts/s", "pps": "counts/s", "cnt": "counts",
+    "qc": "counts", "tick": "counts", "pulse": "counts", "sample": "counts", "Inkr": "inc",
+    "Inkr.": "inc", "Ink": "inc", "increment": "inc", "percent": "%", "pct": "%",
+    "permille": "‰", "0.1 %": "‰", "0.1%": "‰", "0,1 %": "‰", "0,1%": "‰", "1/1000": "‰",
 }  # fmt: skip
 
 QUANTITIES: dict[Motion, dict[str, str]] = {
@@ -143,7 +137,7 @@ def unit_named(text: str) -> Unit | None:
     """Return the unit that people write so, None when there is none.
 
     Upper and lower case count (mN and MN, nm and Nm), except where only one unit is meant. A rate
-    such as turns/s and a torque such as oz-in are composed of their parts.
+    such as turns/s and a torque such as oz-in are composed of their parts; a plural is its unit.
     """
     name = text.strip().replace("μ", "u").replace("µ", "u").replace("²", "^2").replace("³", "^3")
     name = re.sub(r"(?<=/s)(?=[23]$)", "^", name)
@@ -155,9 +149,10 @@ def unit_named(text: str) -> Unit | None:
         return _UNITS[name]
     alike = _ALIKE.get(name.lower(), set())
     found = next(iter(alike)) if len(alike) == 1 else None
-    if found and found.quantity not in _CASE_COUNTS:
+    if found and (len(name) > 2 or found.quantity not in _CASE_COUNTS):
         return found
-    return _composed(name)
+    plural = len(name) > 3 and name.endswith("s")
+    return _composed(name) or (unit_named(name[:-1]) if plural else None)
 
 
 def _composed(name: str) -> Unit | None:

@@ -11,8 +11,10 @@ import pytest
 
 from stickslip.errors import RecordingError
 from stickslip.logs import Description, read_recording
+from stickslip.logs.channels import unit_of
 from stickslip.logs.clock import with_joined_times
 from stickslip.logs.roles import assign_roles
+from stickslip.logs.table import LogTable
 from stickslip.logs.text import read_text
 from stickslip.logs.units import unit_named
 
@@ -121,6 +123,20 @@ UNITS = {
     "mNm": ("torque", 1e-3), "N-m": ("torque", 1), "millis": ("time", 1e-3),
     "micros": ("time", 1e-6), "nsecs": ("time", 1e-9), "ft/s": ("speed", 0.3048),
 }  # fmt: skip
+
+
+SUFFIXES = {
+    "torque_mNm": "mN.m", "current_mA": "mA", "Strom_mA": "mA", "force_kN": "kN",
+    "torque_nm": "N.m", "velocity_rpm": "rpm", "vel_rad_per_s": "rad/s", "cmd_rad_s": "rad/s",
+    "timeMs": "ms", "torque_N_m": "N.m", "vCmd": None, "x_m": None, "pos_min": None,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SUFFIXES)
+def test_units_at_the_end_of_names(name):
+    role, *_ = assign_roles(LogTable("log", (name,), {name: np.zeros(3)}), Description())[0] or [""]
+    unit = unit_of(LogTable("log", (name,), {}), Description(), role or "position", name)
+    assert (unit and unit.name) == SUFFIXES[name]
 
 
 @pytest.mark.parametrize("name", UNITS)
