@@ -110,8 +110,7 @@ def through_zero() -> tuple[np.ndarray, np.ndarray]:
 
 def lugre(p: Parameters, speeds: np.ndarray | None = None) -> Columns:
     """Follow a velocity through zero, by z(t) = z_inf + (z - z_inf) e^(-a t)."""
-    t, v = through_zero()
-    v = v if speeds is None else speeds
+    t, v = through_zero() if speeds is None else (np.arange(len(speeds)) * STEP, speeds)
     z, F_mean, F_f = 0.0, [0.0], [friction(v[0], 0.0, p)]
     for speed in v[:-1]:
         end = np.sign(speed) * stribeck(speed, p) / p["sigma_0"]
@@ -635,7 +634,7 @@ def nominal_loop(p: Parameters) -> Columns:
 
 def commands(p: Parameters) -> tuple[Columns, np.ndarray]:
     """Return commands and v_r of the loop without friction, and its mean velocities, ahead."""
-    t, v_cmd = through_zero()
+    t, v_cmd = (column[:201] for column in through_zero())
     commands = {"v_cmd": v_cmd, "x_cmd": 0.01 + np.cumsum(v_cmd) * STEP}
     commands["a_cmd"] = np.gradient(v_cmd, STEP)
     n = range(1, 9)
