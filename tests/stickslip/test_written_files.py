@@ -20,7 +20,7 @@ from stickslip.servo.axis import ControlError
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("without_pictures")]
 
 NAME = re.compile(r"\b\w[\w.-]*\.(?:fmu|json|csv|html|png|svg|ssp)\b")
-FMUS = {"compensator.fmu", "observer.fmu", "nominal_loop.fmu"}
+FMUS = {"compensator.fmu", "observer.fmu"}
 
 
 @pytest.fixture(scope="module")
