@@ -166,6 +166,8 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             written = write_learned(learned, options.out, force=options.force)
             _print_written(written, options.out)
             return written.document() | {"folder": options.out}
+        if learned.refusal:
+            warn(f"the compensator is not recommended: {learned.refusal}")
     return log_document(learned) | {"folder": None}
 
 

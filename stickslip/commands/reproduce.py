@@ -85,13 +85,18 @@ def _drive(
 
 
 def _print_drive(reproduction: Reproduction) -> None:
-    from stickslip.commands.tables import print_table4
+    from stickslip.commands.tables import print_motions, print_table4
 
     for warning in reproduction.identification.warnings:
         warn(warning)
     print_table4(reproduction.table4())
-    if reproduction.refinement.skipped:
-        print(f"no search was made: {reproduction.refinement.skipped}")
+    learned = reproduction.refinement
+    if reproduction.motions:
+        print_motions(reproduction.motions)
+    if learned.skipped:
+        print(f"no search was made: {learned.skipped}")
+    else:
+        print(f"kept: {learned.result}; {learned.remark}")
 
 
 def _record(
@@ -136,7 +141,7 @@ def _published(
     )
     progress.stage("writing the report")
     write_published_results(study, options, drive_truth(options.truth), out)
-    return partial(print_published, study.published)
+    return partial(print_published, study)
 
 
 def run(options: argparse.Namespace) -> Answer:

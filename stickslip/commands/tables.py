@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from itertools import groupby
 from pathlib import Path
 from typing import TextIO
@@ -15,17 +15,23 @@ from stickslip.evaluation.compared_logs import LogComparison, sentences
 from stickslip.evaluation.guards import Benefit, Hold
 from stickslip.evaluation.log_prediction import LogPrediction
 from stickslip.evaluation.log_verdict import SIGNALS, verdict
+from stickslip.evaluation.motion_study import (
+    IDENTIFIED,
+    LEARNED,
+    UNCOMPENSATED,
+    MotionStudy,
+    limits,
+)
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE, TRACKING_FIGURES, Tracking
 from stickslip.fmi.files import atomic_write
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.selection import law_table
 from stickslip.pipeline.candidates import Compared
 from stickslip.pipeline.observed import Observed
-from stickslip.pipeline.steps import FILTERED, REDUCTION_WITH_FILTER
+from stickslip.pipeline.steps import FILTERED, REDUCTION_WITH_FILTER, TRAPEZOID
 from stickslip.results.folder import staged
-from stickslip.tuning.published import Published
-from stickslip.tuning.published.readings import worse
-from stickslip.tuning.published.study import PAPER_COST
+from stickslip.tuning.published.readings import WholeStudy, worse
+from stickslip.tuning.published.study import PAPER_COST, worth
 
 
 def write_files(out: Path | None, command: Mapping[str, object], files: Mapping[str, str]) -> None:
@@ -63,6 +69,20 @@ def print_table4(table: pd.DataFrame) -> None:
         )
 
 
+def print_motions(study: MotionStudy) -> None:
+    """Print the RMS errors of the true velocity in slow motions, and what they say."""
+    table = study.evaluation.table()
+    slow = table[table["motion"] != TRAPEZOID.name]
+    shown = slow[(slow["metric"] == "E_rms") & (slow["velocity"] == "true")]
+    names = (UNCOMPENSATED, IDENTIFIED, LEARNED)
+    print("\nslow motions, E_rms of the true velocity in mm/s")
+    print(f"{'motion':28}" + "".join(f"{name:>12}" for name in names))
+    for row in shown.to_dict("records"):
+        sizes = "".join(_size(row[name], "12.3f") for name in names)
+        print(f"{row['motion'] + ', ' + row['region']:28}{sizes}")
+    print(limits(slow, {name: str(name) for name in slow["metric"]}))
+
+
 def print_benefit(benefit: Benefit, file: TextIO | None = None) -> None:
     """Print a row for each drive and a column for each command."""
     share = "" if benefit.share == 1.0 else f" at {benefit.share:g} of its force"
@@ -78,9 +98,15 @@ def print_benefit(benefit: Benefit, file: TextIO | None = None) -> None:
         print(f"{'simulated drive':40}" + "".join(f"{name:>18}" for name in commands), file=file)
         for drive, rows in groupby(shown, key=lambda row: row.drive):
             cells = (
-                f"{factor * row.without:.3g} -> {factor * row.compensated:.3g}" for row in rows
+                f"{_size(factor * row.without)} -> {_size(factor * row.compensated)}"
+                for row in rows
             )
             print(f"{drive:40}" + "".join(f"  {cell:>16}" for cell in cells), file=file)
+
+
+def _size(value: float, spec: str = ".3g") -> str:
+    """Return a number, or a dash of the same width where a run has failed."""
+    return f"{value:{spec}}" if np.isfinite(value) else f"{'-':>{spec.partition('.')[0] or 0}}"
 
 
 def print_holds(holds: Mapping[str, Hold]) -> None:
@@ -88,6 +114,8 @@ def print_holds(holds: Mapping[str, Hold]) -> None:
     print("\nat rest, on the worst simulated drive:")
     for name, hold in holds.items():
         swing = f"swings by {1e6 * hold.swing:.3g} {hold.unit}"
+        if not np.isfinite(hold.swing):
+            swing = "runs away"
         print(
             f"{name:24} {swing}, {hold.reversals} reversals in {hold.duration:.3g} s; {hold.drive}"
         )
@@ -104,7 +132,7 @@ def print_parts(observed: Observed) -> None:
     )
     for one in observed.summary().to_dict("records"):
         note = "" if one["acceptable"] else "  worse than none"
-        print(f"{one['part']:24}{one['fitted']:14.3g}{one['mean']:8.3g}{one['worst']:8.4g}{note}")
+        print(f"{one['part']:24}{_ratios(one)}{note}")
     designed = observed.designed
     print(
         f"peak sensitivity {designed.sensitivity:.3g} with the observer, {designed.without:.3g} "
@@ -120,9 +148,14 @@ def print_compared(compared: Compared) -> None:
     )
     for one in compared.table().to_dict("records"):
         note = "" if one["acceptable"] else "  worse than none"
-        sizes = f"{one['fitted']:14.3g}{one['mean']:8.3g}{one['worst']:8.4g}{one['Ms']:8.3g}"
-        print(f"{one['compensator']:24}{sizes}{note}")
+        print(f"{one['compensator']:24}{_ratios(one)}{one['Ms']:8.3g}{note}")
     print(compared.sentence)
+
+
+def _ratios(one: Mapping[Hashable, float]) -> str:
+    """Return the ratios of the errors to those of none, of a row of a summary."""
+    widths = {"fitted": "14.3g", "mean": "8.3g", "worst": "8.4g"}
+    return "".join(_size(one[name], spec) for name, spec in widths.items())
 
 
 def print_laws(estimation: Estimation) -> None:
@@ -192,8 +225,9 @@ def _tracking_figure(key: str, *, rotary: bool) -> tuple[float, str, str]:
     return 1e6, f"u{length}", title
 
 
-def print_published(published: Published) -> None:
-    """Print costs and Table 4 over the seeds."""
+def print_published(study: WholeStudy) -> None:
+    """Print costs and Table 4 over the seeds, and what the results are worth in slow motions."""
+    published = study.published
     start, final = published.start_costs(), published.final_costs()
     print(f"the paper's learning as published, from coarse starts; seeds: {len(final)}")
     print(
@@ -217,3 +251,4 @@ def print_published(published: Published) -> None:
         f"{100 * worse(measured):.0f} % of the seeds follow the trapezoid worse than from their "
         "start (measured E_rms of both regions), although the training cost fell"
     )
+    print(worth(study.slow))

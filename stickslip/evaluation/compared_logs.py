@@ -78,6 +78,7 @@ class LogComparison:
     repeated : whether the parts are repetitions of the command
     measured : in the logs
     simulated : of the learned drive along the same command; None where the loop is not known
+    fault : why that loop could not be simulated, or empty
     """
 
     t: Array
@@ -87,6 +88,7 @@ class LogComparison:
     repeated: bool
     measured: Compared
     simulated: Compared | None = None
+    fault: str = ""
 
 
 def common(without: Recording, compensated: Recording) -> tuple[Recording, list[Stretch]]:
@@ -190,7 +192,7 @@ def sentences(found: LogComparison) -> tuple[str, ...]:
             where = "inside" if one.low <= predicted <= one.high else "outside"
             text += f"; simulated: {_percent(predicted)}, {where} the measured interval"
         texts.append(text)
-    return tuple(texts)
+    return (*texts, found.fault) if found.fault else tuple(texts)
 
 
 def _percent(share: float) -> str:

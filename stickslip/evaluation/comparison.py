@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 
 import numpy as np
 import pandas as pd
@@ -17,6 +19,7 @@ from stickslip.evaluation.validation import (
     velocity_errors,
 )
 from stickslip.rigs.fmu import FmuRig
+from stickslip.servo.divergence import Diverged, require_bounded
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -63,15 +66,20 @@ class Evaluation:
 
         The columns before those of the entries: motion, region, velocity (measured, true), metric
         (E_max, E_rms, E_x), unit (mm/s, for E_x um). E_x is the largest position error; for it
-        ``velocity`` tells whether the position is the measured or the true one.
+        ``velocity`` tells whether the position is the measured or the true one. Errors are NaN
+        where the drive runs away.
         """
         columns = []
+        runs = chain.from_iterable(of.values() for of in self.runs.values())
+        top = max(float(np.max(np.abs(run.v_cmd))) for run in runs)
         for name in next(iter(self.runs.values())):
             errors = {}
             for motion in self.motions:
                 others = self.others.get(motion.name, {}).get(name, ())
-                each = [_errors(run, motion) for run in (self.runs[motion.name][name], *others)]
-                errors.update(pd.DataFrame(each).median().to_dict())
+                each = [
+                    _errors(run, motion, top) for run in (self.runs[motion.name][name], *others)
+                ]
+                errors.update(pd.DataFrame(each).median(skipna=False).to_dict())
             columns.append(pd.Series(errors, name=name))
         return pd.concat(columns, axis=1).rename_axis(index=KEYS).reset_index()
 
@@ -120,8 +128,13 @@ def _runs(rig: FmuRig, entries: Mapping[Key, Entry], feed: Feed, motion: Motion)
     return runs
 
 
-def _errors(run: Run, motion: Motion) -> dict[tuple[str, str, str, str, str], float]:
-    """Return the errors by the columns of ``KEYS``, in the unit that is stated."""
+def _errors(run: Run, motion: Motion, top: float) -> dict[tuple[str, str, str, str, str], float]:
+    """Return the errors by the columns of ``KEYS``, in the unit that is stated.
+
+    Parameters
+    ----------
+    top : the largest velocity that is commanded in any motion [m/s]
+    """
     errors = {
         (motion.name, region, velocity, metric, "mm/s"): 1e3 * value
         for (velocity, region, metric), value in velocity_errors(run, motion.regions).items()
@@ -132,4 +145,8 @@ def _errors(run: Run, motion: Motion) -> dict[tuple[str, str, str, str, str], fl
             for region, spans in motion.regions.items():
                 largest = np.abs(error[covered(run.t, spans)]).max()
                 errors[motion.name, region, shown, "E_x", "um"] = 1e6 * float(largest)
+    try:
+        require_bounded(run.v["true"], top)
+    except Diverged:
+        return dict.fromkeys(errors, math.nan)
     return errors

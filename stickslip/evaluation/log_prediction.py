@@ -28,6 +28,7 @@ from stickslip.identification.criteria.scaling import Scale, recording_scale
 from stickslip.identification.estimation.faults import change_of_friction
 from stickslip.identification.selection.noise import encoder_error, explained
 from stickslip.logs import Recording
+from stickslip.servo.divergence import Diverged
 from stickslip.servo.measurement import Array, smoothed
 
 SPANS = 10
@@ -188,9 +189,13 @@ def _predict(
         changes = _changes(inverse, values, residual - encoder)
     signals = {"force": SignalError(_rms(residual), goodness.force, noise, spread)}
     parts = {"force_bias": residual * ahead, "force_error": residual}
-    if gains is not None and goodness.simulated is not None:
-        signals |= _loop_errors(fmus, recording, gains, values, errors, goodness)
-        parts["position_error"] = (position_of(recording) - goodness.simulated)[used]
+    if gains is not None and (simulated := goodness.simulated) is not None:
+        try:
+            signals |= _loop_errors(fmus, recording, gains, values, errors, goodness)
+        except Diverged:
+            goodness = replace(goodness, simulated=None)
+        else:
+            parts["position_error"] = (position_of(recording) - simulated)[used]
     return LogPrediction(recording, signals, changes, _spans(t, parts), drift, goodness, check)
 
 
@@ -251,7 +256,7 @@ def _loop_errors(
     with KnownLoop(fmus, recording, gains) as loop:
 
         def signals(values: Values) -> Array:
-            run = loop.run(values)
+            run = loop.bounded(values)
             return np.array(
                 [run["candidate.x"], _velocity(run["candidate.x"], T_s), run["controller.u"]]
             )
@@ -261,7 +266,7 @@ def _loop_errors(
     left = []
     with KnownLoop(fmus, recording, gains, encoder=True) as loop:
         for seed in SEEDS:
-            run = loop.run(at, {"candidate.noise_x": noise, "candidate.seed": seed})
+            run = loop.bounded(at, {"candidate.noise_x": noise, "candidate.seed": seed})
             x = run["candidate.x_enc"]
             left.append(np.array([x, _velocity(x, T_s), run["controller.u"]]) - smooth)
     made = np.sqrt(np.mean(np.square(left), axis=(0, 2)))

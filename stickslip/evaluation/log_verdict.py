@@ -11,6 +11,7 @@ from stickslip.catalog.parameters import unit_of
 from stickslip.catalog.space import Values
 from stickslip.evaluation.log_prediction import FRICTION, Change, LogPrediction
 from stickslip.identification.estimation.faults import DRIFT, MODEL_ERROR, SIGNIFICANT
+from stickslip.servo.divergence import DIVERGED
 
 SMALL = 0.05
 """Relative error of the force up to which it is small, whatever explains it."""
@@ -55,6 +56,11 @@ def verdict(found: LogPrediction, values: Values) -> tuple[str, ...]:
             f"+-{100.0 * error:.2g} %"
         )
     check = found.check
+    if check is not None and found.goodness.simulated is None:
+        reasons.append(
+            f"the loop, simulated, runs away: its velocity exceeds {DIVERGED:g} times the largest "
+            "commanded one, so there are no figures of it; check units and signs of the gains"
+        )
     if check is not None and check.error > AGREES:
         reasons.append(
             f"the controller differs from the logged force by {100.0 * check.error:.2g} %: its "

@@ -5,7 +5,7 @@ What a motion shows of a parameter is what an exact compensator loses there with
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
@@ -54,6 +54,43 @@ class MotionStudy:
         """The names of the entries, those of the weak loop left out."""
         runs = next(iter(self.evaluation.runs.values()))
         return tuple(name for name in runs if name not in WEAK_ENTRIES)
+
+
+def limits(table: pd.DataFrame, names: Mapping[str, str]) -> str:
+    """Return where the learned compensator gains little, and where it makes an error larger.
+
+    Parameters
+    ----------
+    table : of ``Evaluation.table``, of the slow motions
+    names : of metrics, as they are shown
+    """
+    left = table[LEARNED] / table[UNCOMPENSATED]
+    worse, little = (
+        "; ".join(
+            f"{error_name(row, names)}, {row['velocity']} "
+            f"({100.0 * row[LEARNED] / row[UNCOMPENSATED]:.0f} %)"
+            for row in table[found].to_dict("records")
+        )
+        for found in (left > 1.0, (left > 0.5) & (left <= 1.0))
+    )
+    text = "The learned compensator makes none of these errors larger"
+    if worse:
+        text = f"The learned compensator makes these errors larger: {worse}"
+    if little:
+        text += f". It leaves more than half of these: {little}"
+    if IDENTIFIED in table:
+        change = table[LEARNED] / table[IDENTIFIED]
+        text += (
+            f". Of these {len(table)} errors, those of the learned compensator are larger than "
+            f"those of the identified one by more than a tenth in {int((change > 1.1).sum())}, "
+            f"and smaller by more than a tenth in {int((change < 0.9).sum())}"
+        )
+    return text
+
+
+def error_name(row: Mapping[Hashable, object], names: Mapping[str, str]) -> str:
+    """Return what an error of ``Evaluation.table`` is of."""
+    return f"{str(row['motion']).capitalize()}, {row['region']}, {names[str(row['metric'])]}"
 
 
 def study_motions(

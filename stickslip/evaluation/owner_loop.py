@@ -134,7 +134,7 @@ def simulate(
         FRICTIONLESS: ({**values, **law.share(friction, NEGLIGIBLE)}, 0.0),
     }
     with KnownLoop(fmus, scaled, scale.values(gains), encoder=True) as loop:
-        runs = {name: loop.run(of, further, added) for name, (of, added) in variants.items()}
+        runs = {name: loop.bounded(of, further, added) for name, (of, added) in variants.items()}
     signals = ("candidate.x", "candidate.v", "candidate.x_enc")
     return {
         name: Motion(*(run[signal] / scale.length for signal in signals))

@@ -16,6 +16,7 @@ from stickslip.errors import RigError
 from stickslip.evaluation.motions import Regions, Span, regions_after, trapezoid, windows
 from stickslip.rigs.contract import Rig
 from stickslip.rigs.fmu import FmuRig
+from stickslip.servo.divergence import require_bounded
 from stickslip.servo.measurement import Array, measured_velocity
 from stickslip.servo.systems import Compensator, Feed, paper_loop
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -166,10 +167,15 @@ def validate(
     ------
     RigError
         When a motion of the rig did not end as commanded.
+    Diverged
+        When the drive runs away in either run.
     """
     v_cmd = command.sample(rig.samples(trapezoid(command).duration))
     without = run_command(rig, plain or loop, None, v_cmd, feed)
     compensated = run_command(rig, loop, compensator, v_cmd, feed, behind)
+    for run in (without, compensated):
+        for v in run.v.values():
+            require_bounded(v, abs(command.height))
     return Validation(without, compensated, windows(command))
 
 

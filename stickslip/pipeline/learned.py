@@ -147,7 +147,7 @@ class LearnedFromRecording(Learned):
     ----------
     findings : of reading and checking it
     trial : of the compensator in a loop; None where none was closed or the drive itself is there
-    implausible : why the learned mass cannot be right, or empty
+    implausible : why the learned mass or the loop of the log cannot be right, or empty
     tracking : simulated in the loop of the log, without and with the compensator
     asked : the compensator to be written, see ``candidates``; empty for what is recommended
     """

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from stickslip import cosim
 from stickslip.errors import UsageError
 from stickslip.evaluation.compared_logs import LogComparison, common, compare, compared
 from stickslip.evaluation.log_prediction import LogPrediction, predict_log
@@ -126,7 +127,10 @@ def compare_logs(compensated: LogInLoop, without: LogInLoop, learned: LearnedFil
     with candidate_fmus(drive.law) as fmus:
         scaled, gains = scale.recording(plain), scale.values(without.gains)
         gains = scale.restored(check_controller(fmus, scaled, gains).gains)
-        runs = simulate(fmus, plain, gains, drive, without.reading.force_limit)
+        try:
+            runs = simulate(fmus, plain, gains, drive, without.reading.force_limit)
+        except cosim.SimulationError as fault:
+            return replace(found, fault=f"{without.controller}: {fault}")
     simulated = {name: replace(plain, position=run.encoder) for name, run in runs.items()}
     samples = np.concatenate([np.arange(run.first, run.first + run.n) for run in stretches])
     prediction = compared(simulated[NONE], simulated[FEEDFORWARD], samples, samples, found.part)

@@ -30,7 +30,7 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
     """Return the same with the tracking in the log's loop, or in one that was designed for it.
 
     The command is that of the log, or, where none was logged, a trapezoid at its speed. Where no
-    loop can be closed or simulated there is none.
+    loop can be closed there is none. A compensator is not recommended for a loop that runs away.
     """
     if isinstance(learned.loops, ControlError) or learned.trial is None:
         return learned
@@ -64,8 +64,9 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
     try:
         with candidate_fmus(drive.law) as fmus:
             runs = simulate(fmus, recording, gains, drive, reading.force_limit)
-    except cosim.SimulationError:
-        return learned
+    except cosim.SimulationError as fault:
+        what = learned.implausible or f"in the loop of {name}: {fault}"
+        return replace(learned, implausible=what)
     v_cmd, x_cmd = commanded_velocity(recording), commanded_position(recording)
     begin = round(SETTLING * len(v_cmd)) if is_running(gains) else 0
     used = slice(begin, None)

@@ -104,6 +104,7 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
         "coarse": dict(options.coarse),
         "result": learned.chosen,
         "search_skipped": learned.skipped or None,
+        "slow_motions": learned.remark or None,
         "cost": {"value": learned.cost, "unit": "m2/s2"},
         "best_cost_of_generations": {"value": reproduction.algorithm.best.cost, "unit": "m2/s2"},
         "cost_of_identified": {"value": reproduction.cost_of_identified, "unit": "m2/s2"},

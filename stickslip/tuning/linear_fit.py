@@ -4,12 +4,12 @@ The loop is linear in the compensator's force, so from recorded runs follows how
 would change with the parameters; the fit needs no further runs. Runs are repeated, because the
 encoder's steps pass through the loop differently each time, and the command is run mirrored too,
 because friction and force ripple vary along the guide: what fits one half of it can be wrong on
-the other.
+the other. Runs of further commands enter alike.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -19,7 +19,6 @@ from scipy.signal import lfilter, ss2tf
 
 from stickslip.identification.stages.estimate import correlation_length
 from stickslip.servo.measurement import Array, smoothed
-from stickslip.servo.paper_commands import SLOW
 from stickslip.servo.systems import feedforward
 from stickslip.tuning.learning import BOUNDS, Study, VelocityCost
 
@@ -37,23 +36,23 @@ class Runs:
     Attributes
     ----------
     values : its parameters by name, in SI units
-    gaps : (2, REPEATS, n) v - v_r [m/s] of the training command and of its mirror image
-    slow : cost of a slower command [m^2/s^2], which is for comparison and not fitted
+    commands : the training command, its mirror image, and further ones (n,) [m/s]
+    gaps : (REPEATS, n) v - v_r [m/s] of each
     """
 
     values: Mapping[str, float]
-    gaps: Array
-    slow: float
+    commands: Sequence[Array]
+    gaps: Sequence[Array]
 
     @cached_property
-    def gap(self) -> Array:
-        """The mean of the repeated runs (2, n) [m/s], without most of the noise."""
-        return np.asarray(self.gaps.mean(axis=1))
+    def means(self) -> list[Array]:
+        """The mean of the repeated runs (n,) [m/s] of each command, without most of the noise."""
+        return [gaps.mean(axis=0) for gaps in self.gaps]
 
     @cached_property
     def cost(self) -> float:
         """The mean cost of the training command and its mirror image [m^2/s^2]."""
-        return float((self.gaps**2).sum(axis=2).mean())
+        return float(np.mean([(gaps**2).sum(axis=1) for gaps in self.gaps[:2]]))
 
     @cached_property
     def training_cost(self) -> float:
@@ -62,19 +61,19 @@ class Runs:
 
 
 class Bench:
-    """Runs a compensator several times, a little changed, as no drive runs twice alike."""
+    """Runs compensators on the training command, its mirror image, and further commands."""
 
-    def __init__(self, study: Study) -> None:
-        slow = SLOW.sample(study.rig.samples(SLOW.duration))
-        commands = (study.v_cmd, -study.v_cmd, slow)
-        self._studies = [replace(study, v_cmd=v_cmd) for v_cmd in commands]
+    def __init__(self, study: Study, *further: Array) -> None:
+        self._studies = [
+            replace(study, v_cmd=v_cmd) for v_cmd in (study.v_cmd, -study.v_cmd, *further)
+        ]
         self._rng = np.random.default_rng(study.seed)
         self.runs = 0
 
     def run(self, values: Mapping[str, float]) -> Runs:
-        """Run the training command, its mirror image and a slow one."""
-        *gaps, slow = (self._gaps(study, values) for study in self._studies)
-        return Runs(dict(values), np.array(gaps), float((slow**2).sum(axis=1).mean()))
+        """Run every command several times, a little changed, as no drive runs twice alike."""
+        gaps = [self._gaps(study, values) for study in self._studies]
+        return Runs(dict(values), [study.v_cmd for study in self._studies], gaps)
 
     def _gaps(self, study: Study, values: Mapping[str, float]) -> Array:
         """Return v - v_r (REPEATS, n) [m/s]."""
@@ -96,8 +95,8 @@ class Fit:
     ----------
     values : the parameters by name, in SI units
     errors : their relative standard errors
-    alone : what those would be without the start's own
-    cost : of such runs with these parameters, as the fit expects it [m^2/s^2]
+    alone : what the training command and its mirror image alone would leave
+    cost : of these two with these parameters, as the fit expects it [m^2/s^2]
     """
 
     values: dict[str, float]
@@ -117,32 +116,38 @@ def fit(study: Study, runs: Runs, *, prior: bool = True) -> Fit:
     ratios = [space.index(name) for name in space.bounded]
     expected = np.log([study.start[name].value for name in names])
     doubt = np.array([_relative_error(study, name) for name in names])
-    power = [gap @ gap / len(gap) * correlation_length(gap) for gap in runs.gap]
+    power = [gap @ gap / len(gap) * correlation_length(gap) for gap in runs.means]
     scale = np.sqrt(np.mean(power))
     numerator, denominator = _transfer(study)
     system = feedforward(study.rig.fmus, study.loop, {}, study.feed)
-    stop = (len(study.v_cmd) - 1) * study.rig.T_s
-    with system.prepare(step=study.rig.T_s, stop=stop, record=["compensator.F_mean"]) as simulation:
+    T_s = study.rig.T_s
+    longest = max(map(len, runs.commands))
+    stop = (longest - 1) * T_s
+    with system.prepare(step=T_s, stop=stop, record=["compensator.F_mean"]) as simulation:
 
-        def force(logs: Array) -> Array:
-            """Return the compensator's force (2, n) [N] for each command."""
+        def force(logs: Array) -> list[Array]:
+            """Return the compensator's force (n,) [N] for each command."""
             values = {f"compensator.{n}": v for n, v in study.parameters(np.exp(logs)).items()}
-            commands = (study.v_cmd, -study.v_cmd)
-            results = [simulation.run(values, study.loop.commands(v_cmd)) for v_cmd in commands]
-            return np.array([result["compensator.F_mean"] for result in results])
+            found = []
+            for v_cmd in runs.commands:
+                padded = study.loop.commands(np.pad(v_cmd, (0, longest - len(v_cmd)), mode="edge"))
+                result = simulation.run(values, padded, until=(len(v_cmd) - 1) * T_s)
+                found.append(result["compensator.F_mean"][: len(v_cmd)])
+            return found
 
         begin = np.log([runs.values[name] for name in names])
         applied = force(begin)
 
-        def gap(q: Array) -> Array:
-            # The force of row n + 1 acts from t[n] on.
-            change = np.pad((force(to_logs @ q) - applied)[:, 1:], ((0, 0), (0, 1)))
-            moved = [smoothed(lfilter(numerator, denominator, c), study.rig.T_s) for c in change]
-            return np.asarray(runs.gap + np.array(moved))
+        def gap(q: Array) -> list[Array]:
+            left = []
+            for before, now, then in zip(runs.means, force(to_logs @ q), applied, strict=True):
+                change = np.append((now - then)[1:], 0.0)  # of row n + 1 acts from t[n] on
+                left.append(before + smoothed(lfilter(numerator, denominator, change), T_s))
+            return left
 
         def residual(q: Array) -> Array:
             known = (to_logs @ q - expected) / doubt
-            return np.concatenate([gap(q).ravel() / scale, known if prior else []])
+            return np.concatenate([np.concatenate(gap(q)) / scale, known if prior else []])
 
         low, high = np.log(BOUNDS)
         low_q, high_q = expected + low, expected + high
@@ -159,12 +164,13 @@ def fit(study: Study, runs: Runs, *, prior: bool = True) -> Fit:
         )
         left = gap(found.x)
     jacobian = found.jac @ np.linalg.inv(to_logs)
-    commands, n = left.shape
+    training = sum(map(len, left[:2]))
+    fall = [after @ after - gap @ gap for after, gap in zip(left, runs.means, strict=True)]
     return Fit(
         values=study.parameters(np.exp(to_logs @ found.x)),
         errors=study.parameters(_errors(jacobian)),
-        alone=study.parameters(_errors(jacobian[: commands * n])),
-        cost=runs.cost + float(((left**2).sum() - (runs.gap**2).sum()) / commands),
+        alone=study.parameters(_errors(jacobian[:training])),
+        cost=runs.cost + float(np.mean(fall[:2])),
     )
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.evaluation.comparison import Entry, evaluate
 from stickslip.identification.stages import Estimate, identify
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.paper_commands import TRAINING
@@ -96,6 +97,55 @@ def test_a_start_that_happens_to_fit_one_half_of_the_guide_does_not_stand(make_r
     low = {"F_c": 0.72, "F_s": 0.72}
     coarse = replace(study, start=coarsened(study.start, low))
     assert refine(coarse, start(coarse)).values["F_c"] == pytest.approx(PAPER["F_c"], rel=0.02)
+
+
+def errors_of(study, values):
+    """Return RMS velocity and largest position errors in all motions, measured and true."""
+    table = evaluate(study.rig, {"found": Entry(study.loop, values)}).table()
+    table = table[table["metric"] != "E_max"]
+    return table.set_index(["motion", "region", "velocity", "metric"])["found"]
+
+
+@pytest.mark.parametrize(
+    ("law", "seed"),
+    [
+        ("gms", 0),
+        ("elasto_plastic", 0),
+        ("lugre", 2),
+        *(
+            pytest.param(law, seed, marks=pytest.mark.thorough)
+            for law in ("gms", "elasto_plastic", "coulomb_stribeck", "dahl", "leuven", "lugre")
+            for seed in (1, 3, 4)
+        ),
+    ],
+)
+def test_what_is_kept_is_in_no_motion_worse_than_what_learning_began_with(make_rig, law, seed):
+    """By F_s and v_s a fit to the training command leaves 6 times the error in creep."""
+    study = study_of(make_rig(law=law))
+    study = replace(study, start=coarsened(study.start, draw_factors(seed)))
+    found = refine(study, start(study))
+    ratios = errors_of(study, found.values) / errors_of(study, start(study))
+    assert ratios.max() < 1.2, ratios.nlargest(3)
+    if law == "lugre":  # the guard must not cost what a sound drive can learn
+        assert found.accepted
+        assert ratios.median() < 0.6
+
+
+def test_a_winner_is_not_kept_for_its_cost(make_rig):
+    """Static friction of 217 N costs little in the training command."""
+    study = study_of(make_rig(law="gms"))
+    found = refine(study, start(study) | {"F_s": 217.0, "v_s": 2.5e-4})
+    assert found.values["F_s"] == pytest.approx(study.start["F_s"].value, rel=0.3)
+    assert "slow motions" in found.remark
+    ratios = errors_of(study, found.values) / errors_of(study, start(study))
+    assert ratios.max() < 1.2
+
+
+def test_as_published_the_winner_stays_and_its_worth_is_said(make_rig):
+    study = study_of(make_rig(law="gms"))
+    found = refine(study, start(study) | {"F_s": 217.0}, fitted=False)
+    assert found.chosen == "winner"
+    assert float(found.remark.split("up to ")[1].split()[0]) > 2.0
 
 
 def test_a_result_that_is_worse_at_slow_reversals_is_not_taken(make_rig):

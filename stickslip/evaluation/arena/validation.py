@@ -18,6 +18,7 @@ from stickslip.evaluation.arena.entrants import Entrant, Tuned
 from stickslip.evaluation.arena.metrics import ERROR, RECORDED, Trace, figures
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.divergence import require_bounded
 from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -104,6 +105,7 @@ def validate_changed(
     loop, step, starts = one.base(loop), sheet.encoder_step, min(starts, FEW)
     commands = {name: COMMANDS[name].scaled(factor) for name in (ROBUSTNESS, RESOLUTION)}
     sampled = {name: command.sample(loop.T_s) for name, command in commands.items()}
+    top = max(float(np.max(np.abs(v_cmd))) for v_cmd in sampled.values())
     errors: dict[str, list[float]] = {}
     with Course(fmus, loop, one, max(map(len, sampled.values())), RECORDED) as course:
         for label, (name, values) in changes.items():
@@ -111,6 +113,7 @@ def validate_changed(
                 start = {**values, "seed": k + 1, "x": place}
                 try:
                     run = course.run(tuned, sampled[name], start)
+                    require_bounded(run["drive.v"], top)
                 except cosim.SimulationError:
                     continue
                 trace = Trace.of(loop.T_s, sampled[name], run, step)
@@ -150,12 +153,14 @@ def _validate(
 ) -> None:
     sampled = {command.name: command.sample(loop.T_s) for command in commands}
     n = max(len(v_cmd) for v_cmd in sampled.values())
+    top = max(float(np.max(np.abs(v_cmd))) for v_cmd in sampled.values())
     with Course(fmus, loop, one, n, RECORDED) as course:
         for command in commands:
             v_cmd = sampled[command.name]
             for k, place in enumerate(_places(starts, encoder_step)):
                 try:
                     run = course.run(tuned, v_cmd, {"seed": k + 1, "x": place})
+                    require_bounded(run["drive.v"], top)
                 except cosim.SimulationError as error:
                     found.reason = found.reason or str(error)
                     continue

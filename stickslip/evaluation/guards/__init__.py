@@ -13,6 +13,7 @@ the compensator assumes.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 
@@ -140,8 +141,11 @@ def findings_of(
     share: float,
     standard_errors: Mapping[str, float],
 ) -> list[Finding]:
-    """Return what all guards find on a share of the feedforward of a variant, if it has a law."""
-    if benefit.variant.feedforward_model != FEEDFORWARD:
+    """Return what all guards find on a share of the feedforward of a variant.
+
+    They evaluate a law, in a loop that does not run away on the drive as fitted.
+    """
+    if benefit.variant.feedforward_model != FEEDFORWARD or benefit.fitted_ratio == math.inf:
         return []
     trial = Trial(
         bench.folder_of(bench.law.name),

@@ -33,6 +33,7 @@ from stickslip.identification.criteria.runs import Runs
 from stickslip.models import Law
 from stickslip.progress import steps
 from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.divergence import DIVERGED, require_bounded
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -203,6 +204,12 @@ class Benefit:
         where = f"at {1e3 * worst.speed:.3g} {self.unit}"
         if worst.command in MOVES:
             where = f"in {worst.command} of up to {1e3 * worst.speed:.3g} {self.unit}"
+        if not math.isfinite(worst.ratio):
+            return (
+                f"the simulated loop {where} on a drive with {worst.drive} runs away"
+                f" {'with the whole force' if math.isfinite(worst.without) else 'without it, too'}:"
+                f" its velocity exceeds {DIVERGED:g} times the largest commanded one"
+            )
         error = "position" if worst.figure == "position" else "tracking"
         factor, unit = self.shown(worst)
         return (
@@ -416,6 +423,7 @@ class _Runs(ExitStack):
             for command in bench.commands
         }
         self.bench, self.chain = bench, variant.chain
+        self.speed = max(command.speed for command in bench.commands)
         self.simulations: dict[str, Runs] = {}
         self.prepare(bench.law.name)
         self.each = self.simulations[bench.law.name].each
@@ -436,7 +444,7 @@ class _Runs(ExitStack):
     def errors(self, drive: Drive, command: Command, variant: Variant) -> Errors:
         """Return the RMS of v - v_cmd [m/s], or those of a cascade against its targets.
 
-        They are infinite when the run fails.
+        They are infinite when the run fails or the loop runs away.
         """
         targets = self.targets[command.name]
         values = in_loop({**self.axis, **drive.parameters})
@@ -445,6 +453,7 @@ class _Runs(ExitStack):
             result = self.simulations[drive.law].run(
                 values | variant.parameters, self.commands[command.name], until=until
             )
+            require_bounded(result["drive.v"], self.speed)
         except cosim.SimulationError:
             return (math.inf,) * len(targets)
         return tuple(

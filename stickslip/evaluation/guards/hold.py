@@ -19,6 +19,7 @@ from stickslip import cosim
 from stickslip.evaluation.guards.benefit import Bench, Variant
 from stickslip.evaluation.guards.family import Drive
 from stickslip.evaluation.guards.trial import Finding, axis_values, in_loop
+from stickslip.servo.divergence import require_bounded
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -104,6 +105,8 @@ def hunting_at_rest(found: Mapping[str, Hold], compensated: Variant, step: float
 
 def described(hold: Hold) -> str:
     """Return what a hold showed."""
+    if not np.isfinite(hold.swing):
+        return "at rest the position runs away"
     return (
         f"at rest the position swings by {1e6 * hold.swing:.3g} {hold.unit} with"
         f" {hold.reversals} reversals in {hold.duration:.3g} s"
@@ -118,12 +121,13 @@ def _held(bench: Bench, drive: Drive, variant: Variant) -> Hold:
     values = {**axis_values(loop, bench.datasheet), **drive.parameters}
     system.parameters |= in_loop(values)
     stop = (len(v_cmd) - 1) * loop.T_s
-    with system.prepare(step=loop.T_s, stop=stop, record=("drive.x",)) as simulation:
+    with system.prepare(step=loop.T_s, stop=stop, record=("drive.x", "drive.v")) as simulation:
         try:
-            x = simulation.run(variant.parameters, loop.commands(v_cmd))["drive.x"]
+            run = simulation.run(variant.parameters, loop.commands(v_cmd))
+            require_bounded(run["drive.v"], float(np.max(np.abs(v_cmd))))
         except cosim.SimulationError:
             return Hold(np.inf, 2, 0.5 * n * loop.T_s, drive.name)
-    halves = [x[begin + n // 2 : begin + n] for begin in begins]
+    halves = [run["drive.x"][begin + n // 2 : begin + n] for begin in begins]
     found = [
         Hold(float(np.ptp(half)), reversals(half, 0.5 * step), 0.5 * n * loop.T_s)
         for half in halves

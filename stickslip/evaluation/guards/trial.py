@@ -13,6 +13,7 @@ from stickslip import cosim
 from stickslip.catalog.parameters import friction_law
 from stickslip.models import Law
 from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.divergence import require_bounded
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Feed, paper_loop
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -80,7 +81,7 @@ class Run:
         return self.simulation.run(values, commands)["drive.v"]
 
     def error(self, compensator: Mapping[str, float] | None = None) -> float:
-        """Return the RMS of v - v_cmd [m/s]; infinite when the run fails.
+        """Return the RMS of v - v_cmd [m/s]; infinite when the run fails or the loop runs away.
 
         In a cascade, which may lag behind its command, it is that to the motion without friction.
         """
@@ -89,6 +90,7 @@ class Run:
             target, _ = loop.response(target)
         try:
             v = self.velocity(compensator)
+            require_bounded(v, float(np.max(np.abs(self.trial.v_cmd))))
         except cosim.SimulationError:
             return np.inf
         return float(np.sqrt(np.mean((v - target) ** 2)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,6 +16,7 @@ from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import measured_force, position_of
 from stickslip.identification.criteria.scaling import Scale
 from stickslip.logs import Recording
+from stickslip.servo.divergence import Diverged
 from stickslip.servo.measurement import Array
 
 
@@ -27,10 +29,10 @@ class GoodnessOfFit:
     force : of the inverse model, measured and predicted force low-passed alike
     force_unfiltered : the same, with the measured force as it is
     position, velocity, closed_loop_force : of the closed loop run with the recorded commands; NaN
-        when the controller is not known
+        when the controller is not known, or the loop runs away with it
+    simulated : (n,) position of the closed loop [m]; None in the same cases
     t : (n,) [s]
     measured, predicted : (n,) force, measured and predicted [N]; of the inverse model
-    simulated : (n,) position of the closed loop [m]; None when the controller is not known
     velocity_recorded : (n,) of the recorded motion, low-passed [m/s]
     """
 
@@ -39,10 +41,10 @@ class GoodnessOfFit:
     position: float
     velocity: float
     closed_loop_force: float
+    simulated: Array | None
     t: Array
     measured: Array
     predicted: Array
-    simulated: Array | None
     velocity_recorded: Array
 
     def errors(self) -> dict[str, float]:
@@ -83,39 +85,40 @@ def goodness_of_fit(
     used = inverse.used
     force = relative(measured[used], predicted[used])
     unfiltered = relative(raw[used], predicted[used])
-    nan = float("nan")
-    if gains is None or check is None:
-        return GoodnessOfFit(
-            force,
-            unfiltered,
-            nan,
-            nan,
-            nan,
-            recording.t,
-            measured,
-            predicted,
-            None,
-            inverse.motion.v,
-        )
+    loop = None
+    if gains is not None and check is not None:
+        loop = _closed_loop(fmus, recording, values, gains, check)
+    return GoodnessOfFit(
+        force,
+        unfiltered,
+        *(loop or (math.nan, math.nan, math.nan, None)),
+        recording.t,
+        measured,
+        predicted,
+        inverse.motion.v,
+    )
+
+
+def _closed_loop(
+    fmus: Path,
+    recording: Recording,
+    values: Values,
+    gains: Mapping[str, float],
+    check: ControllerCheck,
+) -> tuple[float, float, float, Array] | None:
+    """Return the relative errors of position, velocity and force, and the position (n,) [m]."""
     with KnownLoop(fmus, recording, gains) as loop:
-        result = loop.run({**values, "delay": max(values["delay"], 0.0)})
+        try:
+            result = loop.bounded({**values, "delay": max(values["delay"], 0.0)})
+        except Diverged:
+            return None
     simulated, position = result["candidate.x"], position_of(recording)
     velocity = [np.diff(signal) / recording.T_s for signal in (position, simulated)]
     commanded = np.append(result["controller.u"][1:], 0.0) + values["F_0"]
     n = len(commanded) - check.shift - 1
     logged = measured_force(recording)[check.shift : check.shift + n]
-    return GoodnessOfFit(
-        force,
-        unfiltered,
-        relative(position, simulated),
-        relative(*velocity),
-        relative(logged, commanded[:n]),
-        recording.t,
-        measured,
-        predicted,
-        simulated,
-        inverse.motion.v,
-    )
+    errors = relative(position, simulated), relative(*velocity), relative(logged, commanded[:n])
+    return *errors, simulated
 
 
 def relative(recorded: Array, modelled: Array) -> float:

@@ -18,6 +18,7 @@ from stickslip.identification.criteria.closing import Closing
 from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.criteria.runs import Runs
 from stickslip.logs import Recording
+from stickslip.servo.divergence import require_bounded
 from stickslip.servo.measurement import Array
 
 SHORTEST_LAG = 1e-7  # that the drive FMU takes [s]
@@ -69,6 +70,7 @@ class KnownLoop(Closing):
         system.connect("controller.u", "candidate.u")
         system.connect("candidate.x_enc", "controller.x_enc")
         self._inputs = {"F_ff": np.zeros_like(recording.t), **recording.controller_inputs}
+        self._speed = _top_speed(recording)
         for name in self._inputs:
             system.expose(name, f"controller.{name}")
         specification = cosim.Specification(
@@ -112,9 +114,34 @@ class KnownLoop(Closing):
         F_ff = self._inputs["F_ff"] + self._memory - values["F_0"] + feedforward
         return self._runs.run(parameters, {**self._inputs, "F_ff": F_ff})
 
+    def bounded(
+        self,
+        values: Values,
+        further: Mapping[str, float] | None = None,
+        feedforward: Array | float = 0.0,
+    ) -> cosim.Result:
+        """Do what ``run`` does, for figures that are shown.
+
+        Raises
+        ------
+        Diverged
+            When the drive runs away from its command.
+        """
+        result = self.run(values, further, feedforward)
+        require_bounded(result["candidate.v"], self._speed)
+        return result
+
     def close(self) -> None:
         """Free the FMUs."""
         self._runs.close()
+
+
+def _top_speed(recording: Recording) -> float:
+    """Return the largest speed of the commands and of the motion [m/s]."""
+    rates = [np.diff(position_of(recording)) / recording.T_s]
+    if "v_cmd" in recording.controller_inputs:
+        rates.append(recording.controller_inputs["v_cmd"])
+    return max(float(np.max(np.abs(rate))) for rate in rates)
 
 
 def candidate(values: Values) -> dict[str, float]:

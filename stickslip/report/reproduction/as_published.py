@@ -30,7 +30,7 @@ from stickslip.servo.measurement import Array
 from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.coarse_start import SPREAD
 from stickslip.tuning.published.readings import ERRORS, WholeStudy, summary, worse
-from stickslip.tuning.published.study import PAPER_COST, Published
+from stickslip.tuning.published.study import PAPER_COST, Published, worth
 
 FIG5, OUTCOMES = FIGURES = ("fig5_as_published", "as_published")
 """Names of the figures of the section."""
@@ -76,7 +76,7 @@ def study_section(study: WholeStudy, drive: Mapping[str, float]) -> Section:
         ),
         _outcomes(published),
         *_learned(published),
-        _criticism(published),
+        _criticism(study),
         *_readings(study),
     )
 
@@ -185,14 +185,15 @@ def _learned(published: Published) -> tuple[Html, Html]:
     )
 
 
-def _criticism(published: Published) -> Html:
-    frame = published.table4()
-    seeds = len(published.seeds)
+def _criticism(study: WholeStudy) -> Html:
+    frame = study.published.table4()
+    seeds = len(study.published.seeds)
     count = round(worse(frame[frame["velocity"] == "measured"]) * seeds)
     return paragraph(
         f"In {count} of {seeds} seeds the trapezoid, which learning does not use, is followed "
         "worse with the learned parameters than with the coarse start (by $E_{rms}$ of both "
-        "regions together), although the cost of the training command fell.",
+        "regions together), although the cost of the training command fell. Moreover, "
+        f"{worth(study.slow)}.",
     )
 
 

@@ -90,23 +90,21 @@ def _course(reproduction: Reproduction) -> Html:
         f"{number(algorithm.best.cost, 3)} m²/s². "
     )
     if not reproduction.options.refined:
-        text += f"Run again {learned.runs} times, the winner costs {number(learned.cost, 3)} m²/s²."
+        text += f"Run again {learned.runs} times, the winner costs {number(learned.cost, 3)} m²/s²"
     elif learned.accepted:
         text += (
-            "A least-squares fit then combined repeated runs of the training command and of its "
-            "mirror image with the start values as a prior; its result costs "
+            "A least-squares fit then combined repeated runs of the training command, of its "
+            "mirror image and of slow motions with the start values as a prior; its result costs "
             f"{number(learned.cost, 3)} m²/s² in a typical run ({learned.runs} more runs of the "
             "drive). The best of many candidates owes part of its low cost to chance, so the "
-            "typical run of the refined parameters may cost a little more."
+            "typical run of the refined parameters may cost a little more"
         )
     else:
-        kept = "start values are kept" if learned.chosen == "start" else "winner is kept"
         text += (
-            "A least-squares fit was tried and cost more on the drive, over the training command "
-            f"and its mirror image, so the {kept}, at "
-            f"{number(learned.cost, 3)} m²/s² in a typical run ({learned.runs} more runs)."
+            "A least-squares fit was tried and was worse on the drive, so the start values are "
+            f"kept, at {number(learned.cost, 3)} m²/s² in a typical run ({learned.runs} more runs)"
         )
-    return paragraph(text)
+    return paragraph(f"{text}: {learned.remark}.")
 
 
 def _settings(reproduction: Reproduction) -> Html:

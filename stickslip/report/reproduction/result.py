@@ -58,7 +58,7 @@ def _refined(reproduction: Reproduction) -> str:
         return "; no search followed this first generation, since a search would gain nothing"
     if reproduction.refinement.accepted:
         return ", and a least-squares fit refined the winner"
-    return "; a least-squares fit of the winner did not do better and was not taken"
+    return "; a least-squares fit of the winner was worse and was not taken"
 
 
 def _drive(reproduction: Reproduction) -> Html:

@@ -9,13 +9,14 @@ from functools import partial
 import pandas as pd
 
 from stickslip.evaluation.motion_study import (
-    IDENTIFIED,
     LEARNED,
     SEEN,
     UNCOMPENSATED,
     WEAK_ENTRIES,
     MotionStudy,
     by_motion,
+    error_name,
+    limits,
     unseen,
 )
 from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS
@@ -24,7 +25,7 @@ from stickslip.pipeline.reproduction import Reproduction
 from stickslip.pipeline.steps import FILTERED, REDUCTION_WITH_FILTER, STEPS
 from stickslip.report.markup import Html, element, join, paragraph, table
 from stickslip.report.page import Illustration, Section
-from stickslip.report.quantity import METRICS, number, percent, symbol
+from stickslip.report.quantity import METRICS, SPACE, number, percent, symbol
 from stickslip.report.reproduction.curves import draw_motions, draw_steps, draw_tracking
 from stickslip.servo.measurement import CUTOFF
 from stickslip.servo.paper_commands import REGION, VALIDATION
@@ -233,16 +234,11 @@ def motions_section(reproduction: Reproduction) -> Section | None:
     )
 
 
-def _name(row: Mapping[Hashable, object]) -> str:
-    region = str(row["region"]).replace("um", "µm")
-    return f"{str(row['motion']).capitalize()}, {region}, {SHOWN[str(row['metric'])]}"
-
-
 def _errors(study: MotionStudy, motion: Hashable, frame: pd.DataFrame) -> Html:
     """Return the table of one motion: each error of the measured motion, and of the true one."""
     rows = [
         (
-            _name(row),
+            error_name(row, SHOWN).replace(" um,", " µm,"),
             row["velocity"],
             row["unit"].replace("um", "µm"),
             *(f"{row[name]:.3f}" for name in study.names),
@@ -261,31 +257,11 @@ def _errors(study: MotionStudy, motion: Hashable, frame: pd.DataFrame) -> Html:
 
 def _limits(slow: pd.DataFrame) -> Html:
     """Return where compensation gains little, and where it makes the error larger."""
-    left = slow[LEARNED] / slow[UNCOMPENSATED]
-    worse, little = (
-        "; ".join(
-            f"{_name(row)}, {row['velocity']} ({percent(row[LEARNED] / row[UNCOMPENSATED], 0)})"
-            for row in slow[found].to_dict("records")
-        )
-        for found in (left > 1.0, (left > 0.5) & (left <= 1.0))
+    text = limits(slow, SHOWN).replace(" um,", " µm,").replace(" %", f"{SPACE}%")
+    return paragraph(
+        f"{text}. The true velocity holds the loop’s response to each encoder step as well, which "
+        "no compensator removes."
     )
-    text = "The learned compensator makes none of these errors larger. "
-    if worse:
-        text = f"The learned compensator makes these errors larger: {worse}. "
-    if little:
-        text += f"It leaves more than half of these: {little}. "
-    text += (
-        "The true velocity holds the loop’s response to each encoder step as well, which no "
-        "compensator removes."
-    )
-    if IDENTIFIED in slow:
-        change = slow[LEARNED] / slow[IDENTIFIED]
-        text += (
-            f" Of these {len(slow)} errors, those of the learned compensator are larger than those "
-            f"of the identified one by more than a tenth in {int((change > 1.1).sum())}, and "
-            f"smaller by more than a tenth in {int((change < 0.9).sum())}."
-        )
-    return paragraph(text)
 
 
 def _sensitivity(shown: pd.DataFrame) -> tuple[Html, Html, Html]:

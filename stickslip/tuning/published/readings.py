@@ -24,9 +24,15 @@ from stickslip.servo.measurement import Array, smoothed
 from stickslip.servo.paper_commands import REGION, VALIDATION
 from stickslip.servo.systems import Feed
 from stickslip.tuning.learning import repair
-from stickslip.tuning.published.study import PAPER_COST, Method, Published, learn_as_published
+from stickslip.tuning.published.study import (
+    PAPER_COST,
+    Method,
+    Published,
+    learn_as_published,
+    slow_motions,
+)
 
-TABLES = ("fitness", "table4", "learned", "readings", "readings_evaluation")
+TABLES = ("fitness", "table4", "learned", "readings", "readings_evaluation", "slow_motions")
 """The names of the study's tables, as which they are written."""
 ABSOLUTE_STEP = 1e-4
 
@@ -265,15 +271,17 @@ class WholeStudy:
     ----------
     published : our reading, all seeds
     readings : a row for each other reading that learns in another way, see ``learning_row``
+    slow : what ``slow_motions`` returns
     """
 
     published: Published
     readings: pd.DataFrame
+    slow: pd.DataFrame
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """Return all tables by the names of ``TABLES``."""
-        ours = self.published
-        found = (ours.fitness(), ours.table4(), ours.learned(), self.readings, self.evaluations)
+        ours, read = self.published, (self.readings, self.evaluations)
+        found = (ours.fitness(), ours.table4(), ours.learned(), *read, self.slow)
         return dict(zip(TABLES, found, strict=True))
 
     @property
@@ -324,4 +332,6 @@ def study_as_published(
     with Threads(workers) as threads:
         rows = threads.each(row, READINGS if reading_seeds else ())
     columns = list(learning_row(READINGS[0], ours, ours))  # a table also where nothing is in it
-    return WholeStudy(ours, pd.DataFrame(rows, columns=columns))
+    on_stage("slow motions")
+    slow = slow_motions(rig, identification.loop, ours)
+    return WholeStudy(ours, pd.DataFrame(rows, columns=columns), slow)

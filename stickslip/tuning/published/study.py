@@ -14,7 +14,8 @@ import pandas as pd
 
 from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, UNITS
-from stickslip.evaluation.motions import windows
+from stickslip.evaluation.comparison import Entry, evaluate
+from stickslip.evaluation.motions import SLOW_MOTIONS, windows
 from stickslip.evaluation.validation import Run, Validation, run_command
 from stickslip.fmi.process import Threads
 from stickslip.ga.problem.problem import Repair
@@ -181,6 +182,39 @@ def learn_as_published(
         cost_without = cost(np.array([identified[name].value for name in LUGRE]))
     without = run_command(rig, loop, None, trapezoid, method.feed)
     return Published(method, runs, without, cost_without)
+
+
+def slow_motions(rig: FmuRig, loop: VelocityLoop, published: Published) -> pd.DataFrame:
+    """Return RMS errors of the true velocity [mm/s] in slow motions, which the cost hardly shows.
+
+    Columns seed, motion, region, ``without``, ``start`` and ``with``, as in ``Published.table4``.
+    """
+    own = {"delta": published.method.delta}
+    entries = {"without": Entry(loop)}
+    for one in published.seeds:
+        entries[f"start {one.seed}"] = Entry(loop, {**one.start, **own})
+        entries[f"with {one.seed}"] = Entry(loop, {**one.learned, **own})
+    found = evaluate(rig, entries, published.method.feed, SLOW_MOTIONS).table()
+    found = found[(found["metric"] == "E_rms") & (found["velocity"] == "true")]
+    tables = []
+    for one in published.seeds:
+        table = found[["motion", "region", "without"]].copy()
+        table.insert(0, "seed", one.seed)
+        tables.append(table.assign(**{n: found[f"{n} {one.seed}"] for n in ("start", "with")}))
+    return pd.concat(tables, ignore_index=True)
+
+
+def worth(slow: pd.DataFrame) -> str:
+    """Return what the learned compensators are worth in ``slow_motions``, as a sentence."""
+    ratios = slow.assign(start=slow["with"] / slow["start"], without=slow["with"] / slow["without"])
+    worst = ratios.groupby("seed")[["start", "without"]].max()
+    return (
+        f"in slow motions the learned compensators leave at worst {worst['start'].median():.3g} "
+        f"times the error of their start in the median of seeds, up to {worst['start'].max():.3g}, "
+        f"and in {int((worst['without'] > 1.0).sum())} of {len(worst)} seeds more than no "
+        f"compensation, up to {worst['without'].max():.3g} times: the cost does not show F_s and "
+        "v_s, and nothing else decides what is kept"
+    )
 
 
 def side_by_side(

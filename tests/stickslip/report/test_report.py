@@ -157,7 +157,11 @@ def published_study():
         )
     published = Published(Method(), tuple(seeds), v.without, 0.0221)
     rows = [learning_row(reading, published, published) for reading in READINGS]
-    return WholeStudy(published, pd.DataFrame(rows))
+    slow = pd.DataFrame(
+        {"seed": range(4), "motion": "creep", "region": "0.1 mm/s"}
+        | {"without": 0.2, "start": 0.1, "with": [0.05, 0.1, 0.3, 0.15]}
+    )
+    return WholeStudy(published, pd.DataFrame(rows), slow)
 
 
 def made(

@@ -1,0 +1,41 @@
+"""A simulated loop that runs away from its command: its run has failed, and gives no figures."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stickslip import cosim
+from stickslip.servo.measurement import Array
+
+DIVERGED = 10.0
+"""Peak of a simulated velocity above which a loop has run away, over the largest commanded one.
+
+A loop that follows its command, or sticks and slips on it, stays below 4; one that does not passes
+10 within some tens of samples.
+"""
+
+
+class Diverged(cosim.SimulationError):
+    """A simulated drive ran away from its command."""
+
+
+def require_bounded(v: Array, speed: float) -> None:
+    """Raise where a simulated velocity is not finite, or far beyond what was commanded.
+
+    Parameters
+    ----------
+    v : (n,) of the drive [m/s]
+    speed : the largest one that is commanded, at any time of the trial [m/s]
+
+    Raises
+    ------
+    Diverged
+        When it has run away.
+    """
+    peak = float(np.max(np.abs(v)))
+    if not peak <= DIVERGED * speed:
+        raise Diverged(
+            f"the simulated loop runs away: its velocity exceeds {DIVERGED:g} times the largest "
+            "commanded one; expected a loop that is stable with these gains; check their units and "
+            "signs, the delay and the mass"
+        )
