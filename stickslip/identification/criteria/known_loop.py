@@ -138,7 +138,8 @@ class KnownLoop(Closing):
 
 def _top_speed(recording: Recording) -> float:
     """Return the largest speed of the commands and of the motion [m/s]."""
-    rates = [np.diff(position_of(recording)) / recording.T_s]
+    places = (position_of(recording), recording.position_command)
+    rates = [np.diff(place) / recording.T_s for place in places if place is not None]
     if "v_cmd" in recording.controller_inputs:
         rates.append(recording.controller_inputs["v_cmd"])
     return max(float(np.max(np.abs(rate))) for rate in rates)
