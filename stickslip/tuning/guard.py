@@ -76,7 +76,7 @@ def relative_errors(motion: Motion, v_cmd: Array, gaps: Array, T_s: float) -> di
     v_cmd : (n,) command [m/s]
     gaps : (runs, n) v - v_r [m/s]
     """
-    t = np.arange(len(v_cmd)) * T_s
+    t = np.asarray(np.arange(len(v_cmd)) * T_s)
     shares: dict[str, list[float]] = {}
     for region, spans in motion.regions.items():
         inside = [covered(t, [span]) for span in spans]

@@ -55,7 +55,7 @@ def test_the_loop_of_a_log_that_runs_away_has_neither_motion_nor_errors(gains):
     force = AXIS.m * np.gradient(v, t) + AXIS.b * v + PAPER["F_c"] * np.sign(v)
     recording = Recording(t, position, force=force, velocity_command=v, encoder_step=1e-7)
     gains = {**gains, "tau_f": LOOP.tau_f, "T_s": LOOP.T_s}
-    check = ControllerCheck(gains, 0, 0.0, 1.0, force)
+    check = ControllerCheck(force, 0.0, 0, gains)
     with candidate_fmus() as fmus, InverseModel(fmus, recording) as inverse:
         found = goodness_of_fit(fmus, recording, inverse, VALUES, gains, check)
         with pytest.raises(Diverged):

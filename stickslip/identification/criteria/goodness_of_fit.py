@@ -30,9 +30,9 @@ class GoodnessOfFit:
     force_unfiltered : the same, with the measured force as it is
     position, velocity, closed_loop_force : of the closed loop run with the recorded commands; NaN
         when the controller is not known, or the loop runs away with it
-    simulated : (n,) position of the closed loop [m]; None in the same cases
     t : (n,) [s]
     measured, predicted : (n,) force, measured and predicted [N]; of the inverse model
+    simulated : (n,) position of the closed loop [m]; None in the same cases
     velocity_recorded : (n,) of the recorded motion, low-passed [m/s]
     """
 
@@ -41,10 +41,10 @@ class GoodnessOfFit:
     position: float
     velocity: float
     closed_loop_force: float
-    simulated: Array | None
     t: Array
     measured: Array
     predicted: Array
+    simulated: Array | None
     velocity_recorded: Array
 
     def errors(self) -> dict[str, float]:
@@ -85,16 +85,22 @@ def goodness_of_fit(
     used = inverse.used
     force = relative(measured[used], predicted[used])
     unfiltered = relative(raw[used], predicted[used])
-    loop = None
+    position = velocity = closed_loop_force = math.nan
+    simulated = None
     if gains is not None and check is not None:
-        loop = _closed_loop(fmus, recording, values, gains, check)
+        found = _closed_loop(fmus, recording, values, gains, check)
+        if found is not None:
+            position, velocity, closed_loop_force, simulated = found
     return GoodnessOfFit(
         force,
         unfiltered,
-        *(loop or (math.nan, math.nan, math.nan, None)),
+        position,
+        velocity,
+        closed_loop_force,
         recording.t,
         measured,
         predicted,
+        simulated,
         inverse.motion.v,
     )
 
