@@ -16,6 +16,7 @@ from stickslip.logs.finding import Finding
 from stickslip.logs.grid import runs
 from stickslip.logs.motion import kinematics
 from stickslip.logs.recording import Recording
+from stickslip.logs.steps import step_of
 from stickslip.servo.measurement import Array, smoothed
 
 FLAT = 0.02
@@ -25,8 +26,8 @@ STATED = 0.995
 SHORTEST = 3
 """Samples at an extreme."""
 MORE = 0.05
-"""Share of the extreme by which more is asked for; a loop without a limit has 0 where its force
-stays equal, and noise of the force is less than ``FLAT``."""
+"""Share of the extreme by which more is asked for, beyond a step of a coarse converter; a loop
+without a limit has 0 where its force stays equal."""
 SELDOM = 0.002
 """Share of the samples at a limit up to which it is not reported."""
 
@@ -43,16 +44,17 @@ def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
         force = getattr(recording, name)
         if force is None:
             continue
-        marked = np.zeros(len(force), dtype=bool)
+        marked, step = np.zeros(len(force), dtype=bool), step_of(force)
         for sign in (1.0, -1.0):
             one = sign * force
             most = float(np.quantile(one, 0.999))
             level = STATED * limit if limit else (1.0 - FLAT) * most
             if level > 0.0:
                 demand = _demand(recording, name, sign, one < level, level)
+                least = MORE * level + step
                 for begin, end in runs(one >= level):
-                    if end - begin >= SHORTEST and _more(demand, begin, end, level, limit):
-                        marked[begin:end] = True
+                    more = _more(*demand, begin, end, level) > least if demand else bool(limit)
+                    marked[begin:end] |= more and end - begin >= SHORTEST
         most, share = float(np.max(np.abs(force))), float(np.mean(marked))
         if share > (0.0 if limit else SELDOM):
             advice = "there it does not follow its command; log a gentler motion"
@@ -65,40 +67,42 @@ def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
             yield Finding("warning", what, figure, advice, spoils="values")
 
 
-def _more(demand: Array | None, begin: int, end: int, level: float, limit: float | None) -> bool:
-    """Tell whether more is asked for in samples begin to end, or, at a stated limit, nothing is."""
-    if demand is None:
-        return limit is not None
-    return float(np.max(demand[begin:end]) - demand[begin]) > MORE * level or bool(
-        np.mean(demand[begin:end]) > (1.0 + MORE) * level
-    )
+def _more(demand: Array, changes: bool, begin: int, end: int, level: float) -> float:
+    """Return how much more [N] is asked for in samples begin to end than the force there."""
+    part = demand[begin:end]
+    return float(np.max(part) - part[0] if changes else np.mean(part) - level)
 
 
 def _demand(
     recording: Recording, name: str, sign: float, free: NDArray[np.bool_], level: float
-) -> Array | None:
+) -> tuple[Array, bool] | None:
     """Return the force (n,) that is asked for in one direction [N], None if no command is known.
 
-    Without a force command it is that which the error of the motion adds in a loop whose gain the
-    rest of the log shows.
+    Without a force command it is that of a velocity loop, or of a cascade where the position was
+    commanded, whose gains the rest of the log shows. Only its changes are known then: the second
+    value.
     """
     force = sign * getattr(recording, name)
     command = recording.force_command
     if name == "force" and command is not None:
         large = free & (np.abs(force) > 0.3 * level)
         ratio = float(np.median(sign * command[large] / force[large])) if large.any() else 1.0
-        return np.asarray(sign * command / (ratio if ratio > 0.0 else 1.0))
+        return np.asarray(sign * command / (ratio if ratio > 0.0 else 1.0)), False
     motion = kinematics(recording)
     if recording.velocity_command is not None:
-        wanted, shown = recording.velocity_command, motion.v
+        wanted, shown, more = recording.velocity_command, motion.v, []
     elif recording.position_command is not None:
-        wanted, shown = recording.position_command, motion.x
+        wanted, shown, more = recording.position_command, motion.x, [motion.v]
     else:
         return None
-    error = sign * (smoothed(wanted, recording.T_s, motion.cutoff) - shown)
+    error = smoothed(wanted, recording.T_s, motion.cutoff) - shown
+    terms = sign * np.column_stack([error, *more])
     reach = max(1, round(0.5 / (motion.cutoff * recording.T_s)))
-    rise = smoothed(force, recording.T_s, motion.cutoff)
-    rise, change = rise[reach:] - rise[:-reach], error[reach:] - error[:-reach]
+    smooth = smoothed(force, recording.T_s, motion.cutoff)
     used = free[reach:] & free[:-reach]
-    gain = float(rise[used] @ change[used]) / max(float(change[used] @ change[used]), 1e-300)
-    return np.asarray(max(gain, 0.0) * error)
+    changes = terms[reach:] - terms[:-reach]
+    rise = (smooth[reach:] - smooth[:-reach])[used]
+    gains = np.linalg.lstsq(changes[used], rise, rcond=None)[0]
+    if gains[0] <= 0.0 or np.any(gains[1:] > 0.0):  # those of no loop
+        return np.zeros_like(force), True
+    return np.asarray(terms @ gains), True

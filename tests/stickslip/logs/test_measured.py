@@ -60,3 +60,11 @@ def test_tribometer(tribometer):
     findings = "\n".join(map(str, (*reading.findings, *check_recording(recording))))
     assert "regular clock, rounded: a row each 0.005 s, in steps of 0.001 s" in findings
     assert "99 velocity reversals" in findings
+
+
+def test_sound_logs_neither_saturate_nor_jump(emps, tribometer):
+    """The peaks of the force of EMPS are rounded, not cut off."""
+    for path, name in ((emps, "emps.toml"), (tribometer, "tribometer.toml")):
+        reading = read_recording(path, load_description(LOGS / name))
+        found = (*reading.findings, *check_recording(reading.recording, reading.controller))
+        assert not any(finding.spoils for finding in found)
