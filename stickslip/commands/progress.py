@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from stickslip import ga
     from stickslip.cosim.signals.signals import Array
+    from stickslip.identification.criteria.scaling import Scale
 
 
 LEVELS = "▁▂▃▄▅▆▇█"
@@ -79,17 +80,18 @@ class TerminalProgress:
         tqdm.write(f"{done} of {of}: {what}", file=self._stream)
         self._draw(rows or {})
 
-    def generation(self, algorithm: ga.Optimiser) -> None:
-        """Move the bar on."""
-        cost = f"best cost {algorithm.best.cost:.3g}"
+    def generation(self, algorithm: ga.Optimiser, scale: Scale | None = None) -> None:
+        """Move the bar on; a search with a scale has sums of squared forces as its cost."""
+        lowest = algorithm.best.cost / (scale.of("F_c") ** 2 if scale else 1.0)
+        cost = f"best cost {lowest:.3g}"
         if (generations := algorithm.limits.generations) is not None:
             self.move(algorithm.generation, generations, "generation", cost)
         else:
             self.move(algorithm.evaluations, algorithm.limits.evaluations, "candidate", cost)
         if self._live:
-            self._draw(self._of_search(algorithm))
+            self._draw(self._of_search(algorithm, scale))
 
-    def _of_search(self, algorithm: ga.Optimiser) -> dict[str, Row]:
+    def _of_search(self, algorithm: ga.Optimiser, scale: Scale | None) -> dict[str, Row]:
         """Return the cost, and each parameter's spread in this generation and beside the first."""
         history = algorithm.history
         latest = history[history["generation"] == algorithm.generation]
@@ -100,6 +102,7 @@ class TerminalProgress:
                 self._begun[name] = high - low
             begun = self._begun.get(name, 0.0)
             share = min(1.0, (high - low) / begun) if begun else 0.0
+            value, low, high = np.array([value, low, high]) / (scale.of(name) if scale else 1.0)
             rows[name] = share, f"{value:.5g}, half of the candidates in {low:.4g} .. {high:.4g}"
         return rows
 

@@ -43,7 +43,7 @@ def _document(drive: Drive, seed: int, on_stage: OnStage) -> dict[str, Any]:
     else:
         with rig_of(drive.source.changes) as rig:
             learned = learn_from_recording(
-                rig, seed, Search(), on_stage, lambda _: on_stage("searching")
+                rig, seed, Search(), on_stage, lambda *_: on_stage("searching")
             )
         document = recording_document(learned)
     return document | {"findings": [str(finding) for finding in learned.findings]}

@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from stickslip import ga
 from stickslip.cosim import Trapezoid
 from stickslip.cosim.display import html_table
 from stickslip.evaluation.guards import Benefit, Drive, Hold
@@ -22,6 +21,7 @@ from stickslip.evaluation.tracking import Tracking
 from stickslip.identification.estimation import (
     CriterionName,
     Estimation,
+    OnGeneration,
     Search,
     Task,
     candidate_fmus,
@@ -331,7 +331,7 @@ def learn_recording(
     seeds: int = 1,
     search: Search | None = None,
     on_stage: Callable[[str], object] = lambda _: None,
-    on_generation: Callable[[ga.Optimiser], object] = lambda _: None,
+    on_generation: OnGeneration = lambda *_: None,
 ) -> LearnedFromRecording:
     """Estimate a drive from a recording and design its loops.
 

@@ -9,12 +9,11 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from stickslip import ga
 from stickslip.identification.controller.controller_check import check_controller
 from stickslip.identification.criteria.candidate_fmus import candidate_fmus
 from stickslip.identification.criteria.motion import against_motion
 from stickslip.identification.criteria.scaling import recording_scale
-from stickslip.identification.estimation import CriterionName, Search
+from stickslip.identification.estimation import CriterionName, OnGeneration, Search
 from stickslip.logs import (
     Description,
     Finding,
@@ -92,7 +91,7 @@ def learn(
     absent: Sequence[str] = (),
     on_findings: Callable[[Iterable[Finding]], object] = lambda _: None,
     on_stage: Callable[[str], object] = lambda _: None,
-    on_generation: Callable[[ga.Optimiser], object] = lambda _: None,
+    on_generation: OnGeneration = lambda *_: None,
 ) -> LearnedFromRecording:
     """Learn a drive from a log of it, or on a rig; options are those of ``estimation.Task``.
 

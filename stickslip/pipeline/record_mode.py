@@ -14,9 +14,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from stickslip import ga
 from stickslip.evaluation.attribution import attribute
-from stickslip.identification.estimation import Estimation, Search
+from stickslip.identification.estimation import Estimation, OnGeneration, Search
 from stickslip.logs import check_recording
 from stickslip.pipeline.learned import LearnedFromRecording, Loops, learn_recording
 from stickslip.pipeline.recorded import gains_of, record_drive
@@ -66,7 +65,7 @@ def learn_from_recording(
     seed: int,
     search: Search,
     on_stage: Callable[[str], object],
-    on_generation: Callable[[ga.Optimiser], object],
+    on_generation: OnGeneration,
 ) -> LearnedFromRecording:
     """Record a drive once, learn from the recording and design the loops.
 

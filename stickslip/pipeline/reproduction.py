@@ -19,6 +19,7 @@ from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.evaluation.motion_study import MotionStudy
 from stickslip.evaluation.validation import Validation, validate
+from stickslip.identification.criteria.scaling import Scale
 from stickslip.identification.stages import Estimate, Identification
 from stickslip.pipeline.learned import Learned
 from stickslip.pipeline.rig_learning import learn_on_rig
@@ -71,8 +72,8 @@ class Progress(Protocol):
     def stage(self, name: str) -> None:
         """Begin a stage."""
 
-    def generation(self, algorithm: ga.Optimiser) -> None:
-        """One more generation of candidates is done."""
+    def generation(self, algorithm: ga.Optimiser, scale: Scale | None = None) -> None:
+        """One more generation of candidates is done; their values have a scale, or are in SI."""
 
 
 @dataclass(frozen=True)

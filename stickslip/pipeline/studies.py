@@ -12,6 +12,7 @@ from stickslip import ga, models
 from stickslip.evaluation.comparison import evaluate
 from stickslip.evaluation.motion_study import study_motions
 from stickslip.fmi.errors import Fault
+from stickslip.identification.criteria.scaling import Scale
 from stickslip.identification.estimation import Search
 from stickslip.identification.stages import Identification
 from stickslip.pipeline.datasheet_errors import vary_datasheet
@@ -169,5 +170,5 @@ class _Named:
     def stage(self, name: str) -> None:
         self.progress.stage(f"all extras on: {name}")
 
-    def generation(self, algorithm: ga.Optimiser) -> None:
-        self.progress.generation(algorithm)
+    def generation(self, algorithm: ga.Optimiser, scale: Scale | None = None) -> None:
+        self.progress.generation(algorithm, scale)

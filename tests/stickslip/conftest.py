@@ -30,7 +30,7 @@ class Quiet:
     def stage(self, name):
         pass
 
-    def generation(self, algorithm):
+    def generation(self, algorithm, scale=None):
         pass
 
 

@@ -13,6 +13,7 @@ from fmpy import read_model_description
 from stickslip import ga
 from stickslip.cli import main
 from stickslip.commands.progress import TerminalProgress, spread_of
+from stickslip.identification.criteria.scaling import Scale
 from stickslip.identification.estimation import Search
 from stickslip.progress import shown_by, steps
 from stickslip.report.page import Picture
@@ -116,11 +117,13 @@ def test_a_live_view_shows_cost_parameters_and_the_remaining_time(monkeypatch):
         progress.stage("searching")
         ga.learn(
             ga.GeneticAlgorithm(genes, seed=1, limits=ga.Limits(generations=6)),
-            lambda values: float(1e-6 + np.log(values[0] / 3.0) ** 2),
-            on_generation=progress.generation,
+            lambda values: float(1e-6 + 1e-9 * np.log(values[0] / 3.0) ** 2),
+            on_generation=lambda search: progress.generation(search, Scale(force=100.0)),
         )
     shown = stream.getvalue()
     assert "6/6 [00:0" in shown
+    assert re.search(r"  F_c .*0\.03\d*, half", shown)  # the search saw 3, of a unit 0.01
+    assert "best cost 1e-10" in shown  # 1e-6 of that unit squared
     for name in ("F_c", "v_s"):
         assert re.search(rf"  {name} +\|.*half of the candidates in [\d.e-]+ \.\. [\d.e-]+", shown)
     blocks = re.findall(r"  cost .*?([▁▂▃▄▅▆▇█]+)", shown)

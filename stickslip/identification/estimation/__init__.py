@@ -1,7 +1,12 @@
 """Estimation from one recording: values, intervals, and identifiability."""
 
 from stickslip.identification.criteria.candidate_fmus import candidate_fmus
-from stickslip.identification.estimation.estimation import CriterionName, Estimation, Task
+from stickslip.identification.estimation.estimation import (
+    CriterionName,
+    Estimation,
+    OnGeneration,
+    Task,
+)
 from stickslip.identification.estimation.learn import learn
 from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.search import Search
@@ -10,6 +15,7 @@ __all__ = [
     "CriterionName",
     "Estimation",
     "Identifiability",
+    "OnGeneration",
     "Search",
     "Task",
     "candidate_fmus",

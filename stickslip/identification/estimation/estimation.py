@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -25,6 +25,8 @@ from stickslip.logs import Finding, Recording
 from stickslip.models import Law
 
 CriterionName = Literal["auto", "output error", "inverse model"]
+OnGeneration = Callable[[ga.Optimiser, Scale], object]
+"""Called after each generation with the search, and the scale of its values."""
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,12 @@ from stickslip.identification.criteria.motion import against_motion, measured_fo
 from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.criteria.scaling import Scale, recording_scale
 from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
-from stickslip.identification.estimation.estimation import Estimation, Task, restored
+from stickslip.identification.estimation.estimation import (
+    Estimation,
+    OnGeneration,
+    Task,
+    restored,
+)
 from stickslip.identification.estimation.faults import (
     MODEL_ERROR,
     change_of_friction,
@@ -75,7 +80,7 @@ BIAS_ERROR = 0.12
 def learn(
     task: Task,
     on_stage: Callable[[str], object] = lambda _: None,
-    on_generation: Callable[[ga.Optimiser], object] | None = None,
+    on_generation: OnGeneration = lambda *_: None,
 ) -> Estimation:
     """Learn the parameters of the drive that made a recording.
 
@@ -93,7 +98,7 @@ def learn(
     scaled = replace(task, recording=scale.recording(task.recording), gains=gains)
     # Sums that are split over threads round differently, and a search amplifies that.
     with threadpool_limits(limits=1, user_api="blas"):
-        estimation = _learn(scaled, scale, on_stage, on_generation)
+        estimation = _learn(scaled, scale, on_stage, lambda one: on_generation(one, scale))
     return restored(estimation, scale)
 
 
@@ -101,7 +106,7 @@ def _learn(
     task: Task,
     scale: Scale,
     on_stage: Callable[[str], object],
-    on_generation: Callable[[ga.Optimiser], object] | None,
+    on_generation: Callable[[ga.Optimiser], object],
 ) -> Estimation:
     recording, check = task.recording, None
     if task.gains is not None:
@@ -218,7 +223,7 @@ def _search(
     task: Task,
     inverse: InverseModel,
     start: Start,
-    on_generation: Callable[[ga.Optimiser], object] | None,
+    on_generation: Callable[[ga.Optimiser], object],
 ) -> tuple[Fit, pd.DataFrame, ga.Optimiser]:
     """Search with each seed, finish each locally, and return the best with a table of all."""
     fits, algorithms, rows = [], [], []

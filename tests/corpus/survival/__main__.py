@@ -26,8 +26,8 @@ class _Quiet:
     def stage(self, name: str) -> None:
         del name
 
-    def generation(self, algorithm: object) -> None:
-        del algorithm
+    def generation(self, algorithm: object, scale: object = None) -> None:
+        del algorithm, scale
 
 
 def _reproduction(folder: Path, **truth: float) -> Reproduction:

@@ -18,7 +18,7 @@ class Quiet:
     def stage(self, name):
         STAGES.append(name)
 
-    def generation(self, algorithm):
+    def generation(self, algorithm, scale=None):
         pass
 
 
