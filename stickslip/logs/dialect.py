@@ -70,7 +70,9 @@ class Dialect:
             return None
 
 
-def find_dialect(lines: Sequence[str], delimiter: str | None, decimal: str | None) -> Dialect:
+def find_dialect(
+    path: str, lines: Sequence[str], delimiter: str | None, decimal: str | None
+) -> Dialect:
     """Return the dialect in which some lines hold most numbers, equally many fields per line.
 
     Raises
@@ -83,8 +85,8 @@ def find_dialect(lines: Sequence[str], delimiter: str | None, decimal: str | Non
     quoted = any('"' in line for line in sample)
     if delimiter and delimiter == decimal and not quoted:
         raise UsageError(
-            f"delimiter and decimal sign are both '{delimiter}': expected numbers in quotes, got "
-            f"'{lines[-1][:40]}'; export the log with another delimiter"
+            f"{path}: delimiter and decimal sign are both '{delimiter}': expected numbers in "
+            f"quotes, got '{lines[-1][:40]}'; export the log with another delimiter"
         )
 
     def numbers(dialect: Dialect) -> Counter[int]:

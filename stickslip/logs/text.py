@@ -96,7 +96,7 @@ def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None
     sample = [text for text in lines.sample() if is_data(text)]
     if not sample:
         raise RecordingError(f"{path}: empty, or comments only; expected columns of numbers")
-    dialect = find_dialect(sample, delimiter, decimal)
+    dialect = find_dialect(path, sample, delimiter, decimal)
     if not dialect.width:
         raise RecordingError(f"{path}: no row of numbers; the last row is '{sample[-1][:40]}'")
     head = find_header(lines, dialect)
