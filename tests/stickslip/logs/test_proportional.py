@@ -73,5 +73,5 @@ def test_the_delimiter_may_be_the_decimal_sign_in_quotes_only():
     rows = "t,x,F\n" + '"0,5","1,25",3\n' * 9
     table = read_text("log", rows.encode(), ",", ",")
     assert [table.numbers[name][0] for name in table.names] == [0.5, 1.25, 3.0]
-    with pytest.raises(UsageError, match="^log: delimiter and decimal sign are both ','"):
+    with pytest.raises(UsageError, match=r"^log: delimiter and decimal sign are both ','"):
         read_text("log", rows.replace('"', "").encode(), ",", ",")
