@@ -110,7 +110,7 @@ _NAMED = (
     ("current", r"current|strom|courant|corr[ie]+nte|amp[eèé]r|(^|_)(i|iq|i_q|amps)(_|$)"),
     ("voltage", r"voltage|spannung|(^|_)(u|vir|volts?)(_|$)"),
     ("number", r"(^|_)(index|counts?|cts|inc|increments|ticks|pulses|samples?)(_|$)"),
-    ("torque", r"torque|(moment|coppia|(^|_)couple)(_|$)"),
+    ("torque", r"torque|(moment|coppia|(^|_)(couple|tau))(_|$)"),
     ("angle", r"(^|_)(angle|theta|phi|\w*winkel)(_|$)"),
 )
 """What a column's name says that it measures; the first that fits."""
