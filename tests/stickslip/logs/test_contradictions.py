@@ -177,6 +177,7 @@ STATED = {
     "torque [‰ of rated]": "unit '‰ of rated' is unknown",
     "actual torque %": "percentage by its name",
     "Torque actual value": "torque by its name",
+    "tau": "torque by its name",
 }
 
 
