@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -13,7 +13,6 @@ from stickslip.ga.algorithms.limits import PROGRESS, Limits
 from stickslip.ga.algorithms.optimiser import Optimiser
 from stickslip.ga.algorithms.settings import DEFAULT, Settings
 from stickslip.ga.arrays import Array
-from stickslip.ga.execution.checkpoint import seed_of
 from stickslip.ga.operators.crossover import CROSSOVERS
 from stickslip.ga.operators.mutation import MUTATIONS
 from stickslip.ga.operators.rates import MutationRate
@@ -227,27 +226,3 @@ class GeneticAlgorithm(Optimiser):
         kept = asdict(self.settings)
         del kept["generations"], kept["threshold"]  # a run may go on for longer than first planned
         return kept
-
-    @classmethod
-    def from_state(
-        cls,
-        genes: Sequence[Gene],
-        settings: Settings,
-        state: Mapping[str, Any],
-        repair: Repair | None = None,
-        limits: Limits | None = None,
-    ) -> GeneticAlgorithm:
-        """Go on from `state`: bit for bit as if it had never been interrupted.
-
-        Parameters
-        ----------
-        genes, settings, repair : as at first; `generations` and `threshold` may have changed
-        state : what `state` returned, also after a round trip through JSON
-
-        Raises
-        ------
-        StateError : the state is of other genes or settings, or is no state
-        """
-        algorithm = cls(genes, settings, seed_of(state), repair, limits)
-        algorithm.replay(state)
-        return algorithm

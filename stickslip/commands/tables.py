@@ -33,6 +33,9 @@ from stickslip.results.folder import staged
 from stickslip.tuning.published.readings import WholeStudy, worse
 from stickslip.tuning.published.study import PAPER_COST, worth
 
+TRACKING = "\ntracking error relative to none, on the same simulated drives and commands:"
+SHARES = f"{'fitted drive':>14}{'mean':>8}{'worst':>8}"
+
 
 def write_files(out: Path | None, command: Mapping[str, object], files: Mapping[str, str]) -> None:
     """Write texts by file name into a folder of results, if there is one, and print their paths."""
@@ -126,10 +129,7 @@ def print_parts(observed: Observed) -> None:
     if observed.designed is None:
         print(f"\n{observed.reason}")
         return
-    print(
-        "\ntracking error relative to none, on the same simulated drives and commands:\n"
-        f"{'compensation':24}{'fitted drive':>14}{'mean':>8}{'worst':>8}"
-    )
+    print(TRACKING, f"{'compensation':24}{SHARES}", sep="\n")
     for one in observed.summary().to_dict("records"):
         note = "" if one["acceptable"] else "  worse than none"
         print(f"{one['part']:24}{_ratios(one)}{note}")
@@ -142,10 +142,7 @@ def print_parts(observed: Observed) -> None:
 
 def print_compared(compared: Compared) -> None:
     """Print what each compensator leaves of the error of none, and which one is chosen."""
-    print(
-        "\ntracking error relative to none, on the same simulated drives and commands:\n"
-        f"{'compensator':24}{'fitted drive':>14}{'mean':>8}{'worst':>8}{'Ms':>8}"
-    )
+    print(TRACKING, f"{'compensator':24}{SHARES}{'Ms':>8}", sep="\n")
     for one in compared.table().to_dict("records"):
         note = "" if one["acceptable"] else "  worse than none"
         print(f"{one['compensator']:24}{_ratios(one)}{one['Ms']:8.3g}{note}")

@@ -63,11 +63,12 @@ def test_a_state_between_ask_and_tell_is_that_before_ask(generations):
     broken.ask()
     state = json.loads(json.dumps(broken.state(), allow_nan=False))
     longer = replace(ga.DEFAULT, generations=500, threshold=1e-9)
-    resumed = ga.GeneticAlgorithm.from_state(GENES, longer, state)
+    resumed = ga.GeneticAlgorithm(GENES, longer, seed=4)
+    resumed.replay(state)
     assert run(resumed, 15 - generations).history.to_csv() == whole.history.to_csv()
     del state["evaluations"]
     with pytest.raises(ga.StateError, match=r"damaged.*evaluations"):
-        ga.GeneticAlgorithm.from_state(GENES, ga.DEFAULT, state)
+        ga.GeneticAlgorithm(GENES, ga.DEFAULT, seed=4).replay(state)
 
 
 def test_a_state_is_a_snapshot():

@@ -104,11 +104,6 @@ class Comparison:
         """A row an entrant: mean and worst error over the drives, relative to the reference."""
         return ranking(self.table, self.arena.plan)
 
-    @property
-    def failures(self) -> dict[tuple[str, str], str]:
-        """Why a cell has no result, by (drive, entrant)."""
-        return dict(self.arena.reasons)
-
     def errors(self, command: str = ALL, *, carried: bool = False) -> pd.DataFrame:
         """Return the errors relative to the reference, a row an entrant, a column a drive.
 

@@ -8,9 +8,6 @@ import pytest
 import scipy.io
 
 from stickslip.logs import Column, Description, Recording, read_recording
-from stickslip.logs.dialect import split_unit
-from stickslip.logs.roles import assign_roles
-from stickslip.logs.table import LogTable
 from stickslip.logs.units import unit_named
 
 BARE = Description(columns={"time": Column(1), "position": Column("2"), "force": Column(3)})
@@ -173,66 +170,6 @@ def test_a_span_an_offset_and_a_given_period(table, tmp_path):
     equals(read_recording(path, Description(sample_period=1e-3)).recording, table)
 
 
-@pytest.mark.parametrize(
-    ("given", "quantity", "factor"),
-    [
-        ("mm", "length", 1e-3),
-        ("µm", "length", 1e-6),
-        ("nm", "length", 1e-9),
-        ("Nm", "torque", 1.0),
-        ("N m", "torque", 1.0),
-        ("mN·m", "torque", 1e-3),
-        ("mN", "force", 1e-3),
-        ("kN", "force", 1e3),
-        ("rpm", "angular speed", 2 * np.pi / 60),
-        ("RPM", "angular speed", 2 * np.pi / 60),
-        ("°", "angle", np.pi / 180),
-        ("rev", "angle", 2 * np.pi),
-        ("inch", "length", 0.0254),
-        ("ms", "time", 1e-3),
-    ],
-)
-def test_units(given, quantity, factor):
-    unit = unit_named(given)
-    assert unit.quantity == quantity
-    assert unit.factor == pytest.approx(factor, rel=1e-15)
-
-
 @pytest.mark.parametrize("given", ["MN", "foo", "", "NM", "m^2", "N/m"])
 def test_unknown_units(given):
     assert unit_named(given) is None
-
-
-ROLES = {
-    "t": "time",
-    "Time [s]": "time",
-    "qm": "position",
-    "Actual Position": "position",
-    "ActualVelocity": "velocity",
-    "qg": "position_command",
-    "Target position": "position_command",
-    "v_cmd": "velocity_command",
-    "torque_setpoint": "force_command",
-    "F_m": "force",
-    "drive.F_m": "force",
-    "motor current": "force",
-    "Friction": "friction",
-    "position error": None,
-    "Normal": None,
-    "temperature": None,
-    "F_limit": None,
-    "ref [mm/s]": "velocity_command",
-    "Setpoint [rpm]": "velocity_command",
-    "command [Nm]": "force_command",
-    "angle [deg]": "position",
-    "x [N]": None,
-    "speed [m/s]": "velocity",
-}
-
-
-@pytest.mark.parametrize("name", ROLES)
-def test_common_names_are_known(name):
-    short, unit = split_unit(name)
-    table = LogTable("log", (short,), {short: np.zeros(3)}, units={short: unit} if unit else {})
-    roles, _ = assign_roles(table, Description())
-    assert roles == ({ROLES[name]: short} if ROLES[name] else {})

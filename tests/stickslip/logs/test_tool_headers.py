@@ -122,6 +122,11 @@ UNITS = {
     "kgf.cm": ("torque", KGF / 100), "kg*cm": ("torque", KGF / 100), "cNm": ("torque", 0.01),
     "mNm": ("torque", 1e-3), "N-m": ("torque", 1), "millis": ("time", 1e-3),
     "micros": ("time", 1e-6), "nsecs": ("time", 1e-9), "ft/s": ("speed", 0.3048),
+    "mm": ("length", 1e-3), "µm": ("length", 1e-6), "nm": ("length", 1e-9), "Nm": ("torque", 1),
+    "N m": ("torque", 1), "mN·m": ("torque", 1e-3), "mN": ("force", 1e-3), "kN": ("force", 1e3),
+    "rpm": ("angular speed", TURN / 60), "RPM": ("angular speed", TURN / 60),
+    "°": ("angle", TURN / 360), "rev": ("angle", TURN), "inch": ("length", 0.0254),
+    "ms": ("time", 1e-3),
 }  # fmt: skip
 
 

@@ -119,6 +119,13 @@ NAMES = {
     "v_dither": "added_velocity", "pulse force [N]": "added_force",
     "Schleppabstand [mm]": None, "Regelabweichung": None, "Lastmoment": None, "PosDiff": None,
     "velocity feedforward": None, "Lageregler": None, "a_act [m/s^2]": None,
+    "t": "time", "Time [s]": "time", "qm": "position", "Actual Position": "position",
+    "ActualVelocity": "velocity", "qg": "position_command", "Target position": "position_command",
+    "v_cmd": "velocity_command", "torque_setpoint": "force_command", "F_m": "force",
+    "drive.F_m": "force", "motor current": "force", "Friction": "friction", "position error": None,
+    "Normal": None, "temperature": None, "F_limit": None, "ref [mm/s]": "velocity_command",
+    "Setpoint [rpm]": "velocity_command", "command [Nm]": "force_command",
+    "angle [deg]": "position", "x [N]": None, "speed [m/s]": "velocity",
 }  # fmt: skip
 
 

@@ -281,7 +281,7 @@ def test_python_gives_the_arena_of_the_command(arena, tmp_path):
     means = np.exp(np.log(here).mean(axis=1))
     assert comparison.ranking["mean here"].to_dict() == pytest.approx(means.to_dict())
     assert (comparison.sensitivity() <= 2.2).all(axis=None)
-    assert comparison.failures == {}
+    assert not comparison.arena.reasons
     written = comparison.write(tmp_path / "written")
     assert (written / "arena.csv").read_bytes() == (folder / "arena.csv").read_bytes()
     with mpl.rc_context({"backend": "agg"}):
@@ -305,7 +305,7 @@ def test_the_options_of_python_are_those_of_the_command(built, tmp_path):
     comparison = arena_of(["none"], stage, **given)
     assert comparison.errors().index.tolist() == ["none", "mine"]
     assert comparison.errors()["axis_1"]["none"] == pytest.approx(1.0)
-    assert list(comparison.failures) == [("axis_1", "mine")]
+    assert list(comparison.arena.reasons) == [("axis_1", "mine")]
     with pytest.raises(UsageError, match=r"ports of mine\.fmu: 'input' is unknown"):
         arena_of(["none"], stage, own={mine: {"input": {}}})
     with pytest.raises(UsageError, match="drives: drive 'axis_1': expected a table with law"):
