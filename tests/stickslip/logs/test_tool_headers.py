@@ -148,7 +148,7 @@ def test_units_at_the_end_of_names(name):
 def test_units_that_tools_write(name):
     unit = unit_named(name)
     assert unit.quantity == UNITS[name][0]
-    assert unit.factor == pytest.approx(UNITS[name][1], rel=1e-12)
+    assert unit.factor == pytest.approx(UNITS[name][1], rel=1e-15)
 
 
 @pytest.mark.parametrize(
