@@ -220,8 +220,8 @@ def merge(content: dict[str, Any], law: Law) -> None:
     In ``depends``, ``derivative`` and ``uses`` of the model, ``law`` stands for what the law's
     force depends on; ``uses_with_level`` is used where that includes the level of friction. Where
     a state of the model has no derivative, the law's have none either; those of a sampled model are
-    memory. A law with events is integrated with the mass it acts on, so the model must have states
-    of its own.
+    memory, without a range. A law with events is integrated with the mass it acts on, so the model
+    must have states of its own.
 
     Raises
     ------
@@ -273,6 +273,10 @@ def merge(content: dict[str, Any], law: Law) -> None:
                 n: k for name, k in depends.items() for n in _elements([name], law)
             }
             table["uses"] = list(_elements(table["uses"], law))
+    if sampled:  # nobody sets memory, so it has no range of values that are accepted
+        for table in states.values():
+            table.pop("min", None)
+            table.pop("max", None)
     content["memory" if sampled else "states"] |= states
     if integrated:
         content |= {"modes": dict(law.modes), "events": dict(law.events)}

@@ -123,7 +123,7 @@ def test_initial_unknowns_depend_on_what_is_declared_and_on_nothing_else(fmu, sl
             chosen[v.name] = v.start or small * (1 + 0.01 * len(chosen)) * (v.nominal or 1.0)
         if v.role == "state" and v.maximum is not None:  # a mode: every second one is on
             chosen[v.name] = v.maximum * (len(chosen) % 2)
-    if "z_ba" in chosen:  # a deflection between break-away and full slip
+    if {"z", "z_ba"} <= chosen.keys():  # a deflection between break-away and full slip
         chosen["z"] = 1.3e-5
     if "v_d" in chosen:  # and a damping that fades there
         chosen["v_d"] = 0.3
@@ -151,7 +151,7 @@ def test_initial_unknowns_depend_on_what_is_declared_and_on_nothing_else(fmu, sl
         ]
     if "mode[1]" in chosen:  # elements in the other mode
         points.append(chosen | {n: 1.0 - x for n, x in chosen.items() if n.startswith("mode[")})
-    if "W[1]" in chosen:  # elements that slip at a lower limit
+    if {"W[1]", "q[1]"} <= chosen.keys():  # elements that slip at a lower limit
         k = np.array([chosen[f"kappa[{i}]"] for i in range(1, 5)])
         k *= chosen["sigma_0"] / k.sum()
         slips = {i: chosen[f"W[{i}]"] * chosen["F_c"] / k[i - 1] for i in range(1, 4)}
