@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.logs.motion import basis, kinematics, rigid, unexplained
+from stickslip.logs.motion import basis, kinematics, left, rigid, unexplained
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array
 
@@ -151,8 +151,16 @@ def late_beyond(recording: Recording) -> float:
 
 
 def _explains(recording: Recording, samples: int) -> bool:
-    """Tell whether a delay of so many samples explains much of the force that is unexplained."""
-    return unexplained(aligned(recording, samples)) < EXPLAINS * unexplained(recording)
+    """Tell whether a delay of so many samples explains much of the unexplained force, by a mass.
+
+    Where the force switches, a wrong delay explains it best, by a negative mass.
+    """
+    shown = aligned(recording, samples)
+    if (drive := rigid(shown, kinematics(shown, CUTOFF))) is None:
+        return False
+    mass = np.linalg.lstsq(drive.columns, drive.force[drive.used], rcond=None)[0][0]
+    rest = left(drive.columns, drive.force[drive.used])
+    return bool(mass > 0 and rest < EXPLAINS * unexplained(recording))
 
 
 def aligned(recording: Recording, samples: int) -> Recording:

@@ -7,7 +7,7 @@ import pytest
 from rigid_drive import rigid_drive
 from scipy.interpolate import CubicSpline
 
-from stickslip.logs import Recording, aligned, force_delay, signal_delay
+from stickslip.logs import Recording, aligned, force_delay, samples_late, signal_delay
 from stickslip.planning import LINEAR, Limits, plan
 from stickslip.servo.measurement import smoothed
 
@@ -58,3 +58,18 @@ def test_what_shows_no_delay(log):
     noise = np.random.default_rng(0).standard_normal(len(log.t))
     found = force_delay(replace(log, force=noise))
     assert found is None or not found.known(log.T_s)
+
+
+def test_of_a_force_that_switches():
+    """A wrong delay with a negative mass explains it best, and is none."""
+    t = np.arange(20000) * 1e-3
+    force = 15.0 * np.sign(np.sin(2 * np.pi * (0.3 * t + 0.04 * t**2)))
+    x = v = 0.0
+    position = []
+    for F in np.repeat(force, 10):  # 3 kg, 60 N s/m, 6 N
+        v += 1e-4 * (F - 60.0 * v - 6.0 * np.tanh(v / 1e-4)) / 3.0
+        x += 1e-4 * v
+        position.append(x)
+    shown = np.round(np.array(position[::10]) / 1e-7) * 1e-7
+    drive = Recording(t, shown, force, encoder_step=1e-7)
+    assert samples_late(drive) == 0
