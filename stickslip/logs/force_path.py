@@ -79,17 +79,18 @@ def _before_limit(recording: Recording, force: Array) -> Finding | None:
 def _clipped(recording: Recording, force: Array) -> Finding | None:
     """Return a finding where the motion shows more force than the log's largest, which piles up.
 
-    A rigid drive is fitted where the force is below that. One that is fitted to all samples must
-    explain these worse, as it does not where the largest force is that of a drive at constant
-    speed, or one that was commanded.
+    A rigid drive is fitted where the force is below that, and not at its other extreme, which may
+    be a plateau, too. One that is fitted to all samples must explain these worse, as it does not
+    where the largest force is that of a drive at constant speed, or one that was commanded.
     """
-    limit = float(np.quantile(force, 0.999))
+    least, limit = np.quantile(force, (0.001, 0.999)).tolist()
     at = force > (1.0 - FLAT) * limit
+    extreme = at | (force < (1.0 - FLAT) * least)
     motion = kinematics(recording)
     if np.mean(at) < PILED or (drive := rigid(recording, motion)) is None:
         return None
     reach = max(1, round(0.5 / (motion.cutoff * recording.T_s)))
-    near = np.convolve(at, np.ones(2 * reach + 1), mode="same") > 0.5
+    near = np.convolve(extreme, np.ones(2 * reach + 1), mode="same") > 0.5
     below, above = ~near[drive.used], at[drive.used]
     if min(below.sum(), above.sum()) < FEWEST:
         return None

@@ -8,6 +8,7 @@ from rigid_drive import rigid_drive
 from scipy.interpolate import CubicSpline
 
 from stickslip.logs import Recording, aligned, force_delay, samples_late, signal_delay
+from stickslip.logs.force_path import force_path
 from stickslip.planning import LINEAR, Limits, plan
 from stickslip.servo.measurement import smoothed
 
@@ -61,7 +62,7 @@ def test_what_shows_no_delay(log):
 
 
 def test_of_a_force_that_switches():
-    """A wrong delay with a negative mass explains it best, and is none."""
+    """A wrong delay with a negative mass explains it best; neither it nor a limit is found."""
     t = np.arange(20000) * 1e-3
     force = 15.0 * np.sign(np.sin(2 * np.pi * (0.3 * t + 0.04 * t**2)))
     x = v = 0.0
@@ -73,3 +74,4 @@ def test_of_a_force_that_switches():
     shown = np.round(np.array(position[::10]) / 1e-7) * 1e-7
     drive = Recording(t, shown, force, encoder_step=1e-7)
     assert samples_late(drive) == 0
+    assert not list(force_path(drive))
