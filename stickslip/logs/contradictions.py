@@ -98,6 +98,7 @@ def _shared(recording: Recording, force: Array, motion: Kinematics) -> float:
     way = smoothed(np.sign(motion.v) * moving, recording.T_s, motion.cutoff)
     columns = basis(np.column_stack([np.ones_like(way), motion.v, motion.a, way]))
     varying = force - force.mean()
+    varying = varying / max(float(np.max(np.abs(varying))), 1e-300)
     delays = np.linspace(-FARTHEST, FARTHEST, DELAYS) / recording.T_s
     found = (columns.T @ np.roll(varying, -round(delay)) for delay in delays)
     return max(float(one @ one) for one in found) / max(float(varying @ varying), 1e-300)

@@ -175,10 +175,10 @@ def even_clock(table: LogTable, t: Array, period: float, findings: list[Finding]
     """
     found = regular_times(t, period)
     if found is not None:
-        off = float(np.max(np.abs(found - t)))
-        if off > EVEN * period:
-            figure = f"a row each {mean_period(found):.6g} s, in steps of {clock_step(t):.4g} s"
-            findings.append(Finding("note", "times are those of a regular clock, rounded", figure))
+        if float(np.max(np.abs(found - t))) <= EVEN * period:
+            return t
+        figure = f"a row each {mean_period(found):.6g} s, in steps of {clock_step(t):.4g} s"
+        findings.append(Finding("note", "times are those of a regular clock, rounded", figure))
         return found
     if (equal := np.flatnonzero(np.diff(t) < 1e-6 * period)).size:
         row, step = table.row(int(equal[0]) + 1), t[equal[0] + 1] - t[equal[0]]

@@ -207,9 +207,10 @@ class _Lines:
         number = 1
         while block := stream.readlines(_BLOCK):
             if max(map(len, block)) > LONGEST + 1:
-                number += next(k for k, line in enumerate(block) if len(line) > LONGEST + 1)
+                k = next(k for k, line in enumerate(block) if len(line) > LONGEST + 1)
                 raise RecordingError(
-                    f"{self.path}: row {number}: expected at most {LONGEST} characters in a row"
+                    f"{self.path}: row {number + k}: {len(block[k]) - 1} characters; expected at "
+                    f"most {LONGEST} in a row"
                 )
             yield number, block
             number += len(block)
