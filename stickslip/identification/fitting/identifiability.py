@@ -48,7 +48,7 @@ class Identifiability:
     value, standard_error : of the fit
     low, high : 95 % interval
     identifiability : one of ``LEVELS``
-    template : the same for people, with the experiment that shows the parameter, and ``VALUE``
+    template : the same for display, with the experiment that shows the parameter, and ``VALUE``
         for the value, which may still be scaled
     """
 
