@@ -93,14 +93,18 @@ def second_opinion(
 
 
 def _stepped_by_fmpy(fmu: Path, commands: Mapping[str, Array], T_s: float) -> Array:
-    """Return the force (n,) [N] over commands (n,), each set at the beginning of its step."""
+    """Return the force (n,) [N] over commands (n,), each set at the beginning of its step.
+
+    A command that the loop does not take is 0.
+    """
     import fmpy  # takes half a second, and only this needs it
 
-    rows = list(zip(*commands.values(), strict=True))
-    table = np.array(
-        [(k * T_s, *row) for k, row in enumerate(rows)],
-        dtype=[(name, float) for name in ("time", *commands)],
-    )
+    variables = fmpy.read_model_description(str(fmu)).modelVariables
+    names = [one.name for one in variables if one.causality == "input"]
+    table = np.zeros(len(commands["v_cmd"]), [(name, float) for name in ("time", *names)])
+    table["time"] = T_s * np.arange(len(table))
+    for name, values in commands.items():
+        table[name] = values
     result = fmpy.simulate_fmu(
         str(fmu),
         fmi_type="CoSimulation",

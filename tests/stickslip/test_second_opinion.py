@@ -43,12 +43,13 @@ def opinion(fmus, folder, own, feed="nominal", fmi=2):
 
 @pytest.mark.parametrize("feed", FEEDS)
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_fmpy_computes_the_same_bits(fmus, tmp_path, feed, fmi):
+def test_fmpy_computes_the_same_bits(fmus, tmp_path, capfd, feed, fmi):
     found = opinion(fmus, tmp_path, TUNED, feed, fmi)
     assert found.tool == f"FMPy {fmpy.__version__}"
     assert found.comparisons.keys() == COMMANDS.keys()
     for comparison in found.comparisons.values():
         assert (comparison.samples, comparison.different, comparison.largest) == (len(T), 0, 0.0)
+    assert "missing input" not in "".join(capfd.readouterr())
 
 
 @pytest.mark.parametrize("name", ["F_c", "sigma_0"])
