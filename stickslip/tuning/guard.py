@@ -23,7 +23,7 @@ from stickslip.servo.measurement import Array
 WORSE = 1.1
 """Largest ratio of an RMS error to that of the start with which a result is kept.
 
-The mean of five runs scatters by 1 to 6 %; what only fits the training command leaves 1.4 to 16
+The mean of five runs scatters by 1 to 6 %; what only fits the training command leaves 1.2 to 16
 times the error of the start. Of compensators that have the law of their drive none exceeds it.
 """
 FAST, UPTO = 20.0, 0.2
@@ -67,9 +67,9 @@ def guard_motion(start: Mapping[str, Estimate]) -> Motion:
 
 
 def relative_errors(motion: Motion, v_cmd: Array, gaps: Array, T_s: float) -> dict[str, float]:
-    """Return the RMS errors of velocity and position in each kind of motion.
+    """Return the RMS errors of velocity and position at each speed of each kind of motion.
 
-    Each is relative to the command, so that slow and fast strokes of a kind count alike.
+    Each is relative to the command.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def relative_errors(motion: Motion, v_cmd: Array, gaps: Array, T_s: float) -> di
     gaps : (runs, n) v - v_r [m/s]
     """
     t = np.asarray(np.arange(len(v_cmd)) * T_s)
-    shares: dict[str, list[float]] = {}
+    errors = {}
     for region, spans in motion.regions.items():
         inside = [covered(t, [span]) for span in spans]
         for figure, of in FIGURES.items():
@@ -85,6 +85,5 @@ def relative_errors(motion: Motion, v_cmd: Array, gaps: Array, T_s: float) -> di
                 np.mean([np.mean(of(signal[..., part]) ** 2) for part in inside])
                 for signal in (gaps, v_cmd)
             )
-            kind = f"{figure} in {region.split(',')[0]}"
-            shares.setdefault(kind, []).append(float(error / size))
-    return {kind: math.sqrt(sum(of) / len(of)) for kind, of in shares.items()}
+            errors[f"{figure} in {region}"] = math.sqrt(error / size)
+    return errors

@@ -110,12 +110,12 @@ def errors_of(study, values):
     ("law", "seed"),
     [
         ("gms", 0),
-        ("elasto_plastic", 0),
+        ("leuven", 3),
         ("lugre", 2),
         *(
             pytest.param(law, seed, marks=pytest.mark.thorough)
             for law in ("gms", "elasto_plastic", "coulomb_stribeck", "dahl", "leuven", "lugre")
-            for seed in (1, 3, 4)
+            for seed in (1, 4, 5)
         ),
     ],
 )
