@@ -22,6 +22,7 @@ from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import Inputs
 from stickslip.errors import UsageError, number
 from stickslip.fmi.messages import printable
+from stickslip.ga.execution.evaluation import DIED
 from stickslip.simulation import Model
 from stickslip.tuning.jobs import Outcome, run_jobs
 
@@ -88,8 +89,7 @@ def sweep(
     ----------
     system : a system, an FMU, FILE.fmu or FILE.ssp
     parameters : ``component.variable``, or ``variable`` of one FMU, -> values in its unit
-    figures : name -> a function of the result that gives a number; picklable (a function of a
-        module, not a lambda) unless the workers are threads
+    figures : name -> a function of the result that gives a number
     stop, step : of each run [s], instead of those that a file proposes
     inputs : signals by exposed input, as of ``simulate``; the same in every run
     workers, where : how many, and ``threads``, ``processes``, ``local`` or the address of a Dask
@@ -147,7 +147,8 @@ def sweep(
 
         run_jobs(_evaluated, runs, 0, where, workers, take)
     first = rows[0].get("reason", "")
-    if first.startswith("figure ") and not any({*figures} & {*row} for row in rows.values()):
+    found = any({*figures} & {*row} for row in rows.values())
+    if first.startswith(("figure ", DIED)) and not found:
         raise UsageError(f"{first}; no run gave a figure")
     columns = [*values, *figures, *failed]
     table = pd.DataFrame([rows[k] for k in range(len(grid))], columns=columns)
@@ -178,7 +179,7 @@ def optimise(
     system, stop, step, inputs, record, workers, where, progress, options : as of ``sweep``
     ranges : name -> (lowest, start, highest), in the unit of the variable; searched by the
         logarithm where the lowest is above 0
-    cost : of a result, 0 or more; picklable unless the workers are threads
+    cost : of a result, 0 or more
     evaluations : budget of runs
     algorithm : ``default``, ``paper``, ``cma`` or ``de``
     seed : random seed; the same seed gives the same search, whatever the workers

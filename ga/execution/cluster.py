@@ -18,7 +18,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from stickslip.ga.errors import SettingsError, WorkersLost
 from stickslip.ga.execution.evaluation import Evaluate, Packed
-from stickslip.ga.execution.interrupts import without_interrupts
+from stickslip.ga.execution.starting import process_start
 
 _log = logging.getLogger(__name__)
 P = ParamSpec("P")
@@ -87,7 +87,7 @@ class DaskWorkers(Executor):
 
     def packed(self, evaluate: Evaluate) -> Packed:
         """Send a cost, even one of a notebook, to all workers that there are and will be."""
-        packed = Packed.of(import_module("cloudpickle").dumps, evaluate)
+        packed = Packed.of(evaluate)
         if packed.name not in self._sent:
             self._client.register_plugin(_keeping(packed), packed.name)
             self._sent.add(packed.name)
@@ -138,7 +138,7 @@ def cluster(where: str, workers: int) -> Iterator[DaskWorkers]:
         scheduler = where
         if where == "local":
             dask: Any = import_module("dask")
-            with without_interrupts(), dask.config.set(LEAN):
+            with process_start(), dask.config.set(LEAN):
                 try:
                     started = distributed.LocalCluster(
                         n_workers=workers,

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import pickle
+import sys
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, TypeVar
 
+import cloudpickle
 import numpy as np
 
 from stickslip.fmi.process import cancel_all, result_of
@@ -158,6 +161,8 @@ def received(future: Future[T]) -> T | None:
         return result_of(future) if isinstance(future, Future) else future.result()
     except BrokenExecutor:
         return None
+    except Raised as raised:
+        raise unpickled(raised.content) from raised
     except Exception as error:
         if isinstance(error, _UNPICKLABLE) and "pickle" in str(error):
             raise _unsent(error) from None
@@ -166,24 +171,67 @@ def received(future: Future[T]) -> T | None:
         raise
 
 
-def pickled(thing: object, dumps: Callable[[Any], bytes] = pickle.dumps) -> bytes:
-    """Return something as bytes for another process.
+def pickled(thing: object) -> bytes:
+    """Return something as bytes for another process, functions of a notebook or script whole.
 
     Raises
     ------
     SettingsError
         When it does not pickle.
     """
+    stream = io.BytesIO()
     try:
-        return dumps(thing)
+        _Pickler(stream, pickle.HIGHEST_PROTOCOL).dump(thing)
     except _UNPICKLABLE as error:
         raise _unsent(error) from None
+    return stream.getvalue()
+
+
+class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]
+    """Pickles by value what is of the main module, or of another that cannot be imported."""
+
+    def reducer_override(self, thing: Any) -> Any:
+        _carry(getattr(thing, "__module__", None) or "builtins")
+        return super().reducer_override(thing)
+
+
+@cache
+def _carry(name: str) -> None:
+    """Have a module pickled by value if it came from elsewhere than the path of modules."""
+    found = (finder.find_spec(name.partition(".")[0], None) for finder in sys.meta_path)
+    if name in sys.modules and not any(found):
+        cloudpickle.register_pickle_by_value(sys.modules[name])
+
+
+def unpickled(content: bytes) -> Any:
+    """Return what `pickled` has made bytes of, in the process that received it.
+
+    Raises
+    ------
+    SettingsError
+        When a module that it needs is not found here.
+    """
+    try:
+        return pickle.loads(content)  # noqa: S301 - of our own making
+    except (ImportError, AttributeError) as error:
+        raise SettingsError(
+            f"a worker process cannot load the function that it was sent ({error}); define it in"
+            " the script or notebook, or in a module that PYTHONPATH finds, or use threads"
+        ) from None
+
+
+class Raised(Exception):
+    """What a function raised in another process, as bytes: its class may be of a script."""
+
+    def __init__(self, content: bytes) -> None:
+        super().__init__(content)
+        self.content = content
 
 
 def _unsent(error: Exception) -> SettingsError:
     return SettingsError(
-        f"the cost cannot be sent to another process ({error}); define its functions at the top of"
-        " a module, not as a lambda or in another function, or use threads"
+        f"the function cannot be sent to another process ({error}); create what it uses within it,"
+        " or use threads"
     )
 
 
@@ -209,22 +257,22 @@ class Packed:
     Attributes
     ----------
     name : of the content, a hash
-    content : of `pickle`; None where each process has received it by `keep`
+    content : of `pickled`; None where each process has received it by `keep`
     """
 
     name: str
     content: bytes | None
 
     @classmethod
-    def of(cls, dumps: Callable[[Any], bytes], evaluate: Evaluate) -> Packed:
-        """Pickle a cost by a function such as ``pickle.dumps``.
+    def of(cls, evaluate: Evaluate) -> Packed:
+        """Pickle a cost.
 
         Raises
         ------
         SettingsError
             When it does not pickle.
         """
-        content = pickled(evaluate, dumps)
+        content = pickled(evaluate)
         return cls(hashlib.sha256(content).hexdigest(), content)
 
     def keep(self) -> None:
@@ -242,7 +290,7 @@ class Packed:
         if self.name not in _unpacked:
             content = self.content or _kept[self.name]
             _unpacked.clear()
-            _unpacked[self.name] = pickle.loads(content)  # noqa: S301 - of our own making
+            _unpacked[self.name] = unpickled(content)
         return _unpacked[self.name]
 
 

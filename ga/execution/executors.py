@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import pickle
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -21,8 +20,14 @@ from typing import Any, ParamSpec, TypeVar
 from stickslip.fmi.process import Threads, held
 from stickslip.ga.errors import SettingsError
 from stickslip.ga.execution.cluster import cluster
-from stickslip.ga.execution.evaluation import Evaluate, Packed, pickled
-from stickslip.ga.execution.interrupts import without_interrupts
+from stickslip.ga.execution.evaluation import (
+    Evaluate,
+    Packed,
+    Raised,
+    pickled,
+    unpickled,
+)
+from stickslip.ga.execution.starting import process_start
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -74,14 +79,15 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
 class Processes(Executor):
     """A pool of processes that is replaced when one of them dies.
 
-    Its processes leave Ctrl-C to their parent, and end with it however it ends. When its block
+    Its processes leave Ctrl-C to their parent, and end with it however it ends. They get the
+    functions of a notebook or script by value, and do not run it again. When its block
     fails they are ended by SIGTERM.
     """
 
     def __init__(self, workers: int) -> None:
         self._workers = workers
         self._others = set(multiprocessing.active_children())
-        with held(), without_interrupts():
+        with held(), process_start():
             self._pool = self._made()
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
@@ -95,7 +101,7 @@ class Processes(Executor):
             When it, or an argument, does not pickle.
         """
         call = pickled((fn, args, kwargs))
-        with held(), without_interrupts():  # a process may be started
+        with held(), process_start():  # a process may be started
             try:
                 return self._pool.submit(_called, call)
             except BrokenProcessPool:
@@ -105,7 +111,7 @@ class Processes(Executor):
 
     def packed(self, evaluate: Evaluate) -> Packed:
         """Return a cost as a process gets it."""
-        return Packed.of(pickle.dumps, evaluate)
+        return Packed.of(evaluate)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End the processes."""
@@ -127,8 +133,11 @@ class Processes(Executor):
 
 
 def _called(call: bytes) -> Any:
-    function, args, kwargs = pickle.loads(call)  # noqa: S301 - our parent's
-    return function(*args, **kwargs)
+    function, args, kwargs = unpickled(call)
+    try:
+        return function(*args, **kwargs)
+    except Exception as fault:
+        raise Raised(pickled(fault)) from fault
 
 
 def _depend_on_parent() -> None:

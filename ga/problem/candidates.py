@@ -32,8 +32,7 @@ class SimulatedCost:
     ----------
     specification : the system, step, stop and recorded variables
     names : the parameter ``component.variable`` that each value of a candidate sets
-    cost : evaluates a result, 0 .. inf; picklable (a function of a module, not a lambda) if the
-        workers are processes
+    cost : evaluates a result, 0 .. inf
     inputs : exposed input -> array, signal or number, the same for every candidate
     isolation : ``process`` lets a candidate's FMUs crash without harm, see `cosim.Isolation`; that
         of the specification if None

@@ -17,11 +17,7 @@ from threadpoolctl import threadpool_limits
 from stickslip import ga
 from stickslip.errors import StickslipError
 from stickslip.fmi.process import Threads, cancel_all, interrupted_by, interruptible, wait_first
-from stickslip.ga.execution.evaluation import received
-
-ALONE = 2
-"""How often an item whose worker died is tried alone."""
-DIED = "the worker process that learned it died"
+from stickslip.ga.execution.evaluation import ALONE, DIED, received
 
 Item = TypeVar("Item")
 OnStage = Callable[[str], object]

@@ -1,8 +1,12 @@
 """Threads, processes and Dask: the same bytes, also when workers die."""
 
 import asyncio
+import importlib.util
+import multiprocessing
 import os
 import socket
+import subprocess
+import sys
 import threading
 from functools import partial
 
@@ -154,5 +158,63 @@ def test_a_cluster_that_is_lost_or_empty_ends_in_one_line(fate, message, monkeyp
 
 
 def test_a_cost_that_does_not_pickle_is_named(processes):
-    with pytest.raises(ga.SettingsError, match=r"cannot be sent to another process \(.*<lambda>"):
-        history(lambda values: float(values.sum()), processes)
+    lock = threading.Lock()
+    with pytest.raises(ga.SettingsError, match=r"cannot be sent to another process \(.*lock"):
+        history(lambda values: float(values.sum()) + lock.locked(), processes)
+
+
+def test_functions_of_modules_that_cannot_be_imported_are_sent_whole(processes, tmp_path):
+    path = tmp_path / "hidden.py"
+    path.write_text("TIMES = 3.0\ndef cost(values):\n    return TIMES * float(values.sum())\n")
+    spec = importlib.util.spec_from_file_location("hidden", path)
+    hidden = sys.modules["hidden"] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(hidden)
+    assert history(hidden.cost, processes).equals(history(lambda x: 3.0 * float(x.sum())))
+
+
+SCRIPT = """
+from pathlib import Path
+from stickslip import ga
+
+Path("begun").open("a").write("x")
+
+class Odd(Exception): ...
+
+def cost(values):
+    if aim < 0.0:
+        raise Odd(aim)
+    return float((values[0] - aim) ** 2)
+
+problem, limits = ga.Problem([ga.Gene("a", 0.1, 8.0, 1.0, "")]), ga.Limits(generations=2)
+with ga.executor("processes", 1) as executor:
+    for aim in (2.0, -1.0):
+        try:
+            found = ga.learn(ga.optimiser("default", problem, limits), cost, executor)
+        except Odd as odd:
+            print(odd, end="")
+        else:
+            print(found.best.cost < 1.0, end=" ")
+"""
+
+
+@pytest.mark.parametrize("arguments", [["script.py"], ["-"]])
+def test_a_script_without_a_guard_runs_once_and_its_functions_in_workers(arguments, tmp_path):
+    (tmp_path / "script.py").write_text(SCRIPT)
+    run = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=tmp_path,
+        input=SCRIPT,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert (run.stdout, run.stderr) == ("True -1.0", "")
+    assert (tmp_path / "begun").read_text() == "x"
+
+
+def test_a_process_that_may_have_no_children_says_so(monkeypatch):
+    monkeypatch.setitem(multiprocessing.current_process()._config, "daemon", True)
+    message = "cannot be started: daemonic .*; use threads"
+    with pytest.raises(ga.SettingsError, match=message), ga.executor("processes", 1) as executor:
+        history(quadratic, executor)
