@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from stickslip.catalog.parameters import estimated, friction_law, scaled_start, tabulated
 from stickslip.identification.stages.estimate import Estimate, unseen
 from stickslip.identification.stages.friction_map import FrictionMap, measure_friction
@@ -73,6 +75,7 @@ def identify(
     axis = rig.datasheet.axis(inertia.m.value, max(inertia.b.value, 0.0))
     on_stage("friction over velocity, break-away")
     friction = measure_friction(rig, design_velocity_loop(axis, specification), inertia.F_c.value)
+    inertia.check(float(friction.curve(np.array([inertia.speed]))[0]))
     known = {
         "m": inertia.m.value,
         "b": max(friction.b.value, 0.0),

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from stickslip.errors import IdentificationError
-from stickslip.identification.stages.estimate import Estimate, covariance, unseen
+from stickslip.identification.stages.estimate import UNKNOWN, Estimate, covariance, unseen
 from stickslip.identification.stages.sliding import measure_sliding
 from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, measured_velocity
@@ -72,7 +72,7 @@ def measure_friction(rig: Rig, loop: VelocityLoop, coarse_F_c: float) -> Frictio
     Raises
     ------
     IdentificationError
-        When the stage does not break away, or the points show no friction.
+        When the stage does not break away, or the loop holds too few speeds.
     """
     sliding = measure_sliding(rig, loop)
     place = float(sliding.along[0])
@@ -114,13 +114,14 @@ def measure_friction(rig: Rig, loop: VelocityLoop, coarse_F_c: float) -> Frictio
         Estimate(float(value), float(error))
         for value, error in zip(values, np.sqrt(np.diag(spread)[:4]), strict=True)
     )
-    warning = ""
+    reason = ""
     if F_s.value - F_c.value < LEAST_RISE * F_c.value:
+        reason = f"does not rise towards rest: F_s = {F_s.value:.4g} N and F_c = {F_c.value:.4g} N"
+    elif fit.active_mask[3] or not 0.0 < v_s.standard_error < UNKNOWN * v_s.value:
+        reason = f"shows no v_s at {slowest:.3g} to {fastest:.3g} m/s, which the loop holds"
+    if reason:
         v_s = unseen(v_s.value)
-        warning = (
-            f"friction does not rise towards rest: F_s = {F_s.value:.4g} N and F_c = "
-            f"{F_c.value:.4g} N, so v_s = {v_s.value:.3g} m/s is a start value"
-        )
+        reason = f"friction {reason}, so v_s = {v_s.value:.3g} m/s is a start value"
     return FrictionMap(
         b,
         F_c,
@@ -133,7 +134,7 @@ def measure_friction(rig: Rig, loop: VelocityLoop, coarse_F_c: float) -> Frictio
         breakaway=breakaway,
         place=place,
         ramp_rate=max(rate for _, rate in broke),
-        warning=warning,
+        warning=reason,
     )
 
 

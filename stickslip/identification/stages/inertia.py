@@ -15,6 +15,7 @@ FREQUENCY = 5.0  # of the force [Hz]
 CYCLES = 10
 SHARE = 0.3  # of the peak force
 CUTOFF = 100.0  # low-pass on all signals alike [Hz]
+STEPS = 4.0  # of the data sheet's encoder, that the smallest change of position may be
 FAST = 0.5  # of the top speed: below it bristles turn around, and sign(v) is not friction
 
 
@@ -28,6 +29,7 @@ class Inertia:
     b, F_c : coarse values of viscous [N s/m] and Coulomb friction [N]
     acceleration : (n,) [m/s^2]
     force : (n,) motor force without the friction fitted [N]
+    speed : mean of theirs [m/s]
     """
 
     m: Estimate
@@ -35,6 +37,25 @@ class Inertia:
     F_c: Estimate
     acceleration: Array
     force: Array
+    speed: float
+
+    def check(self, friction: float) -> None:
+        """Compare the friction that was fitted with that of a constant velocity [N] at ``speed``.
+
+        Raises
+        ------
+        IdentificationError
+            When they differ by as much as the mass takes: then it is not the mass.
+        """
+        fitted = self.F_c.value + self.b.value * self.speed
+        taken = self.m.value * float(np.abs(self.acceleration).mean())
+        if abs(fitted - friction) > taken:
+            raise IdentificationError(
+                f"inertia: the strong sine shows {fitted:.3g} N of friction at {self.speed:.3g} m/s"
+                f"; expected {friction:.3g} N as at constant velocity, to less than the "
+                f"{taken:.3g} N that {self.m.value:.3g} kg take. The mass does not show: check "
+                "peak_force of the data sheet"
+            )
 
 
 def measure_inertia(rig: Rig) -> Inertia:
@@ -46,7 +67,7 @@ def measure_inertia(rig: Rig) -> Inertia:
     Raises
     ------
     IdentificationError
-        When the stage hardly moves.
+        When the stage hardly moves, or the encoder is not that of the data sheet.
     """
     t = rig.samples(CYCLES / FREQUENCY)
     amplitude = SHARE * rig.datasheet.peak_force
@@ -55,6 +76,13 @@ def measure_inertia(rig: Rig) -> Inertia:
         raise IdentificationError(
             f"inertia: a force of {amplitude:.3g} N at {FREQUENCY:g} Hz moved the stage by "
             f"{np.ptp(log.x_enc):.3g} m only; expected at least 100 encoder steps"
+        )
+    changes = np.abs(np.diff(log.x_enc))
+    step, expected = changes[changes > 0.0].min(), rig.datasheet.encoder_step
+    if step > STEPS * expected:
+        raise IdentificationError(
+            f"inertia: the position changes by {step:.3g} m at least; expected steps of "
+            f"{expected:.3g} m, encoder_step of the data sheet. Give that of the drive"
         )
     v = np.gradient(smoothed(log.x_enc, rig.T_s, CUTOFF), rig.T_s)
     a = np.gradient(v, rig.T_s)
@@ -71,4 +99,5 @@ def measure_inertia(rig: Rig) -> Inertia:
             f"inertia: the fit gives {m.value:.3g} kg; a force of {amplitude:.3g} N does not "
             "make the stage slide, friction holds it"
         )
-    return Inertia(m, b, F_c, a[used], force[used] - regressors[:, 1:] @ values[1:])
+    net = force[used] - regressors[:, 1:] @ values[1:]
+    return Inertia(m, b, F_c, a[used], net, float(np.abs(v[used]).mean()))

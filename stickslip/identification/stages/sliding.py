@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.errors import IdentificationError
 from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -20,11 +21,15 @@ FAST = 3e-3  # from this speed on the whole guide is travelled, below it the beg
 GUIDE, BEGINNING = 0.100, 0.010  # [m]
 BLOCK = 0.0025  # of the guide, over which the force is averaged [m]
 SETTLE, LEAD = 2.0, 0.010  # before that, at most [s] and [m]
+EVEN, SLOW = 0.2, 20.0
+"""Most that a speed that is held fluctuates, as a share, below this frequency [Hz]: sound drives
+have 0.05, a light one that sticks and slips 0.4 and more."""
+LEAST = 4  # speeds that are held: with the break-away as many points as the fit has unknowns
 
 
 @dataclass(frozen=True)
 class Sliding:
-    """Friction at n speeds.
+    """Friction at the n speeds that the loop holds.
 
     Attributes
     ----------
@@ -45,14 +50,31 @@ class Sliding:
 
 
 def measure_sliding(rig: Rig, loop: VelocityLoop) -> Sliding:
-    """Drive at each of the speeds; friction is that of the mean of the guide."""
-    runs = [_forth_and_back(rig, loop, speed) for speed in SPEEDS]
+    """Drive at each of the speeds; friction is that of the mean of the guide.
+
+    Where the stage sticks and slips the mean force is not that of the mean speed: no such run
+    counts.
+
+    Raises
+    ------
+    IdentificationError
+        When too few speeds are held.
+    """
+    tried = [_forth_and_back(rig, loop, speed) for speed in SPEEDS]
+    held = [run is not None for run in tried]
+    if sum(held) < LEAST:
+        raise IdentificationError(
+            f"constant velocity: the loop holds {sum(held)} of {len(held)} speeds from "
+            f"{SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s within {100.0 * EVEN:.0f} %, expected at least "
+            f"{LEAST}; check tau_i and encoder_step of the data sheet, or raise the bandwidth"
+        )
+    runs = [run for run in tried if run is not None]
     halves = [0.5 * (forces[0] - forces[1]) for forces, _ in runs]
     along = np.mean([f / f.mean() for f in halves if len(f) == round(GUIDE / BLOCK)], axis=0)
     level = [(forces / along[: forces.shape[1]]).mean(axis=1) for forces, _ in runs]
     rest = [half / along[: len(half)] for half in halves]
     return Sliding(
-        speed=SPEEDS,
+        speed=SPEEDS[held],
         forward=np.array([force[0] for force in level]),
         back=np.array([force[1] for force in level]),
         friction=np.array([f.mean() for f in rest]),
@@ -62,8 +84,10 @@ def measure_sliding(rig: Rig, loop: VelocityLoop) -> Sliding:
     )
 
 
-def _forth_and_back(rig: Rig, loop: VelocityLoop, speed: float) -> tuple[Array, float]:
+def _forth_and_back(rig: Rig, loop: VelocityLoop, speed: float) -> tuple[Array, float] | None:
     """Return the mean force (2, k) [N] in each block, forward and back, and the fluctuation [m/s].
+
+    None where the loop does not hold the speed.
 
     The velocity does not fluctuate more than the motor force would make the mass alone do.
     """
@@ -76,6 +100,11 @@ def _forth_and_back(rig: Rig, loop: VelocityLoop, speed: float) -> tuple[Array, 
     forward = (t >= turn[0] + 0.5 * settle) & (t < turn[1])
     back = t >= turn[1] + 0.5 * settle
     n = round(reach / BLOCK)
-    forces = [[log.F_m[way & (block == k)].mean() for k in range(n)] for way in (forward, back)]
+    v = np.gradient(smoothed(log.x_enc, rig.T_s, SLOW), rig.T_s)
+    parts = [[way & (block == k) for k in range(n)] for way in (forward, back)]
+    for part in parts:
+        if not (all(map(np.any, part)) and np.std(v[np.any(part, axis=0)]) < EVEN * speed):
+            return None
+    forces = [[log.F_m[samples].mean() for samples in part] for part in parts]
     free = np.cumsum(log.F_m) * rig.T_s / loop.axis.m
     return np.array(forces), float(np.std((free - smoothed(free, rig.T_s))[forward]))

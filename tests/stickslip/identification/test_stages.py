@@ -1,5 +1,7 @@
 """Section 2.4 on the drive FMU: what the three stages find."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from stickslip.catalog.parameters import PAPER
 from stickslip.errors import IdentificationError
 from stickslip.identification.stages import identify
 from stickslip.identification.stages.estimate import correlation_length, covariance
+from stickslip.identification.stages.sliding import SPEEDS
 from stickslip.servo.datasheet import LOOP
 
 DRIVES = [
@@ -70,10 +73,48 @@ def test_break_away_does_not_send_the_stage_along_metres(make_rig):
     assert max(pushed) < 0.5
 
 
+LIGHT = {
+    "light": ({"m": 0.05}, {}),
+    "slow amplifier": ({"m": 0.05}, {"tau_i": 3e-4}),
+    "stuck": ({"F_s": 100.0}, {}),
+}
+
+
 @pytest.mark.slow
-def test_a_stage_that_does_not_move_is_told(make_rig):
-    with pytest.raises(IdentificationError, match=r"inertia: .* N"):
-        identify(make_rig(F_c=500.0, F_s=500.0), LOOP)
+@pytest.mark.parametrize(("truth", "sheet"), LIGHT.values(), ids=LIGHT)
+def test_speeds_at_which_a_stage_sticks_and_slips_do_not_count(make_rig, truth, sheet):
+    """A light stage in the same loop is held by less force for each metre that it lags."""
+    rig = make_rig(**truth)
+    rig.datasheet = replace(rig.datasheet, **sheet)
+    found = identify(rig, LOOP)
+    drive = PAPER | truth
+    tolerances = {"m": 0.02, "b": 0.1, "F_c": 0.005, "v_s": 0.2}
+    for name, tolerance in tolerances.items():
+        assert found.estimates[name].value == pytest.approx(drive[name], rel=tolerance), name
+    assert found.friction.velocity[-1] == SPEEDS[-1]
+    assert len(found.friction.velocity) < 2 * len(SPEEDS)
+
+
+UNKNOWN = {
+    "held": ({"F_c": 500.0, "F_s": 500.0}, "inertia: the fit gives .* kg; a force of 61.5 N"),
+    "hardly slides": ({"F_c": 60.0, "F_s": 70.0}, "mass does not show: check peak_force"),
+    "soft": ({"sigma_0": 1e4}, "mass does not show: check peak_force"),
+    "coarse": ({"encoder_step": 1e-3}, "changes by 0.001 m at least; expected steps of 4e-07 m"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("truth", "told"), UNKNOWN.values(), ids=UNKNOWN)
+def test_what_the_experiments_do_not_show_is_an_error(make_rig, truth, told):
+    with pytest.raises(IdentificationError, match=told):
+        identify(make_rig(**truth), LOOP)
+
+
+@pytest.mark.slow
+def test_a_stribeck_velocity_beyond_all_speeds_is_a_start_value(make_rig):
+    found = identify(make_rig(v_s=0.1), LOOP)
+    assert "shows no v_s at 0.00025 to 0.04 m/s" in found.warnings[0]
+    assert found.estimates["v_s"].standard_error > found.estimates["v_s"].value
 
 
 def test_correlation_length_is_that_of_a_first_order_process():
