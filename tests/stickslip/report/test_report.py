@@ -78,7 +78,7 @@ def identification():
     force = 5.0 * np.sign(np.sin(20.0 * t))
     log = Log(t, 4e-7 * np.round(force * 5.0), force)
     return Identification(
-        Inertia(estimate("m"), estimate("b"), estimate("F_c"), a, 5.5 * a),
+        Inertia(estimate("m"), estimate("b"), estimate("F_c"), a, 5.5 * a, 0.1),
         friction,
         Presliding(
             {name: estimate(name) for name in ("sigma_0", "sigma_1")}, 4e5, log, 2e-6 * force
