@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from stickslip import cosim
 from stickslip.errors import UsageError, number
+from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
 from stickslip.fmi.messages import suggestion
 from stickslip.fmi.process import temporary_folder
@@ -199,13 +200,12 @@ def _block(
 
     states = [f"x[{k}]" for k in range(len(matrices["A"]))]
     names = [*inputs, "y", *states]
-    if not isinstance(units, Mapping | None):
-        raise UsageError(f"units: expected them by name, as {{'y': 'N'}}, got {units!r:.80}")
-    if wrong := [one for one in units or {} if one not in names]:
+    given = by_name("units", units, UsageError)
+    if wrong := [one for one in given if one not in names]:
         raise UsageError(f"units: there is no {wrong[0]!r}{suggestion(wrong[0], names)}")
 
     def with_units(names: Sequence[str]) -> dict[str, str | None]:
-        return {one: (units or {}).get(one) for one in names}
+        return {one: given.get(one) for one in names}
 
     return linear(
         LinearSystem(

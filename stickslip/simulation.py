@@ -13,6 +13,7 @@ from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import Inputs
 from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
+from stickslip.fmi.by_name import by_name
 
 _STEPS = 500  # of a run for which no step is proposed
 
@@ -35,9 +36,10 @@ def simulate(
     path : a system, an FMU, FILE.fmu or FILE.ssp
     start, stop, step : [s], instead of those that the file proposes; where it proposes no step, the
         smallest that its FMUs propose, or 1/500 of the time from start to stop
-    parameters : start values by name, ``component.variable`` or, of one FMU, ``variable``
+    parameters : start values by name, ``component.variable`` or, of one FMU, ``variable``: a
+        dictionary, or a row of a table such as that of ``sweep``
     inputs : signals by exposed input, as of ``Simulation.run``: series over time [s], a data frame
-        of them, arrays, functions or numbers; an .ssp file may bring its own
+        of them, arrays, functions of time [s] or numbers; an .ssp file may bring its own
     record : names or patterns such as ``drive.*``; all outputs and inputs by default, or all
         variables of a system that has none
     options : of ``System.prepare``, such as ``tolerance``, ``isolation`` and ``allow_nan``
@@ -51,8 +53,9 @@ def simulate(
     """
     model = Model.of(path)
     signals = model.signals(inputs)
-    model.require_free(parameters or (), signals)
-    for name, value in (parameters or {}).items():
+    starts = by_name("parameters", parameters, UsageError)
+    model.require_free(starts, signals)
+    for name, value in starts.items():
         model.set(name, value)
     with model.prepare(
         start=start, stop=stop, step=step, record=model.record(record), **options
@@ -175,7 +178,8 @@ class Model:
 
         By default outputs and exposed inputs, and where there are no outputs, local variables.
         """
-        qualified = [self.qualified(name) for name in names] if names else None
+        each = [names] if isinstance(names, str) else [] if names is None else [*names]
+        qualified = [self.qualified(name) for name in each] or None
         return cosim.Record(qualified, every, keep)  # type: ignore[arg-type]
 
     @property
@@ -193,10 +197,14 @@ class Model:
         return found
 
     def require_free(self, names: Iterable[str], signals: Iterable[str]) -> None:
-        """Raise UsageError where a start value would have no effect, since something drives it."""
+        """Raise UsageError where a start value comes twice, or something drives what it is of."""
+        seen = set[str]()
         for name in names:
             targets = self.system.inputs.get(name, (self.qualified(name),))
             for target in targets:
+                if target in seen:
+                    raise UsageError(f"a parameter comes twice: {target}")
+                seen.add(target)
                 source = self.system.connections.get(target)
                 driven = (one for one in signals if target in self.system.inputs.get(one, ()))
                 if source := source or next(driven, None):

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from stickslip.cosim.display import html_table
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import Inputs
 from stickslip.errors import UsageError, number
+from stickslip.fmi.by_name import by_name
 from stickslip.fmi.messages import printable
 from stickslip.ga.execution.evaluation import DIED
 from stickslip.simulation import Model
@@ -113,8 +115,9 @@ def sweep(
     CosimError
         When the system, a name or an input is wrong.
     """
-    _require_names(parameters=parameters, figures=figures)
-    values = {name: _values(name, some) for name, some in parameters.items()}
+    figures = by_name("figures", figures, UsageError)
+    given = by_name("parameters", parameters, UsageError)
+    values = {name: _values(name, some) for name, some in given.items()}
     if not values or not all(values.values()) or not figures:
         raise UsageError("a sweep needs parameters with values, and figures")
     if taken := sorted({*values, "reason"} & {*figures}):
@@ -122,8 +125,6 @@ def sweep(
     model, specification, signals = _prepared(system, stop, step, inputs, record, options)
     names = [model.qualified(name) for name in values]
     model.require_free(names, signals)
-    if len({*names}) < len(names):
-        raise UsageError(f"a parameter comes twice: {', '.join(values)}")
     for name, some in zip(names, values.values(), strict=True):
         for value in some:
             model.system.checked(name, value)
@@ -194,24 +195,24 @@ def optimise(
     CosimError
         When the system, a name or an input is wrong.
     """
-    _require_names(ranges=ranges)
     model, specification, signals = _prepared(system, stop, step, inputs, record, options)
     genes = []
-    for name, span in ranges.items():
+    spans = by_name("ranges", ranges, UsageError)
+    for name, span in spans.items():
         three = _values(name, span)
         if len(three) != 3:
             raise UsageError(f"{name}: expected (lowest, start, highest), got {tuple(span)}")
         low, start, high = three
         unit = model.system.unit(model.qualified(name)) or ""
         genes.append(ga.Gene(name, low, high, start, unit, linear=low <= 0.0))
-    if not (isinstance(evaluations, int) and isinstance(seed, int) and seed >= 0):
+    if not (isinstance(evaluations, Integral) and isinstance(seed, Integral) and seed >= 0):
         raise UsageError(
             f"evaluations = {evaluations!r} and seed = {seed!r}: expected whole numbers, the seed"
             " 0 or more"
         )
     limits = ga.Limits(evaluations=evaluations)
     search = ga.optimiser(algorithm, ga.Problem(genes), limits, seed)
-    names = [model.qualified(name) for name in ranges]
+    names = [model.qualified(name) for name in spans]
     model.require_free(names, signals)
     with (
         ga.SimulatedCost(
@@ -271,17 +272,9 @@ def _figure(what: str, of: Figure, result: cosim.Result) -> float:
         raise ga.CandidateFailed(str(fault)) from None
 
 
-def _require_names(**given: object) -> None:
-    """Raise UsageError where something is not given by name."""
-    for what, some in given.items():
-        if not isinstance(some, Mapping):
-            got = printable(repr(some), 80)
-            raise UsageError(f"{what}: expected a dictionary with a name for each, got {got}")
-
-
 def _values(name: str, some: Iterable[float]) -> list[float]:
     """Return the values of a parameter."""
-    if isinstance(some, str) or not isinstance(some, Iterable):
+    if isinstance(some, str) or not np.iterable(some):
         raise UsageError(f"{name}: expected its values in a list, got {printable(repr(some), 80)}")
     return [number(name, value) for value in some]
 

@@ -15,6 +15,7 @@ from stickslip.cosim.errors import LinearisationError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.system.isolation import Isolated
 from stickslip.cosim.system.system import Specification, System
+from stickslip.fmi.by_name import by_name
 from stickslip.fmi.messages import suggestion
 
 Array = NDArray[np.float64]
@@ -64,7 +65,7 @@ def linearise(
         again on the way.
     FmuError, SimulationError
     """
-    found = _dynamics(model, parameters or {}, outputs, step, isolation)
+    found = _dynamics(model, parameters, outputs, step, isolation)
     names = _names(found)
     x = _point(names["states"], found.x0, states, "state")
     u = _point(names["inputs"], found.u0, inputs, "input")
@@ -92,7 +93,7 @@ def nonlinear_system(
     Arguments and errors are those of ``linearise``. In continuous time its events are not followed:
     it stays in the mode in which it starts. In discrete time every step is a run from its state.
     """
-    found = _dynamics(model, parameters or {}, outputs, step, isolation)
+    found = _dynamics(model, parameters, outputs, step, isolation)
     found.put(found.x0, found.u0)
     return control.NonlinearIOSystem(
         lambda t, x, u, _: found.rates(t, np.atleast_1d(x), np.atleast_1d(u)),
@@ -104,11 +105,12 @@ def nonlinear_system(
 
 def _dynamics(
     model: Fmu | System | str | os.PathLike[str],
-    parameters: Mapping[str, object],
+    parameters: Mapping[str, object] | None,
     outputs: Sequence[str] | None,
     step: float | None,
     isolation: Isolated,
 ) -> Dynamics:
+    parameters = by_name("parameters", parameters, LinearisationError)
     if not isinstance(model, Fmu | System):
         model = Fmu(model)
     if isinstance(model, Fmu):
@@ -156,7 +158,7 @@ def _point(
     names: Sequence[str], start: Array, values: Mapping[str, float] | None, what: str
 ) -> Array:
     point = dict(zip(names, start, strict=True))
-    for name, value in (values or {}).items():
+    for name, value in by_name(f"{what}s", values, LinearisationError).items():
         if name not in point:
             raise LinearisationError(f"there is no {what} {name!r}{suggestion(name, point)}")
         point[name] = value

@@ -19,6 +19,7 @@ from stickslip.fmi.description.variables import (
     Value,
     Variable,
 )
+from stickslip.fmi.messages import printable
 
 _C_TYPES = {name: c_type for setters in SETTERS.values() for name, (_, c_type) in setters.items()}
 _WORDS = {"true": True, "1": True, "on": True, "false": False, "0": False, "off": False}
@@ -76,7 +77,7 @@ def _checked(variable: Variable, value: object, label: str) -> Scalar:
         result = _converted(variable, value)
     except (TypeError, ValueError, KeyError, OverflowError):
         raise ParameterError(
-            f"{label}: expected a value of type {variable.type}, got {value!r}"
+            f"{label}: expected a value of type {variable.type}, got {printable(repr(value), 80)}"
         ) from None
     if isinstance(result, (int, float)):
         _check_range(variable, result, label)

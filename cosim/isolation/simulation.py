@@ -15,7 +15,7 @@ from weakref import finalize
 
 import numpy as np
 
-from stickslip.cosim.errors import FmuCrashed
+from stickslip.cosim.errors import FmuCrashed, ParameterError
 from stickslip.cosim.isolation.answers import Reply
 from stickslip.cosim.isolation.parcel import Tabulated, portable_inputs
 from stickslip.cosim.isolation.process import Process
@@ -25,9 +25,11 @@ from stickslip.cosim.run.exclusive import Exclusive
 from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
+from stickslip.cosim.signals.tables import signals_of
 from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.system import Specification
+from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
 
 _BIND_RUN = inspect.signature(Simulation.run).bind
@@ -126,9 +128,10 @@ class IsolatedSimulation(Simulation):
         if how == "resume":
             self._state_path = str(Path(arguments["path"]).absolute())
         else:
-            arguments["parameters"] = dict(arguments["parameters"] or {})
+            starts = by_name("parameters", arguments["parameters"], ParameterError)
+            arguments["parameters"] = starts
         arguments |= {
-            "inputs": portable_inputs(arguments["inputs"] or {}, self.time),
+            "inputs": portable_inputs(signals_of(arguments["inputs"]), self.time),
             "scenario": Tabulated.of(arguments["scenario"], self.time),
             "progress": progress is not None,
             "how": how,

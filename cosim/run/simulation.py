@@ -21,6 +21,7 @@ from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Table
 from stickslip.cosim.signals.tables import Inputs, signals_of
 from stickslip.cosim.system.coupling import Coupling
+from stickslip.fmi.by_name import by_name
 
 
 class Simulation(Repeated):
@@ -62,7 +63,7 @@ class Simulation(Repeated):
         Parameters
         ----------
         parameters : ``component.variable`` -> start value for this run only
-        inputs : exposed input -> array (n_steps + 1,), Signal, function of the time array, series
+        inputs : exposed input -> array (n_steps + 1,), Signal, function of time [s], series
             of pandas over time [s], or number; or a data frame with a column of each. The value at
             t[n] holds until t[n + 1], or until a Table jumps; Model Exchange follows the lines of a
             Table. An input left out keeps the start value of its first target
@@ -84,9 +85,9 @@ class Simulation(Repeated):
 
         An FMU may ask to end a run: the result is then shorter, and its ``stopped`` says so.
         """
-        values = self._values(parameters or {})
+        values = self._values(by_name("parameters", parameters, ParameterError))
         last = self._place(until)
-        signals = {} if inputs is None else signals_of(inputs)
+        signals = signals_of(inputs)
         jumps = any(isinstance(signal, Table) for signal in signals.values())
         same_as = None if scenario or jumps else last
 
@@ -172,7 +173,7 @@ class Simulation(Repeated):
                 f"{path} is at t = {reached:.9g} s already, there is no step left"
             )
         parameters = self.spec.system.parameters
-        signals = {} if inputs is None else signals_of(inputs)
+        signals = signals_of(inputs)
 
         def go(_: bool) -> Result:
             self._advance(0)  # initialised, the FMUs are in a mode that takes a state

@@ -27,7 +27,7 @@ class Signal(Protocol):
         """Return the values (n,) at the times t (n,) in s."""
 
 
-Input = Signal | Callable[[Array], Array] | Array | float
+Input = Signal | Callable[[Any], Any] | Array | float
 
 
 @dataclass(frozen=True)
@@ -252,17 +252,19 @@ def sampled(name: str, signal: Input, time: Array) -> Array:
     if hasattr(signal, "sample"):
         signal = signal.sample(time)
     elif callable(signal):
-        signal = signal(time)
+        signal = _evaluated(name, signal, time)
     if hasattr(signal, "magnitude") and hasattr(signal, "units"):
         raise SignalError(
             f"input {name!r}: expected numbers in the unit of the input, got a quantity in"
             f" {signal.units}; give the magnitude of quantity.to(unit)"
         )
     wrong = f"input {name!r}: expected numbers, got {printable(repr(signal), 80)}"
-    if isinstance(signal, str | bytes):
+    kind = getattr(getattr(signal, "dtype", None), "kind", "")
+    if isinstance(signal, str | bytes | complex) or kind == "c":
         raise SignalError(wrong)
     try:
-        values = np.asarray(signal, dtype=np.float64)
+        plain: Any = signal
+        values = np.asarray(np.ma.filled(plain, np.nan), dtype=np.float64)
     except (TypeError, ValueError):
         raise SignalError(wrong) from None
     if values.ndim and values.shape != time.shape:
@@ -274,3 +276,56 @@ def sampled(name: str, signal: Input, time: Array) -> Array:
         when = time[np.argmin(finite)] if values.ndim else time[0]
         raise SignalError(f"input {name!r} is not finite at t = {when:.9g} s")
     return values
+
+
+def _evaluated(name: str, function: Callable[[Any], Any], time: Array) -> Any:
+    """Return a function at the times (n,) in s: of all at once, else of one after the other.
+
+    Only an array of n values is taken for those of all times. A single value may be of a function
+    that ignores the time, and of one that looks up, or averages over, what it takes for one time.
+
+    Raises
+    ------
+    SignalError
+        When it raises, or returns no number, for one time.
+    """
+    try:
+        values = function(time.copy())
+        if np.shape(values) == time.shape or hasattr(values, "magnitude"):
+            return values
+        whole = f"returned the shape {np.shape(values)}"
+    except Exception as fault:  # noqa: BLE001 - a function of one time may raise any
+        whole = _told(fault)
+    found = []
+    for t in time.tolist():
+        try:
+            value = function(t)
+        except Exception as fault:
+            also = "" if whole == _told(fault) else f"; for an array of all times it {whole}"
+            raise SignalError(
+                f"input {name!r}: at t = {t:.9g} s the function {_told(fault)}{also}"
+            ) from fault
+        found.append(value if isinstance(value, (float, int)) else _number(name, t, value))
+    return np.array(found, dtype=np.float64)
+
+
+def _number(name: str, t: float, value: Any) -> float:
+    """Return what a function returned at the time t [s], alone or in a list or array, as a number.
+
+    Raises
+    ------
+    SignalError
+        When it is none.
+    """
+    try:
+        array = isinstance(value, list | tuple | np.ndarray)
+        return float(np.asarray(value).item() if array else value)
+    except (TypeError, ValueError):
+        got = printable(repr(value), 80)
+        raise SignalError(
+            f"input {name!r}: at t = {t:.9g} s the function returned {got}, expected a number"
+        ) from None
+
+
+def _told(fault: Exception) -> str:
+    return printable(f"raised {type(fault).__name__}: {fault}")

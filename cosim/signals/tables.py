@@ -14,6 +14,7 @@ import numpy as np
 from stickslip.cosim.errors import CosimError, SignalError
 from stickslip.cosim.signals.parquet import MOST_BYTES, Unreadable, read_columns
 from stickslip.cosim.signals.signals import Array, Input, Table
+from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write, read_limited
 from stickslip.fmi.messages import printable, shown
 
@@ -122,7 +123,7 @@ def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
     return _from_frame(pd.DataFrame({n: c.numbers for n, c in columns.items()}), str(path))
 
 
-def signals_of(inputs: Inputs) -> dict[str, Input]:
+def signals_of(inputs: Inputs | None) -> dict[str, Input]:
     """Return signals by input; a data frame and each series of pandas become tables.
 
     Raises
@@ -130,14 +131,11 @@ def signals_of(inputs: Inputs) -> dict[str, Input]:
     SignalError
         When the index or a column ``time`` of a frame or series does not hold times.
     """
-    if not isinstance(inputs, Mapping):
-        if hasattr(inputs, "columns"):
-            return dict(_from_frame(inputs, "the data frame"))
-        raise SignalError(
-            f"inputs is a {type(inputs).__name__}; expected a data frame, or a mapping from names"
-            " to signals, such as read_tables returns of a file"
-        )
-    return {name: _from_series(name, signal) for name, signal in inputs.items()}
+    if not isinstance(inputs, Mapping | None) and hasattr(inputs, "columns"):
+        return dict(_from_frame(inputs, "the data frame"))
+    also = ", such as read_tables returns of a file, or a data frame"
+    given = by_name("inputs", inputs, SignalError, also)
+    return {name: _from_series(name, signal) for name, signal in given.items()}
 
 
 def _from_series(name: str, signal: Input | pd.Series) -> Input:
@@ -149,8 +147,13 @@ def _from_series(name: str, signal: Input | pd.Series) -> Input:
 def _from_frame(frame: pd.DataFrame, label: str) -> dict[str, Table]:
     import pandas as pd
 
+    index = frame.index
+    if index.nlevels > 1 or frame.columns.nlevels > 1:
+        raise SignalError(
+            f"{label}: has an index or columns of several levels; expected times [s] and names;"
+            " see droplevel of pandas"
+        )
     if "time" not in frame.columns:
-        index = frame.index
         if index.name != "time" and isinstance(index, pd.RangeIndex):
             raise SignalError(
                 f"{label}: no column 'time', and its index numbers the rows; expected times [s] in"

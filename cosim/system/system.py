@@ -22,6 +22,7 @@ from stickslip.cosim.system.isolation import Isolated, Isolation
 from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.scaling import PLAIN, Link, Transform
 from stickslip.fmi import toolchain
+from stickslip.fmi.by_name import by_name
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import shown, suggestion
@@ -139,7 +140,7 @@ class System:
             )
         self.components[name] = _component(name, fmu, interface)
         try:
-            for variable, value in (parameters or {}).items():
+            for variable, value in by_name("parameters", parameters, ParameterError).items():
                 self.set(f"{name}.{variable}", value)
         except ParameterError:
             del self.components[name]

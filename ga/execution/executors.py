@@ -15,6 +15,7 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
+from numbers import Integral
 from typing import Any, ParamSpec, TypeVar
 
 from stickslip.fmi.process import Threads, held
@@ -55,8 +56,8 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
     WorkersLost : the connection to the scheduler is lost, it has not answered for 10 s, or it
         has had no workers for a minute
     """
-    if workers < 1:
-        raise SettingsError(f"workers must be at least 1, got {workers}")
+    if not isinstance(workers, Integral) or workers < 1:
+        raise SettingsError(f"workers must be a whole number and at least 1, got {workers!r}")
     if where == "threads":
         if workers == 1:
             yield None

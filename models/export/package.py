@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import get_args
 
+from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
 from stickslip.fmi.messages import suggestion
 from stickslip.fmi.toolchain import (
@@ -22,7 +23,7 @@ from stickslip.fmi.toolchain import (
     shared_library,
     standard_functions,
 )
-from stickslip.models.errors import ModelError, UnknownLaw, UnknownModel
+from stickslip.models.errors import ModelError, StartValueError, UnknownLaw, UnknownModel
 from stickslip.models.export.description import Model, read_model
 from stickslip.models.export.headers import MARKER, MARKER_SIZE, start_bytes, start_source
 from stickslip.models.export.law import MODELS, Law, read_law, read_toml
@@ -162,11 +163,12 @@ def build_fmu(
     """
     if fmi not in get_args(FmiVersion):
         raise ModelError(f"fmi is {fmi!r}; expected 2 or 3")
-    model = load_model(name, law).with_start(start or {}).of_motion(rotary=rotary)
+    starts = by_name("start", start, StartValueError)
+    model = load_model(name, law).with_start(starts).of_motion(rotary=rotary)
     description = f"{note}. {model.description}" if note else model.description
     model = replace(model, name=checked_name(called or model.name), description=description)
     # The reference holds for the start values of model.toml and law.toml.
-    expected = not start and reference_file(model) is not None
+    expected = not starts and reference_file(model) is not None
     return pack_fmu(
         model, folder, fmi=fmi, platforms=platforms, reference=expected, terminals=terminals
     )

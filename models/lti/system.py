@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.fmi.by_name import by_name
 from stickslip.models.errors import LtiError
 from stickslip.models.lti.realisation import realise
 
@@ -113,19 +114,20 @@ def linear_system(
             f"{system.name}: it is discrete, but its sample period is not given (dt=True)"
         )
     known = [*system.input_labels, *system.output_labels, *states]
-    for unknown in (units or {}).keys() - set(known):
+    given = by_name("units", units, LtiError)
+    for unknown in given.keys() - set(known):
         raise LtiError(f"{system.name} has no variable {unknown!r}; it has {', '.join(known)}")
     own = system.name if _IDENTIFIER.fullmatch(system.name or "") else "lti"
     return LinearSystem(
         name or own,
         *(A, B, C, D),
         dt=float(system.dt or 0.0),
-        inputs=_with_units(system.input_labels, units),
-        outputs=_with_units(system.output_labels, units),
-        states=_with_units(states, units),
+        inputs=_with_units(system.input_labels, given),
+        outputs=_with_units(system.output_labels, given),
+        states=_with_units(states, given),
         x0=np.zeros(len(states)) if x0 is None else np.array(x0, dtype=float),
     )
 
 
-def _with_units(names: Sequence[str], units: Mapping[str, str] | None) -> dict[str, str | None]:
-    return {name: (units or {}).get(name) for name in names}
+def _with_units(names: Sequence[str], units: Mapping[str, str]) -> dict[str, str | None]:
+    return {name: units.get(name) for name in names}

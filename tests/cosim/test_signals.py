@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pandas as pd
 import pint
@@ -9,6 +11,8 @@ import pytest
 from stickslip import cosim
 
 T = np.linspace(0.0, 10.0, 10_001)
+GRID = np.arange(5) * 0.5  # of the simulation
+SQUARES = GRID**2
 
 
 def test_sine_sweep_runs_from_one_frequency_and_amplitude_to_the_other():
@@ -56,11 +60,41 @@ def test_all_kinds_of_inputs(simulation):
     assert set(simulation.run(inputs={"force": 3})["force"]) == {3.0}
 
 
+def moved(t):
+    t += 1.0
+    return t
+
+
+@pytest.mark.parametrize(
+    ("function", "expected"),
+    [
+        (math.exp, [math.exp(t) for t in (0.0, 0.5, 1.0, 1.5, 2.0)]),
+        (lambda t: 12 if t > 0.5 else 0, [0, 0, 12, 12, 12]),
+        (lambda t: [t], GRID),
+        (lambda t: np.float32(t) > 0.5, [0, 0, 1, 1, 1]),
+        (lambda t: SQUARES[np.abs(GRID - t).argmin()], SQUARES),
+        (lambda t: np.linalg.norm([3.0 * t, 4.0 * t]), 5.0 * GRID),
+        (moved, GRID + 1.0),
+    ],
+)
+def test_a_function_of_one_time_gives_the_value_at_each(simulation, function, expected):
+    result = simulation.run(inputs={"force": function})
+    np.testing.assert_array_equal(result["force"], expected)
+    np.testing.assert_array_equal(result.time, GRID)
+
+
 @pytest.mark.parametrize(
     ("signal", "message"),
     [
         (np.zeros(4), r"shape \(4,\), expected \(5,\)"),
         ([0, 0, np.nan, 0, 0], "not finite at t = 1 s"),
+        (lambda t: 1 / (t - 1.0) if t else 0.0, "t = 1 s the function raised ZeroDivisionError"),
+        (lambda t: t["a"], "raised TypeError: 'float' .*; for an array of all times .*IndexError"),
+        (print, "at t = 0 s the function returned None, expected a number"),
+        (lambda t: [t, t], r"the function returned \[0\.0, 0\.0\], expected a number"),
+        (lambda t: t * 1j, "expected numbers"),
+        (1j, "expected numbers, got 1j"),
+        (np.ma.masked_greater(GRID, 0.5), "not finite at t = 1 s"),
         ("text", "expected numbers"),
         ("12", "expected numbers"),
         (pint.Quantity(1.0, "kN"), "in the unit of the input, got a quantity in kilonewton"),

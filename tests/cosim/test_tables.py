@@ -41,6 +41,8 @@ def test_all_sources_give_the_same_signals(tmp_path, kind):
         (pd.DataFrame(index=[0.0, 1.0]), "distinct columns beside 'time'"),
         (FRAME.assign(time=pd.date_range("2026-01-01", periods=4)), "'time' holds datetime64"),
         (FRAME * 1j, "holds complex128"),
+        (FRAME.set_index(["time", "w"]), "several levels"),
+        (pd.concat({"a": FRAME}, axis=1), "several levels"),
         (pd.DataFrame({"time": [0.0], "v": ["x"]}), "not a number"),
         (pd.DataFrame({"time": [1.0, 0.0], "v": [0.0, 0.0]}), "time falls"),
         (pd.DataFrame({"time": [0.0, 1.0], "v": [0.0, np.nan]}), "not finite"),
@@ -68,7 +70,9 @@ def test_pandas_gives_inputs_as_tables_do(kind, unit):
 def test_other_inputs_stay_what_they_are():
     given = {"a": 1.0, "b": [0.0, 1.0], "c": np.sin, "d": cosim.Trapezoid(1.0, 1.0, 1.0)}
     assert cosim.signals_of(given) == given
-    with pytest.raises(cosim.SignalError, match="inputs is a list"):
+    with pytest.raises(
+        cosim.SignalError, match=r"inputs: expected a dictionary .* data frame, got"
+    ):
         cosim.signals_of([1.0])
 
 

@@ -80,7 +80,7 @@ def test_delay_gain_saturation_and_table():
         (lambda: ss.blocks.lookup(["a", 1.0], [1.0]), UsageError, "points: expected numbers"),
         (lambda: ss.blocks.gain("x"), UsageError, "k: expected a number, got 'x'"),
         (lambda: ss.blocks.gain(2.0, {"in": "kN"}), UsageError, "units: there is no 'in'"),
-        (lambda: ss.blocks.gain(2.0, "N"), UsageError, "units: expected them by name"),
+        (lambda: ss.blocks.gain(2.0, "N"), UsageError, "units: expected a dictionary"),
         (lambda: ss.blocks.saturation(None, 1.0), UsageError, "low: expected a number, got None"),
     ],
 )

@@ -43,6 +43,28 @@ def test_a_sweep_is_a_table_of_all_combinations(stage):
     assert done == [(n, 6) for n in range(1, 7)]
 
 
+def test_a_row_of_the_table_gives_its_run_again(stage):
+    table = ss.sweep(stage, pd.Series({"F_c": [0.2, 0.5], "m": [M, 2 * M]}), {"end": end}, **RUN)
+    row, frame = table[["F_c", "m"]].iloc[2], table.loc[[2], ["F_c", "m"]]
+    alone = ss.System("alone")
+    alone.add("stage", stage, row)
+    alone.expose("u", "stage.u")
+    start = pd.concat([row, pd.Series({"F_s": 1.0})])
+    built = ss.build_fmu("stage", stage.parent / "built", law="coulomb_stribeck", start=start)
+    ends = [end(ss.simulate(stage, parameters=given, **RUN)) for given in (row, frame)]
+    ends += [end(ss.simulate(model, **RUN)) for model in (built, alone)]
+    for isolation in (None, "process"):
+        with alone.prepare(step=1e-3, stop=STOP, isolation=isolation) as simulation:
+            given = row.rename({"F_c": "stage.F_c", "m": "stage.m"})
+            inputs = pd.DataFrame({"u": [PUSH, PUSH]}, index=[0.0, STOP])
+            ends.append(end_of_stage(simulation.run(given, inputs)))
+    assert ends == [table["end"][2]] * 6
+    with pytest.raises(ss.Fault, match=r"a parameter comes twice: stage\.F_c"):
+        ss.simulate(stage, parameters={"F_c": 1.0, "stage.F_c": 2.0}, **RUN)
+    with pytest.raises(ss.Fault, match="workers must be a whole number and at least 1, got '2'"):
+        ss.sweep(stage, {"F_c": [0.2]}, {"end": end}, workers="2", **RUN)
+
+
 def test_a_frame_drives_and_a_bar_shows(stage, capsys):
     frame = pd.DataFrame({"u": [PUSH, PUSH]}, index=[0.0, STOP])
     run = RUN | {"inputs": frame, "record": ["v"], "progress": True}

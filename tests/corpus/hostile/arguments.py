@@ -49,7 +49,7 @@ _ONE = '{"f": lambda result: 1.0}'
 CASES = [
     _python("table-text", "a table of words", "values of a table: expected numbers, got", 'ss.Table([0, 1], ["on", "off"])'),
     _python("table-ragged", "a table of rows of two lengths", "values of a table: expected numbers", "ss.Table([0, 1], [[1], [2, 3]])"),
-    _python("inputs-file", "a file's name in place of inputs", "inputs is a str; expected a data frame, or a mapping .*read_tables", f'ss.simulate({_TIMES}, inputs="in.csv")'),
+    _python("inputs-file", "a file's name in place of inputs", "inputs: expected a dictionary .*read_tables .* or a data frame, got", f'ss.simulate({_TIMES}, inputs="in.csv")'),
     _python("inputs-frame", "a DataFrame with NaN as inputs", "the data frame: a table holds a time or value that is not finite", f'ss.simulate({_TIMES}, inputs=pd.DataFrame({{"time": [0.0, 1.0], "u": [1.0, np.nan]}}))'),
     _driven("frame", "a DataFrame", "expected a signal, .*got a DataFrame; give the data frame itself", 'pd.DataFrame({"time": [0, 1], "u": [1, 2]})'),
     _driven("column", "a column of 11 rows of one value", r"has the shape \(11, 1\)", "np.ones((11, 1))"),

@@ -1,0 +1,55 @@
+"""Values that a caller gives by name, in whatever form his tools have them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from stickslip.fmi.errors import Fault
+from stickslip.fmi.messages import printable
+
+
+def by_name(what: str, given: Any, error: type[Fault], also: str = "") -> dict[str, Any]:
+    """Return what is given by name as a dictionary, an empty one for None.
+
+    Parameters
+    ----------
+    what : it is, for messages
+    given : a mapping, a series or one-row data frame of pandas, or a named tuple, as ``itertuples``
+        returns of a data frame
+    also : what else is expected, for messages
+
+    Raises
+    ------
+    error
+        When it is something else, or a name is not a text or occurs twice.
+    """
+    if given is None:
+        return {}
+    if hasattr(given, "_asdict"):
+        rows = type(given).__name__ == "Pandas"
+        pairs = [one for one in given._asdict().items() if not (rows and one[0] == "Index")]
+        if renamed := [name for name, _ in pairs if name.startswith("_")]:
+            raise error(
+                f"{what}: itertuples called a column {renamed[0]}, because its name is none of"
+                " Python; give the row as table.iloc[0]"
+            )
+    elif hasattr(given, "columns") and hasattr(given, "iloc"):
+        if len(given) != 1:
+            raise error(
+                f"{what}: expected a dictionary, or a data frame of one row, got one of"
+                f" {len(given)}; see table.iloc[0], or table.to_dict('list') for lists of values"
+            )
+        pairs = [(name, column.iloc[0]) for name, column in given.items()]
+    elif isinstance(given, Mapping) or hasattr(given, "iloc"):
+        pairs = [*given.items()]
+    else:
+        got = printable(repr(given), 80)
+        raise error(f"{what}: expected a dictionary with a name for each{also}, got {got}")
+    if other := [name for name, _ in pairs if not isinstance(name, str)]:
+        got = printable(repr(other[0]), 80)
+        raise error(f"{what}: expected each by its name, as {{'name': ...}}, got {got}")
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise error(f"{what}: a name comes twice: {', '.join(name for name, _ in pairs)}")
+    return found
