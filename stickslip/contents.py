@@ -141,6 +141,7 @@ def _fmu(path: Path) -> Info:
         "experiment": asdict(found.experiment),
         "states": found.n_states,
         "internal": others,
+        "warnings": list(found.remarks),
     }
     return Info(path, facts, {"variables": [_row(v.name, v, v.unit, v.start) for v in variables]})
 

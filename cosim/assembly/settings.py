@@ -8,14 +8,12 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Literal, get_args
 
 from stickslip.cosim.assembly.general_path import GeneralComponent
-from stickslip.cosim.errors import ParameterError
 from stickslip.cosim.fmu.batch import batches
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Value, Variable
-from stickslip.fmi.messages import shown
 
 # When a start value is set: in Configuration Mode, when instantiated, or in Initialization Mode.
 _Phase = Literal["structure", "early", "late"]
@@ -101,21 +99,3 @@ def _phase(variable: Variable) -> _Phase:
     if variable.causality == "structuralParameter":
         return "structure"
     return "late" if variable.causality == "input" else "early"
-
-
-def check_start_values(system: System) -> None:
-    """Check that the start values that FMUs declare are within their ranges."""
-    for component, fmu in system.components.items():
-        for variable in fmu.outside:
-            name = f"{component}.{variable.name}"
-            set_ = (n == name or n.startswith(f"{name}[") for n in system.parameters)
-            if variable.is_settable and not any(set_):
-                unit = f" {variable.unit}" if variable.unit else ""
-                low, high = variable.minimum, variable.maximum
-                wrong = f"outside its range {low} to {high}{unit}"
-                if low is None is high:
-                    wrong = "no finite number"
-                raise ParameterError(
-                    f"{fmu.label}: {shown(name)} starts at {shown(str(variable.start))}{unit},"
-                    f" {wrong}; give it another start value"
-                )

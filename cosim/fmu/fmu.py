@@ -26,6 +26,7 @@ from stickslip.fmi.xml import Malformed, parse_xml
 
 _log = logging.getLogger(__name__)
 _DESCRIPTION = "modelDescription.xml"
+_WARNED: set[tuple[Path, str]] = set()
 _TAGS: Mapping[Interface, str] = {
     "co_simulation": "CoSimulation",
     "model_exchange": "ModelExchange",
@@ -114,7 +115,6 @@ class Fmu(Component):
             chosen, "canHandleVariableCommunicationStepSize"
         )
         self.binary = self._find_binary()
-        self.outside = description.outside
         self.learned = description.learned
         self.identity = f"{self.interface} of the file with SHA-256 {self.folder.name[:16]}..."
         self.units = description.units
@@ -137,6 +137,7 @@ class Fmu(Component):
                 name: replace(v, triggered=False) if v.triggered else v
                 for name, v in self.variables.items()
             }
+        warn_of(self.path, description)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuild, (self.path, self.interface)
@@ -256,6 +257,14 @@ def described(path: Path) -> tuple[Path, Description]:
         return folder, read_description(parse_xml((folder / _DESCRIPTION).read_bytes()))
     except (Malformed, DescriptionFault) as fault:
         raise FmuError(f"{path}: {_DESCRIPTION}: {fault}") from fault
+
+
+def warn_of(path: Path, description: Description) -> None:
+    """Log what is left out of a description, once."""
+    if (path, description.token) not in _WARNED:
+        _WARNED.add((path, description.token))
+        for line in description.remarks:
+            _log.warning("%s: %s: %s", path, _DESCRIPTION, line)
 
 
 def _rebuild(path: Path, interface: Interface) -> Fmu:

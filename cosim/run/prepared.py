@@ -15,7 +15,7 @@ from stickslip.cosim.assembly.coupled import Coupled
 from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.assembly.memory import Memory, Room
-from stickslip.cosim.assembly.settings import Settings, check_start_values
+from stickslip.cosim.assembly.settings import Settings
 from stickslip.cosim.assembly.wiring import library_of, wire
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu import fatal
@@ -75,7 +75,6 @@ class Prepared:
         turn = None if coupling.method == "jacobi" else self.order
         record = Record.of(spec.record)
         self._layout = layout = Layout.of(system, record, turn)
-        check_start_values(system)
         self._kept = 1 + len(system.inputs) + layout.kept_per_point(record)
         check_memory(n_steps + 1, self._kept)
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 import unicodedata
 from collections.abc import Iterable
 from pathlib import PurePosixPath
@@ -14,6 +15,7 @@ MAX_DEPTH = 64
 MAX_LENGTH = 1000  # bytes of a path
 _MAX_PART = 255  # bytes, of every usual file system
 
+_FOLDS = sys.platform in ("win32", "darwin")
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 _LEAVES = re.compile(r"^/|^[A-Za-z]:|(^|/)\.\.(/|$)")
 # Device names of Windows, which they are with any extension, too.
@@ -43,8 +45,6 @@ def _fault(name: str) -> str | None:
         return "has a backslash in its name, where the standard wants '/'; pack the archive again"
     if _LEAVES.search(name):
         return "would leave the folder it is unpacked to; only relative paths are unpacked"
-    if ":" in name:
-        return "has a colon in its name, which names a drive or a stream on Windows; rename it"
     parts = name.removesuffix("/").split("/")
     if not all(parts):
         return "has an empty part in its path; pack the archive again"
@@ -55,17 +55,21 @@ def _fault(name: str) -> str | None:
     length = len(name.encode())
     if length > MAX_LENGTH or any(len(part.encode()) > _MAX_PART for part in parts):
         return f"has a path of {length} bytes, expected at most {MAX_LENGTH}, {_MAX_PART} in a part"
-    if os.name == "nt" and any(p.endswith((".", " ")) and p != "." for p in parts):
-        return "has a name with a dot or blank at its end, which Windows drops; rename it"
-    if any(map(is_device, parts)):
-        return "has the name of a device of Windows; rename it"
+    if os.name == "nt":
+        if ":" in name:
+            return "has a colon in its name, which names a drive or a stream on Windows; rename it"
+        if any(p.endswith((".", " ")) and p != "." for p in parts):
+            return "has a name with a dot or blank at its end, which Windows drops; rename it"
+        if any(map(is_device, parts)):
+            return "has the name of a device of Windows; rename it"
     return None
 
 
 def check_distinct(places: Iterable[tuple[PurePosixPath, bool]]) -> None:
     """Check that no two members (path, whether it is a folder) need the same place.
 
-    Upper and lower case, and accents written as one letter or two, count as the same.
+    Upper and lower case, and accents written as one letter or two, count as the same on systems
+    where they are.
     """
     files: dict[str, PurePosixPath] = {}
     folders: dict[str, PurePosixPath] = {}
@@ -73,10 +77,7 @@ def check_distinct(places: Iterable[tuple[PurePosixPath, bool]]) -> None:
         key = _key(path)
         if not is_folder:
             if key in files:
-                raise Refused(
-                    f"member {shown(str(path))} occurs twice (upper and lower case count as the"
-                    " same); keep one"
-                )
+                raise Refused(f"member {shown(str(path))} occurs twice; keep one")
             files[key] = path
         for folder in (path, *path.parents) if is_folder else path.parents:
             folders.setdefault(_key(folder), folder)
@@ -86,4 +87,5 @@ def check_distinct(places: Iterable[tuple[PurePosixPath, bool]]) -> None:
 
 
 def _key(path: PurePosixPath) -> str:
-    return unicodedata.normalize("NFC", str(path)).casefold()
+    name = str(path)
+    return unicodedata.normalize("NFC", name).casefold() if _FOLDS else name

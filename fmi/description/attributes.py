@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
 
 from stickslip.fmi.messages import shown
 
+_T = TypeVar("_T")
 _WHOLE = re.compile(r"\s*[-+]?[0-9]{1,20}\s*")
-_NAMELESS = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029]")
+CONTROLS = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029]")
+MOST_REMARKS = 20
+"""Lines of one description; a list of 100,000 variables can have one for each."""
 WORDS = {"true": True, "1": True, "false": False, "0": False}
 
 
 class DescriptionFault(ValueError):
-    """A description that is not taken; the message begins with the line.
+    """A description, or a part of it, that is not taken; the message begins with the line.
 
     Parameters
     ----------
@@ -25,12 +28,43 @@ class DescriptionFault(ValueError):
 
     def __init__(self, element: Any, what: str) -> None:
         super().__init__(f"line {element.sourceline}: {what}")
+        self.element = element
+
+
+class Remarks:
+    """What is wrong in a description and no run needs: it is left out, and a line says so."""
+
+    def __init__(self) -> None:
+        self._lines: list[str] = []
+        self._further = 0
+
+    def add(self, element: Any, what: str) -> None:
+        """Note what is wrong with an element, and what is done about it."""
+        if len(self._lines) < MOST_REMARKS:
+            self._lines.append(f"line {element.sourceline}: {what}")
+        else:
+            self._further += 1
+
+    def attempt(self, read: Callable[..., _T], *arguments: Any) -> _T | None:
+        """Return what a function reads; None, with a remark, where it refuses."""
+        try:
+            return read(*arguments)
+        except DescriptionFault as fault:
+            what = str(fault).partition(": ")[2].removesuffix("; export it again")
+            self.add(fault.element, f"{what}; this is ignored")
+            return None
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The remarks, of many the first and how many more there are."""
+        more = (f"{self._further} more",) if self._further else ()
+        return (*self._lines, *more)
 
 
 def name_of(element: Any) -> str:
     """Return an element's name, which it must have; without control characters."""
     name: str = element.get("name") or ""
-    if not name or _NAMELESS.search(name):
+    if not name or CONTROLS.search(name):
         what = f"is {shown(name)}: control characters are not taken" if name else "is missing"
         raise DescriptionFault(element, f"the name of a {element.tag} {what}; export it again")
     return name

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.fmi.description.attributes import DescriptionFault, finite, whole
+from stickslip.fmi.description.attributes import DescriptionFault, Remarks, finite, whole
 
 # When an FMU is asked for the interval, by ``intervalVariability``; places in ``enum Asked``.
 # Clocks of other kinds are triggered by whoever runs the FMU.
@@ -39,14 +39,14 @@ class Clock:
     shift: float = 0.0
 
 
-def read_clocks(elements: Sequence[Any]) -> tuple[Clock, ...]:
-    """Return the input clocks among the elements of variables, whose clocks have to be some."""
+def read_clocks(elements: Sequence[Any], remarks: Remarks) -> tuple[Clock, ...]:
+    """Return the input clocks among the elements of variables, whose clocks should be some."""
     clocks = [element for element in elements if element.tag == "Clock"]
     references = {element.get("valueReference") for element in clocks}
     for element in elements:
         for word in element.get("clocks", "").split():
             if word not in references:
-                raise DescriptionFault(element, f"clocks has {word!r:.40}, which is no clock")
+                remarks.add(element, f"clocks has {word!r:.40}, which is no clock")
     return tuple(_clock(element) for element in clocks if element.get("causality") == "input")
 
 

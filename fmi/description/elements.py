@@ -10,10 +10,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from stickslip.fmi.description.attributes import (
+    CONTROLS,
     WORDS,
     DescriptionFault,
+    Remarks,
     flag,
-    name_of,
     real,
     whole,
     whole_of,
@@ -60,6 +61,11 @@ _INITIAL = {
     },
     ("continuous", "independent"): None,
 }
+_LAWFUL = {
+    **dict.fromkeys(("input", "output", "local"), "discrete"),
+    "independent": "continuous",
+}
+"""The variability that is taken where the one that is given does not go with the causality."""
 _VARIABILITIES = {variability for variability, _ in _INITIAL}
 _CAUSALITIES = {causality for _, causality in _INITIAL}
 
@@ -73,6 +79,7 @@ def read_variable(
     version: int,
     types: Mapping[str, TypeDefinition],
     lengths: Lengths,
+    remarks: Remarks,
 ) -> Variable:
     """Return a variable.
 
@@ -80,12 +87,9 @@ def read_variable(
     ----------
     typed : what ``typed_element`` returns
     """
-    name = name_of(element)
-    kind = typed.tag
-    if kind not in _TYPES[version]:
-        raise DescriptionFault(element, f"{shown(name)} is of the unknown type {shown(str(kind))}")
+    name, kind = element.get("name"), typed.tag
     own = typed.attrib
-    declared = _declared(own.get("declaredType"), types, name, element)
+    declared = remarks.attempt(_declared, own.get("declaredType"), types, name, element)
     given = declared.given if declared else own
 
     def text(attribute: str) -> str | None:
@@ -94,13 +98,28 @@ def read_variable(
 
     def number(attribute: str) -> float | None:
         found = text(attribute)
-        return None if found is None else real(found, f"{attribute} of {shown(name)}", element)
+        what = f"{attribute} of {shown(name)}"
+        return None if found is None else remarks.attempt(_number, found, what, element)
 
     dimensions, structure = (
         _dimensions(element, name, lengths) if version == 3 and len(element) else ((), ())
     )
-    causality, variability, initial = _roles(element, version, kind, name)
-    is_number = kind not in NOT_NUMBERS
+    causality, variability, initial = _roles(element, version, kind, name, remarks)
+    low, high = (number("min"), number("max")) if kind not in NOT_NUMBERS else (None, None)
+    if low is not None and high is not None and low > high:
+        remarks.add(
+            element, f"min of {shown(name)} is {low}, above its max {high}; both are ignored"
+        )
+        low = high = None
+    nominal = number("nominal") if kind in FLOATS else None
+    if nominal is not None and not 0 < nominal < math.inf:
+        what = f"nominal of {shown(name)} is {nominal}, expected a positive number"
+        remarks.add(element, f"{what}; this is ignored")
+        nominal = None
+    start = remarks.attempt(_start, element, typed, kind, dimensions, name)
+    if not _within(start, low, high):
+        what = f"{shown(name)} starts at {shown(str(start))}, outside its range {low} to {high}"
+        remarks.add(element, f"{what}; the FMU starts it so")
     return Variable(
         name=name,
         reference=whole_of(element, "valueReference", 0, MAX_REFERENCE),
@@ -109,10 +128,10 @@ def read_variable(
         variability=variability,
         initial=initial,
         unit=text("unit") if kind in FLOATS else None,
-        start=_start(element, typed, kind, dimensions, name),
-        minimum=number("min") if is_number else None,
-        maximum=number("max") if is_number else None,
-        nominal=number("nominal") if kind in FLOATS else None,
+        start=start,
+        minimum=low,
+        maximum=high,
+        nominal=nominal,
         description=element.get("description", ""),
         dimensions=dimensions,
         structure=structure,
@@ -125,12 +144,28 @@ def read_variable(
 
 def typed_element(element: Any, version: int) -> Any:
     """Return the element that has what belongs to the type: in FMI 2.0 the one inside."""
-    if version == 3:
-        return element
-    for child in element:
-        if child.tag in _TYPES[2]:
-            return child
-    raise DescriptionFault(element, f"{shown(name_of(element))} has no type; export it again")
+    for each in (element,) if version == 3 else element:
+        if each.tag in _TYPES[version]:
+            return each
+    what = "has no type that is known"
+    raise DescriptionFault(element, f"{element.tag} {shown(element.get('name', ''))} {what}")
+
+
+def name_apart(element: Any, taken: set[str], remarks: Remarks) -> str:
+    """Return a variable's name; where none is its own, it is given one with its reference."""
+    written = element.get("name") or ""
+    name = CONTROLS.sub(lambda found: repr(found[0])[1:-1], written)
+    if not name or name in taken:
+        name = f"{name}#{element.get('valueReference')}"
+    if name in taken:
+        raise DescriptionFault(element, f"a second variable {shown(written)}")
+    if name != written:
+        fault = f"a second variable {shown(written)}" if written in taken else "control characters"
+        fault = fault if written else "the name of a variable is missing"
+        remarks.add(element, f"{fault}; it is read as {shown(name)}")
+        element.set("name", name)
+    taken.add(name)
+    return name
 
 
 def _declared(
@@ -143,19 +178,25 @@ def _declared(
     return types.get(name or "")
 
 
-def _roles(element: Any, version: int, kind: str, name: str) -> tuple[str, str, str | None]:
+def _roles(
+    element: Any, version: int, kind: str, name: str, remarks: Remarks
+) -> tuple[str, str, str | None]:
     causality = element.get("causality", "local")
     variability = element.get("variability") or _variability(version, kind, causality)
     initial = element.get("initial")
     known = causality in _CAUSALITIES and variability in _VARIABILITIES and initial in _INITIALS
-    if not known or (initial is None and (variability, causality) not in _INITIAL):
-        words = ", ".join(shown(word) for word in (causality, variability, initial) if word)
-        raise DescriptionFault(
-            element,
-            f"{shown(name)} has a combination of causality, variability and initial that the"
-            f" standard does not allow: {words}",
-        )
-    return causality, variability, initial or _INITIAL[variability, causality]
+    if known and (initial or (variability, causality) in _INITIAL):
+        return causality, variability, initial or _INITIAL[variability, causality]
+    words = ", ".join(shown(word) for word in (causality, variability, initial) if word)
+    causality = causality if causality in _CAUSALITIES else "local"
+    if (variability, causality) not in _INITIAL:
+        variability = _LAWFUL.get(causality, "fixed")
+    remarks.add(
+        element,
+        f"{shown(name)} has a combination of causality, variability and initial that the standard"
+        f" does not allow: {words}; it is read as a {variability} {causality}",
+    )
+    return causality, variability, _INITIAL[variability, causality]
 
 
 def _variability(version: int, kind: str, causality: str) -> str:
@@ -225,6 +266,23 @@ def _start(
     return values * size if len(values) == 1 else values
 
 
+def _within(start: Value | None, low: float | None, high: float | None) -> bool:
+    """Tell whether a start value that the FMU itself gives is in the variable's range."""
+    if (low is None and high is None) or isinstance(start, (str, bytes, bool, type(None))):
+        return True
+    least, most = -math.inf if low is None else low, math.inf if high is None else high
+    values = start if isinstance(start, tuple) else (start,)
+    return all(least <= x <= most for x in values if not isinstance(x, (str, bytes)))
+
+
+def _number(text: str, what: str, element: Any) -> float:
+    """Return a number that is not NaN."""
+    number = real(text, what, element)
+    if math.isnan(number):
+        raise DescriptionFault(element, f"{what} is nan, expected a number")
+    return number
+
+
 def _truth(text: str, what: str, element: Any) -> bool:
     if text.strip() not in WORDS:
         raise DescriptionFault(element, f"{what} is {shown(text)}, expected true or false")
@@ -245,9 +303,7 @@ def _text(text: str, what: str, element: Any) -> str:  # noqa: ARG001 - as the o
 
 
 _READERS: Mapping[str, Callable[[str, str, Any], Scalar]] = {
-    "Real": real,
-    "Float64": real,
-    "Float32": real,
+    **dict.fromkeys(FLOATS, _number),
     "Boolean": _truth,
     "String": _text,
     "Binary": _bytes,

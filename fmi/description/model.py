@@ -54,7 +54,7 @@ class Description:
     n_states, n_indicators : numbers of continuous states and of event indicators
     clocks : the input clocks
     learned : what it learns in a run
-    outside : variables that start outside their own range
+    remarks : what is wrong in it and no run needs, in lines
     """
 
     standard: int
@@ -72,5 +72,5 @@ class Description:
     n_states: int
     n_indicators: int
     clocks: tuple[Clock, ...]
-    outside: tuple[Variable, ...]
     learned: Learned
+    remarks: tuple[str, ...]

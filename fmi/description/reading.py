@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
+import codecs
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from types import MappingProxyType
 from typing import Any
 
-from stickslip.fmi.description.attributes import DescriptionFault, name_of, real, whole, whole_of
+from stickslip.fmi.description.attributes import (
+    DescriptionFault,
+    Remarks,
+    name_of,
+    real,
+    whole,
+    whole_of,
+)
 from stickslip.fmi.description.clocks import read_clocks
-from stickslip.fmi.description.elements import MAX_REFERENCE, Lengths, read_variable, typed_element
+from stickslip.fmi.description.elements import (
+    MAX_REFERENCE,
+    Lengths,
+    name_apart,
+    read_variable,
+    typed_element,
+)
 from stickslip.fmi.description.fmi1 import upgrade
 from stickslip.fmi.description.learned import read_learned
 from stickslip.fmi.description.model import DefaultExperiment, Description
@@ -27,28 +41,28 @@ def read_description(root: Any) -> Description:
     version = max(2, standard)
     if standard == 1:
         upgrade(root)
-    units, types = read_units(root), read_types(root, version)
-    elements = _elements(root)
+    remarks = Remarks()
+    encoding = root.getroottree().docinfo.encoding or "UTF-8"
+    if codecs.lookup(encoding).name not in ("utf-8", "ascii"):
+        remarks.add(root, f"the text is in {encoding}, expected UTF-8")
+    units, types = read_units(root, remarks), read_types(root, version, remarks)
+    found = _elements(root, version, remarks)
+    elements = [element for _, element, _ in found]
     lengths = _lengths(elements) if version == 3 else {}
-    typed = [typed_element(each, version) for each in elements]
     variables = [
-        read_variable(each, inner, version, types, lengths)
-        for each, inner in zip(elements, typed, strict=True)
+        read_variable(each, inner, version, types, lengths, remarks) for _, each, inner in found
     ]
-    aliases = _aliases(elements) if version == 3 else {}
-    _check_distinct(variables, elements, aliases)
-    for variable, element in zip(variables, elements, strict=True):
-        _check_numbers(variable, element)
+    aliases = _aliases(elements, remarks) if version == 3 else {}
     _check_size(variables, elements)
-    places = (
-        {str(i): v.name for i, v in enumerate(variables, 1)}
-        if version == 2
-        else {str(v.reference): v.name for v in variables}
-    )
-    unknowns = read_unknowns(root, version, places)
-    states = read_derivatives(
-        ((inner, v.name) for inner, v in zip(typed, variables, strict=True)), places
-    )
+    places: dict[str, str] = {}
+    for (place, element, _), variable in zip(found, variables, strict=True):
+        name = places.setdefault(str(place if version == 2 else variable.reference), variable.name)
+        if name != variable.name:
+            what = f"{shown(variable.name)} has the valueReference of {shown(name)}"
+            remarks.add(element, f"{what}; in FMI 3.0 each variable has its own")
+    unknowns = read_unknowns(root, version, places, remarks)
+    typed = ((inner, v.name) for (_, _, inner), v in zip(found, variables, strict=True))
+    states = read_derivatives(typed, places, remarks)
     by_name = {v.name: v for v in variables}
     rates = [u.name for u in unknowns["derivatives"]]
     return Description(
@@ -59,7 +73,7 @@ def read_description(root: Any) -> Description:
         interfaces={
             tag: dict(e.attrib) for tag in _INTERFACES if (e := root.find(tag)) is not None
         },
-        experiment=_experiment(root.find("DefaultExperiment")),
+        experiment=_experiment(root.find("DefaultExperiment"), remarks),
         units=units,
         variables=MappingProxyType(by_name),
         aliases=aliases,
@@ -70,9 +84,9 @@ def read_description(root: Any) -> Description:
         n_indicators=_indicators(root)
         if version == 2
         else sum(by_name[u.name].size for u in unknowns["indicators"]),
-        clocks=read_clocks(elements) if version == 3 else (),
-        outside=tuple(filter(_starts_outside, variables)),
+        clocks=read_clocks(elements, remarks) if version == 3 else (),
         learned=read_learned(root, by_name),
+        remarks=remarks.lines,
     )
 
 
@@ -82,7 +96,7 @@ def _version(root: Any) -> int:
         raise DescriptionFault(
             root, f"the root element is {shown(str(root.tag))}, expected fmiModelDescription"
         )
-    if version is None or not re.fullmatch(r"[12]\.0|3\.[0-9]+(\.[0-9]+)?", version):
+    if version is None or not re.fullmatch(r"[12]\.0(\.[0-9]+)?|3\.[0-9]+(\.[0-9]+)?", version):
         stated = "missing" if version is None else shown(version)
         raise DescriptionFault(
             root,
@@ -92,11 +106,21 @@ def _version(root: Any) -> int:
     return int(version[0])
 
 
-def _elements(root: Any) -> list[Any]:
-    found = root.find("ModelVariables")
-    if found is None:
-        raise DescriptionFault(root, "ModelVariables is missing; export it again")
-    return list(found)
+def _elements(root: Any, version: int, remarks: Remarks) -> list[tuple[int, Any, Any]]:
+    """Return the variables: place in the list, element, and the one that has the type."""
+    listed = root.find("ModelVariables")
+    if listed is None:
+        remarks.add(root, "ModelVariables is missing; there are no variables")
+        return []
+    taken: set[str] = set()
+    found = []
+    for place, element in enumerate(listed, 1):
+        typed = remarks.attempt(typed_element, element, version)
+        if typed is None:
+            continue
+        if remarks.attempt(name_apart, element, taken, remarks) is not None:
+            found.append((place, element, typed))
+    return found
 
 
 def _lengths(elements: Sequence[Any]) -> Lengths:
@@ -112,13 +136,15 @@ def _lengths(elements: Sequence[Any]) -> Lengths:
     return found
 
 
-def _aliases(elements: Sequence[Any]) -> dict[str, str]:
+def _aliases(elements: Sequence[Any], remarks: Remarks) -> dict[str, str]:
     found: dict[str, str] = {}
+    names = {element.get("name") for element in elements}
     for element in elements:
         for alias in element.iterfind("Alias"):
-            if (name := name_of(alias)) in found:
-                raise DescriptionFault(alias, f"a second alias {shown(name)}; rename it")
-            found[name] = element.get("name")
+            if (name := remarks.attempt(name_of, alias)) in names or name in found:
+                remarks.add(alias, f"a second variable {shown(name or '')}; this alias is ignored")
+            elif name:
+                found[name] = element.get("name")
     return found
 
 
@@ -131,72 +157,21 @@ def _check_size(variables: Sequence[Variable], elements: Sequence[Any]) -> None:
 
 
 def _indicators(root: Any) -> int:
-    if root.get("numberOfEventIndicators") is None:
+    """Return the number, which only a solver needs."""
+    if root.get("numberOfEventIndicators") is None or root.find("ModelExchange") is None:
         return 0
     return whole_of(root, "numberOfEventIndicators", 0, MAX_ELEMENTS)
 
 
-def _experiment(element: Any) -> DefaultExperiment:
+def _experiment(element: Any, remarks: Remarks) -> DefaultExperiment:
     if element is None:
         return DefaultExperiment()
 
     def number(name: str) -> float | None:
         text: str | None = element.get(name)
-        return None if text is None else real(text, name, element)
+        return None if text is None else remarks.attempt(real, text, name, element)
 
     tolerance = number("tolerance")
     if tolerance is not None and not 0 < tolerance < 1:
         tolerance = None  # no tolerance, as other importers see it
     return DefaultExperiment(number("startTime"), number("stopTime"), number("stepSize"), tolerance)
-
-
-def _check_distinct(
-    variables: Sequence[Variable], elements: Sequence[Any], aliases: Mapping[str, str]
-) -> None:
-    """Check that names, and in FMI 3.0 value references, occur once."""
-    names: set[str] = set(aliases)
-    references: dict[int, str] = {}
-    for variable, element in zip(variables, elements, strict=True):
-        if variable.name in names:
-            raise DescriptionFault(element, f"a second variable {shown(variable.name)}; rename it")
-        names.add(variable.name)
-        if element.tag == "ScalarVariable":  # FMI 2.0: those that share one are one quantity
-            continue
-        other = references.setdefault(variable.reference, variable.name)
-        if other is not variable.name:
-            raise DescriptionFault(
-                element,
-                f"valueReference {variable.reference} of {shown(variable.name)} is that of"
-                f" {shown(other)} already; in FMI 3.0 each variable has its own",
-            )
-
-
-def _check_numbers(variable: Variable, element: Any) -> None:
-    """Check that a range holds a value and that a nominal value is one."""
-    low, high, nominal = variable.minimum, variable.maximum, variable.nominal
-    for what, number in (("min", low), ("max", high)):
-        if number is not None and number != number:
-            raise DescriptionFault(
-                element, f"{what} of {shown(variable.name)} is nan, expected a number"
-            )
-    if low is not None and high is not None and low > high:
-        raise DescriptionFault(
-            element,
-            f"min of {shown(variable.name)} is {low}, above its max {high}, so that no value is"
-            " left; export it again",
-        )
-    if nominal is not None and not 0 < nominal < float("inf"):
-        raise DescriptionFault(
-            element, f"nominal of {shown(variable.name)} is {nominal}, expected a positive number"
-        )
-
-
-def _starts_outside(variable: Variable) -> bool:
-    """Tell whether a start value that the FMU itself gives is not in the variable's range."""
-    start = variable.start
-    if start is None or isinstance(start, (str, bytes, bool)):
-        return False
-    low = float("-inf") if variable.minimum is None else variable.minimum
-    high = float("inf") if variable.maximum is None else variable.maximum
-    values = start if isinstance(start, tuple) else (start,)
-    return not all(low <= value <= high for value in values if not isinstance(value, (str, bytes)))

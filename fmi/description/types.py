@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.fmi.description.attributes import DescriptionFault, finite, name_of, whole
+from stickslip.fmi.description.attributes import (
+    DescriptionFault,
+    Remarks,
+    finite,
+    name_of,
+    whole,
+)
 from stickslip.fmi.description.units import BASE_UNITS, Unit
 
 
@@ -25,9 +31,10 @@ class TypeDefinition:
     items: tuple[tuple[str, int], ...]
 
 
-def read_units(root: Any) -> dict[str, Unit]:
-    """Return the units by name."""
-    return {unit.name: unit for unit in map(_unit, root.iterfind("UnitDefinitions/Unit"))}
+def read_units(root: Any, remarks: Remarks) -> dict[str, Unit]:
+    """Return the units by name; without its definition, a unit is compared by its name."""
+    found = (remarks.attempt(_unit, each) for each in root.iterfind("UnitDefinitions/Unit"))
+    return {unit.name: unit for unit in found if unit}
 
 
 def _unit(element: Any) -> Unit:
@@ -42,25 +49,23 @@ def _unit(element: Any) -> Unit:
     return Unit(name, exponents, factor, offset, relative=False)
 
 
-def read_types(root: Any, version: int) -> dict[str, TypeDefinition]:
+def read_types(root: Any, version: int, remarks: Remarks) -> dict[str, TypeDefinition]:
     """Return the declared types by name."""
-    types = (_type(*pair) for pair in _elements(root, version))
-    return {each.name: each for each in types}
+    elements = root.iterfind(f"TypeDefinitions/{'*' if version == 3 else 'SimpleType'}")
+    types = (remarks.attempt(_type, each, version, remarks) for each in elements)
+    return {each.name: each for each in types if each}
 
 
-def _elements(root: Any, version: int) -> Iterator[tuple[Any, Any]]:
-    """Yield the element that has the name and the one that has the rest."""
-    if version == 3:
-        yield from ((element, element) for element in root.iterfind("TypeDefinitions/*"))
-    for element in root.iterfind("TypeDefinitions/SimpleType") if version == 2 else ():
+def _type(element: Any, version: int, remarks: Remarks) -> TypeDefinition:
+    name = name_of(element)
+    if version == 2:
         if not len(element):
-            raise DescriptionFault(element, "a SimpleType is empty; export it again")
-        yield element, element[0]
+            raise DescriptionFault(element, "a SimpleType is empty")
+        element = element[0]
+    items = (remarks.attempt(_item, item) for item in element.iterfind("Item"))
+    return TypeDefinition(name, dict(element.attrib), tuple(filter(None, items)))
 
 
-def _type(named: Any, element: Any) -> TypeDefinition:
-    items = tuple(
-        (item.get("name", ""), whole(item.get("value", ""), "value of an Item", item))
-        for item in element.iterfind("Item")
-    )
-    return TypeDefinition(name_of(named), dict(element.attrib), items)
+def _item(element: Any) -> tuple[str, int]:
+    number = whole(element.get("value", ""), "value of an Item", element)
+    return element.get("name", ""), number

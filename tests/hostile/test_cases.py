@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from stickslip.cli import main
-from tests.corpus.hostile import CASES, GROUPS, Case, python
+from tests.corpus.hostile import CASES, GROUPS, Case, descriptions, python, xml
 
 
 def litter(*folders: Path) -> set[Path]:
@@ -50,3 +50,19 @@ def test_a_hostile_input_ends_in_one_line(case: Case, tmp_path, monkeypatch, cap
     assert re.match(r"stickslip: .*" + case.says, said[0]), said
     assert litter(cache) == before
     assert set(folder.rglob("*")) == fed
+
+
+@pytest.mark.parametrize("case", [*xml.TOLERATED, *descriptions.TOLERATED], ids=str)
+def test_what_no_run_needs_is_a_warning(case: Case, tmp_path, monkeypatch, capfd):
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
+    monkeypatch.chdir(tmp_path)
+    arguments = case.make(tmp_path)
+    assert main(arguments) == 0
+    out, err = capfd.readouterr()
+    assert "reference.y " in out
+    said = err.splitlines()
+    assert all(line.startswith("stickslip: warning: ") for line in said)
+    assert [line for line in said if re.search(case.says, line)]
+    assert len(set(said)) == len(said)  # once each
+    assert main(["info", *arguments[1:]]) == 0
+    assert re.search(case.says, capfd.readouterr().out)

@@ -46,9 +46,6 @@ _NAMES = [
     _named("file-and-folder", "a file that others lie in", "a folder of other", b"a", b"a/b"),
     _named("file-as-folder", "a file and a folder of one name", "a folder of other", b"a", b"a/"),
     _named("dot", "a file that is the folder", "names a folder", b"."),
-    _named("device", "a device of Windows", "device of Windows", b"resources/NUL"),
-    _named("device-extension", "one with an extension", "device of Windows", b"com1.txt"),
-    _named("stream", "a stream of NTFS", "colon", b"a.txt:evil"),
 ]  # fmt: skip
 
 _LINKS = [
