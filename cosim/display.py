@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from html import escape
+
+from stickslip.fmi.messages import escaped
 
 _LEFT = ' style="text-align:left"'
 
@@ -17,10 +18,10 @@ def html_table(
         looks = (_LEFT if column < words else "" for column in range(len(cells)))
         pairs = zip(cells, looks, strict=True)
         return (
-            f"<tr>{''.join(f'<{kind}{look}>{escape(str(c))}</{kind}>' for c, look in pairs)}</tr>"
+            f"<tr>{''.join(f'<{kind}{look}>{escaped(str(c))}</{kind}>' for c, look in pairs)}</tr>"
         )
 
     body = "\n".join(line(cells, "td") for cells in rows)
-    title = f"<caption{_LEFT}>{escape(caption)}</caption>\n" if caption else ""
+    title = f"<caption{_LEFT}>{escaped(caption)}</caption>\n" if caption else ""
     head = f"<thead>{line(heads, 'th')}</thead>"
     return f"<table>\n{title}{head}\n<tbody>\n{body}\n</tbody>\n</table>"

@@ -6,7 +6,9 @@ import difflib
 import math
 import re
 from collections.abc import Iterable
+from html import escape
 from itertools import islice
+from unicodedata import category
 
 _MOST = 5000  # names that are compared with one that is not known
 _SCALABLE = re.compile(r"(m|s|N|N\.m|Nm|rad|A|V|W|J|K|Pa|Hz)(?![\w^*])")
@@ -22,6 +24,23 @@ def printable(text: str, most: int = 200) -> str:
     """Return a text for a message: in one line, with control characters escaped."""
     line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in text[:most])
     return line if len(text) <= most else f"{line}..."
+
+
+def harmless(text: str) -> str:
+    """Return untrusted text for a terminal, in which characters that are not seen are escaped.
+
+    They could move the cursor, or turn the direction of what follows; ends of lines stay.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        c if c.isprintable() or c == "\n" or category(c) == "Zs" else repr(c)[1:-1] for c in text
+    )
+
+
+def escaped(text: str) -> str:
+    """Return untrusted text as HTML shows it."""
+    return escape(harmless(text))
 
 
 def suggestion(name: str, names: Iterable[str]) -> str:

@@ -15,6 +15,7 @@ from typing import NoReturn
 
 from stickslip import commands
 from stickslip.fmi.errors import Fault
+from stickslip.fmi.messages import harmless
 from stickslip.fmi.process import (
     check_interruption,
     interrupted_by,
@@ -138,5 +139,4 @@ def _line(error: BaseException) -> str:
         message = "not enough memory; reduce the size of the input"
     if isinstance(error, OSError) and error.filename:
         message = f"{error.filename}: {error.strerror}"
-    line = " ".join(message.split()) or type(error).__name__
-    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line[:_LONGEST])
+    return harmless((" ".join(message.split()) or type(error).__name__)[:_LONGEST])

@@ -12,7 +12,9 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO, cast
+
+from stickslip.fmi.messages import harmless
 
 LOG = logging.getLogger("stickslip")
 
@@ -36,7 +38,21 @@ class _Lines(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         kind = "warning: " if record.levelno == logging.WARNING else ""
-        print(f"stickslip: {kind}{record.getMessage()}", file=sys.stderr, flush=True)  # noqa: T201
+        line = harmless(record.getMessage())
+        print(f"stickslip: {kind}{line}", file=sys.stderr, flush=True)  # noqa: T201
+
+
+class _Harmless:
+    """Standard output, on which text from files is harmless."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        return self._stream.write(harmless(text))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
 
 
 @contextmanager
@@ -61,7 +77,8 @@ def quiet() -> bool:
 def answered(options: argparse.Namespace, run: Callable[..., Answer | None]) -> int:
     """Run a command; print its text, its document as JSON, or nothing; return its exit status."""
     if not (options.json or options.quiet):
-        return (run(options) or Answer()).status
+        with redirect_stdout(cast("TextIO", _Harmless(sys.stdout))):
+            return (run(options) or Answer()).status
     with Path(os.devnull).open("w", encoding="utf-8") as nothing, redirect_stdout(nothing):
         answer = run(options) or Answer()
     if options.json:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from html import escape
 
 from stickslip.cosim.system.system import System
+from stickslip.fmi.messages import escaped
 
 _PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -43,7 +43,7 @@ def index(system: System, order: Sequence[str], step: float, *, jacobi: bool) ->
     components = [(n, fmus[n].name, f"FMI {fmus[n].version}.0", fmus[n].token) for n in order]
     connections = [(source, target) for target, source in system.sources().items()]
     return _PAGE.format(
-        title=escape(system.name),
+        title=escaped(system.name),
         step=step,
         rest=_SHORTENED if all(c.varies_step for c in system.components.values()) else _WHOLE,
         components=_table(("component", "model", "standard", "token"), components),
@@ -61,6 +61,6 @@ def licences(system: System) -> str:
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    lines = [f"<tr>{''.join(f'<th>{escape(cell)}</th>' for cell in head)}</tr>"]
-    lines += [f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows]
+    lines = [f"<tr>{''.join(f'<th>{escaped(cell)}</th>' for cell in head)}</tr>"]
+    lines += [f"<tr>{''.join(f'<td>{escaped(cell)}</td>' for cell in row)}</tr>" for row in rows]
     return "<table>" + "\n".join(lines) + "</table>"

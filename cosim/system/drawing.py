@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from html import escape
 from itertools import pairwise
+
+from stickslip.fmi.messages import escaped
 
 Port = tuple[str, str]
 """Component and variable; of what the system exposes, no component and the name."""
@@ -179,7 +180,7 @@ def _feedback(
 
 
 def _path(line: str, tip: tuple[float, float], wire: Wire) -> str:
-    label = escape(" to ".join(".".join(filter(None, port)) for port in wire))
+    label = escaped(" to ".join(".".join(filter(None, port)) for port in wire))
     head = f'<path d="M{tip[0]:g} {tip[1]:g}l-7 -3v6z" fill="currentColor" stroke="none"/>'
     return f'<path d="{line}"><title>{label}</title></path>{head}'
 
@@ -194,7 +195,7 @@ def _drawn(box: _Box) -> str:
     outline = f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{box.height:g}" rx="3"/>'
     return outline + "".join(
         f'<text x="{at:g}" y="{level:g}" text-anchor="{anchor}" {look} fill="currentColor"'
-        f' stroke="none">{escape(text)}</text>'
+        f' stroke="none">{escaped(text)}</text>'
         for at, level, anchor, look, text in words
     )
 

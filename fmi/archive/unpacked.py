@@ -43,9 +43,9 @@ def unpack(path: Path, room: str, error: type[Fault]) -> Path:
     except Refused as fault:
         raise error(f"{path}: {fault}") from fault
     except OSError as fault:
-        where = advice = ""
-        if fault.filename not in (None, str(path)):
-            where, advice = f" ({fault.filename})", f"; {toolchain.CACHE_ADVICE}"
+        if fault.filename == str(path):
+            raise error(f"{path}: {fault.strerror}") from fault
+        where, advice = f" ({fault.filename})", f"; {toolchain.CACHE_ADVICE}"
         raise error(f"{path}: cannot be unpacked{where}: {fault.strerror}{advice}") from fault
 
 

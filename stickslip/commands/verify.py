@@ -19,7 +19,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     )
     parser.epilog = "status 0: all files are as written; 1: some are not; 2: usage"
     parser.add_argument("folders", nargs="+", type=Path, metavar="DIR")
-    missing = {"--without PATTERN": "files that may be missing, such as '*.fmu' in a repository"}
+    missing = {"--without PATTERN": "files that are not compared, such as '*.fmu' in a repository"}
     add_options(parser, missing, **SEVERAL)
     parser.set_defaults(run=run)
 

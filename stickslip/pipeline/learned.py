@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from html import escape
 from typing import NamedTuple
 
 import pandas as pd
@@ -18,6 +17,7 @@ from stickslip.cosim import Trapezoid
 from stickslip.cosim.display import html_table
 from stickslip.evaluation.guards import Benefit, Drive, Hold
 from stickslip.evaluation.tracking import Tracking
+from stickslip.fmi.messages import escaped
 from stickslip.identification.estimation import (
     CriterionName,
     Estimation,
@@ -185,7 +185,7 @@ class LearnedFromRecording(Learned):
         lines = [f"written: {self.writes() or 'no compensation'}", *refused, *self.warnings]
         caption = f"{self.estimation.law.title} in {self.estimation.recording.source}"
         return html_table(heads, rows, caption, words=3) + "".join(
-            f"<p>{escape(line)}</p>" for line in lines
+            f"<p>{escaped(line)}</p>" for line in lines
         )
 
     @property

@@ -9,6 +9,8 @@ import re
 from collections.abc import Collection, Iterable, Sequence
 from html import escape, unescape
 
+from stickslip.fmi.messages import escaped
+
 _SYMBOL = re.compile(r"\$(?:\\(?P<greek>[a-z]+)|(?P<latin>[A-Za-z]))(?:_\{?(?P<index>\w+)\}?)?\$")
 
 
@@ -20,7 +22,7 @@ class Html(str):
 
 def text(content: str) -> Html:
     """Return a text as markup: escaped and with its symbols, unless it is markup already."""
-    return content if isinstance(content, Html) else Html(_SYMBOL.sub(_set, escape(content)))
+    return content if isinstance(content, Html) else Html(_SYMBOL.sub(_set, escaped(content)))
 
 
 def _set(found: re.Match[str]) -> str:
@@ -33,7 +35,7 @@ def _set(found: re.Match[str]) -> str:
 def element(name: str, *content: str, **attributes: str) -> Html:
     """Return an element; attributes class_, aria_label are written class, aria-label."""
     written = "".join(
-        f' {key.rstrip("_").replace("_", "-")}="{escape(value)}"'
+        f' {key.rstrip("_").replace("_", "-")}="{escaped(value)}"'
         for key, value in attributes.items()
     )
     return Html(f"<{name}{written}>{join(content)}</{name}>")

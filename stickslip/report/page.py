@@ -13,7 +13,6 @@ import io
 import platform
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from html import escape
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -21,6 +20,7 @@ from string import Template
 from matplotlib.figure import Figure
 
 from stickslip.fmi.files import atomic_write
+from stickslip.fmi.messages import escaped
 from stickslip.report.interactive import Panel, panels, scripts
 from stickslip.report.markup import Html, element, join, paragraph, table, text
 from stickslip.report.style import COLUMN, RESOLUTION, house_style
@@ -177,7 +177,7 @@ def _markup(
 def _figure(shown: Illustration, picture: Picture, number: int) -> Html:
     """Return a picture on its card, with its number on the page and a caption."""
     alternative = shown.alternative
-    image = Html(f'<img src="{picture.embedded()}" alt="{escape(alternative)}">')
+    image = Html(f'<img src="{picture.embedded()}" alt="{escaped(alternative)}">')
     kind = "column" if picture.width <= COLUMN else "page"
     card = element(
         "div", image, class_="scroll", tabindex="0", role="region", aria_label=alternative

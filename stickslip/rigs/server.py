@@ -7,6 +7,8 @@ import socket
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any, cast
 
 import numpy as np
@@ -22,12 +24,25 @@ BURST = 100
 MOST = 2_000_000
 """Most samples of a motion."""
 CONNECTIONS = 50
-"""Most connections at a time; further ones are closed."""
+"""Most connections at a time; a further one takes the place of the one silent for longest."""
+PENDING = 64
+"""Most requests that one connection may send before it reads an answer; a rig sends one."""
+SEND_BUFFER = 1 << 18
+"""Bytes of answers that the system keeps for a connection, several of the longest, 30 kB."""
 SIGNALS = ("F", "F_ff", "a_cmd", "v_cmd", "x_cmd")
 
 
 class Refusal(Exception):
     """A request that is answered with an error."""
+
+
+@dataclass
+class Client:
+    """A connection: what has arrived, when it last sent a request [s], and its session."""
+
+    heard: float
+    session: str = ""
+    lines: Lines = field(default_factory=Lines)
 
 
 class Server:
@@ -94,30 +109,44 @@ class Server:
 
     def _answer_all(self, wait: float) -> None:
         for key, _ in self._selector.select(wait):
+            self._run_drive()  # many clients do not keep it waiting
             if key.fileobj is self._listener:
-                with suppress(OSError):  # the connection is lost already
-                    self._accept()
+                with suppress(OSError):  # none waits any more
+                    for _ in range(CONNECTIONS):
+                        self._accept()
                 continue
-            connection = cast("socket.socket", key.fileobj)
+            connection, client = cast("socket.socket", key.fileobj), cast("Client", key.data)
+            if connection.fileno() < 0:
+                continue  # it has made room for a new one
             try:
                 received = connection.recv(65536)
-                for message in key.data.messages(received):
+                requests = list(islice(client.lines.messages(received), PENDING + 1))
+                for message in requests[:PENDING]:
+                    client.heard, client.session = time.monotonic(), str(message.get("session"))
                     connection.sendall(line_of(self._answer(message)))
-                if received:
+                if received and len(requests) <= PENDING:
                     continue
             except (OSError, ValueError):
-                pass  # lost, or not of this protocol
-            self._selector.unregister(connection)
-            connection.close()
+                pass  # lost, not read at the other end, or not of this protocol
+            self._drop(connection)
 
     def _accept(self) -> None:
         connection, _ = self._listener.accept()
-        if len(self._selector.get_map()) > CONNECTIONS:
-            connection.close()
-            return
-        connection.settimeout(1.0)
+        clients = [key for key in self._selector.get_map().values() if key.data]
+        if len(clients) >= CONNECTIONS:
+
+            def least(key: selectors.SelectorKey) -> tuple[bool, float]:
+                return key.data.session == self._session, key.data.heard
+
+            self._drop(cast("socket.socket", min(clients, key=least).fileobj))
+        connection.setblocking(False)  # who does not read the answers is dropped, not waited for
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._selector.register(connection, selectors.EVENT_READ, Lines())
+        self._selector.register(connection, selectors.EVENT_READ, Client(time.monotonic()))
+
+    def _drop(self, connection: socket.socket) -> None:
+        self._selector.unregister(connection)
+        connection.close()
 
     def _answer(self, message: Mapping[str, Any]) -> dict[str, Any]:
         found: dict[str, Any] = {"seq": message.get("seq")}

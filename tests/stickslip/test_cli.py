@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -315,3 +316,18 @@ def test_a_connection_to_nothing_is_reported(results, tmp_path, capsys):
     line = complaint(capsys, "simulate", broken)
     assert "compensator.F_mean" in line
     assert "controller.F_gg" in line
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        *("info FILE.fmu", "info FILE.ssp", "check FILE.fmu", "simulate FILE.fmu"),
+        *("simulate FILE.ssp", "serve FILE.fmu", "export FILE.ssp --as fmu --out o"),
+        *("learn FILE.csv", "learn FILE.csv --check", "validate FILE.json --log FILE.csv"),
+        *("export compensator --parameters FILE.json --as c --out o", "fleet FILE.toml --out o"),
+    ],
+)
+def test_a_file_that_is_not_there_is_called_missing_and_nothing_else(words, tmp_path, capsys):
+    assert main(words.replace("FILE", str(tmp_path / "absent")).split()) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert re.fullmatch(r"stickslip: \S*absent\.\w+: No such file or directory", line), line

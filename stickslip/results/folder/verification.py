@@ -48,7 +48,7 @@ def verify(folder: Path, without: Sequence[str] = ()) -> Verdict:
 
     Parameters
     ----------
-    without : patterns of files that may be missing, such as those a repository leaves out
+    without : patterns of files that are not compared, such as those a repository leaves out
 
     Raises
     ------
@@ -68,17 +68,16 @@ def verify(folder: Path, without: Sequence[str] = ()) -> Verdict:
 
 
 def _compare(folder: Path, manifest: Manifest, without: Sequence[str]) -> Verdict:
-    states = {name: _state(folder, name, known) for name, known in manifest.sha256.items()}
+    additional = set(files_in(folder)) - manifest.sha256.keys() - {MANIFEST}
+    unseen = dict.fromkeys(without, "not compared")
+    states = dict.fromkeys(additional, "additional")
+    for name, digest in manifest.sha256.items():
+        left_out = any(fnmatchcase(name, pattern) for pattern in without)
+        states[name] = "left out" if left_out else _state(folder, name, digest)
     intact = sum(not state for state in states.values())
-    additional = set(files_in(folder)) - states.keys() - {MANIFEST}
-    states |= dict.fromkeys(additional, "additional")
-    allowed = {
-        "missing": dict.fromkeys(without, "missing, as it may be"),
-        "additional": NOTES,
-    }
     faults, notes = {}, {}
     for name, state in sorted(states.items()):
-        patterns = allowed.get(state, {})
+        patterns = unseen | (NOTES if state == "additional" else {})
         known = [note for pattern, note in patterns.items() if fnmatchcase(name, pattern)]
         if known:
             notes[name] = known[0]

@@ -112,6 +112,19 @@ def test_results_left_ready_are_moved_in_first(folder, tmp_path, put, capsys):
     assert not (folder / "b").exists()
 
 
+def test_what_is_left_out_is_not_compared_whether_it_is_there_or_not(folder, capsys):
+    """As FMUs of a later run beside the tables and the manifest of a checkout."""
+    (folder / "a").write_text("of another run")
+    (folder / "c").write_text("additional")
+    without = ("--without", "[ac]")
+    notes = [f"{folder / name}: not compared" for name in ("a", "c")]
+    assert verify(capsys, folder, *without) == (0, [*notes, f"{folder}: 1 intact"], [])
+    (folder / "a").unlink()
+    assert verify(capsys, folder, *without)[0] == 0
+    (folder / "b").write_text("of another run")
+    assert verify(capsys, folder, *without)[0] == 1
+
+
 def test_the_committed_results_are_those_that_were_written(capsys):
     """But for FMUs and packages, which the repository leaves out."""
     assert verify(capsys, PAPER, "--without", "*.fmu", "*.ssp")[0] == 0

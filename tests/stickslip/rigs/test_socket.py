@@ -155,10 +155,11 @@ class Raw:
         heard = {"heard": getattr(self, "last", {}).get("clock", 0.0)}
         message = {"seq": next(self._seq), "session": "a", "do": what, **heard, **fields}
         self._socket.sendall(line_of(message))
-        while True:
-            for reply in self._lines.messages(self._socket.recv(65536)):
+        while received := self._socket.recv(65536):
+            for reply in self._lines.messages(received):
                 self.last = reply
                 return reply
+        raise ConnectionError("closed")
 
     def load(self, motion=1, n=4000):
         signals = {"v_cmd": np.full(n, 0.02)}
@@ -308,3 +309,43 @@ def test_what_cannot_be_sent_is_no_lost_connection(fmus):
         with pytest.raises(RigError, match=r"cannot send load \(.*\); nothing was sent"):
             rig._request("load", motion=1, values={"v_cmd": [float("nan")]})
         assert time.monotonic() - begun < 1.0
+
+
+@pytest.mark.parametrize("sent", [b"", b'{"seq": 1,', b'{"session": 1, "do": "x"}\n'])
+def test_connections_that_are_held_keep_nobody_out(fmus, sent):
+    """Neither a new program, nor the stop of one that has to connect again."""
+
+    def hold(n):
+        for _ in range(n):
+            connection = held.enter_context(socket.create_connection(("localhost", port)))
+            connection.sendall(sent)
+
+    with served(fmus, fast=False) as (drive, port), ExitStack() as held:
+        hold(64)
+        begun = time.monotonic()
+        with Raw(port) as raw:
+            raw.ask("start", motion=1, **raw.load(n=20_000))
+            hold(200)
+            assert raw.ask("read", motion=1, **{"from": 0})["state"] == "moving"  # is not dropped
+        hold(100)
+        with Raw(port) as raw:  # of the same session
+            raw.ask("stop", motion=1)
+            assert time.monotonic() - begun < 5.0
+            while raw.ask("read", motion=1, **{"from": 0})["state"] == "stopping":
+                pass
+            assert drive.reason == "stopped by the program"
+
+
+@pytest.mark.parametrize("line", [b'{"seq": 1}\n' * 50, b'{"session": "x"}\n' * 5000])
+def test_a_client_that_does_not_read_delays_no_sample(fmus, line):
+    with served(fmus, fast=False) as (_, port), Raw(port) as raw, ExitStack() as held:
+        raw.ask("start", motion=1, **raw.load(n=20_000))
+        for _ in range(3):
+            flood = held.enter_context(socket.create_connection(("localhost", port)))
+            flood.setblocking(False)
+            with suppress(OSError):
+                while True:
+                    flood.sendall(line)
+        reply = raw.ask("read", motion=1, **{"from": 0})
+        assert reply["state"] == "moving"
+        assert reply["late"] < 0.8  # a second and more while the server waited for one of them
