@@ -67,9 +67,10 @@ def guard_motion(start: Mapping[str, Estimate]) -> Motion:
 
 
 def relative_errors(motion: Motion, v_cmd: Array, gaps: Array, T_s: float) -> dict[str, float]:
-    """Return the RMS errors of velocity and position at each speed of each kind of motion.
+    """Return the RMS errors of velocity and position in each kind of motion and at each speed.
 
-    Each is relative to the command.
+    Each is relative to the command, so that slow and fast strokes of a kind count alike. At a
+    speed it is the geometric mean of both, as one of them alone can be that of the encoder.
 
     Parameters
     ----------
@@ -77,13 +78,17 @@ def relative_errors(motion: Motion, v_cmd: Array, gaps: Array, T_s: float) -> di
     gaps : (runs, n) v - v_r [m/s]
     """
     t = np.asarray(np.arange(len(v_cmd)) * T_s)
-    errors = {}
+    shares: dict[str, list[float]] = {}
     for region, spans in motion.regions.items():
         inside = [covered(t, [span]) for span in spans]
+        both = 1.0
         for figure, of in FIGURES.items():
             error, size = (
                 np.mean([np.mean(of(signal[..., part]) ** 2) for part in inside])
                 for signal in (gaps, v_cmd)
             )
-            errors[f"{figure} in {region}"] = math.sqrt(error / size)
-    return errors
+            kind = f"{figure} in {region.split(',')[0]}"
+            shares.setdefault(kind, []).append(float(error / size))
+            both *= error / size
+        shares[f"velocity and position in {region}"] = [math.sqrt(both)]
+    return {kind: math.sqrt(sum(of) / len(of)) for kind, of in shares.items()}
