@@ -11,7 +11,9 @@ import pytest
 
 import stickslip as ss
 from stickslip import ga
+from stickslip.ga.execution.evaluation import DIED
 from stickslip.sweeping import _evaluated, _nothing, _Run
+from stickslip.tuning.jobs import Outcome
 
 M, B, PUSH, STOP = 5.557, 6.6135, 12.0, 0.5
 RUN = {"stop": STOP, "step": 1e-3, "inputs": {"u": PUSH}}
@@ -143,6 +145,16 @@ def test_mistakes_are_one_line(stage):
             ss.sweep(stage, **given, **RUN)
     with pytest.raises(ss.Fault, match="lone: no stop time is proposed; give one in s: stop="):
         ss.simulate(ss.System("lone"))
+
+
+def test_a_sweep_whose_workers_all_died_is_no_table(stage, monkeypatch):
+    def died(_job, runs, _seed, _where, _workers, take):
+        for run in runs:
+            take(run, Outcome(reason=DIED))
+
+    monkeypatch.setattr("stickslip.sweeping.run_jobs", died)
+    with pytest.raises(ss.Fault, match="worker process that ran it died; no run gave a figure"):
+        ss.sweep(stage, {"F_c": [0.2, 0.5]}, {"end": end}, **RUN)
 
 
 def test_a_start_value_that_something_overrules_is_refused(stage):
