@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from stickslip.fmi.process import temporary_folder
-from stickslip.fmi.process.sandbox import permissions
+from stickslip.fmi.process.sandbox import Permissions
 from stickslip.fmucheck.archive import read_archive, unpack
 from stickslip.fmucheck.description.model import Fmu
 from stickslip.fmucheck.description.reading import read_description
@@ -45,7 +45,8 @@ def check(
     run : also load the binary for this machine and run it, in a child process
     timeout : s that the binary may take for one rule
     total : s that all rules together may take; what is known by then is reported
-    allow : what the sandbox lets the binary do, on Linux: ``network``, ``exec``, ``files=DIR``
+    allow : what the sandbox lets the binary do, on Linux: ``network``, ``exec``, ``files=DIR``,
+        ``env=NAME``
 
     Raises
     ------
@@ -54,7 +55,7 @@ def check(
     ValueError
         When something else is to be allowed.
     """
-    permissions(allow := tuple(allow))
+    Permissions.of(allow := tuple(allow))
     limits = Limits(timeout, time.monotonic() + total, allow)
     report = Report(Path(path))
     report.path.stat()

@@ -107,7 +107,7 @@ def leaves_a_process(ending: Ending) -> Claims:
         yield ending.place, "was still running when the FMU had been unloaded or ended"
 
 
-@warning("2.1.1", "2.2.1", "document it, or do without; --allow network|exec|files=DIR")
+@warning("2.1.1", "2.2.1", "document it, or do without; --allow network|exec|files=DIR|env=NAME")
 def reaches_outside(ending: Ending) -> Claims:
     """The binary tries what the sandbox denies: files, the network, programs, processes."""
     if ending.reason == "denied":

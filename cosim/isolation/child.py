@@ -39,7 +39,6 @@ def main(name: str, size: int, token: bytes) -> None:
     """
     requests, replies = _take_pipes()
     shared = Shared.open(name, size)
-    threading.Thread(target=_watch, args=(requests,), daemon=True).start()
     own = os.getpid()
 
     def reply(**what: object) -> None:
@@ -59,6 +58,7 @@ def main(name: str, size: int, token: bytes) -> None:
             import_module(module)
     if order["sandbox"]:
         sandbox.enter(**order["sandbox"])
+    threading.Thread(target=_watch, args=(requests,), daemon=True).start()
     reply()
     served = _Served(order["specification"], shared, reply)
     what = ""

@@ -32,13 +32,15 @@ from stickslip.cosim.run import resets
 from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.system import Specification
 from stickslip.fmi.process import check_interruption, held, sandbox, temporary_folder
-from stickslip.fmi.process.sandbox import Guard
+from stickslip.fmi.process.guard import Guard
+from stickslip.fmi.process.sandbox import Permissions
 
 _LOOK = 0.05  # s between two looks at the mark
 _GAP = 1.0  # s between two looks, beyond which this process was suspended
 _START_UP = 60.0  # s that Python may take to start
 _GRACE = 2.0  # s that a child has to end
 _RUSAGE = 1e6 if sys.platform == "darwin" else 1e6 / 1024  # units of memory to the MB
+_MOST_TOLD = 20  # lines of what the sandbox denied
 _START = Path(__file__).with_name("start.py")
 
 
@@ -120,23 +122,17 @@ class Process:
         shared = self.shared
         self._room = self._folders.enter_context(temporary_folder())
         self.state = self._room / "state"
-        self._guard, entered = self._guarded(specification, limits.allow, library)
-        parcel = pack(
-            specification,
-            kernel=str(library),
-            memory=limits.memory,
-            resets=dict(resets.lines),
-            sandbox=entered,
-            modules=modules,
-        )
+        allow = Permissions.of(limits.allow)
+        self._guard = self._guarded(specification, allow, library)
         token = secrets.token_bytes(TOKEN_SIZE)
         search = os.pathsep.join(str(Path(path).absolute()) for path in sys.path if path)
         own = {"PYTHONPATH": search, "OPENBLAS_NUM_THREADS": "1"}
-        files = shared.files
+        files, environment = shared.files, dict(os.environ)
         if self._guard:
             files = (*files, self._guard.file)
             own["TMPDIR"] = str(self._room)
-        stays = not self._guard or any(word.startswith("files=") for word in limits.allow)
+            environment = allow.environment()
+        stays = not self._guard or allow.folders
         try:
             with held():
                 self._process = subprocess.Popen(
@@ -148,7 +144,7 @@ class Process:
                     pass_fds=files,
                     start_new_session=True,
                     cwd=None if stays else self._room,
-                    env=os.environ | own,
+                    env=environment | own,
                 )
                 pipes = self._process.stdin, self._process.stdout, self._process.stderr
                 requests, replies, printed = (pipe for pipe in pipes if pipe)
@@ -159,6 +155,14 @@ class Process:
             shared.close_files()
             if self._guard:
                 self._guard.close_file()
+        parcel = pack(  # while the child begins
+            specification,
+            kernel=str(library),
+            memory=limits.memory,
+            resets=dict(resets.lines),
+            sandbox=self._guard.entry() if self._guard else None,
+            modules=modules,
+        )
         kind = ThreadedAnswers if sys.platform == "win32" else Answers
         self._answers = kind(requests.fileno(), replies.fileno(), token)
         self._clock = _Clock()
@@ -166,14 +170,14 @@ class Process:
         self._wait(_START_UP, math.inf)
 
     def _guarded(
-        self, specification: Specification, allow: tuple[str, ...], library: Path
-    ) -> tuple[Guard | None, dict[str, object] | None]:
-        """Return the guard of the sandbox, and how the child enters it; None without one."""
+        self, specification: Specification, allow: Permissions, library: Path
+    ) -> Guard | None:
+        """Return the guard of the sandbox, None without one."""
         if why := sandbox.unavailable():
             _tell_once(f"FMUs run without a sandbox: {why}")
-            return None, None
+            return None
         if specification.compiled:  # the child compiles
-            return None, None
+            return None
         fmus = [c for c in self._system.components.values() if isinstance(c, Fmu)]
         for fmu in fmus:
             fmu.restore()
@@ -185,23 +189,19 @@ class Process:
             *(str(fmu.folder.with_suffix(".json")) for fmu in fmus),
             str(library.parents[1]),
         ]
-        folders, words = sandbox.permissions(allow)
-        writable = [str(self._room), *folders]
-        guard = Guard(
-            readable, writable, lambda: present(self.shared.mark, self._system, self._order)
+        return Guard(
+            readable,
+            [str(self._room)],
+            allow,
+            self._limits.memory,
+            lambda: present(self.shared.mark, self._system, self._order),
         )
-        return guard, {
-            "readable": readable,
-            "writable": writable,
-            "allow": words,
-            "file": guard.file,
-        }
 
     def denied(self) -> list[str]:
         """Return what the sandbox has denied since the last call, one line each."""
         if not self._guard:
             return []
-        tried, self._told = self._guard.tried[self._told :], len(self._guard.tried)
+        tried, self._told = self._guard.tried[self._told : _MOST_TOLD], len(self._guard.tried)
         hints = {what: _HINTS.get(what.split()[0], "") for _, what in tried}
         return [
             f"{where} tried to {what}, which the sandbox denies{hints[what]}"
@@ -303,8 +303,6 @@ class Process:
                 reply = self._answers.get(timeout=_LOOK)
             except Empty:
                 check_interruption()
-                if self._shared_memory() > self._limits.memory:
-                    self._die(f"took more than the {self._limits.memory:g} MB it may")
                 if self._ended(0.0) is not None:  # what it has started still holds the pipe
                     self._die(None)
                 now = self._mark()
@@ -321,13 +319,6 @@ class Process:
             if reply is NONSENSE:
                 self._die("or a call before it wrote into files that are not its own")
             return reply
-
-    def _shared_memory(self) -> float:
-        """Return the shared memory (MB) that the FMUs have, which no limit of Linux counts."""
-        with suppress(OSError, IndexError):
-            status = Path(f"/proc/{self._process.pid}/status").read_text()
-            return int(status.split("RssShmem:")[1].split()[0]) / 1e3 - self.shared.size / 1e6
-        return 0.0
 
     def _mark(self) -> tuple[object, ...]:
         """Return what must change as long as all is well: the time, or before it runs, the call."""
@@ -349,6 +340,8 @@ class Process:
         memory = self._limits.memory
         near = self._peak > max(0.8 * memory, 1.1 * self._inherited)
         what = ending(status, memory if near else None)
+        if self._guard and self._guard.exhausted:
+            what = f"took more than the {memory:g} MB it may"
         last = self._last_line()
         return crashed(self.shared.mark, self._system, self._order, what, last, self.denied())
 

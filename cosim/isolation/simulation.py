@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import os
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -161,7 +160,7 @@ class IsolatedSimulation(Simulation):
         if arguments["how"] == "resume":  # where the child may read
             arguments["path"] = str(self._living().state)
             with suppress(OSError):  # the child says that there is none
-                shutil.copyfile(self._state_path, arguments["path"])
+                atomic_write(self._living().state, Path(self._state_path).read_bytes())
         return self._ask("run", arguments, progress, slack)
 
     def _ended_by_reuse(self, process: Process, crash: FmuCrashed) -> bool:

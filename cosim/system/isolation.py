@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, Self
 
 from stickslip.cosim.errors import ExperimentError
-from stickslip.fmi.process.sandbox import permissions
+from stickslip.fmi.process.sandbox import Permissions
 
 _MOST = 1e9
 """Of a time or of memory; 30 years or a petabyte."""
@@ -22,8 +22,8 @@ class Isolation:
         as time goes on in the simulation, see ``patience``
     patience : s on the clock that one call before the first step, or one step, may take
     memory : MB (10^6 bytes) that the FMUs may take, on Linux
-    allow : what the sandbox lets the FMUs do, on Linux: ``network``, ``exec`` (start programs), and
-        ``files=DIR`` (read and write all below a folder)
+    allow : what the sandbox lets the FMUs do, on Linux: ``network``, ``exec`` (start programs),
+        ``files=DIR`` (read and write all below a folder) and ``env=NAME`` (know a variable)
 
     Raises
     ------
@@ -45,7 +45,7 @@ class Isolation:
                     f"isolation: {name} is {value}, expected a positive number{most}"
                 )
         try:
-            permissions(self.allow)
+            Permissions.of(self.allow)
         except ValueError as fault:
             raise ExperimentError(f"isolation: {fault}") from None
 

@@ -16,8 +16,8 @@ notebook, Ctrl-C is Python's own, but ``held`` puts it off just the same.
 from __future__ import annotations
 
 import os
+import secrets
 import select
-import shutil
 import signal
 import sys
 import tempfile
@@ -172,7 +172,7 @@ def _watch(heard: int, main: int) -> None:
             with suppress(OSError):
                 os.write(2, b"stickslip: interrupted; ended at once\n")
             for folder in list(_folders):
-                shutil.rmtree(folder, ignore_errors=True)
+                _remove(folder)
             os._exit(128 + came[0])
 
 
@@ -211,5 +211,30 @@ def temporary_folder(prefix: str = "stickslip-") -> Iterator[Path]:
     finally:
         if folder is not None:
             with held():
-                shutil.rmtree(folder, ignore_errors=True)
+                _remove(folder)
                 _folders.discard(folder)
+
+
+def _remove(folder: Path) -> None:
+    """Delete a folder with all in it, as far as that is possible, however deep it is."""
+    token, n, before = secrets.token_hex(8), 0, set[str]()
+    while (inside := _inside(folder)) != before:
+        before = inside
+        for path in inside:
+            with suppress(OSError):
+                if os.path.islink(path) or not os.path.isdir(path):  # noqa: PTH112, PTH114
+                    os.unlink(path)  # noqa: PTH108
+                    continue
+                os.chmod(path, 0o700)  # noqa: PTH101
+                for deeper in _inside(path):
+                    n += 1
+                    os.rename(deeper, folder / f"{token}-{n}")  # noqa: PTH104
+                os.rmdir(path)  # noqa: PTH106
+    with suppress(OSError):
+        folder.rmdir()
+
+
+def _inside(folder: Path | str) -> set[str]:
+    with suppress(OSError):
+        return {entry.path for entry in os.scandir(folder)}
+    return set()

@@ -57,9 +57,9 @@ def main(job_file: str, report_file: str) -> None:
     before = settings()
     _limit()
     job: Job = pickle.loads(Path(job_file).read_bytes())  # noqa: S301 (written by the parent)
-    if job.sandbox:
-        sandbox.enter(**job.sandbox)
     with Path(report_file).open("a", encoding="utf-8") as report:
+        if job.sandbox:
+            sandbox.enter(**job.sandbox)
         for interface in job.description.interfaces:
             library = job.libraries.get(interface.kind)
             if library and library.exists():  # an FMU may have deleted it

@@ -11,6 +11,7 @@ import platform
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -18,13 +19,14 @@ from pathlib import Path
 from stat import S_ISDIR
 
 from stickslip.fmi.process import check_interruption, child_process, sandbox
-from stickslip.fmi.process.sandbox import Guard
+from stickslip.fmi.process.guard import Guard
+from stickslip.fmi.process.sandbox import Permissions
 from stickslip.fmucheck import rules
 from stickslip.fmucheck.binaries import target
 from stickslip.fmucheck.description.model import Fmu
 from stickslip.fmucheck.ending import MOST_TEXT, TELLING, Ending, signal_name
 from stickslip.fmucheck.rules import Finding
-from stickslip.fmucheck.running.child import Job
+from stickslip.fmucheck.running.child import MEMORY, Job
 from stickslip.fmucheck.running.loading import GATES
 
 Claim = tuple[str, str]
@@ -212,11 +214,13 @@ class _Child:
 
     def watch(self, limits: Limits) -> Ending | None:
         """Run the child until it ends or has to be ended; ``None`` when all went well."""
-        room = self.folder.parent / f"{self.folder.name}-run"
-        room.mkdir(exist_ok=True)
-        job, report, output = (room / name for name in ("job", "report", "output"))
-        guard, entered = self._guarded(room, limits.allow)
-        job.write_bytes(pickle.dumps(replace(self.job, sandbox=entered)))
+        desk = Path(tempfile.mkdtemp(prefix="run-", dir=self.folder.parent))
+        room = desk / "room"  # all that the FMU may write: not what is read from it
+        room.mkdir()
+        job, report, output = (desk / name for name in ("job", "report", "output"))
+        allow = Permissions.of(limits.allow)
+        guard = self._guarded(room, allow)
+        job.write_bytes(pickle.dumps(replace(self.job, sandbox=guard.entry() if guard else None)))
         report.write_text("")
         command = [sys.executable, "-m", "stickslip.fmucheck.running", str(job), str(report)]
         with (
@@ -228,7 +232,7 @@ class _Child:
                 stderr=stream,
                 cwd=room,
                 pass_fds=[guard.file] if guard else [],
-                env=os.environ
+                env=(allow.environment() if guard else os.environ)
                 | {
                     "PYTHONPATH": os.pathsep.join(p for p in sys.path if p),
                     "STICKSLIP_CHECK": self.job.token,
@@ -258,22 +262,16 @@ class _Child:
             text = "the time for all rules is over; it was not run further"
         return Ending(interface, during, reason, status, text, limits.rule)
 
-    def _guarded(
-        self, room: Path, allow: tuple[str, ...]
-    ) -> tuple[Guard | None, dict[str, object] | None]:
-        """Return the guard of the sandbox, and how the child enters it; None without one.
+    def _guarded(self, room: Path, allow: Permissions) -> Guard | None:
+        """Return the guard of the sandbox, None without one.
 
         The FMU may change its unpacked files, so that a rule finds that it does.
         """
         if sandbox.unavailable():
-            return None, None
-        folders, words = sandbox.permissions(allow)
+            return None
         packages = [path for name in _PACKAGES for path in sys.modules[name].__path__]
         readable = sandbox.interpreter_folders(map(Path, packages))
-        writable = [str(room), str(self.folder), *folders]
-        guard = Guard(readable, writable)
-        entered = {"readable": readable, "writable": writable, "allow": words, "file": guard.file}
-        return guard, entered
+        return Guard(readable, [str(room), str(self.folder)], allow, MEMORY / 1e6)
 
     def _wait(
         self, process: subprocess.Popen[bytes], report: Path, output: Path, limits: Limits

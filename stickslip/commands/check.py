@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from stickslip.commands import FLAG, add_options, seconds
 from stickslip.errors import UsageError
-from stickslip.fmi.process.sandbox import permissions
+from stickslip.fmi.process.sandbox import Permissions
 from stickslip.output import Answer
 
 if TYPE_CHECKING:
@@ -29,7 +29,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, limit, type=seconds, default=20.0)
     total = {"--total S": "time limit for each file; what is known by then is printed"}
     add_options(parser, total, type=seconds, default=math.inf)
-    allow = {"--allow network|exec|files=DIR": "what the sandbox lets FMUs do; may be repeated"}
+    name = "--allow network|exec|files=DIR|env=NAME"
+    allow = {name: "what the sandbox lets FMUs do; may be repeated"}
     add_options(parser, allow, action="append", default=[])
     parser.set_defaults(run=run)
 
@@ -39,7 +40,7 @@ def run(options: argparse.Namespace) -> Answer:
     from stickslip import fmucheck
 
     try:
-        permissions(options.allow)
+        Permissions.of(options.allow)
     except ValueError as fault:
         raise UsageError(f"--{fault}") from None
     reports = [

@@ -27,8 +27,8 @@ def add_isolation(parser: argparse.ArgumentParser) -> None:
     }
     add_options(parser, limits, type=float)
     allow = {
-        "--allow network|exec|files=DIR": "with isolation: what the sandbox lets the FMUs do; may "
-        "be repeated (Linux)"
+        "--allow network|exec|files=DIR|env=NAME": "with isolation: what the sandbox lets the FMUs "
+        "do; may be repeated (Linux)"
     }
     add_options(parser, allow, action="append")
 

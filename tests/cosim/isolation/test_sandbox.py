@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
 from pathlib import Path
 
 import pytest
 
 from stickslip import cosim
-from stickslip.fmi.process import sandbox
+from stickslip.fmi.process import calls, permitted, sandbox
+from tests.corpus.hostile import attempts
 
 pytestmark = pytest.mark.skipif(bool(sandbox.unavailable()), reason=sandbox.unavailable())
 
@@ -58,3 +65,128 @@ def test_shared_memory_counts(hostile, caplog):
 def test_an_unknown_permission_is_refused():
     with pytest.raises(cosim.ExperimentError, match="expected 'network', 'exec' or 'files=DIR'"):
         cosim.Isolation(allow=("everything",))
+
+
+ROOT = Path(__file__).parents[3]
+PARTS = ("fmi", "models", "cosim", "ga", "fmucheck")
+NOBODY = 65534
+
+
+def outcomes(library, folder, user):
+    """Return what came of each attempt, made by a user, None where there is none to become."""
+    package = folder / "stickslip"
+    package.mkdir(exist_ok=True)
+    for part in (*(ROOT / "stickslip").iterdir(), *(ROOT / part for part in PARTS)):
+        (package / part.name).symlink_to(part)
+    folder.chmod(0o777)
+    binary = shutil.copy(library, folder)
+    search = os.pathsep.join((str(folder), str(ROOT), sysconfig.get_path("purelib")))
+    system = f"/usr/bin/python3.{sys.version_info.minor}"
+    for python in (sys.executable, system) if user else (sys.executable,):
+        try:
+            ended = subprocess.run(
+                [python, "-P", "-m", "tests.corpus.hostile.attempts", binary],
+                env={**os.environ, "PYTHONPATH": search, "HOME": str(folder)},
+                cwd=folder,
+                stdout=subprocess.PIPE,
+                check=False,
+                **({"user": user, "group": user, "extra_groups": ()} if user else {}),
+            )
+        except PermissionError:  # Python is in the home folder of root
+            continue
+        *printed, last = ended.stdout.decode().splitlines()
+        return json.loads(last) | {"printed": printed}
+    return None
+
+
+@pytest.fixture(scope="session", params=["as we are", "as an ordinary user"])
+def tried(request):
+    user = NOBODY if request.param == "as an ordinary user" else 0
+    if user and os.getuid():
+        pytest.skip("only root can become another user")
+    with tempfile.TemporaryDirectory() as folder:  # that of pytest is closed to others
+        made = outcomes(attempts.library(), Path(folder), user)
+    if made is None:
+        pytest.skip("no other user may start this Python")
+    return made
+
+
+@pytest.mark.parametrize("attempt", attempts.REFUSED)
+def test_an_attempt_is_refused_and_named_and_leaves_no_trace(tried, attempt):
+    made = tried["each"][attempt]
+    assert made["status"] == 0, tried["printed"]
+    assert made["changed"] == []
+    assert [what for what in made["named"] if what.startswith(made["expected"])], made
+
+
+@pytest.mark.parametrize("attempt", ["raised_limits", "own_files"])
+def test_what_has_no_effect_or_is_allowed_is_not_named(tried, attempt):
+    made = tried["each"][attempt]
+    assert (made["status"], made["changed"], made["named"]) == (0, [], [])
+
+
+def test_check_names_all_that_one_fmu_tries(tried):
+    """It also looks for secrets in its environment, and prints what has worked: nothing."""
+    found = tried["check"]
+    named = found["named"]
+    lacking = [e for e in found["expected"] if not any(n.startswith(e) for n in named)]
+    assert (lacking, found["printed"]) == ([], [])
+
+
+@pytest.mark.parametrize("machine", ["x86_64", "aarch64"])
+@pytest.mark.parametrize("words", [(), ("network",), ("network", "exec")])
+def test_the_filter_decides_as_its_table_says(machine, words):
+    """Of every call, with arguments that are listed and with some that are not."""
+    numbers = calls.numbers(machine)
+    program = permitted.program(numbers, 7, frozenset(words))
+    rules = {}
+    for rule in permitted.ALLOWED:
+        if not rule.word or rule.word in words:
+            rules |= dict.fromkeys(rule.calls.split(), rule)
+    by_number = {number: name for name, number in numbers.items()}
+    for number in range(600):
+        rule = rules.get(by_number.get(number, ""))
+        listed = rule is not None and not rule.asks
+        fitting = [0] * 6
+        for test in rule.where if rule else ():
+            fitting[test.place] = test.values[-1]
+        if by_number.get(number) == "clone3":
+            assert run(program, 7, number, fitting) == permitted.ERROR | 38
+            continue
+        expected = permitted.ALLOW if listed else permitted.NOTIFY
+        assert run(program, 7, number, fitting) == expected, by_number.get(number)
+        assert run(program, 8, number, fitting) == permitted.NOTIFY
+        if listed and rule.where:
+            assert run(program, 7, number, [0x7EEEEEEE] * 6) == permitted.NOTIFY
+
+
+def run(program, processor, number, arguments):
+    """Interpret a filter."""
+    words = {0: number, 4: processor}
+    for place, value in enumerate(arguments):
+        words |= {16 + 8 * place: value & 0xFFFFFFFF, 20 + 8 * place: value >> 32}
+    lines = list(permitted._INSTRUCTION.iter_unpack(program))
+    at = kept = 0
+    while True:
+        what, then, other, value = lines[at]
+        match what:
+            case 0x20:
+                kept = words[value]
+            case 0x54:
+                kept &= value
+            case 0x15:
+                at += then if kept == value else other
+            case 0x35:
+                at += then if kept >= value else other
+            case 0x06:
+                return value
+        at += 1
+
+
+def test_the_documentation_has_the_table_of_what_is_allowed():
+    text = (ROOT / "docs" / "isolation.md").read_text(encoding="utf-8")
+    for rule in permitted.ALLOWED:
+        word = f" (`--allow {rule.word}`)" if rule.word else ""
+        assert f"| {rule.why}{word} | {rule.limit} | {rule.calls} |" in text
+    for name in (*sandbox.SYSTEM, *sandbox.SETTINGS, *sandbox.VARIABLES, *sandbox.FAMILIES):
+        assert f"`{name}" in text, name

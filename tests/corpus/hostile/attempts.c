@@ -1,0 +1,312 @@
+/* An FMU that tries what the sandbox must refuse: each line of resources/behaviour.txt is one
+ * attempt. Its first line has the process, the folder and the terminal of a victim. What has worked
+ * is printed. */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <fmi2Functions.h>
+#include <linux/keyctl.h>
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+enum { VICTIM = -1000, SECRET, NEW, OTHER, OWN, FOREIGN, ROOT, HANDLE, TERMINAL, ZEROS };
+
+static int victim, foreign;
+static char secret[4200], new[4200], other[4200], root[4300], handle[64], terminal[64],
+    own[] = "own";
+static long zeros[64];
+
+/* An attempt that is one system call; negative arguments from VICTIM on stand for what is above. */
+typedef struct {
+    const char *name;
+    long number, arguments[6];
+} Call;
+
+static const Call calls[] = {
+    {"read", SYS_openat, {AT_FDCWD, SECRET, O_RDONLY}},
+    {"write", SYS_openat, {AT_FDCWD, SECRET, O_WRONLY | O_APPEND}},
+    {"create", SYS_openat, {AT_FDCWD, NEW, O_CREAT | O_WRONLY, 0600}},
+    {"handle", SYS_openat, {AT_FDCWD, SECRET, O_PATH}},
+    {"delete", SYS_unlinkat, {AT_FDCWD, SECRET}},
+    {"folder", SYS_mkdirat, {AT_FDCWD, NEW, 0700}},
+    {"move", SYS_renameat2, {AT_FDCWD, SECRET, AT_FDCWD, OTHER}},
+    {"take", SYS_renameat2, {AT_FDCWD, SECRET, AT_FDCWD, OWN}},
+    {"link", SYS_linkat, {AT_FDCWD, SECRET, AT_FDCWD, OWN}},
+    {"symlink", SYS_symlinkat, {SECRET, AT_FDCWD, OWN}},
+    {"pipe", SYS_mknodat, {AT_FDCWD, OWN, S_IFIFO | 0600}},
+    {"truncate", SYS_truncate, {SECRET}},
+    {"chmod", SYS_fchmodat, {AT_FDCWD, SECRET, 0777}},
+    {"chmod_root", SYS_fchmodat, {AT_FDCWD, ROOT, 0777}},
+    {"chmod_handle", SYS_fchmodat, {AT_FDCWD, HANDLE, 0644}},
+    {"fchmod", SYS_fchmod, {FOREIGN, 0644}},
+    {"chown", SYS_fchownat, {AT_FDCWD, SECRET, 0, 0}},
+    {"fchown", SYS_fchown, {FOREIGN, -1, -1}},
+    {"utimensat", SYS_utimensat, {AT_FDCWD, SECRET}},
+    {"futimens", SYS_utimensat, {FOREIGN}},
+    {"setxattr", SYS_setxattr, {SECRET, (long)"user.a", (long)"b", 1}},
+    {"fsetxattr", SYS_fsetxattr, {FOREIGN, (long)"user.a", (long)"b", 1}},
+    {"removexattr", SYS_removexattr, {SECRET, (long)"user.kept"}},
+    {"flock", SYS_flock, {FOREIGN, LOCK_SH | LOCK_NB}},
+    {"lease", SYS_fcntl, {FOREIGN, F_SETLEASE, F_RDLCK}},
+    {"notify", SYS_fcntl, {FOREIGN, F_NOTIFY, DN_MODIFY}},
+    {"owner", SYS_fcntl, {FOREIGN, F_SETOWN, VICTIM}},
+    {"attributes", SYS_ioctl, {FOREIGN, 0x40086602, (long)zeros}},
+    {"inotify", SYS_inotify_init1, {0}},
+    {"fanotify", SYS_fanotify_init, {0}},
+    {"file_handle", SYS_name_to_handle_at, {AT_FDCWD, SECRET, (long)zeros, (long)zeros, 0}},
+    {"limits", SYS_prlimit64, {VICTIM, RLIMIT_NOFILE, ZEROS, 0}},
+    {"kill", SYS_kill, {VICTIM, SIGTERM}},
+    {"kill_all", SYS_kill, {-1, 0}},
+    {"tgkill", SYS_tgkill, {VICTIM, VICTIM, SIGTERM}},
+    {"queue_signal", SYS_rt_sigqueueinfo, {VICTIM, SIGTERM, ZEROS}},
+    {"pidfd", SYS_pidfd_open, {VICTIM}},
+    {"affinity", SYS_sched_setaffinity, {VICTIM, 8, (long)"\1\0\0\0\0\0\0"}},
+    {"scheduler", SYS_sched_setscheduler, {VICTIM, SCHED_BATCH, ZEROS}},
+    {"priority", SYS_setpriority, {PRIO_PROCESS, VICTIM, 7}},
+    {"priority_user", SYS_setpriority, {PRIO_USER, 0, 0}},
+    {"io_priority", SYS_ioprio_set, {1, VICTIM, 3 << 13}},
+    {"trace", SYS_ptrace, {16, VICTIM}},
+    {"memory_of", SYS_process_vm_readv, {VICTIM}},
+    {"compare", SYS_kcmp, {VICTIM, VICTIM, 2}},
+    {"terminal", SYS_openat, {AT_FDCWD, TERMINAL, O_RDONLY | O_NONBLOCK | O_NOCTTY}},
+    {"own_terminal", SYS_openat, {AT_FDCWD, (long)"/dev/tty", O_RDONLY}},
+    {"kernel_log", SYS_openat, {AT_FDCWD, (long)"/dev/kmsg", O_RDONLY}},
+    {"passwords", SYS_openat, {AT_FDCWD, (long)"/etc/shadow", O_RDONLY}},
+    {"type", SYS_ioctl, {0, TIOCSTI, (long)"x"}},
+    {"shared_file",
+     SYS_openat,
+     {AT_FDCWD, (long)"/dev/shm/stickslip-attempt", O_CREAT | O_RDWR, 0600}},
+    {"shared_segment", SYS_shmget, {0x571c, 4096, 01000 | 0600}},
+    {"semaphore", SYS_semget, {0x571c, 1, 01000 | 0600}},
+    {"message_queue", SYS_msgget, {0x571c, 01000 | 0600}},
+    {"posix_queue", SYS_mq_open, {(long)"stickslip-attempt", O_CREAT | O_RDWR, 0600, 0}},
+    {"key", SYS_add_key, {(long)"user", (long)"stickslip-attempt", (long)"x", 1, -5}},
+    {"keyring", SYS_keyctl, {KEYCTL_GET_KEYRING_ID, -3, 0}},
+    {"memory_file", SYS_memfd_create, {(long)"stickslip-attempt", 0}},
+    {"huge_pages", SYS_mmap, {0, 1 << 21, 3, MAP_PRIVATE | MAP_ANONYMOUS | MAP_HUGETLB, -1, 0}},
+    {"lock_memory", SYS_mlockall, {MCL_CURRENT}},
+    {"datagrams", SYS_socketpair, {AF_UNIX, SOCK_DGRAM, 0, ZEROS}},
+    {"unix_socket", SYS_socket, {AF_UNIX, SOCK_STREAM, 0}},
+    {"internet", SYS_socket, {AF_INET, SOCK_STREAM, 0}},
+    {"routes", SYS_socket, {16, SOCK_RAW, 0}},
+    {"crypto", SYS_socket, {38, SOCK_SEQPACKET, 0}},
+    {"io_uring", SYS_io_uring_setup, {1, ZEROS}},
+    {"userfault", SYS_userfaultfd, {1}},
+    {"bpf", SYS_bpf, {0, ZEROS, 72}},
+    {"performance", SYS_perf_event_open, {ZEROS, 0, -1, -1, 0}},
+    {"unshare", SYS_unshare, {CLONE_NEWUSER}},
+    {"namespace", SYS_clone, {CLONE_NEWUSER | SIGCHLD}},
+    {"join", SYS_setns, {FOREIGN, 0}},
+    {"mount", SYS_mount, {(long)"none", OWN, (long)"tmpfs", 0, 0}},
+    {"chroot", SYS_chroot, {(long)"/"}},
+    {"personality", SYS_personality, {0x0040000}},
+    {"session", SYS_setsid, {0}},
+    {"group", SYS_setpgid, {0, 0}},
+    {"program", SYS_execve, {(long)"/bin/true", ZEROS, ZEROS}},
+    {"capabilities", SYS_capset, {(long)"\x22\x05\x08\x20\0\0\0", ZEROS}},
+    {"user", SYS_setresuid, {-1, -1, -1}},
+    {"not_dumped", SYS_prctl, {PR_SET_DUMPABLE, 0}},
+    {"filter", SYS_seccomp, {1, 0, ZEROS}},
+    {"splice", SYS_vmsplice, {1, ZEROS, 0}},
+    {"sync", SYS_sync, {0}},
+    {"unknown", 1000, {0}},
+#ifdef __x86_64__
+    {"x32", 0x40000000 | SYS_getpid, {0}},
+#endif
+};
+
+static long value(long argument) {
+    switch (argument) {
+    case VICTIM:
+        return victim;
+    case SECRET:
+        return (long)secret;
+    case NEW:
+        return (long)new;
+    case OTHER:
+        return (long)other;
+    case OWN:
+        return (long)own;
+    case FOREIGN:
+        return foreign;
+    case ROOT:
+        return (long)root;
+    case HANDLE:
+        return (long)handle;
+    case TERMINAL:
+        return (long)terminal;
+    case ZEROS:
+        return (long)zeros;
+    default:
+        return argument;
+    }
+}
+
+static void *wait_long(void *nothing) {
+    sleep(1000);
+    return nothing;
+}
+
+static bool start_threads(void) {
+    int n = 0;
+    pthread_attr_t small;
+    pthread_attr_init(&small);
+    pthread_attr_setstacksize(&small, 1 << 16);
+    for (pthread_t thread; n < 400 && !pthread_create(&thread, &small, wait_long, NULL); n++) {
+    }
+    return n >= 256;
+}
+
+static bool start_processes(void) {
+    int n = 0;
+    for (int child = 0; n < 400 && (child = fork()) >= 0; n++)
+        if (child == 0)
+            for (;;)
+                pause();
+    return n >= 256;
+}
+
+static bool share_memory(void) {
+    int n = 0;
+    for (int i = 0; i < 8; i++)
+        n += mmap(NULL, 1 << 30, 3, MAP_SHARED | MAP_ANONYMOUS, -1, 0) != MAP_FAILED;
+    return n > 4;
+}
+
+static volatile bool opened;
+static void open_secret(int number) { opened = opened || open(secret, O_RDONLY | number % 1) >= 0; }
+
+/* A thread that had begun before the sandbox would do it. */
+static bool use_other_threads(void) {
+    signal(SIGUSR1, open_secret);
+    for (int thread = getpid(); thread < getpid() + 50; thread++)
+        syscall(SYS_tgkill, getpid(), thread, SIGUSR1);
+    usleep(10000);
+    return opened;
+}
+
+static bool send_to_an_address(void) {
+    struct sockaddr_un to = {.sun_family = AF_UNIX};
+    int pair[2] = {-1, -1};
+    snprintf(to.sun_path, sizeof to.sun_path, "%.90s", other);
+    if (socketpair(AF_UNIX, SOCK_STREAM, 0, pair) || send(pair[0], "x", 1, 0) != 1)
+        return true; /* what is allowed does not work */
+    return sendto(pair[0], "x", 1, 0, (struct sockaddr *)&to, sizeof to) >= 0;
+}
+
+static bool know_environment(void) {
+    char text[65536];
+    FILE *file = fopen("/proc/self/environ", "r");
+    const size_t n = file ? fread(text, 1, sizeof text, file) : 0;
+    return getenv("SECRET_TOKEN") || n == 0 || memmem(text, n, "top secret", 10);
+}
+
+static bool raise_limits(void) {
+    struct rlimit limit;
+    getrlimit(RLIMIT_CORE, &limit);
+    limit.rlim_max = limit.rlim_cur = limit.rlim_max + 1;
+    return setrlimit(RLIMIT_CORE, &limit) == 0;
+}
+
+static bool change_own(void) { /* is said to work, though it does nothing */
+    const int file = open("own", O_CREAT | O_RDWR, 0600);
+    struct flock whole = {.l_type = F_WRLCK};
+    return file < 0 || chmod("own", 0644) || fchmod(file, 0644) || flock(file, LOCK_EX) ||
+           fcntl(file, F_SETLK, &whole) || futimens(file, NULL) || rename("own", "own2") ||
+           link("own2", "own3") || unlink("own2") || unlink("own3") || close(file);
+}
+
+static bool call_as_32_bits(void) {
+#ifdef __x86_64__
+    long result = 20; /* getpid */
+    __asm__ volatile("int $0x80" : "+a"(result) : : "memory", "r8", "r9", "r10", "r11");
+    return result >= 0;
+#else
+    errno = EPERM;
+    return false;
+#endif
+}
+
+static const struct {
+    const char *name;
+    bool (*worked)(void);
+} others[] = {
+    {"threads", start_threads},      {"processes", start_processes},
+    {"shared_memory", share_memory}, {"other_threads", use_other_threads},
+    {"sendto", send_to_an_address},  {"environment", know_environment},
+    {"raised_limits", raise_limits}, {"own_files", change_own},
+    {"32_bits", call_as_32_bits},
+};
+
+/* Return whether it worked. */
+static bool attempt(const char *name) {
+    for (size_t i = 0; i < sizeof calls / sizeof *calls; i++) {
+        if (strcmp(calls[i].name, name) == 0) {
+            long a[6];
+            for (int k = 0; k < 6; k++)
+                a[k] = value(calls[i].arguments[k]);
+            return syscall(calls[i].number, a[0], a[1], a[2], a[3], a[4], a[5]) >= 0;
+        }
+    }
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        if (strcmp(others[i].name, name) == 0)
+            return others[i].worked();
+    }
+    return true; /* there is no such attempt */
+}
+
+/* Carry out what a file asks for; return how many have worked. */
+__attribute__((visibility("default"))) int try_all(const char *path);
+int try_all(const char *path) {
+    char folder[4000], name[64];
+    int worked = 0;
+    FILE *file = fopen(path, "r");
+    if (!file || fscanf(file, "%d %3999s %63s", &victim, folder, terminal) != 3)
+        return -1;
+    snprintf(secret, sizeof secret, "%s/secret", folder);
+    snprintf(new, sizeof new, "%s/new", folder);
+    snprintf(other, sizeof other, "%s/other", folder);
+    snprintf(root, sizeof root, "/proc/self/root%s", secret);
+    foreign = open("/etc/passwd", O_RDONLY);
+    snprintf(handle, sizeof handle, "/proc/self/fd/%d", open("/etc/passwd", O_PATH));
+    while (fscanf(file, "%63s", name) == 1) {
+        if (attempt(name)) {
+            printf("escaped: %s\n", name);
+            fflush(stdout);
+            worked++;
+        }
+    }
+    fclose(file);
+    return worked;
+}
+
+const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+const char *fmi2GetVersion(void) { return fmi2Version; }
+
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token,
+                              fmi2String resources, const fmi2CallbackFunctions *callbacks,
+                              fmi2Boolean visible, fmi2Boolean logging) {
+    static bool done;
+    char path[4200];
+    snprintf(path, sizeof path, "%.4000s/behaviour.txt", resources + strlen("file://"));
+    if (!done)
+        try_all(path);
+    done = true;
+    return NULL;
+}

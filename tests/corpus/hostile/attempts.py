@@ -1,0 +1,302 @@
+"""What FMUs try that the sandbox refuses, and the traces that it would leave.
+
+``python -m tests.corpus.hostile.attempts LIBRARY FMU [USER]`` tries all, as another user if root
+asks for it, and prints what came of each as JSON.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import fcntl
+import json
+import os
+import pty
+import resource
+import signal
+import socket
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from stickslip import fmucheck
+from stickslip.fmi.process import sandbox
+from stickslip.fmi.process.guard import Guard
+from stickslip.fmucheck import rules
+from tests.corpus import fmu
+
+REFUSED = {  # attempt -> how it is named; {0} stands for the folder of the victim, {1} for its process
+    "read": "read {0}/secret",
+    "write": "write {0}/secret",
+    "create": "write {0}/new",
+    "handle": "read {0}/secret",
+    "delete": "delete {0}/secret",
+    "folder": "write {0}/new",
+    "move": "delete {0}/secret",
+    "take": "delete {0}/secret",
+    "link": "link {0}/secret",
+    "symlink": "call symlinkat",
+    "pipe": "call mknodat",
+    "truncate": "call truncate",
+    "chmod": "call fchmodat for {0}/secret",
+    "chmod_root": "call fchmodat for /proc/self/root{0}/secret",
+    "chmod_handle": "call fchmodat for /proc/self/fd/",
+    "fchmod": "call fchmod for /etc/passwd",
+    "chown": "call fchownat",
+    "fchown": "call fchown",
+    "utimensat": "call utimensat for {0}/secret",
+    "futimens": "call utimensat for /etc/passwd",
+    "setxattr": "call setxattr",
+    "fsetxattr": "call fsetxattr",
+    "removexattr": "call removexattr",
+    "flock": "call flock for /etc/passwd",
+    "lease": "call fcntl 0x400",
+    "notify": "call fcntl 0x402",
+    "owner": "call fcntl 0x8",
+    "attributes": "call ioctl 0x40086602",
+    "inotify": "call inotify_init1",
+    "fanotify": "call fanotify_init",
+    "file_handle": "call name_to_handle_at",
+    "limits": "call prlimit64 for process {1}",
+    "kill": "send a signal to process {1}",
+    "kill_all": "send a signal to process -1",
+    "tgkill": "send a signal to process {1}",
+    "queue_signal": "send a signal to process {1}",
+    "pidfd": "call pidfd_open",
+    "affinity": "call sched_setaffinity for process {1}",
+    "scheduler": "call sched_setscheduler for process {1}",
+    "priority": "call setpriority for process {1}",
+    "priority_user": "call setpriority for process 0",
+    "io_priority": "call ioprio_set",
+    "trace": "call ptrace",
+    "memory_of": "call process_vm_readv",
+    "compare": "call kcmp",
+    "terminal": "read /dev/pts/",
+    "own_terminal": "read /dev/tty",
+    "kernel_log": "read /dev/kmsg",
+    "passwords": "read /etc/shadow",
+    "type": "call ioctl 0x5412",
+    "shared_file": "write /dev/shm/stickslip-attempt",
+    "shared_segment": "call shmget",
+    "semaphore": "call semget",
+    "message_queue": "call msgget",
+    "posix_queue": "call mq_open",
+    "key": "call add_key",
+    "keyring": "call keyctl",
+    "memory_file": "call memfd_create",
+    "huge_pages": "call mmap",
+    "lock_memory": "call mlockall",
+    "datagrams": "call socketpair",
+    "unix_socket": "open a socket of other programs",
+    "internet": "open a network connection",
+    "routes": "open a socket of family 16",
+    "crypto": "open a socket of family 38",
+    "io_uring": "call io_uring_setup",
+    "userfault": "call userfaultfd",
+    "bpf": "call bpf",
+    "performance": "call perf_event_open",
+    "unshare": "call unshare",
+    "namespace": "make a namespace",
+    "join": "call setns",
+    "mount": "call mount",
+    "chroot": "call chroot",
+    "personality": "call personality",
+    "session": "leave its group of processes",
+    "group": "leave its group of processes",
+    "program": "start the program /bin/true",
+    "capabilities": "call capset",
+    "user": "call setresuid",
+    "not_dumped": "call prctl 0x4",
+    "filter": "call seccomp",
+    "splice": "call vmsplice",
+    "sync": "call sync",
+    "unknown": "call 1000",
+    **({"x32": "call 1073741863", "32_bits": "call 20 of 32 bits"} if os.uname().machine == "x86_64" else {}),
+    "sendto": "call sendto",
+    "shared_memory": "share more memory than it may take",
+    "other_threads": "read {0}/secret",
+    "threads": "start more than 256 processes and threads",
+    "processes": "start more than 256 processes and threads",
+}  # fmt: skip
+SILENT = ("environment", "raised_limits", "own_files")
+"""What is not worth a word: it has no effect, or is allowed and works."""
+MARK = "stickslip-attempt"
+_MEMORY = 4000.0  # MB
+
+
+def library() -> Path:
+    """Return the compiled attempts.c."""
+    source = Path(__file__).with_suffix(".c")
+    return fmu.library(
+        "attempts", source, flags=("-Wno-unused-parameter", "-lpthread"), versions=(2,)
+    )
+
+
+class Victim:
+    """A process, its files, its terminal and its socket, all of this user."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.secret = folder / "secret"
+        self.secret.write_text("top secret")
+        with suppress(OSError):  # not on every file system
+            os.setxattr(self.secret, "user.kept", b"yes")
+        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.socket.bind(str(folder / "other"))
+        self.keys, self.screen = pty.openpty()
+        os.write(self.keys, b"a password\n")
+        self.process = os.fork()
+        if self.process == 0:
+            signal.pause()
+            os._exit(0)
+
+    def state(self) -> dict[str, Any]:
+        """Return all that an FMU must not change."""
+        file = self.secret.stat()
+        locked = self.secret.open()
+        fcntl.flock(locked, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        locked.close()
+        sent = b""
+        with suppress(BlockingIOError):
+            sent = self.socket.recv(99, socket.MSG_DONTWAIT)
+        ended, _ = os.waitpid(self.process, os.WNOHANG)
+        typed = bytearray(4)
+        fcntl.ioctl(self.screen, 0x541B, typed)
+        processes = {
+            who: (
+                os.sched_getaffinity(process),
+                os.sched_getscheduler(process),
+                os.getpriority(os.PRIO_PROCESS, process),
+                resource.prlimit(process, resource.RLIMIT_NOFILE),
+            )
+            for who, process in (("victim", self.process), ("parent", os.getpid()))
+        }
+        return {
+            "file": (file.st_mode, file.st_uid, file.st_mtime_ns, file.st_nlink, file.st_size),
+            "content": self.secret.read_text(),
+            "attributes": sorted(os.listxattr(self.secret)),
+            "folder": sorted(path.name for path in self.folder.iterdir()),
+            "ended": ended,
+            "sent": sent,
+            "typed": bytes(typed),
+            "processes": processes,
+            "shared": [str(path) for path in Path("/dev/shm").glob(f"*{MARK}*")],  # noqa: S108
+            "segments": [kind for kind in ("shm", "sem", "msg") if _key(kind)],
+            "keys": MARK in Path("/proc/keys").read_text()
+            if Path("/proc/keys").exists()
+            else False,
+        }
+
+    def end(self) -> None:
+        with suppress(OSError):
+            os.kill(self.process, signal.SIGKILL)
+            os.waitpid(self.process, 0)
+        self.socket.close()
+        os.close(self.keys)
+        os.close(self.screen)
+
+
+def _key(kind: str) -> bool:
+    lines = Path(f"/proc/sysvipc/{kind}").read_text().splitlines()[1:]
+    return any(int(line.split()[0]) == 0x571C for line in lines)
+
+
+def tried(loaded: ctypes.CDLL, name: str, victim: Victim, room: Path) -> tuple[int, list[str]]:
+    """Try one in a child that enters the sandbox; return its status and what was named."""
+    orders = room / "behaviour.txt"
+    orders.write_text(_orders(victim, [name]))
+    allow = sandbox.Permissions()
+    guard = Guard([str(orders)], [str(room)], allow, _MEMORY)
+    entry = guard.entry()
+    child = os.fork()
+    if child == 0:
+        status = 99
+        try:
+            os.setsid()
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+            os.chdir(room)
+            sandbox.enter(**entry)
+            status = loaded.try_all(os.fsencode(orders))
+        finally:
+            os._exit(status)
+    guard.close_file()
+    _, status = os.waitpid(child, 0)
+    with suppress(OSError):
+        os.killpg(child, signal.SIGKILL)  # what it has started
+    guard.end(5.0)
+    return status, [what for _, what in guard.tried]
+
+
+def _orders(victim: Victim, names: list[str]) -> str:
+    terminal = os.ttyname(victim.screen)
+    return f"{victim.process} {victim.folder} {terminal}\n" + "\n".join(names)
+
+
+def write(path: Path, binary: bytes, victim: Victim, names: list[str]) -> Path:
+    """Write an FMU that tries some, one after the other."""
+    interface = {"CoSimulation": 'canHandleVariableCommunicationStepSize="true"'}
+    description = fmu.describe("attempts", 2, [fmu.Variable("u", "input", 0.0)], interface)
+    files = {
+        "resources/behaviour.txt": _orders(victim, names).encode(),
+        fmu.place("attempts", 2): binary,
+    }
+    return fmu.pack(path, description, files)
+
+
+@contextmanager
+def _victim() -> Iterator[tuple[Victim, Path]]:
+    with tempfile.TemporaryDirectory() as folder:
+        for name in ("victim", "room"):
+            (Path(folder) / name).mkdir()
+        victim = Victim(Path(folder) / "victim")
+        try:
+            yield victim, Path(folder) / "room"
+        finally:
+            victim.end()
+
+
+def outcome(name: str, loaded: ctypes.CDLL) -> dict[str, Any]:
+    """Return the exit status of an attempt, what was named, and what it has changed."""
+    with _victim() as (victim, room):
+        before = victim.state()
+        status, named = tried(loaded, name, victim, room)
+        after = victim.state()
+        expected = REFUSED.get(name, "").format(victim.folder, victim.process)
+    changed = sorted(what for what in before if before[what] != after[what])
+    return {"status": status, "named": named, "expected": expected, "changed": changed}
+
+
+def checked(binary: bytes) -> dict[str, list[str]]:
+    """Return what `check` names of an FMU that tries all, and what has worked."""
+    with _victim() as (victim, room):
+        names = [*REFUSED, *SILENT]
+        path = write(room / "attempts.fmu", binary, victim, names)
+        rules._LISTED = 1000  # all of one rule
+        report = fmucheck.check(path)
+        expected = [REFUSED[name].format(victim.folder, victim.process) for name in REFUSED]
+    named = [place for f in report if f.rule == "reaches-outside" for place in (f.place, *f.others)]
+    return {
+        "named": named,
+        "expected": expected,
+        "printed": [str(f) for f in report if f.rule == "prints"],
+    }
+
+
+def main() -> None:
+    """Try all and print what came of it."""
+    path = Path(sys.argv[1])
+    binary, loaded = path.read_bytes(), ctypes.CDLL(str(path))
+    tempfile.tempdir = "/var/tmp"  # noqa: S108 - outside what other tests watch
+    os.environ["SECRET_TOKEN"] = "top secret"  # noqa: S105 - of the victim
+    began = time.monotonic()
+    found = {name: outcome(name, loaded) for name in (*REFUSED, *SILENT) if name != "environment"}
+    print(
+        json.dumps({"each": found, "check": checked(binary), "seconds": time.monotonic() - began})
+    )
+
+
+if __name__ == "__main__":
+    main()
