@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.fmi.messages import quantity, scaled_unit
 from stickslip.logs.controller import Controller
 from stickslip.logs.delay import (
+    LARGE,
     Delay,
     aligned,
     force_delay,
@@ -126,7 +127,7 @@ def _delays(recording: Recording, late: int) -> Iterator[Finding]:
         advice = "log force and position of the same instants, or shift the force by its delay"
         what = "the delay of the force ends at the bound of its search"
         yield Finding("warning", what, figure, advice, spoils="values")
-    elif delay and not delay.at_bound:
+    elif delay and not delay.at_bound and (late or abs(delay.value) < LARGE * recording.T_s):
         yield _delayed("force", "the motion", delay, recording.T_s, late)
     if recording.position is not None and recording.velocity is not None:
         motion = kinematics(recording)

@@ -96,7 +96,7 @@ def _shared(recording: Recording, force: Array, motion: Kinematics) -> float:
     if np.mean(moving) < MOVING:
         return 1.0
     way = smoothed(np.sign(motion.v) * moving, recording.T_s, motion.cutoff)
-    columns = basis(np.column_stack([np.ones_like(way), motion.v, motion.a, way]))
+    columns, _ = basis(np.column_stack([np.ones_like(way), motion.v, motion.a, way]))
     varying = force - force.mean()
     varying = varying / max(float(np.max(np.abs(varying))), 1e-300)
     delays = np.linspace(-FARTHEST, FARTHEST, DELAYS) / recording.T_s

@@ -119,12 +119,12 @@ def unexplained(recording: Recording) -> float:
 
 def left(columns: Array, force: Array) -> float:
     """Return the sum of squares [N^2] that columns (k, c) leave of a force (k,)."""
-    directions = basis(columns)
+    directions, _ = basis(columns)
     rest = force - directions @ (directions.T @ force)
     return float(rest @ rest)
 
 
-def basis(columns: Array) -> Array:
-    """Return orthonormal columns (k, r) that span what others (k, c) span."""
+def basis(columns: Array) -> tuple[Array, Array]:
+    """Return orthonormal columns (k, r) that span what others (k, c) span, and theirs (r, r)."""
     scale = np.linalg.norm(columns, axis=0)
-    return np.linalg.qr(columns[:, scale > 0.0] / scale[scale > 0.0])[0]
+    return np.linalg.qr(columns[:, scale > 0.0] / scale[scale > 0.0])

@@ -61,17 +61,22 @@ def test_what_shows_no_delay(log):
     assert found is None or not found.known(log.T_s)
 
 
-def test_of_a_force_that_switches():
-    """A wrong delay with a negative mass explains it best; neither it nor a limit is found."""
+@pytest.mark.parametrize("late", [0, 12, -5])
+@pytest.mark.parametrize(("mass", "viscous"), [(3.0, 60.0), (3.2, 44.0), (1.0, 20.0)])
+def test_of_a_force_that_switches(mass, viscous, late):
+    """A wrong delay with a negative mass, or Coulomb friction alone, explains it best."""
     t = np.arange(20000) * 1e-3
-    force = 15.0 * np.sign(np.sin(2 * np.pi * (0.3 * t + 0.04 * t**2)))
+    force = 18.6 * np.sign(np.sin(2 * np.pi * (0.3 * t + 0.04 * t**2)))
     x = v = 0.0
     position = []
-    for F in np.repeat(force, 10):  # 3 kg, 60 N s/m, 6 N
-        v += 1e-4 * (F - 60.0 * v - 6.0 * np.tanh(v / 1e-4)) / 3.0
+    for F in np.repeat(force, 10):
+        w = v + 1e-4 * (F - viscous * v) / mass
+        v = np.sign(w) * max(abs(w) - 1e-4 * 7.6 / mass, 0.0)
         x += 1e-4 * v
         position.append(x)
-    shown = np.round(np.array(position[::10]) / 1e-7) * 1e-7
-    drive = Recording(t, shown, force, encoder_step=1e-7)
-    assert samples_late(drive) == 0
-    assert not list(force_path(drive))
+    shown = np.round(np.array(position[9::10]) / 1e-7) * 1e-7
+    logged = force[np.clip(np.arange(20000) - late, 0, None).clip(max=19999)]
+    drive = Recording(t, shown, logged, encoder_step=1e-7)
+    found = force_delay(drive)
+    assert found.value / 1e-3 == pytest.approx(late + 0.55, abs=0.1)  # held forces show half late
+    assert not list(force_path(aligned(drive, samples_late(drive))))
