@@ -41,7 +41,6 @@ class Component:
     feedthrough : output -> the inputs it depends on without delay
     experiment : the times it proposes, s, and the tolerance
     structural : names of structural parameters
-    outside : variables whose declared start value is outside their range
     learned : what it learns in a run
     event_mode, has_arrays, needs_tool, once_per_process : see Fmu
     serializes, restores_state, interpolates_inputs, varies_step : its abilities
@@ -59,7 +58,6 @@ class Component:
     feedthrough: Mapping[str, frozenset[str]]
     experiment = DefaultExperiment()
     structural: Sequence[str] = ()
-    outside: Sequence[Variable] = ()
     learned = Learned()
     event_mode = has_arrays = needs_tool = once_per_process = False
     serializes = restores_state = interpolates_inputs = varies_step = False

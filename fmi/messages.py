@@ -12,6 +12,8 @@ from unicodedata import category
 
 _MOST = 5000  # names that are compared with one that is not known
 _SCALABLE = re.compile(r"(m|s|N|N\.m|Nm|rad|A|V|W|J|K|Pa|Hz)(?![\w^*])")
+_LETTERS = {"Real": "r", "Boolean": "b", "String": "s"}
+_REFERENCE = re.compile(r"##|#([ribs])([0-9]{1,10})#")
 _PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M"}
 
 
@@ -41,6 +43,25 @@ def harmless(text: str) -> str:
 def escaped(text: str) -> str:
     """Return untrusted text as HTML shows it."""
     return escape(harmless(text))
+
+
+def named(text: str, variables: Iterable[tuple[str, int | None, str]]) -> str:
+    """Return a message of FMI 2.0 with names in the place of references such as ``#r12#``.
+
+    Parameters
+    ----------
+    variables : type, value reference and name of each
+
+    Source: FMI 2.0.5, section 2.1.5; ``##`` is one ``#``.
+    """
+    if "#" not in text:
+        return text
+    names = {(_LETTERS.get(kind, "i"), number): name for kind, number, name in variables}
+
+    def name(found: re.Match[str]) -> str:
+        return names.get((found[1], int(found[2])), found[0]) if found[1] else "#"
+
+    return _REFERENCE.sub(name, text)
 
 
 def suggestion(name: str, names: Iterable[str]) -> str:

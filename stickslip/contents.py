@@ -192,6 +192,7 @@ def _row(name: str, variable: Variable, unit: str | None, start: Any) -> Row:
         "start": start,
         "minimum": variable.minimum,
         "maximum": variable.maximum,
+        "items": [f"{name} = {number}" for name, number in variable.items] or None,
         "description": variable.description,
     }
 
@@ -213,7 +214,7 @@ def _cell(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.9g}"
     if isinstance(value, (list, tuple)):
-        text = " ".join(map(_cell, value[:_MOST]))
+        text = (", " if isinstance(value, list) else " ").join(map(_cell, value[:_MOST]))
         return text + (" ..." if len(value) > _MOST else "")
     return printable(" ".join(str(value).split()))
 

@@ -234,7 +234,12 @@ class Model:
             return column
         target = (self.qualified(column),)
         alone = (name for name, targets in self.system.inputs.items() if targets == target)
-        return next(alone, column.replace(".", "_"))
+        if found := next(alone, None):
+            return found
+        name, _, place = column.replace(".", "_").removesuffix("]").partition("[")
+        elements = [one for one in self.system.inputs if one.startswith(f"{name}[")]
+        within = place.isdecimal() and 0 < int(place) <= len(elements)
+        return elements[int(place) - 1] if within else column.replace(".", "_")
 
 
 def _expose_inputs(system: cosim.System) -> None:

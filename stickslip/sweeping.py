@@ -70,7 +70,7 @@ class Optimised:
 
 def sweep(
     system: cosim.System | cosim.Fmu | Path | str,
-    parameters: Mapping[str, Iterable[float]],
+    parameters: Mapping[str, Iterable[float | str]],
     figures: Mapping[str, Figure],
     *,
     stop: float | None = None,
@@ -126,8 +126,7 @@ def sweep(
     names = [model.qualified(name) for name in values]
     model.require_free(names, signals)
     for name, some in zip(names, values.values(), strict=True):
-        for value in some:
-            model.system.checked(name, value)
+        some[:] = [number(name, model.system.checked(name, value)) for value in some]
     grid = list(product(*values.values()))
     rows: dict[int, Mapping[str, Any]] = {}
     failed: list[str] = []
@@ -272,11 +271,11 @@ def _figure(what: str, of: Figure, result: cosim.Result) -> float:
         raise ga.CandidateFailed(str(fault)) from None
 
 
-def _values(name: str, some: Iterable[float]) -> list[float]:
-    """Return the values of a parameter."""
+def _values(name: str, some: Iterable[float | str]) -> list[Any]:
+    """Return the values of a parameter; text may name an item of an enumeration."""
     if isinstance(some, str) or not np.iterable(some):
         raise UsageError(f"{name}: expected its values in a list, got {printable(repr(some), 80)}")
-    return [number(name, value) for value in some]
+    return [one if isinstance(one, str) else number(name, one) for one in some]
 
 
 @contextmanager

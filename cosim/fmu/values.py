@@ -19,7 +19,7 @@ from stickslip.fmi.description.variables import (
     Value,
     Variable,
 )
-from stickslip.fmi.messages import printable
+from stickslip.fmi.messages import printable, suggestion
 
 _C_TYPES = {name: c_type for setters in SETTERS.values() for name, (_, c_type) in setters.items()}
 _WORDS = {"true": True, "1": True, "on": True, "false": False, "0": False, "off": False}
@@ -76,8 +76,10 @@ def _checked(variable: Variable, value: object, label: str) -> Scalar:
     try:
         result = _converted(variable, value)
     except (TypeError, ValueError, KeyError, OverflowError):
+        items = suggestion(str(value), dict(variable.items)) if variable.items else ""
         raise ParameterError(
-            f"{label}: expected a value of type {variable.type}, got {printable(repr(value), 80)}"
+            f"{label}: expected a value of type {variable.type}, got"
+            f" {printable(repr(value), 80)}{items}"
         ) from None
     if isinstance(result, (int, float)):
         _check_range(variable, result, label)
@@ -85,6 +87,8 @@ def _checked(variable: Variable, value: object, label: str) -> Scalar:
 
 
 def _converted(variable: Variable, value: Any) -> Scalar:
+    if isinstance(value, str) and value in (items := dict(variable.items)):
+        return items[value]
     if variable.type not in ("String", "Binary") and "_" in str(value):
         raise ValueError  # 1_000 is a number to Python alone
     if variable.type in FLOATS:

@@ -17,6 +17,7 @@ from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.assembly.memory import Memory, Room
 from stickslip.cosim.assembly.settings import Settings
 from stickslip.cosim.assembly.wiring import library_of, wire
+from stickslip.cosim.component import Component
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu import fatal
 from stickslip.cosim.fmu.names import component_of
@@ -34,6 +35,7 @@ from stickslip.cosim.system.loops import Group, group
 from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.system import Specification
 from stickslip.fmi.description.variables import Variable
+from stickslip.fmi.messages import named
 
 _log = logging.getLogger(__name__)
 _N_LAST = 10  # messages in ``Log.last``
@@ -208,7 +210,7 @@ class Prepared:
                 if not slot.instance:
                     tool = "; it needs the tool that made it" if fmu.needs_tool else ""
                     raise SimulationError(
-                        f"{name}: {fmu.label} cannot be instantiated{_message_of(slot)}{tool}"
+                        f"{name}: {fmu.label} cannot be instantiated{_message_of(slot, fmu)}{tool}"
                     )
                 if slot.instance in given:
                     slot.instance = None
@@ -309,7 +311,8 @@ class Prepared:
         else:
             t = run.start + run.done * run.step
             when = f"in the step from t = {t:.9g} s (step {run.done} of {run.n_steps})"
-        message = f"{subject}: {call.decode()} {what} {when}{_message_of(slot)}"
+        message = f"{subject}: {call.decode()} {what} {when}"
+        message += _message_of(slot, self.spec.system.components[name])
         if run.status == kernel.NOT_FINITE:
             message += "; allow_nan (--allow-nan) continues"
         if fault := self._libraries[name].fault:
@@ -345,7 +348,7 @@ class Prepared:
             self._lose(name, slot)
 
 
-def _message_of(slot: structures.Component) -> str:
+def _message_of(slot: structures.Component, component: Component) -> str:
     """Return the most severe message, and before it the last ones where they are others."""
     log = slot.log.contents
     message = log.message.decode(errors="replace").strip()
@@ -359,4 +362,6 @@ def _message_of(slot: structures.Component) -> str:
     shown = " ".join(message.split())
     before = [text for text in others if text and not shown.startswith(text)]
     last = f"; its last messages: {' | '.join(before)}" if before else ""
-    return f"; the FMU says: {message}{last}"
+    known = ((v.type, v.reference, v.name) for v in component.variables.values())
+    said = message + last
+    return f"; the FMU says: {named(said, known) if component.version == 2 else said}"

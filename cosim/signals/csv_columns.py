@@ -7,6 +7,7 @@ import io
 from array import array
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from math import isfinite
 from pathlib import Path
 
@@ -55,12 +56,18 @@ def parse_columns(data: bytes, label: str) -> dict[str, Array]:
         rows = csv.reader(_lines(data.decode("utf-8-sig"), label))
         names = [name.strip() for name in next(rows, [])]
         _check_names(names, label)
-        numbers, place = array("d"), names.index("time")
+        first = next(filter(None, rows), [])
+        widths = [max(1, len(cell.split())) for cell in first]
+        columns = list(_elements(names, widths))
+        _check_names(columns, label)
+        numbers, place = array("d"), columns.index("time")
         before = -np.inf
-        for row in rows:
+        for row in chain([first] if first else [], rows):
             if not row:
                 continue
-            values = _numbers(row, names, f"{label}, line {rows.line_num}")
+            where = f"{label}, line {rows.line_num}"
+            cells = row if len(columns) == len(names) else _split(row, names, widths, where)
+            values = _numbers(cells, columns, where)
             if values[place] < before:
                 raise SignalError(
                     f"{label}, line {rows.line_num}: time falls from {before} to {values[place]} s;"
@@ -72,8 +79,26 @@ def parse_columns(data: bytes, label: str) -> dict[str, Array]:
         raise SignalError(f"{label}: not a CSV file in UTF-8: {fault}") from fault
     if not numbers:
         raise SignalError(f"{label}: no values below the first line")
-    table = np.array(numbers).reshape(-1, len(names))
-    return dict(zip(names, table.T, strict=True))
+    table = np.array(numbers).reshape(-1, len(columns))
+    return dict(zip(columns, table.T, strict=True))
+
+
+def _elements(names: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
+    """Yield a name for each number of a row: of a cell with several, name[1], name[2], ..."""
+    for name, width in zip(names, [*widths, *[1] * len(names)], strict=False):
+        yield from (name,) if width == 1 else (f"{name}[{k}]" for k in range(1, width + 1))
+
+
+def _split(row: list[str], names: Sequence[str], widths: Sequence[int], place: str) -> list[str]:
+    """Return the numbers of a row whose cells hold arrays, row by row, as FMI writes them."""
+    cells = [cell.split() or [cell] for cell in row]
+    for name, cell, width in zip(names, cells, widths, strict=False):
+        if len(cell) != width:
+            raise SignalError(
+                f"{place}: column {shown(name)}: expected {width} numbers as in the first row, got"
+                f" {len(cell)}"
+            )
+    return [number for cell in cells for number in cell]
 
 
 def _lines(text: str, label: str) -> Iterator[str]:

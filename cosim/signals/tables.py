@@ -34,8 +34,9 @@ def read_tables(
     Parameters
     ----------
     source : a data frame, or a file ``.csv`` or ``.parquet``, with a column ``time`` (s) that never
-        falls; a time that occurs twice makes a jump. The time may be the index of a frame, also
-        as differences of time
+        falls; a time that occurs twice makes a jump. A cell of a ``.csv`` with several numbers,
+        such as ``1 2 3``, holds an array row by row: the columns name[1], name[2], name[3]. The
+        time may be the index of a frame, also as differences of time
     held : the columns whose values hold until the next time; the others are linear in between
 
     Raises
@@ -44,11 +45,13 @@ def read_tables(
         When the file cannot be read, or contains a value that is not a number.
     """
     tables = _read(source)
+    names = {name: {name, name.partition("[")[0]} for name in tables}  # also of a cell's array
     steps = tables.keys() if held is True else set(held or ())
-    if unknown := sorted(set(steps) - tables.keys()):
+    if unknown := sorted(set(steps).difference(*names.values())):
         raise SignalError(f"cannot hold {', '.join(unknown)}: there is no such column")
     return {
-        name: Table(table.time, table.values, held=name in steps) for name, table in tables.items()
+        name: Table(table.time, table.values, held=not names[name].isdisjoint(steps))
+        for name, table in tables.items()
     }
 
 

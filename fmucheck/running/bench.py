@@ -108,7 +108,7 @@ class Bench:
             raise Spent
         self.instantiated = True
         self.tick()
-        callbacks = Callbacks()
+        callbacks = Callbacks(self.description.variables)
         given = (self.description.token if token is None else token).encode()
         log = callbacks.logger3 if logger else c_void_p()
         if self.description.version == 2:

@@ -5,10 +5,15 @@ from __future__ import annotations
 import ctypes
 import os
 import sys
+from collections.abc import Sequence
 from ctypes import CDLL, CFUNCTYPE, Structure, c_char_p, c_int, c_size_t, c_void_p
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+
+from stickslip.fmi.messages import named
+from stickslip.fmucheck.description.model import Variable
+from stickslip.fmucheck.running.printf import ARGUMENTS, formatted
 
 OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
 _NAMES = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
@@ -95,7 +100,7 @@ _LIBC.calloc.argtypes = (c_size_t, c_size_t)
 _LIBC.free.argtypes = (c_void_p,)
 
 MOST_MESSAGES = 10_000  # kept of one instance
-LOGGER2 = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
+LOGGER2 = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, *ARGUMENTS)
 LOGGER3 = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
 _ALLOCATE = CFUNCTYPE(c_void_p, c_size_t, c_size_t)
 _FREE = CFUNCTYPE(None, c_void_p)
@@ -132,6 +137,7 @@ def _word(text: bytes | None) -> str | None:
 class Callbacks:
     """The callbacks of one instance, and what came through them. Must outlive the instance."""
 
+    variables: Sequence[Variable] = ()
     messages: list[Message] = field(default_factory=list)
     allocated: int = 0
 
@@ -149,9 +155,19 @@ class Callbacks:
         )
 
     def _log2(
-        self, place: int | None, _: bytes, status: int, category: bytes | None, text: bytes | None
+        self,
+        place: int | None,
+        _: bytes,
+        status: int,
+        category: bytes | None,
+        text: bytes | None,
+        *arguments: float,
     ) -> None:
-        self._log3(place, status, category, text)
+        if len(self.messages) < MOST_MESSAGES:
+            if text is not None:
+                known = ((v.kind, v.reference, v.name) for v in self.variables)
+                text = named(_word(formatted(text, arguments)) or "", known).encode()
+            self._log3(place, status, category, text)
 
     def _log3(
         self, place: int | None, status: int, category: bytes | None, text: bytes | None

@@ -1,9 +1,12 @@
-"""``stickslip check``: validate FMUs of any tool."""
+"""``stickslip check``: validate FMUs and systems of any tool."""
 
 from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,7 +22,7 @@ if TYPE_CHECKING:
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.epilog = "status 0: no errors; 1: errors (with --strict also warnings); 2: usage"
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE.fmu")
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE.fmu|FILE.ssp")
     flags = {
         "--strict": "warnings count as errors",
         "--no-run": "do not load the binary",
@@ -43,22 +46,53 @@ def run(options: argparse.Namespace) -> Answer:
         Permissions.of(options.allow)
     except ValueError as fault:
         raise UsageError(f"--{fault}") from None
-    reports = [
-        fmucheck.check(
-            path,
-            run=not options.no_run,
-            timeout=options.timeout,
-            total=options.total,
-            allow=options.allow,
-        )
-        for path in options.files
-    ]
+    check = partial(
+        fmucheck.check,
+        run=not options.no_run,
+        timeout=options.timeout,
+        total=options.total,
+        allow=options.allow,
+    )
+    reports: list[Report] = []
+    for path in options.files:
+        reports += _package(path, check) if path.suffix == ".ssp" else [check(path)]
     for report in reports:
         _print(report)
     levels = fmucheck.Severity
     worst = levels.WARNING if options.strict else levels.ERROR
     status = int(any(finding.severity >= worst for report in reports for finding in report))
     return Answer({"version": 1, "files": [r.as_json() for r in reports]}, status)
+
+
+def _package(path: Path, check: Callable[[Path], Report]) -> list[Report]:
+    """Return the report on a package, whose systems are read, and one on each FMU in it."""
+    from stickslip.cosim import CosimError, read_ssp, variants
+    from stickslip.cosim.ssp.structure import unpacked
+    from stickslip.fmucheck import Finding, Report, Severity
+
+    path.stat()
+    package = Report(path)
+    fmus: dict[Path, Path] = {}
+
+    def note(place: str, fault: CosimError) -> None:
+        text = str(fault).removeprefix(f"{path.absolute()}: ")
+        advice = "correct the package; simulate refuses it so"
+        found = Finding(Severity.ERROR, "system-structure", place, text, "", advice)
+        package.findings.append(found)
+
+    try:
+        folder = unpacked(path.absolute())
+        inside = sorted(file for file in folder.rglob("*.fmu") if file.is_file())
+        fmus = {file: path / file.relative_to(folder) for file in inside}
+        for variant in variants(path):
+            try:
+                for component in read_ssp(path, variant)[0].fmus("check").values():
+                    fmus.setdefault(component.path, path / component.label)
+            except CosimError as fault:
+                note(variant, fault)
+    except CosimError as fault:
+        note(path.name, fault)
+    return [package, *(replace(check(file), path=name) for file, name in fmus.items())]
 
 
 def _print(report: Report) -> None:

@@ -5,6 +5,7 @@ import zipfile
 
 import pytest
 
+import stickslip as ss
 from stickslip import models
 from stickslip.cli import main
 from tests.corpus.defects import binaries
@@ -78,3 +79,26 @@ def test_a_hanging_binary_is_given_up(tmp_path, capsys):
     seed = next(seed for seed in binaries.SEEDS if seed.what == "hang")
     assert main(["check", str(seed.make(tmp_path)), "--timeout", "1"]) == 1
     assert "did not return in 1 s" in capsys.readouterr().out
+
+
+def test_each_fmu_of_a_package_is_checked_and_its_structure(sound, broken, tmp_path, capsys):
+    system = ss.System("two")
+    system.add("a", sound)
+    system.add("b", broken)
+    path = ss.write_ssp(system, tmp_path / "two.ssp")
+    assert main(["check", str(path), "--no-run", "--json"]) == 1
+    package, *inner = json.loads(capsys.readouterr().out)["files"]
+    assert (package["file"], package["errors"]) == (str(path), 0)
+    assert [one["errors"] for one in inner] == [0, 1] or [one["errors"] for one in inner] == [1, 0]
+    assert all(one["file"].startswith(f"{path}/resources/") for one in inner)
+
+    cut = tmp_path / "cut.ssp"
+    with zipfile.ZipFile(path) as old, zipfile.ZipFile(cut, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            new.writestr(name, content.replace(b"resources/0_a.fmu", b"resources/gone.fmu"))
+    assert main(["check", str(cut), "--no-run"]) == 1
+    out = capsys.readouterr().out
+    assert "system-structure" in out
+    assert "resources/gone.fmu' is missing from the package" in out
+    assert out.count(": FMI 3.0, ") == 2  # its FMUs are checked all the same

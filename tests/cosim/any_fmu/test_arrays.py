@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from stickslip.cli import main
 from tests.cosim.single import by_fmpy, one
 
 MATRIX = np.array([[-1.0, 0.5, 0.0], [0.0, -2.0, 1.0], [0.3, 0.0, -0.5]])
@@ -89,3 +90,21 @@ def test_what_does_not_fit_is_refused(export, parameters, message):
 def test_a_container_holds_no_arrays_of_changing_size(export, tmp_path):
     with pytest.raises(cosim.FmuError, match="cannot go into a container: it has the struct"):
         cosim.write_fmu(system_of(export, None), tmp_path / "a.fmu", step=0.1)
+
+
+def test_an_array_is_an_input_from_one_column(export, tmp_path, capsys):
+    """Numbers of a cell are elements row by row, as if each had a column of its own."""
+    path = export("state_space", 3, "CS")
+    rows = ["time,u", "0,0.1 0.2 0.3", "1,1 2 3", "2,-1 0 1"]
+    (tmp_path / "one.csv").write_text("\n".join(rows))
+    apart = [row.replace(" ", ",") for row in rows]
+    apart[0] = 'time,"u[1]","u[2]","u[3]"'
+    (tmp_path / "three.csv").write_text("\n".join(apart))
+    results = []
+    for name in ("one", "three"):
+        out = tmp_path / f"{name}-out.csv"
+        arguments = ["--stop", "2", "--step", "0.1", "--input", str(tmp_path / f"{name}.csv")]
+        assert main(["simulate", str(path), *arguments, "--out", str(out)]) == 0
+        results.append(out.read_text())
+    assert results[0] == results[1]
+    assert "inputs that stay" not in capsys.readouterr().err
