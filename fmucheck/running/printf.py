@@ -64,9 +64,10 @@ def formatted(text: bytes, arguments: Sequence[float]) -> bytes:
             return (spec + b"d") % _signed(word, bits)
         if kind == b"o":  # Python writes 0o for the 0 of C
             digits: bytes = (spec + kind) % (word % 2**bits)
-            return digits.replace(b"0o", b"0")
+            return digits.replace(b"0o", b"0", 1)
         spec += {b"p": b"#x", b"u": b"d"}.get(kind, kind)
-        return spec % (word % 2**bits)
+        shown: bytes = spec % (word % 2**bits)
+        return shown
 
     try:
         return _SPEC.sub(one, text) if KNOWN else text
