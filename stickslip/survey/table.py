@@ -1,18 +1,15 @@
-"""``python -m tests.corpus.foreign FOLDER``: each FMU and package below it, here and in FMPy.
+"""The runs of a folder, and the verdict on each.
 
-Each file (once for each content) runs by each of its interfaces, in a process of its own. A line
-for each run has how it ended here and in FMPy, and how far the outputs that both have are apart, as
-a share of the greatest value of each: equal (1e-12), near (1e-3) or different.
+Each file (once for each content) runs by each of its interfaces, in a process of its own. Outputs
+that both have differ by a share of the greatest value of each: equal (1e-12), near (1e-3) or
+different.
 """
 
 from __future__ import annotations
 
-import argparse
-import csv
 import hashlib
-from collections import Counter
+import re
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -20,12 +17,12 @@ import numpy as np
 from stickslip.cosim.component import Interface
 from stickslip.cosim.errors import CosimError
 from stickslip.cosim.fmu.fmu import described
-from tests.corpus.foreign.runs import Outcome, Task, apart, here, in_fmpy
+from stickslip.survey.runs import Outcome, Task, apart, here, in_fmpy
 
 EQUAL, NEAR = 1e-12, 1e-3
 NO_BINARY = ("no binary for this machine", "cannot be simulated on the current platform")
 _TAGS: dict[str, Interface] = {"CoSimulation": "co_simulation", "ModelExchange": "model_exchange"}
-_COLUMNS = ("file", "interface", "outcome", "difference", "signal", "here", "FMPy")
+COLUMNS = ("file", "interface", "outcome", "difference", "signal", "here", "FMPy")
 
 
 def tasks(folder: Path) -> Iterator[Task]:
@@ -74,48 +71,33 @@ def compare(ours: Outcome, theirs: Outcome) -> tuple[str, float, str]:
     return verdict, worst, where
 
 
-def line(folder: Path, task: Task, limit: float) -> tuple[str, ...]:
-    """Run a task here and in FMPy, and return its row of the table."""
+def surveyed(folder: Path, task: Task, limit: float, *, fmpy: bool) -> tuple[str, ...]:
+    """Run a task here, and in FMPy if asked to, and return its row of the table.
+
+    Parameters
+    ----------
+    limit : of each process [s]
+    """
     ours = apart(here, task, limit=limit)
-    theirs = apart(in_fmpy, task, ours.times, list(ours.signals), limit=limit)
-    difference, signal = 0.0, ""
+    difference, signal, theirs = 0.0, "", Outcome()
+    if fmpy:
+        theirs = apart(in_fmpy, task, ours.times, list(ours.signals), limit=limit)
     if ours.fault and any(lack in ours.fault + theirs.fault for lack in NO_BINARY):
         outcome = "no binary"
-    elif ours.fault or theirs.fault:
-        here_alone = "works here only" if theirs.fault else "works in FMPy only"
-        outcome = "works in neither" if ours.fault and theirs.fault else here_alone
+    elif lacks := re.search(r"No module named '(\w+)", theirs.fault):
+        outcome = f"FMPy lacks {lacks[1]}"
+    elif theirs.fault:
+        outcome = "works in neither" if ours.fault else "works here only"
+    elif ours.fault:
+        died = ours.fault.startswith(("died", "out of time"))
+        kind = ours.fault.partition(":")[0] if died else "refused"
+        outcome = "works in FMPy only" if fmpy else kind
     elif ours.again is False:
         outcome = "second run differs"
-    else:
+    elif fmpy:
         outcome, difference, signal = compare(ours, theirs)
+    else:
+        outcome = "ran"
     name = str(task.path.relative_to(folder))
     shown = f"{difference:.2g}" if difference else ""
     return name, task.interface or "package", outcome, shown, signal, ours.fault, theirs.fault
-
-
-def main() -> None:
-    """Run all, print a line for each and the number of each outcome."""
-    options = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    options.add_argument("folder", type=Path)
-    options.add_argument("--timeout", type=float, default=60.0, help="of each process [s]")
-    options.add_argument("--workers", type=int, default=2)
-    options.add_argument("--out", type=Path, help="the table as CSV")
-    given = options.parse_args()
-    rows = []
-    with ThreadPoolExecutor(given.workers) as pool:
-        for row in pool.map(lambda t: line(given.folder, t, given.timeout), tasks(given.folder)):
-            print("  ".join(filter(None, row)), flush=True)
-            rows.append(row)
-    if given.out:
-        with given.out.open("w", newline="") as file:
-            csv.writer(file).writerows([_COLUMNS, *rows])
-    counts = Counter(row[2] for row in rows)
-    runs = len(rows) - counts["no binary"]
-    works = [sum(not row[k] for row in rows) for k in (5, 6)]
-    print(f"\n{runs} runs; {works[0]} work here, {works[1]} in FMPy")
-    for outcome, n in counts.most_common():
-        print(f"{n:5}  {outcome}")
-
-
-if __name__ == "__main__":
-    main()

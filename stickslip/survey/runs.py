@@ -21,7 +21,6 @@ from stickslip import cosim
 from stickslip.cosim.component import Interface
 from stickslip.simulation import Model
 
-MOST_STEPS = 1000
 _CONTEXT = multiprocessing.get_context("forkserver")
 _CONTEXT.set_forkserver_preload(["fmpy.simulation", "stickslip.simulation"])
 _FMPY = {"co_simulation": "CoSimulation", "model_exchange": "ModelExchange"}
@@ -72,8 +71,7 @@ def here(task: Task) -> Iterator[Outcome]:
     start, stop = model.experiment.start or 0.0, model.experiment.stop
     if stop is None or stop <= start:
         stop = start + 1.0
-    step = model.step(stop) or (stop - start) / MOST_STEPS
-    n = max(1, min(MOST_STEPS, round((stop - start) / step)))
+    n = max(1, round((stop - start) / model.step(start, stop)))
     times = Times(start, stop, (stop - start) / n)
     coupling = "gauss_seidel" if task.interface else "jacobi"
     prefix = "" if task.interface is None else f"{next(iter(model.system.components))}."
@@ -101,7 +99,6 @@ def in_fmpy(task: Task, times: Times | None, names: Iterable[str]) -> Iterator[O
     """Run a file in FMPy, as ``fmpy simulate`` does.
 
     Its rows of a package have the time at which the step began, which is corrected.
-
 
     Parameters
     ----------

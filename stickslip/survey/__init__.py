@@ -1,0 +1,1 @@
+"""FMUs and packages of a folder: each is run here, and in FMPy, and the outputs are compared."""

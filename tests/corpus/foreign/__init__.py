@@ -1,1 +1,0 @@
-"""FMUs and packages of other tools: each is run here and in FMPy, and the outputs are compared."""
