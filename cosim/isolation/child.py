@@ -205,4 +205,4 @@ def _limit(memory: float) -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
         _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
         size = int(memory * 1e6) if most == resource.RLIM_INFINITY else most
-        resource.setrlimit(resource.RLIMIT_FSIZE, (size, most))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))

@@ -5,14 +5,18 @@ from __future__ import annotations
 import ctypes
 import errno
 import os
+import re
 import select
+import signal
 import socket
 import struct
 import threading
+import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from stat import S_ISREG
 from typing import Any
 
 from stickslip.fmi.process.calls import numbers, processor
@@ -21,6 +25,7 @@ from stickslip.fmi.process.sandbox import Permissions, is_below, system_paths
 
 _MOST_AT_ONCE = 256  # processes and threads
 _MOST_NOTED = 200
+_LOOK = 0.25  # s between two looks at memory and files; a disk takes some 0.3 GB meanwhile
 _LONGEST = 200  # characters of a path in a message
 
 _RECEIVE, _SEND, _CONTINUE = 0xC0502100, 0xC0182101, 1  # linux/seccomp.h
@@ -89,9 +94,11 @@ class Guard:
         import fcntl  # not on Windows
 
         self._readable, self._writable = list(readable), [*writable, *allow.folders]
-        self._words, self._room, self._where = allow.words, int(1e6 * memory), where
+        self._rooms, self._most, self._shared = list(writable), int(1e6 * memory), 0
+        self._words, self._where = allow.words, where
         self.tried: list[tuple[str, str]] = []
         self._session, self._forked, self._at_most, self.exhausted = 0, False, 1, False
+        self._at_start, self._looked = 0, 0.0
         ours, theirs = socket.socketpair()
         with theirs:  # the child needs no number of a standard stream
             self.file = fcntl.fcntl(theirs.fileno(), fcntl.F_DUPFD_CLOEXEC, 3)
@@ -139,7 +146,13 @@ class Guard:
         note = ctypes.create_string_buffer(_NOTE.size)
         here = processor()
         try:
-            while all(events & select.POLLIN for _, events in poll.poll()):
+            while True:
+                events = poll.poll(1e3 * _LOOK)
+                self._look()
+                if not events:
+                    continue
+                if not all(event & select.POLLIN for _, event in events):
+                    break
                 ctypes.memset(note, 0, _NOTE.size)
                 if ioctl(files[0], ctypes.c_ulong(_RECEIVE), note) < 0:
                     continue  # the caller was killed meanwhile
@@ -157,7 +170,9 @@ class Guard:
 
     def _decide(self, process: int, call: str, arguments: list[int]) -> int:
         """Return the error that a call gets, _GOES_ON or _DONE."""
-        self._session = self._session or os.getsid(process)
+        if not self._session:
+            self._session = os.getsid(process)
+            self._at_start = 1024 * int(_status(self._session, "RssAnon"))
         if call in _PATHS:
             return self._at_path(process, call, arguments)
         if call in _STARTS:
@@ -178,8 +193,8 @@ class Guard:
                 return _DONE
             return self._refuse(f"call {call} for {path}", errno.EACCES)
         if call == "mmap" and not arguments[3] & HUGE:
-            if arguments[1] <= self._room:
-                self._room -= arguments[1]
+            if self._shared + arguments[1] <= self._most:
+                self._shared += arguments[1]
                 return _GOES_ON
             self.exhausted = True
             return self._refuse("share more memory than it may take", errno.ENOMEM)
@@ -215,6 +230,26 @@ class Guard:
         if self._at_most <= _MOST_AT_ONCE:
             return _GOES_ON
         return self._refuse(f"start more than {_MOST_AT_ONCE} processes and threads", errno.EAGAIN)
+
+    def _look(self) -> None:
+        """End the child when its processes or its files take more than they may.
+
+        The limits of a process count neither those of others nor several files.
+        """
+        if not self._session or time.monotonic() < self._looked + _LOOK:
+            return
+        self._looked = time.monotonic()
+        processes = self._processes() if self._forked else [self._session]
+        files = sum(map(_size, self._rooms)) + sum(map(_unnamed, processes))
+        memory = 0
+        if self._forked:
+            memory = sum(map(_own_memory, processes)) - self._at_start
+        if max(files, memory) > self._most:
+            self.exhausted = self.exhausted or memory > self._most
+            kind = "memory" if memory > self._most else "files"
+            self._refuse(f"take more than {self._most / 1e6:g} MB of {kind}")
+            with suppress(OSError):
+                os.killpg(self._session, signal.SIGKILL)
 
     def _running(self) -> int:
         """Return the number of threads of the child and what it has started."""
@@ -281,6 +316,36 @@ def _status(process: int, name: str) -> str:
         lines = Path(f"/proc/{process}/status").read_text(errors="replace")
         return lines.partition(f"\n{name}:")[2].partition("\n")[0].split()[0]
     return "0"
+
+
+def _own_memory(process: int) -> int:
+    """Return the memory (bytes) of a process that no file holds, its share of what is shared."""
+    with suppress(OSError):
+        text = Path(f"/proc/{process}/smaps_rollup").read_text()
+        found = re.findall(r"^Pss_(?:Anon|Shmem): *(\d+)", text, re.MULTILINE)
+        return 1024 * sum(map(int, found))
+    return 0
+
+
+def _size(folder: str) -> int:
+    """Return the space (bytes) of the files in a folder."""
+    size = 0
+    for place, _, files in os.walk(folder):
+        for name in files:
+            with suppress(OSError):
+                size += 512 * os.lstat(f"{place}/{name}").st_blocks
+    return size
+
+
+def _unnamed(process: int) -> int:
+    """Return the space (bytes) of the files that a process has open after they were deleted."""
+    size = 0
+    with suppress(OSError):
+        for entry in os.scandir(f"/proc/{process}/fd"):
+            with suppress(OSError):
+                found = entry.stat()
+                size += 512 * found.st_blocks * (S_ISREG(found.st_mode) and not found.st_nlink)
+    return size
 
 
 def _memory(process: int, place: int, size: int) -> bytes:

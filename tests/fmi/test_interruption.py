@@ -9,7 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from stickslip.fmi.process import Threads, check_interruption, held, interrupted_by, interruptible
+from stickslip.fmi.process import (
+    Threads,
+    check_interruption,
+    held,
+    interrupted_by,
+    interruptible,
+    temporary_folder,
+)
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform == "win32", reason="needs SIGTERM")]
 ROOT = Path(__file__).parents[2]
@@ -152,3 +159,18 @@ def test_results_come_in_order_and_an_error_cancels_the_rest():
         assert threads.each(lambda x: x * x, range(20)) == [x * x for x in range(20)]
         with pytest.raises(ZeroDivisionError):
             threads.each(lambda x: 1 / x, range(1000))
+
+
+def test_a_temporary_folder_of_any_depth_is_removed():
+    before = Path.cwd()
+    try:
+        with temporary_folder() as folder:
+            os.chdir(folder)
+            for _ in range(1100):  # Python's own removal calls itself, and ends at 1000
+                Path("a").mkdir()
+                os.chdir("a")
+            Path("file").write_text("")
+            (folder / "closed").mkdir(0)
+    finally:
+        os.chdir(before)
+    assert not folder.exists()

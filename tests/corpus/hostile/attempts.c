@@ -190,11 +190,13 @@ static bool share_memory(void) {
 }
 
 static volatile bool opened;
-static void open_secret(int number) { opened = opened || open(secret, O_RDONLY | number % 1) >= 0; }
+static void create(int number) {
+    opened = opened || open(new, O_CREAT | O_WRONLY, number ? 0600 : 0) >= 0;
+}
 
 /* A thread that had begun before the sandbox would do it. */
 static bool use_other_threads(void) {
-    signal(SIGUSR1, open_secret);
+    signal(SIGUSR1, create);
     for (int thread = getpid(); thread < getpid() + 50; thread++)
         syscall(SYS_tgkill, getpid(), thread, SIGUSR1);
     usleep(10000);

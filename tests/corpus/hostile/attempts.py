@@ -117,7 +117,7 @@ REFUSED = {  # attempt -> how it is named; {0} stands for the folder of the vict
     **({"x32": "call 1073741863", "32_bits": "call 20 of 32 bits"} if os.uname().machine == "x86_64" else {}),
     "sendto": "call sendto",
     "shared_memory": "share more memory than it may take",
-    "other_threads": "read {0}/secret",
+    "other_threads": "write {0}/new",
     "threads": "start more than 256 processes and threads",
     "processes": "start more than 256 processes and threads",
 }  # fmt: skip
@@ -247,7 +247,7 @@ def write(path: Path, binary: bytes, victim: Victim, names: list[str]) -> Path:
 
 
 @contextmanager
-def _victim() -> Iterator[tuple[Victim, Path]]:
+def a_victim() -> Iterator[tuple[Victim, Path]]:
     with tempfile.TemporaryDirectory() as folder:
         for name in ("victim", "room"):
             (Path(folder) / name).mkdir()
@@ -260,7 +260,7 @@ def _victim() -> Iterator[tuple[Victim, Path]]:
 
 def outcome(name: str, loaded: ctypes.CDLL) -> dict[str, Any]:
     """Return the exit status of an attempt, what was named, and what it has changed."""
-    with _victim() as (victim, room):
+    with a_victim() as (victim, room):
         before = victim.state()
         status, named = tried(loaded, name, victim, room)
         after = victim.state()
@@ -271,7 +271,7 @@ def outcome(name: str, loaded: ctypes.CDLL) -> dict[str, Any]:
 
 def checked(binary: bytes) -> dict[str, list[str]]:
     """Return what `check` names of an FMU that tries all, and what has worked."""
-    with _victim() as (victim, room):
+    with a_victim() as (victim, room):
         names = [*REFUSED, *SILENT]
         path = write(room / "attempts.fmu", binary, victim, names)
         rules._LISTED = 1000  # all of one rule

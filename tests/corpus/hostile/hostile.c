@@ -156,6 +156,20 @@ static int act(Model *m) {
         for (size_t n = 1 << 24;; usleep(1000))
             memset(mmap(NULL, n, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0), 1, n);
     }
+    IF("share_out") { /* memory, between processes that each take less than they may */
+        for (int i = 0; i < 4; i++)
+            if (fork() == 0)
+                for (volatile char *room = malloc(6 << 23), *p = room;; p += 4096)
+                    p < room + (6 << 23) ? *p = 1 : pause();
+        sleep(10);
+    }
+    IF("fill") { /* files that are each shorter than they may be */
+        static char block[1 << 20];
+        for (char name[] = "a"; name[0] < 'f'; name[0]++)
+            for (int i = 0, file = open(name, O_CREAT | O_WRONLY, 0600); i < 50; i++)
+                (void)!write(file, memset(block, 1, sizeof block), sizeof block);
+        sleep(10);
+    }
     IF("daemon") { sleep_elsewhere(); }
     IF("daemon_segv") {
         sleep_elsewhere();

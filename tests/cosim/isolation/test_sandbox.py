@@ -62,6 +62,37 @@ def test_shared_memory_counts(hostile, caplog):
     assert "took more than the 100 MB it may" in text
 
 
+@pytest.mark.parametrize(
+    ("behaviour", "says"),
+    [
+        ("share_out", "took more than the 100 MB it may"),
+        ("fill", "tried to take more than 100 MB of files"),
+    ],
+)
+def test_limits_hold_for_all_processes_and_files_together(hostile, caplog, behaviour, says):
+    assert says in told(hostile, caplog, behaviour, cosim.Isolation(memory=100.0, patience=8.0))
+
+
+def test_other_threads_of_the_child_are_in_the_sandbox():
+    """A signal handler of an FMU runs in any of them, such as the one that waits for our end."""
+    with attempts.a_victim() as (victim, room):
+        binary = attempts.library().read_bytes()
+        path = attempts.write(room / "attempts.fmu", binary, victim, ["other_threads"])
+        before = victim.state()
+        system = cosim.System("threads")
+        system.add("attempts", path)
+        with pytest.raises(cosim.SimulationError, match=r"tried to write .*/new"):
+            system.prepare(step=0.1, stop=0.2, isolation="process")
+        assert victim.state() == before
+
+
+def test_variables_of_the_environment_are_let_through_by_name(monkeypatch):
+    monkeypatch.setenv("LICENCE", "27000@host")
+    assert "LICENCE" not in sandbox.Permissions().environment()
+    given = sandbox.Permissions.of(["env=LICENCE"]).environment()
+    assert given["LICENCE"] == "27000@host"
+
+
 def test_an_unknown_permission_is_refused():
     with pytest.raises(cosim.ExperimentError, match="expected 'network', 'exec' or 'files=DIR'"):
         cosim.Isolation(allow=("everything",))
