@@ -211,8 +211,10 @@ class Guard:
         if call in _LEAVES:
             return self._refuse("leave its group of processes")
         what = f" {arguments[_VALUES[call]]:#x}" if call in _VALUES else ""
-        unknown = call.isdecimal() or call.startswith("io_uring")  # as in an older kernel
-        return self._refuse(f"call {call}{what}", errno.ENOSYS if unknown else errno.EPERM)
+        error = errno.EOPNOTSUPP if "xattr" in call else errno.EPERM  # as of other file systems
+        if call.isdecimal() or call.startswith("io_uring"):  # as of older kernels
+            error = errno.ENOSYS
+        return self._refuse(f"call {call}{what}", error)
 
     def _is_own(self, process: int) -> bool:
         with suppress(OSError):

@@ -61,7 +61,7 @@ ALLOWED = (
     Allowed(
         "own memory",
         "brk munmap mprotect mremap madvise mincore msync mseal map_shadow_stack membarrier"
-        " get_mempolicy set_mempolicy mbind",
+        " get_mempolicy set_mempolicy mbind pkey_alloc pkey_free pkey_mprotect",
     ),
     Allowed(
         "own memory",
