@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> Answer:
     from stickslip.results.learned import LearnedFile
 
     learned = LearnedFile(options.parameters)
-    one = learned.feedforward
+    one = learned.at(1.0 if options.force else learned.share)
     law = learned.law.name if one.model == NAME else None
     try:
         models.load_model(one.model, law).with_start(one.values)
@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> float:
-    """Try a compensator, print what is found, and return the share of its force to export.
+    """Try a compensator, print what is found, and return the share of the whole force to export.
 
     Raises
     ------
@@ -89,11 +89,15 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
         raise HarmfulError(f"{path}: {refusal}; --force exports it anyway")
     if refusal:
         warn(f"{path}: {refusal}; exported, as --force asks for")
+    share = learned.share
+    if force and share < 1.0:
+        warn(f"{path}: the whole force is exported, as --force asks for, not {share:g} of it")
+        share = 1.0
     if loop is None:
         warn(
             f"{path} contains no loop: the force is that of the velocity command, which comes early"
         )
-        return 1.0
+        return share
     command = learned.validation
     duration = command.corners()[-1] + command.begin
     if duration > MOST_SAMPLES * loop.T_s:
@@ -121,9 +125,10 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
             raise HarmfulError(f"{path}: {benefit.refusal}; --force exports it anyway")
         warn(benefit.refusal)
     elif benefit.share < 1.0:
-        fate = "the whole force" if force else f"{benefit.share:g} of the force"
+        share = share if force else share * benefit.share
+        fate = "the whole force" if force else f"{share:g} of the force"
         warn(f"{fate} is exported: {benefit.reason}")
-    return 1.0 if force else benefit.share
+    return share
 
 
 def write_as(options: argparse.Namespace, model: str, **given: Any) -> list[Path]:

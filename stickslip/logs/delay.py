@@ -25,7 +25,7 @@ NOTHING = 1e-7
 """Share of a signal by which it changes in one sample, where nothing but rounding changes it."""
 AS_WELL = 3e-4
 """Share of the variance of a signal that may be left: the shortest of such delays is taken. A force
-that switches is that of Coulomb friction alone, 10 to 30 ms early, too, and leaves 1e-6."""
+that switches is that of Coulomb friction alone, 10 to 30 ms early, too: 5e-8 to 1e-5 are left."""
 LARGE = 2.0
 """Samples from which on a delay is more than that of a sampled loop."""
 EXPLAINS = 0.5

@@ -254,9 +254,9 @@ def _hold_document(hold: Hold) -> dict[str, Any]:
 def _feedforward_entry(learned: LearnedFromRecording) -> dict[str, Any]:
     """Return all compensators that were tried, and a feedforward that is not the law's."""
     compared = learned.trial.compared if learned.trial else None
-    if compared is None:
+    one, benefit = learned.feedforward, learned.benefit
+    if compared is None or benefit is None:
         return {}
-    one = learned.feedforward
     found: dict[str, Any] = {
         "compensation": learned.choice,
         "compared": {
@@ -266,7 +266,8 @@ def _feedforward_entry(learned: LearnedFromRecording) -> dict[str, Any]:
         },
     }
     if one.model != "compensator":
-        found["feedforward"] = _component(one, rotary=learned.estimation.recording.rotary)
+        component = _component(one, rotary=learned.estimation.recording.rotary)
+        found["feedforward"] = component | {"share": {"value": benefit.share, "unit": "1"}}
     return found
 
 
@@ -477,12 +478,14 @@ class LearnedFile:
 
         They are those of the friction unless the file has an entry for them.
         """
-        entry = self.document.get("share", {"value": 1.0})
-        share = self._values("share", {"share": entry})["share"]
+        whole = {**self.friction, **(self._entry("compensator") or {})}
+        return self.law.share(whole, self._share(self.document))
+
+    def _share(self, document: dict[str, Any]) -> float:
+        share = self._values("share", {"share": document.get("share", {"value": 1.0})})["share"]
         if not 0.0 < share <= 1.0:
             raise UsageError(f"{self.path}: share: expected a value from 0 to 1; got {share:g}")
-        whole = {**self.friction, **(self._entry("compensator") or {})}
-        return self.law.share(whole, share)
+        return share
 
     @property
     def behind(self) -> list[Compensator]:
@@ -526,6 +529,17 @@ class LearnedFile:
         if entry is None:
             return Compensator("compensator", "compensator", self.compensator)
         return self._component("feedforward", entry)
+
+    @property
+    def share(self) -> float:
+        """The share of its whole force that the feedforward of the file has."""
+        return self._share(self.document.get("feedforward", self.document))
+
+    def at(self, share: float) -> Compensator:
+        """Return the feedforward at a share of its whole force."""
+        one = self.feedforward
+        values = self.law.share(one.values, share / self.share)
+        return dataclasses.replace(one, values=values)
 
     def _component(self, name: str, entry: Any, model: str = "") -> Compensator:
         """Return a compensator that is none of a law."""
@@ -633,16 +647,11 @@ class LearnedFile:
         except (ValueError, ArithmeticError) as error:  # a ControlError is a ValueError
             raise UsageError(f"{self.path}: loop: {error}") from None
 
-    def deployed(self, share: float = 1.0) -> Compensator:
+    def deployed(self, share: float) -> Compensator:
         """Return a share of the feedforward as a controller takes it; see ``servo.deployment``."""
         loop = self.loop if self.feed == "nominal" else None
         entry = self.document.get("T_s", {"value": loop.T_s if loop else LOOP.T_s})
-        one, values = self.feedforward, self.law.share(self.feedforward.values, share)
-        return deployed(
-            dataclasses.replace(one, values=values),
-            loop,
-            self._values("T_s", {"T_s": entry})["T_s"],
-        )
+        return deployed(self.at(share), loop, self._values("T_s", {"T_s": entry})["T_s"])
 
     @property
     def validation(self) -> Trapezoid:

@@ -132,6 +132,28 @@ def test_export_of_a_harmless_share_is_quiet(learned, tmp_path, capsys):
     assert start_of(tmp_path / "compensator.fmu", "F_c") == pytest.approx(0.8 * PAPER["F_c"])
 
 
+@pytest.mark.parametrize("entries", [{"loop": loop_document(LOOPS["paper"])}, {}])
+def test_force_exports_the_whole_force_whatever_share_the_file_has(
+    learned, tmp_path, capsys, entries
+):
+    path = learned(**entries, share={"value": 0.6}, tracking_error=[{"ratio": 0.5}])
+    fmu = tmp_path / "compensator.fmu"
+    for options, share in (((), 0.6), (("--force",), 1.0)):
+        assert export(path, tmp_path, *options) == 0
+        assert start_of(fmu, "F_c") == pytest.approx(share * PAPER["F_c"])
+        told = "the whole force is exported, as --force asks for, not 0.6 of it"
+        assert (told in capsys.readouterr().err) == bool(options)
+
+
+def test_force_exports_the_whole_force_of_a_feedforward_of_another_model(learned, tmp_path):
+    given = {"F_c": {"value": 3.0, "unit": "N"}, "lead": {"value": 0.0, "unit": "s"}}
+    entry = {"model": "static_feedforward", "parameters": given, "share": {"value": 0.5}}
+    path = learned(feedforward=entry, share={"value": 0.8}, tracking_error=[{"ratio": 0.5}])
+    for options, factor in (((), 1.0), (("--force",), 2.0)):
+        assert export(path, tmp_path, *options) == 0
+        assert start_of(tmp_path / "compensator.fmu", "F_c") == factor * 3.0
+
+
 def test_export_of_what_was_never_tried_is_refused_and_forced(learned, tmp_path, capsys):
     fmu = tmp_path / "compensator.fmu"
     refusal = "it was not tried, because no velocity loop can be closed"

@@ -22,8 +22,9 @@ GUIDE, BEGINNING = 0.100, 0.010  # [m]
 BLOCK = 0.0025  # of the guide, over which the force is averaged [m]
 SETTLE, LEAD = 2.0, 0.010  # before that, at most [s] and [m]
 EVEN, SLOW = 0.2, 20.0
-"""Most that a speed that is held fluctuates, as a share, below this frequency [Hz]: sound drives
-have 0.05, a light one that sticks and slips 0.4 and more."""
+"""Most that a speed that is held fluctuates, as a share, below this frequency [Hz]: about 0.05 on
+sound drives, but 0.2 to 0.3 at the lowest speeds with a coarse encoder or a slow amplifier, which
+are then left out; 0.4 and more on a light one that sticks and slips."""
 LEAST = 4  # speeds that are held: with the break-away as many points as the fit has unknowns
 
 
