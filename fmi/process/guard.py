@@ -240,12 +240,16 @@ class Guard:
         """
         if not self._session or time.monotonic() < self._looked + _LOOK:
             return
-        self._looked = time.monotonic()
+        began = time.monotonic()
         processes = self._processes() if self._forked else [self._session]
         files = sum(map(_size, self._rooms)) + sum(map(_unnamed, processes))
         memory = 0
         if self._forked:
             memory = sum(map(_own_memory, processes)) - self._at_start
+        now = time.monotonic()
+        self._looked = now + 10 * (
+            now - began
+        )  # it takes a tenth of the time, of many processes too
         if max(files, memory) > self._most:
             self.exhausted = self.exhausted or memory > self._most
             kind = "memory" if memory > self._most else "files"
