@@ -198,7 +198,7 @@ def optimise(
     genes = []
     spans = by_name("ranges", ranges, UsageError)
     for name, span in spans.items():
-        three = _values(name, span)
+        three = [number(name, one) for one in _values(name, span)]
         if len(three) != 3:
             raise UsageError(f"{name}: expected (lowest, start, highest), got {tuple(span)}")
         low, start, high = three
