@@ -68,7 +68,7 @@ CASES = [
     _scenario("noise", "with noise of negative deviation", "noise on u: deviation -1.0", 'add_noise("u", -1.0, 0)'),
     _scenario("seed", "with a seed of -1", "seed -1, expected a finite deviation and a whole seed", 'add_noise("u", 1.0, -1)'),
     _swept("scalar", "of a number in place of values", "k: expected its values in a list, got 5", '{"k": 5}', _ONE),
-    _swept("text", "of a word", "k: expected a number, got 'a'", '{"k": [1, "a"]}', _ONE),
+    _swept("text", "of a word", "k: expected a value of type Real, got 'a'", '{"k": [1, "a"]}', _ONE),
     _swept("beyond", "of which the second value lies beyond the maximum", "k = 11", '{"k": [1, 11]}', _ONE),
     _swept("twice", "of one parameter under two names", "a parameter comes twice", '{"k": [1], "reference.k": [2]}', _ONE),
     _swept("column", "with a figure named as a parameter, which would replace its column", "figure 'k': has the name of another column", '{"k": [1]}', '{"k": lambda result: 1.0}'),
