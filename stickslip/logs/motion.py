@@ -125,6 +125,6 @@ def left(columns: Array, force: Array) -> float:
 
 
 def basis(columns: Array) -> tuple[Array, Array]:
-    """Return orthonormal columns (k, r) that span what others (k, c) span, and theirs (r, r)."""
+    """Return the QR factors (k, r), (r, r) of columns (k, c) scaled to length 1, zeros left out."""
     scale = np.linalg.norm(columns, axis=0)
     return np.linalg.qr(columns[:, scale > 0.0] / scale[scale > 0.0])

@@ -20,6 +20,8 @@ from stickslip.cosim.fmu.fmu import described
 from stickslip.survey.runs import Outcome, Task, apart, here, in_fmpy
 
 EQUAL, NEAR = 1e-12, 1e-3
+"""Largest differences that are called so, as shares of the greatest value: rounding alone, and the
+tolerance of usual solvers."""
 NO_BINARY = ("no binary for this machine", "cannot be simulated on the current platform")
 _TAGS: dict[str, Interface] = {"CoSimulation": "co_simulation", "ModelExchange": "model_exchange"}
 COLUMNS = ("file", "interface", "outcome", "difference", "signal", "here", "FMPy")
@@ -40,8 +42,7 @@ def tasks(folder: Path) -> Iterator[Task]:
             present = described(path)[1].interfaces
         except CosimError:  # the run tells
             present = {"CoSimulation": {}}
-        for tag in _TAGS.keys() & present.keys():
-            yield Task(path, _TAGS[tag])
+        yield from (Task(path, interface) for tag, interface in _TAGS.items() if tag in present)
 
 
 def compare(ours: Outcome, theirs: Outcome) -> tuple[str, float, str]:
