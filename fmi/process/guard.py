@@ -247,9 +247,7 @@ class Guard:
         if self._forked:
             memory = sum(map(_own_memory, processes)) - self._at_start
         now = time.monotonic()
-        self._looked = now + 10 * (
-            now - began
-        )  # it takes a tenth of the time, of many processes too
+        self._looked = now + 10 * (now - began)  # of many processes, too, a tenth of the time
         if max(files, memory) > self._most:
             self.exhausted = self.exhausted or memory > self._most
             kind = "memory" if memory > self._most else "files"
