@@ -63,10 +63,10 @@ def test_ctrl_c_leaves_no_process_and_no_folder(tmp_path):
 
 COMMANDS = {
     "simulate": (
-        ["simulate", "FMU", "--step", "1e-7", "--stop", "10", "--last", "--isolate"],
+        ["simulate", "FMU", "--step=1e-7", "--stop=10", "--last", "--isolate", "--allow=env=MARK"],
         "child",
     ),
-    "check": (["check", "FMU", "FMU", "FMU", "FMU"], "fmucheck-*"),
+    "check": (["check", "--allow=env=MARK", "FMU", "FMU", "FMU", "FMU"], "fmucheck-*"),
     "build": (["build", "drive", "--out", "OUT"], "stickslip-build-*"),
     "identify": (["identify", "--out", "OUT"], "stickslip-*/drive.fmu"),
 }
