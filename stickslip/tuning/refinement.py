@@ -92,8 +92,10 @@ def without_search(study: Study) -> Refinement | None:
     return _refinement(study, runs, best, "start", bench, skipped=reason)
 
 
-def refine(study: Study, winner: Mapping[str, float], *, fitted: bool = True) -> Refinement:
-    """Fit the parameters to repeated runs and to the start, beginning at ``winner`` and at it.
+def refine(
+    study: Study, winner: Mapping[str, float] | None = None, *, fitted: bool = True
+) -> Refinement:
+    """Fit the parameters to repeated runs and to the start, beginning at it and at ``winner``.
 
     The runs are of the training command, its mirror image and the slow motions of ``guard.py``. The
     drive has the last word: a fit is not taken that costs more than the start, or is worse than it
@@ -102,7 +104,8 @@ def refine(study: Study, winner: Mapping[str, float], *, fitted: bool = True) ->
     motion = guard_motion(study.start)
     slow = motion.command.sample(study.rig.samples(motion.duration))
     bench = Bench(study, slow)
-    start, won = bench.run(_start(study)), bench.run(winner)
+    start = bench.run(_start(study))
+    won = start if winner is None else bench.run(winner)
 
     def worst(runs: Runs) -> tuple[float, str]:
         """Return the largest ratio of an error in the slow motions to the start's, and of what."""
@@ -118,7 +121,8 @@ def refine(study: Study, winner: Mapping[str, float], *, fitted: bool = True) ->
             f"{ratio:.3g} times the error of what learning began with ({what})"
         )
         return _refinement(study, won, fit(study, won), "winner", bench, remark=remark)
-    fits = sorted((_refined(study, bench, runs) for runs in (won, start)), key=lambda r: r.cost)
+    begins = [start] if winner is None else [won, start]
+    fits = sorted((_refined(study, bench, runs) for runs in begins), key=lambda r: r.cost)
     for runs in fits:
         ratio, what = worst(runs)
         if runs.cost <= (1.0 + MARGIN) * start.cost and ratio <= WORSE:
