@@ -16,7 +16,6 @@ notebook, Ctrl-C is Python's own, but ``held`` puts it off just the same.
 from __future__ import annotations
 
 import os
-import secrets
 import select
 import signal
 import sys
@@ -217,7 +216,7 @@ def temporary_folder(prefix: str = "stickslip-") -> Iterator[Path]:
 
 def _remove(folder: Path) -> None:
     """Delete a folder with all in it, as far as that is possible, however deep it is."""
-    token, n, before = secrets.token_hex(8), 0, set[str]()
+    token, n, before = os.urandom(8).hex(), 0, set[str]()
     while (inside := _inside(folder)) != before:
         before = inside
         for path in inside:

@@ -9,11 +9,10 @@ from __future__ import annotations
 import errno
 import struct
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
-NETWORK, EXEC = "network", "exec"
-OWN = 0x0F4EC0DE
-"""Stands for the number of the process that enters the sandbox, which puts it in its place."""
+from stickslip.fmi.process.sandbox import EXEC, NETWORK, OWN
+
 SHARED, ANONYMOUS, HUGE = 0x1, 0x20, 0x40000  # mmap
 _STREAM = 1  # socketpair
 
@@ -23,8 +22,7 @@ _INSTRUCTION = struct.Struct("<HBBI")
 _NUMBER, _ARCHITECTURE, _ARGUMENTS = 0, 4, 16  # bytes in struct seccomp_data
 
 
-@dataclass(frozen=True)
-class Argument:
+class Argument(NamedTuple):
     """What an argument must be: in the bits of ``mask``, one of the values."""
 
     place: int
@@ -33,8 +31,7 @@ class Argument:
     upper: bool = False  # the upper 32 bits
 
 
-@dataclass(frozen=True)
-class Allowed:
+class Allowed(NamedTuple):
     """Calls that are allowed, for one reason.
 
     Attributes
