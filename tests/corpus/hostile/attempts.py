@@ -12,6 +12,7 @@ import json
 import os
 import pty
 import resource
+import select
 import signal
 import socket
 import sys
@@ -148,6 +149,7 @@ class Victim:
         self.socket.bind(str(folder / "other"))
         self.keys, self.screen = pty.openpty()
         os.write(self.keys, b"a password\n")
+        select.select([self.screen], [], [], 10.0)  # a terminal passes it on some time later
         self.process = os.fork()
         if self.process == 0:
             signal.pause()
