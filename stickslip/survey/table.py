@@ -61,10 +61,14 @@ def compare(ours: Outcome, theirs: Outcome) -> tuple[str, float, str]:
         common += 1
         other = theirs.signals[names[name]][rows][known]
         mine = values[known]
-        scale = max(np.nanmax(np.abs(mine), initial=0.0), np.nanmax(np.abs(other), initial=0.0))
-        apart_by = np.where(np.isnan(mine) & np.isnan(other), 0.0, np.abs(mine - other))
+        both = np.abs(np.concatenate((mine, other)))
+        scale = np.max(both, where=np.isfinite(both), initial=0.0)
+        same = (mine == other) | (np.isnan(mine) & np.isnan(other))
+        with np.errstate(invalid="ignore"):  # of infinite values
+            apart_by = np.where(same, 0.0, np.abs(mine - other))
+        apart_by[np.isnan(apart_by)] = np.inf  # a number and none
         difference = float(np.max(apart_by, initial=0.0)) / (scale or 1.0)
-        if not difference <= worst:
+        if difference > worst:
             worst, where = difference, name
     if not common:
         return "no common output", 0.0, ""

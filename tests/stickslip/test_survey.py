@@ -2,10 +2,13 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from stickslip import models
 from stickslip.cli import main
+from stickslip.survey.runs import Outcome
+from stickslip.survey.table import compare
 from tests.corpus.hostile import fmus
 from tests.corpus.hostile.sound import describe, members, replaced
 from tests.corpus.hostile.zips import zipped
@@ -38,3 +41,20 @@ def test_each_run_has_its_outcome(tmp_path, capsys, monkeypatch):
 def test_a_folder_without_files_is_an_error(tmp_path, capsys):
     assert main(["survey", str(tmp_path)]) == 1
     assert "there is no .fmu and no .ssp file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("theirs", "verdict"),
+    [
+        ([1.0, np.inf, np.nan], "equal"),
+        ([1.0, -np.inf, np.nan], "different"),
+        ([1.0, np.inf, 1.0], "different"),
+        ([1.0 + 1e-6, np.inf, np.nan], "near"),
+    ],
+)
+def test_infinite_values_and_none_are_compared(theirs, verdict):
+    time = np.arange(3.0)
+    same = np.ones(3)
+    ours = Outcome(time=time, signals={"y": np.array([1.0, np.inf, np.nan]), "z": same})
+    other = Outcome(time=time, signals={"y": np.array(theirs), "z": same})
+    assert compare(ours, other)[0] == verdict
