@@ -20,8 +20,8 @@ from stat import S_ISREG
 from typing import Any
 
 from stickslip.fmi.process.calls import numbers, processor
-from stickslip.fmi.process.permitted import HUGE, NETWORK, program
-from stickslip.fmi.process.sandbox import Permissions, is_below, system_paths
+from stickslip.fmi.process.permitted import HUGE, program
+from stickslip.fmi.process.sandbox import NETWORK, Permissions, is_below, system_paths
 
 _MOST_AT_ONCE = 256  # processes and threads
 _MOST_NOTED = 200
