@@ -14,17 +14,18 @@ from stickslip.ga.execution.checkpoint import check
 from stickslip.tuning.execution import Execution, processors, stopped
 
 
-def add_algorithm_option(parser: argparse.ArgumentParser, *aliases: str) -> None:
-    """Declare ``--algorithm``, under other names too."""
+def add_algorithm_option(
+    parser: argparse.ArgumentParser, *aliases: str, default: str = "our genetic algorithm"
+) -> None:
+    """Declare ``--algorithm``, under other names too; ``default`` says what the default is."""
     parser.add_argument(
         "--algorithm",
         *aliases,
         dest="algorithm",
         choices=ga.ALGORITHMS,
         default="default",
-        help="default: our genetic algorithm; paper: the paper's, with linear genes and no "
-        "refinement, as published; "
-        + "; ".join(f"{name}: {method.title}" for name, method in ga.OTHERS.items()),
+        help=f"default: {default}; paper: the paper's, with linear genes and no refinement, as "
+        "published; " + "; ".join(f"{name}: {method.title}" for name, method in ga.OTHERS.items()),
     )
 
 

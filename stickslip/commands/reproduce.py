@@ -47,17 +47,21 @@ def declare(parser: argparse.ArgumentParser) -> None:
     }
     add_options(parser, flags, **FLAG)
     seeds = (
-        "number of seeds that learn as published (default 20); a quarter of them also learn under "
-        "each other interpretation"
+        "number of seeds that learn the loop (default 5) and that learn as published (default 20); "
+        "a quarter of these also learn under each other interpretation"
     )
-    settings = {"type": at_least(1), "default": 20, "dest": "published_seeds"}
-    add_options(parser, {"--seeds N": seeds}, **settings)
+    add_options(parser, {"--seeds N": seeds}, type=at_least(1), dest="number")
     coarse = (
         "start learning at these factors times the identified values, e.g. F_s=0.7 F_c=0.7 v_s=3 "
         "sigma_0=0.5 sigma_1=0.5; a parameter not named has the factor 1"
     )
     add_options(parser, {"--coarse NAME=FACTOR": coarse}, **SEVERAL)
-    add_algorithm_option(parser, "--preset")
+    add_algorithm_option(
+        parser,
+        "--preset",
+        default="CMA-ES for the loop, which needs half of the "
+        "candidates of our genetic algorithm, and that for a recording",
+    )
     add_execution_options(parser)
     add_source_option(parser)
     add_set_option(parser)
@@ -66,6 +70,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 
 LEARNED = "learned.json"
+SEEDS = ("loop_seeds", "published_seeds")
+"""The numbers of seeds among the options of a reproduction."""
 Show = Callable[[], None]
 """Prints what was computed."""
 
@@ -85,18 +91,17 @@ def _drive(
 
 
 def _print_drive(reproduction: Reproduction) -> None:
-    from stickslip.commands.tables import print_motions, print_table4
+    from stickslip.commands.tables import print_loops, print_motions, print_table4
 
     for warning in reproduction.identification.warnings:
         warn(warning)
     print_table4(reproduction.table4())
-    learned = reproduction.refinement
     if reproduction.motions:
         print_motions(reproduction.motions)
-    if learned.skipped:
-        print(f"no search was made: {learned.skipped}")
-    else:
-        print(f"kept: {learned.result}; {learned.remark}")
+    learned = reproduction.refinement
+    print(f"friction: {learned.result}; {learned.remark}")
+    if reproduction.loops:
+        print_loops(reproduction.loops)
 
 
 def _record(
@@ -159,7 +164,7 @@ def run(options: argparse.Namespace) -> Answer:
         seed=options.seed,
         preset=options.algorithm,
         feed=options.feed,
-        published_seeds=options.published_seeds,
+        **({} if options.number is None else dict.fromkeys(SEEDS, options.number)),
         complete=options.complete,
         coarse=coarse,
     )
@@ -169,6 +174,7 @@ def run(options: argparse.Namespace) -> Answer:
         "record": (_record, RECORD_FILES),
         "published": (_published, PUBLISHED_FILES),
     }[mode]
+    options.seeds = chosen.loop_seeds if mode == "drive" else 1  # of which each has a checkpoint
     out = options.out or Path("results/as_published" if options.as_published else "results/paper")
     with (
         reserved(out, files),

@@ -22,11 +22,13 @@ from stickslip.evaluation.motion_study import (
     MotionStudy,
     limits,
 )
+from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE, TRACKING_FIGURES, Tracking
 from stickslip.fmi.files import atomic_write
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.selection import law_table
 from stickslip.pipeline.candidates import Compared
+from stickslip.pipeline.loop_tuning import LoopTuning, spread
 from stickslip.pipeline.observed import Observed
 from stickslip.pipeline.steps import FILTERED, REDUCTION_WITH_FILTER, TRAPEZOID
 from stickslip.results.folder import staged
@@ -84,6 +86,17 @@ def print_motions(study: MotionStudy) -> None:
         sizes = "".join(_size(row[name], "12.3f") for name in names)
         print(f"{row['motion'] + ', ' + row['region']:28}{sizes}")
     print(limits(slow, {name: str(name) for name in slow["metric"]}))
+
+
+def print_loops(loops: LoopTuning) -> None:
+    """Print what each step brings, relative to a PI controller tuned without a model."""
+    print("\nerror relative to tuned_pi, median [range] over friction and seeds")
+    names = [motion.name for motion in MOTIONS]
+    print(f"{'stage':14}" + "".join(f"{name:>20}" for name in names) + f"{'Ms':>6}")
+    for stage, row in loops.summary().iterrows():
+        cells = "".join(f"{spread(*row[name]):>20}" for name in names)
+        print(f"{stage:14}{cells}{row['Ms'].iloc[0]:6.2f}")
+    print(loops.sentence)
 
 
 def print_benefit(benefit: Benefit, file: TextIO | None = None) -> None:

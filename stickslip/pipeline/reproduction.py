@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Protocol
 
@@ -22,14 +22,17 @@ from stickslip.evaluation.validation import Validation, validate
 from stickslip.identification.criteria.scaling import Scale
 from stickslip.identification.stages import Estimate, Identification
 from stickslip.pipeline.learned import Learned
-from stickslip.pipeline.rig_learning import learn_on_rig
+from stickslip.pipeline.loop_tuning import LoopTuning, validate_loops
+from stickslip.pipeline.rig_learning import LearnedOnRig, learn_on_rig
 from stickslip.pipeline.steps import with_steps
 from stickslip.pipeline.tables import table2
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.systems import Changes, Feed, build_fmus, drive_law, paper_loop
+from stickslip.servo.systems import Changes, Feed, build_fmus, build_loop, drive_law, paper_loop
+from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.tuning.execution import Execution
+from stickslip.tuning.loop_learning import LoopStudy, learn_loop
 from stickslip.tuning.published import WholeStudy
 from stickslip.tuning.refinement import Refinement
 
@@ -43,8 +46,10 @@ class Options:
     truth : parameters of the drive FMU that differ from Table 2, in the units of its model.toml,
         and its friction law as ``law``
     law : friction law of the compensator
-    preset : how to learn, a name in ``ga.ALGORITHMS``
+    preset : what searches, a name in ``ga.ALGORITHMS``; ``default`` is CMA-ES for the loop, and our
+        genetic algorithm for a recording
     feed : what drives the compensator
+    loop_seeds : how many seeds search the loop, ``seed`` the first; 0 for none
     published_seeds : how many seeds learn as published
     complete : take all steps: learn as published and from one recording, too
     coarse : factors by name on what identification found, to begin learning there; see
@@ -56,14 +61,10 @@ class Options:
     seed: int = 0
     preset: str = "default"
     feed: Feed = "nominal"
+    loop_seeds: int = 5
     published_seeds: int = 20
     complete: bool = False
     coarse: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def refined(self) -> bool:
-        """Whether the learning ends with the fit of ``stickslip/tuning/refinement.py``."""
-        return self.preset != "paper"
 
 
 class Progress(Protocol):
@@ -99,7 +100,7 @@ class Reproduced:
     Attributes
     ----------
     truth : every parameter of the drive FMU; it enters after all is learned
-    system : the loop of Fig. 2a with the learned compensator
+    system : the loop of Fig. 2a with the learned compensator, or the loop that was learned
     """
 
     options: Options
@@ -111,13 +112,13 @@ class Reproduced:
 
 @dataclass(frozen=True)
 class Reproduction(Reproduced):
-    """All that was computed with the three experiments and the search on the drive.
+    """All that was computed with the three experiments, and by running the drive.
 
     Attributes
     ----------
     start : the tuned parameters that learning began with
-    algorithm : what searched; where that was skipped it has done its first generation alone
     refinement : what was known in the end
+    loops : the loop as it was learned, and what each step before it brings
     cost_without : of the training run without compensation [m^2/s^2]
     extras : the same on the drive with all effects on, if that was asked for
     beforehand : what ``vary_datasheet`` found, if that was asked for
@@ -128,9 +129,9 @@ class Reproduction(Reproduced):
 
     identification: Identification
     start: Mapping[str, Estimate]
-    algorithm: ga.Optimiser
     refinement: Refinement
     cost_without: float
+    loops: LoopTuning | None = None
     extras: Extras | None = None
     beforehand: pd.DataFrame | None = None
     opinion: SecondOpinion | None = None
@@ -143,14 +144,6 @@ class Reproduction(Reproduced):
         if drive_law(self.options.truth)[1] != self.options.law:
             return self.learned.friction
         return {name: self.truth[name] for name in self.start}
-
-    @property
-    def cost_of_identified(self) -> float:
-        """Cost of the training run with the parameters that learning began with [m^2/s^2].
-
-        They are the identified ones, times the factors of ``Options.coarse``.
-        """
-        return float(self.algorithm.history["cost"].iloc[0])
 
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was found."""
@@ -215,19 +208,48 @@ def reproduce(
     found = learn_on_rig(
         rig,
         feed=options.feed,
-        preset=options.preset,
         seed=options.seed,
         coarse=options.coarse,
-        execution=execution,
         on_stage=progress.stage,
-        on_generation=progress.generation,
     )
+    loops = None
+    if options.loop_seeds:
+        loops = _tuned(options, rig, found, progress, execution or Execution())
     result = validated(options, rig, found, progress)
+    if loops:
+        best = loops.best.tuned
+        result = replace(result, system=build_loop(rig.fmus, best.loop, best.chain(), options.feed))
     return Reproduction(
         **vars(result),
         identification=found.identification,
         start=found.start,
-        algorithm=found.algorithm,
         refinement=found.refinement,
+        loops=loops,
         cost_without=found.study.cost_without(),
+    )
+
+
+def _tuned(
+    options: Options, rig: FmuRig, found: LearnedOnRig, progress: Progress, execution: Execution
+) -> LoopTuning:
+    """Let the genetic algorithm learn the loop, and find out what each step brings."""
+    paper = found.identification.loop
+    study = LoopStudy(rig, tuned_pi(paper), found.friction, options.feed)
+    if options.preset != "default":
+        study = replace(study, algorithm=options.preset)
+    learned = []
+    for seed in range(options.seed, options.seed + options.loop_seeds):
+        progress.stage(f"learning the loop, seed {seed}")
+        own = replace(study, seed=seed)
+        learned.append(learn_loop(own, progress.generation, execution.of_seed(seed)))
+    progress.stage("what each step brings")
+    identified = {name: one.value for name, one in found.start.items()}
+    return validate_loops(
+        study,
+        options.truth,
+        paper,
+        identified,
+        learned,
+        runs=found.refinement.runs,
+        workers=execution.workers,
     )

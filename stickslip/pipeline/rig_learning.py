@@ -1,11 +1,10 @@
-"""The paper's learning on a drive (Fig. 3), whatever the rig: identify, search, refine."""
+"""The friction of a drive, whatever the rig: three experiments, then least squares on its runs."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from stickslip import ga
 from stickslip.cosim import SineSweep, Trapezoid
 from stickslip.errors import HarmfulError
 from stickslip.evaluation import validation
@@ -18,27 +17,24 @@ from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.specification import LoopSpecification
 from stickslip.servo.systems import Feed
 from stickslip.tuning.coarse_start import coarsened
-from stickslip.tuning.execution import Execution
-from stickslip.tuning.learning import Study, learn
-from stickslip.tuning.refinement import Refinement, refine, without_search
+from stickslip.tuning.learning import Study
+from stickslip.tuning.refinement import Refinement, refine
 
 
 @dataclass(frozen=True)
 class LearnedOnRig(Learned):
-    """What was learned by running candidates on a drive.
+    """What was learned of a drive by running it.
 
     Attributes
     ----------
-    study : what the search needed
+    study : what least squares needed
     start : the tuned parameters that learning began with
-    algorithm : what searched; where that was skipped it has done its first generation alone
     refinement : what was known in the end
     """
 
     identification: Identification
     study: Study = field(repr=False)
     start: Mapping[str, Estimate]
-    algorithm: ga.Optimiser = field(repr=False)
     refinement: Refinement
 
 
@@ -48,25 +44,21 @@ def learn_on_rig(
     training: SineSweep = TRAINING,
     *,
     feed: Feed = "nominal",
-    preset: str = "default",
     seed: int = 0,
     coarse: Mapping[str, float] | None = None,
-    execution: Execution | None = None,
     on_stage: Callable[[str], object] = lambda _: None,
-    on_generation: Callable[[ga.Optimiser], object] | None = None,
 ) -> LearnedOnRig:
-    """Identify a drive by three experiments, then let candidates run on it, as in the paper.
+    """Identify a drive by three experiments, then fit the friction to repeated runs of it.
 
-    A candidate whose motion a limit refuses or aborts has failed; a limit in the three experiments
-    ends the learning.
+    The paper lets a genetic algorithm try compensators here; least squares find as much in a tenth
+    of the runs (docs/measurements/as-published.md).
 
     Parameters
     ----------
     specification : of the velocity loop, whose gains the drive must take
-    training : velocity command that each candidate follows [m/s]
+    training : velocity command of the runs [m/s]
     feed : what drives the compensator
-    preset : how to learn, a name in ``ga.ALGORITHMS``; ``default`` skips the search where the drive
-        shows that it would not be useful, and only ``paper`` does not end with a fit
+    seed : of the small changes between repeated runs
     coarse : factors by name on what identification found, to begin learning there
 
     Raises
@@ -81,18 +73,10 @@ def learn_on_rig(
     if coarse:
         start = coarsened(start, coarse, rig.law)
     v_cmd = training.sample(rig.samples(training.duration))
-    study = Study(rig, loop, start, v_cmd, feed, preset, seed=seed)
-    on_stage("checking whether a search is useful")
-    refinement = without_search(study) if preset == "default" else None
-    on_stage("learning")
-    limits = ga.Limits(generations=1) if refinement else None
-    algorithm = learn(study, on_generation, execution, limits)
-    if refinement is None:
-        on_stage("refining")
-        best = study.parameters(algorithm.best.values)
-        refinement = refine(study, best, fitted=preset != "paper")
-    loops = Loops(loop, loop)
-    return LearnedOnRig(refinement.values, loops, found, study, start, algorithm, refinement)
+    study = Study(rig, loop, start, v_cmd, feed, seed=seed)
+    on_stage("fitting the friction to runs of the drive")
+    refinement = refine(study)
+    return LearnedOnRig(refinement.values, Loops(loop, loop), found, study, start, refinement)
 
 
 def validate(

@@ -25,10 +25,10 @@ from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.execution import Execution
-from stickslip.tuning.learning import Study, learn
+from stickslip.tuning.learning import Study
 from stickslip.tuning.published import study_as_published
 from stickslip.tuning.published.study import OnGeneration, side_by_side
-from stickslip.tuning.refinement import refine, without_search
+from stickslip.tuning.refinement import refine
 
 SEEDS_OF_READINGS = 1
 """How many seeds learn under each other reading of the paper, in a complete reproduction."""
@@ -109,14 +109,10 @@ def _from_coarse_starts(
     some = seeds[: max(1, len(seeds) // SHARE_OF_DEFAULT)]
     progress.stage(f"the default from the coarse starts of {len(some)} seeds")
 
-    def learned(seed: int, on_generation: OnGeneration) -> dict[str, float]:
+    def learned(seed: int, _: OnGeneration) -> dict[str, float]:
         start = coarsened(found.estimates, draw_factors(seed))
         study = Study(rig, found.loop, start, v_cmd, options.feed, seed=seed)
-        result = without_search(study)
-        if result is None:
-            best = learn(study, on_generation).best
-            result = refine(study, study.parameters(best.values))
-        return result.values  # noqa: PD011 - parameters by name
+        return refine(study).values  # noqa: PD011 - parameters by name
 
     return side_by_side(learned, some, execution.workers)
 
@@ -139,7 +135,7 @@ def reproduce_with_extras(
     """Take the steps on the drive with all effects on; ``fmus`` is made."""
     fmus.mkdir()
     stages = _Named(progress)
-    options = replace(options, truth={**options.truth, **all_effects()})
+    options = replace(options, loop_seeds=0, truth={**options.truth, **all_effects()})
     try:
         found = reproduce(options, fmus, stages, execution)
         return Extras(found.validation, step_by_step(found, fmus, stages, execution))

@@ -41,6 +41,7 @@ from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.models import Law, Model, StartValueError, UnknownLaw, UnknownModel, load_model
 from stickslip.models.export.units import motion_unit
 from stickslip.pipeline.learned import LearnedFromRecording
+from stickslip.pipeline.observed import BOTH
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
@@ -49,6 +50,7 @@ from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
+from stickslip.tuning.loop_genes import GENES, OBSERVER
 from stickslip.versions import installed_versions
 
 SCHEMA = 2
@@ -103,23 +105,46 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
         },
         "coarse": dict(options.coarse),
         "result": learned.chosen,
-        "search_skipped": learned.skipped or None,
         "slow_motions": learned.remark or None,
         "cost": {"value": learned.cost, "unit": "m2/s2"},
-        "best_cost_of_generations": {"value": reproduction.algorithm.best.cost, "unit": "m2/s2"},
-        "cost_of_identified": {"value": reproduction.cost_of_identified, "unit": "m2/s2"},
         "cost_without_compensation": {"value": reproduction.cost_without, "unit": "m2/s2"},
-        "evaluations": reproduction.algorithm.evaluations,
-        "further_runs": learned.runs,
+        "runs": learned.runs,
         "seed": options.seed,
         "preset": options.preset,
         "feed": options.feed,
-        "loop": loop_document(reproduction.identification.loop),
+        **_tuned_entry(reproduction),
         "validation": validation_document(VALIDATION),
         "second_opinion": opinion and _opinion_document(opinion),
         **_law_entry(reproduction.identification.law),
         "versions": versions(),
     }
+
+
+def _tuned_entry(reproduction: Reproduction) -> dict[str, Any]:
+    """Return the loop that was learned, and the compensators in it."""
+    assert reproduction.loops is not None  # noqa: S101 - what is written was learned
+    best = reproduction.loops.best
+    found: dict[str, Any] = {
+        "loop": loop_document(best.tuned.loop),
+        "loop_learning": {
+            "chosen": best.chosen,
+            "seed": best.seed,
+            "cost": {"value": best.cost, "unit": "1"},
+            "peak_sensitivity": {"value": best.Ms, "unit": "1"},
+            "evaluations": best.evaluations,
+            "runs": best.runs,
+            "genes": _stated(best.genes, {g.name: g.unit for g in GENES}, rotary=False),
+        },
+    }
+    if best.chosen == "reference":
+        why = "genetic learning found nothing better than tuned gains without a compensator"
+        return found | {"refusal": why}
+    found["share"] = {"value": best.tuned.share, "unit": "1"}
+    for observer in best.tuned.chain()[1:]:
+        component = _component(observer, rotary=False)
+        del component["model"]
+        found |= {"compensation": BOTH, OBSERVER: {"refusal": "", **component}}
+    return found
 
 
 def _law_entry(law: Law) -> dict[str, str]:

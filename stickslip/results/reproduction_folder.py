@@ -24,17 +24,19 @@ from stickslip.results.folder import staged
 from stickslip.results.learned import reproduction_document
 from stickslip.servo.deployment import deployed
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
-from stickslip.servo.systems import Compensator, for_all_platforms
+from stickslip.servo.systems import for_all_platforms
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.published.readings import TABLES, WholeStudy
 
 FMU = "compensator"
 """Name of the compensator's model and FMU."""
+OBSERVER_FMU = "observer.fmu"
 PREFIX = "as_published_"
 """Of the tables of the learning as published."""
 FILES = (
     *("table2.csv", "table4.csv", "table4_all_extras.csv", "motions.csv", "sensitivity.csv"),
-    *("datasheet.csv", "fitness.csv", "learned.json", "compensator.fmu", "loop.ssp"),
+    *("datasheet.csv", "fitness.csv", "loop_tuning.csv"),
+    *("learned.json", "compensator.fmu", OBSERVER_FMU, "loop.ssp"),
     *(f"{PREFIX}{name}.csv" for name in TABLES),
     *REPORT,
 )
@@ -54,7 +56,9 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
     OSError
         When a file cannot be written.
     """
-    with staged(folder, command_of(reproduction.options)) as staging:
+    loops = reproduction.loops
+    assert loops is not None  # noqa: S101 - what is written was learned
+    with staged(folder, command_of(reproduction.options), without=[OBSERVER_FMU]) as staging:
         tables = {"table2": reproduction.table2(), "table4": reproduction.table4()}
         if reproduction.extras and reproduction.extras.table4 is not None:
             tables["table4_all_extras"] = reproduction.extras.table4
@@ -66,14 +70,15 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
         if reproduction.motions:
             tables["motions"] = reproduction.motions.evaluation.table()
             tables["sensitivity"] = reproduction.motions.sensitivity
-        tables["fitness"] = reproduction.algorithm.convergence()
-        write_tables(tables, staging)
-        options, loop = reproduction.options, reproduction.identification.loop
-        one = Compensator(FMU, FMU, reproduction.refinement.values)
+        write_tables(tables | {"loop_tuning": loops.table, "fitness": loops.fitness()}, staging)
+        options, loop = reproduction.options, loops.best.tuned.loop
+        one, *observers = loops.best.tuned.chain()
         block = deployed(one, loop if options.feed == "nominal" else None, loop.T_s)
         model, law = block.model, options.law
         fmu = models.build_fmu(model, staging, start=block.values, law=law, called=FMU)
-        reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu))
+        for observer in observers:
+            models.build_fmu(observer.model, staging, start=observer.values, called=observer.name)
+        reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu, loop))
         write_json(reproduction_document(reproduction), staging / "learned.json")
         write_loop(reproduction.system, loop, staging / "loop.ssp", options)
         write_report(reproduction, staging)
@@ -99,9 +104,8 @@ def write_published_results(
         write_page(staging, PUBLISHED_TITLE, [study_section(study, truth)])
 
 
-def opinion_of(reproduction: Reproduction, fmu: Path) -> SecondOpinion:
+def opinion_of(reproduction: Reproduction, fmu: Path, loop: VelocityLoop) -> SecondOpinion:
     """Return what FMPy makes of the compensator over the training and the validation command."""
-    loop = reproduction.identification.loop
     t = np.arange(round(TRAINING.duration / loop.T_s) + 1) * loop.T_s
     commands = {
         "training": TRAINING.sample(np.asarray(t)),

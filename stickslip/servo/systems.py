@@ -22,11 +22,12 @@ COMPONENTS = ("controller", "drive", "filter", "nominal")
 
 
 _MEASURED = {
-    "x_enc": "drive.x_enc",
-    "F_motor": "drive.F_m",
+    "x_enc": "{drive}.x_enc",
+    "F_motor": "{drive}.F_m",
     "v_est": "controller.v_est",
     "u": "controller.u",
 }
+"""Where the roles of a compensator's inputs come from."""
 
 
 @dataclass(frozen=True)
@@ -173,6 +174,7 @@ def build_loop(
     feed: Feed = "nominal",
     *,
     connected: bool = True,
+    drive: str = "drive",
 ) -> cosim.System:
     """Return a servo loop with any chain of compensators, connected by the roles of their ports.
 
@@ -186,6 +188,7 @@ def build_loop(
     compensators : in the order in which their forces are added; none for a loop without
     feed : what gives the reference velocity, the nominal loop's response or the command
     connected : whether the last one's force goes to the loop, or runs beside it only
+    drive : name of the drive in the loop, and of its FMU
 
     Raises
     ------
@@ -195,12 +198,13 @@ def build_loop(
     system = cosim.System("loop")
     system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
     force, referenced = _add_feedforward(system, fmus, loop, compensators, feed)
-    _add_servo(system, fmus, loop)
+    _add_servo(system, fmus, loop, drive)
     _expose(system, loop, ["controller", "nominal"], referenced if feed == "command" else [])
     for compensator in compensators:
         for variable, role in compensator.ports.inputs.items():
             if role in _MEASURED:
-                system.connect(_MEASURED[role], f"{compensator.name}.{variable}")
+                place = _MEASURED[role].format(drive=drive)
+                system.connect(place, f"{compensator.name}.{variable}")
     if force is not None and connected:
         system.connect(force, "controller.F_ff")
         if loop.velocity_filter is not None:
@@ -294,7 +298,7 @@ def nominal_parameters(loop: VelocityLoop) -> dict[str, float]:
     return values
 
 
-def _add_servo(system: cosim.System, fmus: Path, loop: VelocityLoop) -> None:
+def _add_servo(system: cosim.System, fmus: Path, loop: VelocityLoop, drive: str = "drive") -> None:
     gains = {"T_s": loop.T_s, "K_p": loop.K_p, "K_i": loop.K_i, "tau_f": loop.tau_f}
     gains |= {"m_ff": loop.m_ff, "K_x": loop.K_x}
     gains["velocity_feedforward"] = loop.velocity_feedforward
@@ -306,10 +310,10 @@ def _add_servo(system: cosim.System, fmus: Path, loop: VelocityLoop) -> None:
         fmus / "velocity_controller.fmu",
         {**gains, "use_v_hat": filtered is not None},
     )
-    system.add("drive", fmus / "drive.fmu")
-    system.connect("controller.u", "drive.u")
-    system.connect("drive.x_enc", "controller.x_enc")
+    system.add(drive, fmus / f"{drive}.fmu")
+    system.connect("controller.u", f"{drive}.u")
+    system.connect(f"{drive}.x_enc", "controller.x_enc")
     if filtered is not None:
-        system.connect("drive.x_enc", "filter.x_enc")
-        system.connect("drive.F_m", "filter.F_m")
+        system.connect(f"{drive}.x_enc", "filter.x_enc")
+        system.connect(f"{drive}.F_m", "filter.F_m")
         system.connect("filter.v_hat", "controller.v_hat")

@@ -14,6 +14,7 @@ quantisation follows the same difference equations.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import control
 import numpy as np
@@ -61,6 +62,12 @@ class VelocityLoop:
     velocity_filter: VelocityFilter | None = None
     K_x: float = 0.0
     velocity_feedforward: float = 1.0
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as what it is designed from, for python-control's systems do not."""
+        given = self.axis, self.T_s, self.tau_f, self.K_p, self.K_i
+        further = self.m_ff, self.velocity_filter, self.K_x, self.velocity_feedforward
+        return _closed, (given, further)
 
     def commands(self, v_cmd: Array) -> dict[str, Array]:
         """Return the inputs of the loop for velocities (n,) [m/s], one a sample.
@@ -241,6 +248,12 @@ def close_velocity_loop(
         K_x=K_x,
         velocity_feedforward=velocity_feedforward if K_x else 1.0,
     )
+
+
+def _closed(given: tuple[Any, ...], further: tuple[Any, ...]) -> VelocityLoop:
+    """Return the loop that was pickled."""
+    names = ("m_ff", "velocity_filter", "K_x", "velocity_feedforward")
+    return close_velocity_loop(*given, **dict(zip(names, further, strict=True)))
 
 
 def _with_position(closed: control.StateSpace, K_x: float, share: float) -> control.StateSpace:

@@ -1,4 +1,4 @@
-"""The learning of Fig. 3: an algorithm tries compensators on the drive.
+"""What learning the friction on a drive needs: the study, the cost (6), and the genes of Fig. 3.
 
 Cost is the sum in (6), of v - v_r over the training run: v as the encoder shows it, v_r from the
 nominal loop, both through the same low-pass.
@@ -6,8 +6,7 @@ nominal loop, both through the same low-pass.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,7 +20,6 @@ from stickslip.rigs.contract import Recorded, Rig
 from stickslip.servo.measurement import CUTOFF, Array, smoothed
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
-from stickslip.tuning.execution import Execution
 
 BOUNDS = (0.1, 100.0)  # times the identified value, as in the paper
 
@@ -61,8 +59,7 @@ class Study:
     start : the compensator's tuned parameters by name, in the order of law.toml, with the standard
         errors of their identification, SI units
     v_cmd : (n,) training command [m/s], one value a sample
-    algorithm : one of ``ga.ALGORITHMS``
-    settings : of the genetic algorithm, instead of those that ``algorithm`` names
+    seed : of the small changes between repeated runs
     """
 
     rig: Rig
@@ -70,8 +67,6 @@ class Study:
     start: Mapping[str, Estimate]
     v_cmd: Array
     feed: Feed = "nominal"
-    algorithm: str = "default"
-    settings: ga.Settings | None = None
     seed: int = 0
 
     @cached_property
@@ -83,11 +78,6 @@ class Study:
         """Return the genes' values (k,) by name."""
         return dict(zip(self.start, values.tolist(), strict=True))
 
-    def cost(self) -> AbstractContextManager[Callable[[Array], float]]:
-        """Return the cost function of one candidate on the drive."""
-        criterion = VelocityCost(self.rig.T_s)
-        return self.rig.cost_of(self.v_cmd, self.loop, criterion, self.feed)
-
     def cost_without(self) -> float:
         """Return the cost of the training run without compensation [m^2/s^2]."""
         criterion = VelocityCost(self.rig.T_s)
@@ -98,49 +88,6 @@ class Study:
             return cost(any_values)
 
 
-def learn(
-    study: Study,
-    on_generation: Callable[[ga.Optimiser], object] | None = None,
-    execution: Execution | None = None,
-    limits: ga.Limits | None = None,
-) -> ga.Optimiser:
-    """Run the algorithm to its end, or to ``limits``, and return it, with its history.
-
-    Raises
-    ------
-    ga.NothingLearned
-        When no candidate could be run.
-    ga.StateError
-        When the checkpoint is of another run, or is there and not to be resumed.
-    ga.Interrupted
-        At Ctrl-C.
-    """
-    execution = execution or Execution()
-    algorithm = optimiser(study, limits)
-    with study.cost() as cost, execution.opened() as executor:
-        ga.learn(
-            algorithm,
-            cost,
-            executor,
-            on_generation,
-            checkpoint=execution.checkpoint,
-            resume=execution.resume,
-            about=f"feed {study.feed}, {len(study.v_cmd)} samples",
-        )
-    return algorithm
-
-
-def optimiser(study: Study, limits: ga.Limits | None = None) -> ga.Optimiser:
-    """Return what searches the genes."""
-    settings = study.settings or ga.PRESETS.get(study.algorithm)
-    problem = ga.Problem(genes(study.start), repair(study.space, settings))
-    if study.settings is not None:
-        return ga.GeneticAlgorithm(
-            problem.genes, study.settings, study.seed, problem.repair, limits
-        )
-    return ga.optimiser(study.algorithm, problem, limits, seed=study.seed)
-
-
 def genes(start: Mapping[str, Estimate]) -> list[ga.Gene]:
     """Return the genes: identified values to start from, and the bounds of the paper."""
     low, high = BOUNDS
@@ -148,10 +95,3 @@ def genes(start: Mapping[str, Estimate]) -> list[ga.Gene]:
         ga.Gene(name, low * one.value, high * one.value, one.value, unit_of(name))
         for name, one in start.items()
     ]
-
-
-def repair(space: ParameterSpace, settings: ga.Settings | None) -> ga.AtLeast | None:
-    """Return F_s >= F_c; the paper, whose genes are linear, does not ask for it."""
-    if settings is not None and settings.encoding == "linear":
-        return None
-    return next((ga.AtLeast(*pair) for pair in space.bounded.items()), None)

@@ -96,17 +96,15 @@ class Fit:
     values : the parameters by name, in SI units
     errors : their relative standard errors
     alone : what the training command and its mirror image alone would leave
-    cost : of these two with these parameters, as the fit expects it [m^2/s^2]
     """
 
     values: dict[str, float]
     errors: dict[str, float]
     alone: dict[str, float]
-    cost: float
 
 
-def fit(study: Study, runs: Runs, *, prior: bool = True) -> Fit:
-    """Fit the parameters to runs and, with ``prior``, to the study's start.
+def fit(study: Study, runs: Runs) -> Fit:
+    """Fit the parameters to runs and to the study's start.
 
     The start enters with its standard errors, as further equations.
     """
@@ -147,7 +145,7 @@ def fit(study: Study, runs: Runs, *, prior: bool = True) -> Fit:
 
         def residual(q: Array) -> Array:
             known = (to_logs @ q - expected) / doubt
-            return np.concatenate([np.concatenate(gap(q)) / scale, known if prior else []])
+            return np.concatenate([np.concatenate(gap(q)) / scale, known])
 
         low, high = np.log(BOUNDS)
         low_q, high_q = expected + low, expected + high
@@ -165,12 +163,10 @@ def fit(study: Study, runs: Runs, *, prior: bool = True) -> Fit:
         left = gap(found.x)
     jacobian = found.jac @ np.linalg.inv(to_logs)
     training = sum(map(len, left[:2]))
-    fall = [after @ after - gap @ gap for after, gap in zip(left, runs.means, strict=True)]
     return Fit(
         values=study.parameters(np.exp(to_logs @ found.x)),
         errors=study.parameters(_errors(jacobian)),
         alone=study.parameters(_errors(jacobian[:training])),
-        cost=runs.cost + float(np.mean(fall[:2])),
     )
 
 

@@ -55,7 +55,7 @@ def without_pictures(monkeypatch):
 @pytest.fixture(scope="session")
 def reproduction(tmp_path_factory, quiet) -> Reproduction:
     fmus = tmp_path_factory.mktemp("fmus")
-    return with_motions(reproduce(Options(), fmus, quiet), fmus)
+    return with_motions(reproduce(Options(loop_seeds=2), fmus, quiet, Execution(2)), fmus)
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,6 @@
-"""Options on where learning runs and what is kept, and resumed learning on the FMUs."""
+"""Options on where learning runs and what is kept."""
 
 import argparse
-import json
 
 import pytest
 
@@ -10,9 +9,7 @@ from stickslip.cli import main
 from stickslip.commands.execution import add_algorithm_option, add_execution_options, execution_of
 from stickslip.errors import UsageError
 from stickslip.ga.execution import checkpoint
-from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.execution import Execution, processors
-from stickslip.tuning.learning import Study, learn
 
 
 def chosen(*arguments):
@@ -80,45 +77,11 @@ def test_ctrl_c_before_and_after_the_search(monkeypatch, tmp_path, capsys):
     assert capsys.readouterr().err == "stickslip: interrupted\n"
 
     def searched(*given):
-        given[-1].checkpoint.touch()
+        given[-1].of_seed(0).checkpoint.touch()
         interrupt()
 
     monkeypatch.setattr("stickslip.pipeline.reproduction.reproduce", searched)
     assert main(["reproduce", "--out", str(tmp_path)]) == 130
-    kept = tmp_path / "learning.checkpoint.json"
+    kept = tmp_path / "learning.checkpoint.seed0.json"
     message = f"interrupted; the state of the search is kept in {kept}; continue with --resume"
     assert capsys.readouterr().err == f"stickslip: {message}\n"
-
-
-class Stopped(Exception):
-    pass
-
-
-def stop_at_the_second(optimiser):
-    if optimiser.generation == 2:
-        raise Stopped
-
-
-@pytest.mark.parametrize("algorithm", ["default", "de"])
-def test_learning_stopped_and_resumed_elsewhere_is_the_same(
-    algorithm, reproduction, make_rig, tmp_path, monkeypatch
-):
-    monkeypatch.setattr("stickslip.ga.algorithms.by_name.EVALUATIONS", 40)
-    settings = ga.Settings(generations=4) if algorithm == "default" else None
-    rig = make_rig()
-    v_cmd = TRAINING.sample(rig.samples(0.5))
-
-    def study(feed="nominal"):
-        found = reproduction.identification
-        how = {"algorithm": algorithm, "settings": settings, "seed": 2}
-        return Study(rig, found.loop, found.tuned, v_cmd, feed, **how)
-
-    whole = learn(study())
-    path = tmp_path / "run.json"
-    with pytest.raises(Stopped):
-        learn(study(), stop_at_the_second, Execution(checkpoint=path))
-    assert len({row[0] for row in json.loads(path.read_text())["evaluations"]}) == 2
-    with pytest.raises(ga.StateError, match="feed nominal"):
-        learn(study("command"), execution=Execution(checkpoint=path, resume=True))
-    resumed = learn(study(), execution=Execution(2, "threads", path, resume=True))
-    assert resumed.history.to_csv() == whole.history.to_csv()

@@ -1,8 +1,7 @@
-"""What precedes and ends the search: whether it is worth it, and what of it is kept."""
+"""Least squares on runs of the drive: what they find, and what of it is kept."""
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
@@ -12,7 +11,7 @@ from stickslip.servo.datasheet import LOOP
 from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.learning import Study
-from stickslip.tuning.refinement import refine, without_search
+from stickslip.tuning.refinement import refine
 
 pytestmark = pytest.mark.slow
 
@@ -32,28 +31,21 @@ def start(study):
 def test_it_corrects_what_the_training_run_shows(study):
     wrong = Estimate(PAPER["F_c"] * 1.05, 0.3)
     study = replace(study, start={**study.start, "F_c": wrong})
-    found = refine(study, start(study))
+    found = refine(study)
     assert found.accepted
     assert found.values["F_c"] == pytest.approx(PAPER["F_c"], rel=0.005)
 
 
 def test_it_leaves_what_the_training_run_hardly_shows_to_identification(study):
-    found = refine(study, start(study))
+    found = refine(study)
     prior = study.start["F_s"]
     assert found.alone["F_s"] > 5 * found.alone["F_c"]
     assert found.values["F_s"] == pytest.approx(prior.value, rel=0.03)
 
 
-def test_without_the_fit_the_start_stands(study):
-    found = refine(study, start(study), fitted=False)
-    assert found.values == start(study)
-    assert found.chosen == "winner"
-    assert found.cost > 0
-
-
 def test_stick_force_stays_above_coulomb_force(study):
-    begin = start(study) | {"F_s": PAPER["F_c"], "F_c": PAPER["F_c"]}
-    found = refine(study, begin)
+    low = {"F_s": Estimate(PAPER["F_c"], 0.5), "F_c": Estimate(PAPER["F_c"], 0.5)}
+    found = refine(replace(study, start=study.start | low))
     assert found.values["F_s"] >= found.values["F_c"]
 
 
@@ -64,31 +56,12 @@ def study_of(rig):
     return Study(rig, found.loop, known, v_cmd)
 
 
-@pytest.mark.parametrize("width", [1.0, 2.0])
 @pytest.mark.parametrize("seed", [0, 5])
-def test_from_a_coarse_start_a_search_is_worth_it(study, seed, width):
-    coarse = coarsened(study.start, draw_factors(seed, width))
-    assert without_search(replace(study, start=coarse)) is None
-
-
-def test_what_the_model_does_not_have_is_no_reason_to_search(make_rig):
-    """The cost is 50 times that of noise, and no parameters of the compensator lower it."""
-    rig = make_rig(asymmetric=True, position_dependent=True, ripple=True, noise=True)
-    found = without_search(study_of(rig))
-    assert found.chosen == "start"
-    assert found.cost > 1e-4
-
-
-def test_a_winner_that_fits_one_half_of_the_guide_is_not_taken(make_rig):
-    """The training run dwells where friction is 28 % above its mean; the search learned that."""
-    rig = make_rig(position_dependent=True, position_amplitude=0.3, position_period=0.05)
-    study = study_of(rig)
-    winner = start(study) | {"F_c": 1.28 * PAPER["F_c"], "F_s": 1.28 * PAPER["F_s"]}
-    cost = study.cost()
-    with cost:
-        costs = [cost(np.array([v[n] for n in LUGRE])) for v in (winner, start(study))]
-    assert costs[0] < 0.2 * costs[1]
-    assert refine(study, winner).values["F_c"] == pytest.approx(PAPER["F_c"], rel=0.02)
+def test_from_a_coarse_start_it_finds_friction_with_fewer_runs_than_ten_generations(study, seed):
+    found = refine(replace(study, start=coarsened(study.start, draw_factors(seed))))
+    assert found.runs < 100
+    assert found.values["F_c"] == pytest.approx(PAPER["F_c"], rel=0.005)
+    assert found.values["sigma_0"] == pytest.approx(PAPER["sigma_0"], rel=0.15)
 
 
 def test_a_start_that_happens_to_fit_one_half_of_the_guide_does_not_stand(make_rig):
@@ -96,7 +69,7 @@ def test_a_start_that_happens_to_fit_one_half_of_the_guide_does_not_stand(make_r
     study = study_of(rig)
     low = {"F_c": 0.72, "F_s": 0.72}
     coarse = replace(study, start=coarsened(study.start, low))
-    assert refine(coarse, start(coarse)).values["F_c"] == pytest.approx(PAPER["F_c"], rel=0.02)
+    assert refine(coarse).values["F_c"] == pytest.approx(PAPER["F_c"], rel=0.02)
 
 
 KNOWN = {
@@ -130,7 +103,7 @@ def test_what_is_kept_is_in_no_motion_worse_than_what_learning_began_with(make_r
     """By F_s and v_s a fit to the training command leaves 6 times the error in creep."""
     study = study_of(make_rig(law=law))
     study = replace(study, start=coarsened(study.start, draw_factors(seed)))
-    found = refine(study, start(study))
+    found = refine(study)
     ratios = errors_of(study, found.values) / errors_of(study, start(study))
     assert ratios.max() < 1.2, ratios.nlargest(3)
     if law == "lugre":  # the guard must not cost what a sound drive can learn
@@ -138,27 +111,9 @@ def test_what_is_kept_is_in_no_motion_worse_than_what_learning_began_with(make_r
         assert ratios.median() < 0.6
 
 
-def test_a_winner_is_not_kept_for_its_cost(make_rig):
-    """Static friction of 217 N costs little in the training command."""
-    study = study_of(make_rig(law="gms"))
-    found = refine(study, start(study) | {"F_s": 217.0, "v_s": 2.5e-4})
-    assert found.values["F_s"] == pytest.approx(study.start["F_s"].value, rel=0.3)
-    assert "slow motions" in found.remark
-    ratios = errors_of(study, found.values) / errors_of(study, start(study))
-    assert ratios.max() < 1.2
-
-
-def test_as_published_the_winner_stays_and_its_worth_is_said(make_rig):
-    study = study_of(make_rig(law="gms"))
-    found = refine(study, start(study) | {"F_s": 217.0}, fitted=False)
-    assert found.chosen == "winner"
-    assert float(found.remark.split("up to ")[1].split()[0]) > 2.0
-
-
 def test_a_result_that_is_worse_at_slow_reversals_is_not_taken(make_rig):
     """A current loop ten times slower than its data sheet says looks like stiffness when fast."""
     study = study_of(make_rig(tau_i=1e-3))
-    assert without_search(study) is None  # in the training run other parameters cost far less
-    found = refine(study, start(study))
+    found = refine(study)
     assert not found.accepted
     assert found.values == start(study)

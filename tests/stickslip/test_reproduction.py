@@ -3,15 +3,11 @@
 import numpy as np
 import pytest
 
-from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, PAPER
-from stickslip.identification.stages import Estimate
 from stickslip.pipeline.reproduction import Options, reproduce
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.systems import build_fmus, paper_loop
-from stickslip.tuning.execution import Execution
-from stickslip.tuning.learning import Study, learn
 
 pytestmark = pytest.mark.slow
 
@@ -52,7 +48,7 @@ def test_a_parameter_that_learning_made_worse_is_remarked(reproduction):
 
 def test_a_changed_drive_is_learned_as_well(tmp_path, quiet):
     truth = {"m": 9.0, "F_c": 3.0, "F_s": 5.1, "sigma_0": 8e5}
-    found = reproduce(Options(truth=truth), tmp_path, quiet)
+    found = reproduce(Options(truth=truth, loop_seeds=0), tmp_path, quiet)
     assert found.refinement.values["F_c"] == pytest.approx(3.0, rel=0.01)
     table = measured(found.validation.table())
     assert (table.reduction > table.paper_reduction).all()
@@ -72,34 +68,3 @@ def test_with_exact_parameters_the_loop_is_the_nominal_loop(
         run = simulation.run(inputs={"v_cmd": command})
     gap = run["drive.v"] - run["nominal.v_r"]
     assert np.sqrt(np.mean(gap**2)) < 1e-3 * np.sqrt(np.mean(run["drive.v"] ** 2))
-
-
-def test_the_preset_paper_learns_and_repeats_itself_bit_for_bit(reproduction, make_rig):
-    rig, found = make_rig(), reproduction.identification
-    settings = ga.Settings(**{**vars(ga.PAPER), "generations": 8})
-    v_cmd = TRAINING.sample(rig.samples(2.0))
-
-    def run(workers):
-        study = Study(rig, found.loop, found.tuned, v_cmd, settings=settings, seed=3)
-        return learn(study, execution=Execution(workers)).convergence()
-
-    serial, parallel = run(workers=1), run(workers=2)
-    assert serial.to_csv() == parallel.to_csv()
-    assert (np.diff(serial.best_cost) <= 0).all()
-    assert len(serial) == 8
-
-
-def test_the_genetic_algorithm_learns_from_a_poor_start(reproduction, make_rig):
-    """Twice the friction and half the stiffness to begin with; the drive alone corrects it."""
-    rig, found = make_rig(), reproduction.identification
-    poor = found.tuned | {
-        "F_c": Estimate(12.0, 6.0),
-        "F_s": Estimate(18.0, 9.0),
-        "sigma_0": Estimate(2e5, 1e5),
-    }
-    study = Study(rig, found.loop, poor, TRAINING.sample(rig.samples(TRAINING.duration)), seed=1)
-    algorithm = learn(study)
-    best = dict(zip(algorithm.names, algorithm.best.values, strict=True))
-    assert algorithm.best.cost < 1e-2 * algorithm.history.cost[0]
-    assert best["F_c"] == pytest.approx(PAPER["F_c"], rel=0.01)
-    assert best["sigma_0"] == pytest.approx(PAPER["sigma_0"], rel=0.1)

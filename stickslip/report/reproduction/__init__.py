@@ -9,8 +9,9 @@ from stickslip.pipeline.reproduction import Reproduction
 from stickslip.report.page import Section, picture_files, write_page
 from stickslip.report.reproduction.as_published import study_section
 from stickslip.report.reproduction.identification import identification_section
-from stickslip.report.reproduction.learning import learning_section
+from stickslip.report.reproduction.learning import friction_section
 from stickslip.report.reproduction.loop import design_section, use_section
+from stickslip.report.reproduction.loop_tuning import loop_learning_section
 from stickslip.report.reproduction.result import head
 from stickslip.report.reproduction.validation import (
     motions_section,
@@ -22,6 +23,7 @@ __all__ = ["FIGURES", "FILES", "TITLE", "sections", "write_report"]
 
 TITLE = "Friction compensator of a linear motor, learned"
 FIGURES = (
+    "loop_tuning",
     *("fig2_loops", "fig3_scheme", "fig4_flow", "fig5_fitness", "fig6_tracking"),
     *("steps", "motions", "fig5_as_published", "as_published"),
     *("identification_inertia", "identification_friction", "identification_presliding"),
@@ -37,7 +39,8 @@ def sections(reproduction: Reproduction) -> Sequence[Section]:
         head(reproduction),
         design_section(reproduction),
         identification_section(reproduction),
-        learning_section(reproduction),
+        friction_section(reproduction),
+        loop_learning_section(reproduction),
         validation_section(reproduction.validation, reproduction.table4()),
         steps_section(reproduction),
         study_section(study, truth) if study else None,

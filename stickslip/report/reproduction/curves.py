@@ -25,20 +25,6 @@ from stickslip.servo.paper_commands import REGION
 COMMAND: Any = {"color": style.INK, "lw": 0.8, "ls": style.DASHED}
 
 
-def draw_fitness(reproduction: Reproduction) -> Figure:
-    """Draw best and mean cost, and those without compensation, identified and in the end."""
-    learned = reproduction.refinement
-    final = learned.cost, learned.result
-    cost = r"$\sum (v - v_r)^2$ [m$^2$/s$^2$]"
-    figure = draw_course(reproduction.algorithm, cost, final, reproduction.cost_without)
-    if learned.skipped:
-        figure.axes[0].annotate(
-            "nothing was searched:\nno parameters would halve the cost",
-            (0.5, 0.5), xycoords="axes fraction", ha="center", va="center",
-        )  # fmt: skip
-    return figure
-
-
 def cost_axes(height: float, generation: Array, cost: str) -> tuple[Figure, Axes]:
     """Return a figure of a column's width with a cost, logarithmic, over generations (n,)."""
     figure = style.new_figure(style.COLUMN, height)

@@ -11,11 +11,11 @@ from stickslip import ga
 from stickslip.catalog.parameters import friction_law
 from stickslip.pipeline.reproduction import Options, Reproduction
 from stickslip.report.diagram import Block, Sheet
-from stickslip.report.quantity import number, symbol
+from stickslip.report.quantity import number
 from stickslip.report.style import FAINT, PAGE, PALE, SHADE, SMALL, WITH, name_panel, new_figure
-from stickslip.servo.paper_commands import TRAINING
 from stickslip.servo.velocity_loop import VelocityLoop
-from stickslip.tuning.learning import BOUNDS
+from stickslip.tuning.loop_genes import GENES
+from stickslip.tuning.loop_learning import LEVELS, training_motion
 
 LOOPS_HEIGHT = 127.0
 CONTROL = r"$K_p + K_i T_s \, z/(z-1)$"
@@ -148,67 +148,78 @@ def _step_response(figure: Figure, loop: VelocityLoop) -> None:
 
 def draw_scheme(reproduction: Reproduction) -> Figure:
     """Draw the scheme with the algorithm of this run, and what its compensator is driven by."""
-    figure = new_figure(PAGE, 80.0, free=True)
+    figure = new_figure(PAGE, 84.0, free=True)
     sheet = Sheet(figure)
-    low, middle, high = 15.0, 40.0, 69.0
+    low, middle, high, top = 15.0, 40.0, 66.0, 79.0
     sheet.group((37, 2), 52, 50, "")
-    sheet.text((63, 5.2), "Velocity loop with compensator", small=True)
+    sheet.text((63, 5.2), "Velocity loop with compensators", small=True)
     nominal = sheet.block(Block(36, high, 42), "Nominal velocity loop", "without friction", PALE)
-    model = _model(reproduction.options.law)
-    compensator = sheet.block(Block(63, middle, 40), "Friction compensator", model, PALE)
-    drive = sheet.block(Block(63, low, 40), "Velocity loop", "drive with friction")
-    title = reproduction.algorithm.title.removeprefix("a ").partition(" of ")[0]
+    model = f"{_model(reproduction.options.law)}, observer"
+    compensator = sheet.block(Block(63, middle, 40), "Friction compensators", model, PALE)
+    levels = " and ".join(f"{level:g}" for level in LEVELS)
+    drive = sheet.block(Block(63, low, 44), "Velocity loop", f"drive; models, friction × {levels}")
+    algorithm = _search(reproduction)
+    title = algorithm.title.removeprefix("a ").partition(" of ")[0]
     learner = sheet.block(
-        Block(122, middle, 32, 14), title[0].upper() + title[1:], "Steps 1 to 4", PALE
+        Block(120, middle, 30, 14), title[0].upper() + title[1:], "Steps 1 to 4", PALE
     )
-    cost = sheet.block(Block(157, middle, 23, 14), "Cost (6)", r"$1/J = \sum (v - v_r)^2$")
+    cost = sheet.block(Block(156, middle, 27, 14), "Cost", "errors, of those of\nthe tuned PI")
     gap = sheet.sum((177, middle))
 
     branch = (9.0, high)
     sheet.arrow((3, high), nominal.left)
     sheet.arrow(branch, (branch[0], low), drive.left)
-    sheet.arrow(nominal.right, (gap.x, high), gap.top)
+    sheet.arrow(branch, (branch[0], top), (gap.x, top), gap.top)
     sheet.arrow(drive.right, (gap.x, low), gap.bottom)
     tap, end = (branch[0], middle), compensator.left
     if reproduction.options.feed == "nominal":
         tap, end = (compensator.x, high), compensator.top
-    sheet.arrow(tap, end)
+        sheet.arrow(nominal.right, tap, end)
+    else:
+        sheet.arrow(tap, end)
+        sheet.node(tap)
     sheet.arrow(compensator.bottom, drive.top)
     sheet.arrow(gap.left, cost.right)
     sheet.arrow(cost.left, learner.right)
     sheet.arrow(learner.left, compensator.right)
+    sheet.arrow(learner.bottom, (learner.x, low + 3.0), (drive.right[0], low + 3.0))
 
-    for at in (branch, tap):
-        sheet.node(at)
-    names = [symbol(name) for name in reproduction.refinement.estimates]
+    sheet.node(branch)
     for at, label in (
         ((4.5, high + 3.0), r"$v_{cmd}$"),
-        ((130, high + 3.0), r"$v_r$"),
-        ((130, low + 3.0), r"$v$"),
+        ((66.5, high + 3.0), r"$v_r$"),
+        ((150, low + 3.0), r"$v$"),
         ((compensator.x + 4.5, (compensator.bottom[1] + drive.top[1]) / 2), r"$F_{ff}$"),
-        ((gap.x - 3.6, middle + 4.4), "−"),
-        ((gap.x - 3.6, middle - 4.4), "+"),
-        ((97.5, middle + 3.2), ", ".join(names[:3])),
-        ((97.5, middle - 3.4), ", ".join(names[3:])),
+        ((gap.x - 3.6, middle + 4.4), "+"),
+        ((gap.x - 3.6, middle - 4.4), "−"),
+        ((94, middle + 3.2), "shares,"),
+        ((94, middle - 3.4), "rate"),
+        ((103, low + 6.2), r"$K_p$, $K_i$, $\tau_f$, $m_{ff}$"),
     ):
         sheet.text(at, label)
     return figure
 
 
+def _search(reproduction: Reproduction) -> ga.Optimiser:
+    """Return what searched the loop that is written."""
+    assert reproduction.loops is not None  # noqa: S101 - a page is of a whole reproduction
+    return reproduction.loops.best.algorithm
+
+
 def draw_flow(reproduction: Reproduction) -> Figure:
     """Draw the flow chart."""
-    algorithm = reproduction.algorithm
+    algorithm = _search(reproduction)
     figure = new_figure(PAGE, 112.0, free=True)
     sheet = Sheet(figure)
     first = sheet.block(Block(46, 101, 76, 16), "Step 1. Initialization", _initial(algorithm))
     fitness = sheet.block(
         Block(46, 77, 76, 16),
         "Step 2. Fitness calculation",
-        f"each candidate runs for {number(TRAINING.duration)} s: $v$; the nominal loop: $v_r$\n"
-        r"cost $1/J = \sum (v - v_r)^2$, equation (6)",
+        f"each candidate runs for {number(training_motion().duration, 2)} s on drive and models:\n"
+        "errors and change of force, of those of the tuned PI",
     )
     ended = sheet.decision(Block(46, 46, 80, 30), "Step 3. Evaluation", _end(algorithm.limits))
-    learned = sheet.block(Block(46, 14, 76, 16), "Learned parameters", _learned(reproduction), PALE)
+    learned = sheet.block(Block(46, 14, 76, 16), "Learned loop", _learned(algorithm), PALE)
     operations = _operations(algorithm)
     heights = [fitness.y - 17.5 * k for k in reversed(range(len(operations)))]
     lowest = heights[0] - 11.0
@@ -232,10 +243,9 @@ def draw_flow(reproduction: Reproduction) -> Figure:
 
 def _initial(algorithm: ga.Optimiser) -> str:
     size = algorithm.history["generation"].eq(algorithm.history["generation"].iloc[0]).sum()
-    low, high = (number(bound) for bound in BOUNDS)
     return (
-        f"{size} candidates, the identified parameters among them;\n"
-        f"each gene from {low} to {high} times its identified value"
+        f"{size} candidates, the tuned PI with the identified friction\n"
+        f"among them; {len(GENES)} genes"
     )
 
 
@@ -246,21 +256,15 @@ def _end(limits: ga.Limits) -> str:
     if limits.target is None:
         parts.append("cost at most ε (not set)?")
     else:
-        parts.append(f"cost at most ε = {number(limits.target)} m²/s²?")
+        parts.append(f"cost at most ε = {number(limits.target)} ?")
     return ",\nor ".join(parts)
 
 
-def _learned(reproduction: Reproduction) -> str:
-    algorithm = reproduction.algorithm
-    best = (
-        f"the best of {number(algorithm.evaluations, 6)} candidates "
-        f"in {number(algorithm.generation, 6)} generations"
+def _learned(algorithm: ga.Optimiser) -> str:
+    return (
+        f"the best of {number(algorithm.evaluations, 6)} candidates in "
+        f"{number(algorithm.generation, 6)} generations,\nrun again"
     )
-    if reproduction.refinement.skipped:
-        return "what it began with: a search would gain\nnothing after one generation"
-    if reproduction.options.refined and reproduction.refinement.accepted:
-        return f"{best},\nrefined by least squares"
-    return best
 
 
 def _operations(algorithm: ga.Optimiser) -> list[tuple[str, str]]:

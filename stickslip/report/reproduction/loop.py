@@ -53,10 +53,12 @@ def use_section(reproduction: Reproduction) -> Section:
     """Return the last section."""
     F_c = reproduction.refinement.values["F_c"]
     files = {
-        "compensator.fmu": "the tuned compensator, from the controller's commands to the force",
-        "loop.ssp": "the whole loop with it, for any tool that opens SSP",
-        "learned.json": "the learned parameters with units, cost, seed and versions",
-        "table2.csv, table4.csv, fitness.csv": "the tables of this page, unrounded",
+        "loop.ssp": "the learned loop as a whole, for any tool that opens SSP",
+        "compensator.fmu": "its feedforward, from the controller's commands to the force",
+        "observer.fmu": "its observer, from encoder position and motor force to the force",
+        "learned.json": "gains and learned parameters with units, cost, seed and versions",
+        "loop_tuning.csv, fitness.csv": "what each step brings, and the searches",
+        "table2.csv, table4.csv": "the tables of this page, unrounded",
     }
     if reproduction.motions:
         files["motions.csv, sensitivity.csv"] = (

@@ -19,6 +19,7 @@ from stickslip.report.quantity import (
     percent,
     unit,
 )
+from stickslip.report.reproduction.loop_tuning import steps_at_a_glance
 from stickslip.servo.systems import drive_law
 
 EFFECTS = {
@@ -36,29 +37,23 @@ FEEDS = {"nominal": "the nominal loop’s velocity", "command": "the velocity co
 def head(reproduction: Reproduction) -> Section:
     """Return the paragraph of what was done, and the verdict."""
     options = reproduction.options
-    algorithm = reproduction.algorithm
+    assert reproduction.loops is not None  # noqa: S101 - a page is of a whole reproduction
+    search = reproduction.loops.best.algorithm
     done = paragraph(
         "This page reproduces “The Feedforward Friction Compensation of Linear Motor Using Genetic "
         "Learning Algorithm”. The paper measured a real stage; all that is computed here is of a "
         "simulated drive, built as an FMU. It was identified by three experiments; a velocity loop "
-        f"was designed on what they found; {algorithm.title} then tried "
-        f"{number(algorithm.evaluations, 6)} friction compensators on the drive (preset "
-        f"“{options.preset}”, seed {options.seed}, compensator input: "
-        f"{FEEDS[options.feed]}){_refined(reproduction)}. Identification and learning used only "
+        "was designed on what they found; least squares fitted the friction to runs of the drive; "
+        f"{search.title} then learned the loop, its gains and compensators together (preset "
+        f"“{options.preset}”, {len(reproduction.loops.learned)} seeds from {options.seed}, "
+        f"compensator input: {FEEDS[options.feed]}). Identification and learning used only "
         "commands and measurements of the drive; its true parameters and its true velocity are "
         "used to evaluate the result.",
     )
-    return Section("", done, _drive(reproduction), _verdict(reproduction), _headline(reproduction))
-
-
-def _refined(reproduction: Reproduction) -> str:
-    if not reproduction.options.refined:
-        return ""
-    if reproduction.refinement.skipped:
-        return "; no search followed this first generation, since a search would gain nothing"
-    if reproduction.refinement.accepted:
-        return ", and a least-squares fit refined the winner"
-    return "; a least-squares fit of the winner was worse and was not taken"
+    glance = steps_at_a_glance(reproduction)
+    return Section(
+        "", done, _drive(reproduction), *glance, _verdict(reproduction), _headline(reproduction)
+    )
 
 
 def _drive(reproduction: Reproduction) -> Html:
@@ -108,8 +103,8 @@ def _verdict(reproduction: Reproduction) -> Html:
     return element(
         "div",
         paragraph(
-            "Compensation reduces the tracking error of the simulated drive, as its encoder shows "
-            f"it, {text}."
+            "In the paper’s own loop, with the learned friction fed forward, compensation reduces "
+            f"the tracking error of the simulated drive, as its encoder shows it, {text}."
         ),
         element("div", join(tiles, "\n"), class_="tiles"),
         _coulomb(reproduction),

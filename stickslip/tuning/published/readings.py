@@ -13,8 +13,6 @@ import numpy as np
 import pandas as pd
 
 from stickslip import ga
-from stickslip.catalog.parameters import friction_law
-from stickslip.catalog.space import ParameterSpace
 from stickslip.evaluation.motions import Span, regions_after, windows
 from stickslip.evaluation.validation import METRICS, Run, tracking_errors
 from stickslip.fmi.process import Threads
@@ -23,7 +21,6 @@ from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.servo.paper_commands import REGION, VALIDATION
 from stickslip.servo.systems import Feed
-from stickslip.tuning.learning import repair
 from stickslip.tuning.published.study import (
     PAPER_COST,
     Method,
@@ -106,7 +103,7 @@ READINGS = (
         "Step 1, limits of the genes",
         "F_s below F_c is allowed",
         "F_s below F_c is exchanged with it",
-        Method(repair=repair(ParameterSpace.of(friction_law()), None)),
+        Method(repair=ga.AtLeast("F_s", "F_c")),
     ),
     LearningReading(
         "Step 2, “real number strings”",

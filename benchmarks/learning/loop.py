@@ -1,0 +1,85 @@
+"""Algorithms on the loop of the paper's drive: the same candidates, several seeds.
+
+    python -m benchmarks.learning.loop [--seeds 10] [--evaluations 150] [ALGORITHM ...]
+
+Prints the cost of the best candidate after a third, two thirds and all of the evaluations, as
+median [lowest, highest] over seeds; 1 is a PI controller tuned without a model. ``random`` draws
+candidates evenly in the logarithm; ``grid`` takes two or three values of each gene.
+"""
+
+from __future__ import annotations
+
+import argparse
+from itertools import product
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from stickslip import ga
+from stickslip.pipeline.rig_learning import learn_on_rig
+from stickslip.rigs.fmu import rig_of
+from stickslip.servo.tuned_pi import tuned_pi
+from stickslip.tuning.loop_genes import GENES
+from stickslip.tuning.loop_learning import LoopCost, LoopStudy
+
+GRID = (2, 2, 2, 2, 3, 2, 2)
+"""Values of each gene in the grid, evenly spaced in the logarithm within its bounds."""
+
+
+def costs(cost: LoopCost, candidates: np.ndarray) -> np.ndarray:
+    """Return the costs of candidates (n, k), infinite where they fail."""
+    found = []
+    for candidate in candidates:
+        try:
+            found.append(cost(candidate))
+        except ga.CandidateFailed:
+            found.append(np.inf)
+    return np.array(found)
+
+
+def course(study: LoopStudy, cost: LoopCost, name: str, seed: int, evaluations: int) -> np.ndarray:
+    """Return the costs of the candidates that an algorithm evaluates, in their order."""
+    low, high = np.log([[gene.lower, gene.upper] for gene in GENES]).T
+    if name == "random":
+        drawn = np.random.default_rng(seed).random((evaluations, len(GENES)))
+        return costs(cost, np.exp(low + (high - low) * drawn))
+    if name == "grid":
+        inside = [(np.arange(n) + 0.5) / n for n in GRID]
+        places = np.array(list(product(*inside)))
+        order = np.random.default_rng(seed).permutation(len(places))[:evaluations]
+        return costs(cost, np.exp(low + (high - low) * places[order]))
+    limits = ga.Limits(evaluations=evaluations)
+    own = LoopStudy(study.rig, study.reference, study.friction, "nominal", name, seed, limits)
+    algorithm = own.optimiser()
+    ga.learn(algorithm, cost)
+    return algorithm.history["cost"].to_numpy(dtype=float)
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--evaluations", type=int, default=150)
+    every = [*ga.ALGORITHMS, "random", "grid"]
+    parser.add_argument("algorithms", nargs="*", default=every)
+    options = parser.parse_args()
+    n = options.evaluations
+    with rig_of({}) as rig, threadpool_limits(limits=1, user_api="blas"):
+        found = learn_on_rig(rig)
+        study = LoopStudy(rig, tuned_pi(found.identification.loop), found.friction)
+        with LoopCost(study) as cost:
+            for name in options.algorithms:
+                rows = []
+                for seed in range(options.seeds):
+                    best = np.minimum.accumulate(course(study, cost, name, seed, n))
+                    rows.append([best[min(k, len(best)) - 1] for k in (n // 3, 2 * n // 3, n)])
+                shown = np.sort(np.array(rows), axis=0)
+                cells = [
+                    f"{np.median(column):.3f} [{column[0]:.3f}, {column[-1]:.3f}]"
+                    for column in shown.T
+                ]
+                print(f"{name:10}" + "".join(f"{cell:>24}" for cell in cells), flush=True)
+
+
+if __name__ == "__main__":
+    main()

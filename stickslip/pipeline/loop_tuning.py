@@ -1,0 +1,245 @@
+"""What each step brings: from no compensation to the loop that genetic learning found.
+
+The drive's truth enters here, when all is learned: the error is that of its true velocity, on the
+drive with its friction times a factor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from stickslip import models
+from stickslip.catalog.parameters import friction_law
+from stickslip.evaluation.motions import MOTIONS, Motion
+from stickslip.evaluation.validation import covered
+from stickslip.fmi.process import Threads
+from stickslip.servo.chain_response import ChainResponse
+from stickslip.servo.measurement import Array
+from stickslip.servo.systems import Changes, build_loop, drive_law
+from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.tuning.loop_genes import CHAIN, FEEDFORWARD, OBSERVER, PLAIN, TunedLoop
+from stickslip.tuning.loop_learning import LearnedLoop, LoopStudy
+
+FRICTION = (0.7, 1.0, 1.3)
+"""Friction of the drive, relative to its own."""
+PHASES = 8
+"""Places within a step of the encoder from which a motion begins; errors are medians over them."""
+STAGES = {
+    "none": "no compensation",
+    "tuned_pi": "gains tuned, no model",
+    "identified": "identified friction fed forward",
+    "least_squares": "after least squares",
+    "learned": "loop learned",
+}
+RELATIVE = ("creep", "micrometre moves")
+"""Motions of several speeds, whose errors are relative to the command."""
+
+
+@dataclass(frozen=True)
+class LoopTuning:
+    """The loop as it was learned by several seeds, beside what precedes it.
+
+    Attributes
+    ----------
+    learned : of each seed
+    table : columns stage, seed, motion, friction, error, unit, Ms, evaluations
+    """
+
+    learned: Sequence[LearnedLoop]
+    table: pd.DataFrame
+
+    @property
+    def best(self) -> LearnedLoop:
+        """That of the seed whose cost was least, as it was measured on drive and models."""
+        return min(self.learned, key=lambda one: one.cost)
+
+    @cached_property
+    def ratios(self) -> pd.DataFrame:
+        """The table with ``ratio``, the error relative to that of ``tuned_pi``."""
+        keys = ["seed", "motion", "friction"]
+        tuned = self.table[self.table["stage"] == "tuned_pi"].set_index(keys)["error"]
+        own = self.table.set_index(keys)["error"]
+        return self.table.assign(ratio=(own / tuned.reindex(own.index)).to_numpy())
+
+    def by_seed(self, stage: str = "learned") -> pd.DataFrame:
+        """Return median and largest ratio of a stage, and its Ms, by seed."""
+        rows = self.ratios[self.ratios["stage"] == stage].groupby("seed")
+        return rows.agg(median=("ratio", "median"), largest=("ratio", "max"), Ms=("Ms", "max"))
+
+    def summary(self) -> pd.DataFrame:
+        """Return median, least and largest ratio of each stage by motion, and its largest Ms."""
+        rows = self.ratios.groupby(["stage", "motion"])["ratio"]
+        found = {
+            stage: {
+                **{
+                    (motion.name, of): getattr(rows.get_group((stage, motion.name)), of)()
+                    for motion in MOTIONS
+                    for of in ("median", "min", "max")
+                },
+                ("Ms", ""): self.table[self.table["stage"] == stage]["Ms"].max(),
+            }
+            for stage in STAGES
+        }
+        return pd.DataFrame.from_dict(found, orient="index")
+
+    @property
+    def sentence(self) -> str:
+        """What the learned loop brings, and what the steps before it do."""
+        learned, fitted = self.by_seed(), self.by_seed("least_squares").iloc[0]
+        middle, low, high = (100.0 * f(learned["median"]) for f in (np.median, np.min, np.max))
+        text = (
+            f"the learned loop leaves {middle:.0f} % of the error of a PI controller tuned without "
+            f"a model, in the median of {len(MOTIONS)} motions and {len(FRICTION)} levels of "
+            f"friction ({low:.0f} to {high:.0f} % over {len(learned)} seeds), and at most "
+            f"{100.0 * learned['largest'].max():.0f} % in any; the compensator alone, with these "
+            f"gains, leaves {100.0 * fitted['median']:.0f} % and up to "
+            f"{100.0 * fitted['largest']:.0f} %; the peak sensitivity Ms is at most "
+            f"{learned['Ms'].max():.2f}"
+        )
+        simpler = sum(one.chosen != "learned" for one in self.learned)
+        if simpler:
+            text += f"; in {simpler} of the seeds no candidate was better than what precedes it"
+        return text
+
+    def fitness(self) -> pd.DataFrame:
+        """Return the course of the searches: seed, generation, evaluations, best and mean cost."""
+        tables = []
+        for one in self.learned:
+            table = one.algorithm.convergence()
+            table.insert(0, "seed", one.seed)
+            tables.append(table)
+        return pd.concat(tables, ignore_index=True)
+
+
+def spread(median: float, low: float, high: float) -> str:
+    """Return a median with its range, or alone where there is none."""
+    ends = f"{low:.2f}", f"{high:.2f}"
+    return f"{median:.2f}" if ends[0] == ends[1] else f"{median:.2f} [{ends[0]}, {ends[1]}]"
+
+
+def validate_loops(
+    study: LoopStudy,
+    truth: Changes,
+    paper: VelocityLoop,
+    identified: Mapping[str, float],
+    learned: Sequence[LearnedLoop],
+    *,
+    runs: int,
+    workers: int = 1,
+) -> LoopTuning:
+    """Run all motions with each step.
+
+    Parameters
+    ----------
+    study : of the loops that were learned, with the friction after least squares
+    truth : as for ``build_fmus``
+    paper : the loop of the paper
+    identified : friction by name, as identified
+    runs : of the drive, that least squares took
+    workers : motions side by side
+    """
+    none, own = replace(study, reference=paper), replace(study, friction=identified)
+    steps: dict[tuple[str, int], tuple[TunedLoop, int]] = {
+        ("none", -1): (none.loop(PLAIN), 0),
+        ("tuned_pi", -1): (study.loop(PLAIN), 0),
+        ("identified", -1): (own.loop(FEEDFORWARD), 0),
+        ("least_squares", -1): (study.loop(FEEDFORWARD), runs),
+        **{("learned", one.seed): (one.tuned, one.evaluations) for one in learned},
+    }
+    loops = [tuned for tuned, _ in steps.values()]
+    drives = [with_friction(truth, level) for level in FRICTION]
+
+    def errors(motion: Motion) -> list[list[float]]:
+        return motion_errors(study, loops, drives, motion)
+
+    with Threads(workers) as threads:
+        found = threads.each(errors, MOTIONS)
+    peaks = _peaks(study, loops, truth)
+    rows = []
+    for seed in (one.seed for one in learned):
+        for k, ((stage, of), (_, evaluations)) in enumerate(steps.items()):
+            if of not in (-1, seed):
+                continue
+            for motion, of_motion in zip(MOTIONS, found, strict=True):
+                unit = "1" if motion.name in RELATIVE else "mm/s"
+                for level, error in zip(FRICTION, of_motion[k], strict=True):
+                    rows.append(
+                        (stage, seed, motion.name, level, error, unit, peaks[k], evaluations)
+                    )
+    head = ["stage", "seed", "motion", "friction", "error", "unit", "Ms", "evaluations"]
+    return LoopTuning(learned, pd.DataFrame(rows, columns=head))
+
+
+def motion_errors(
+    study: LoopStudy,
+    loops: Sequence[TunedLoop],
+    drives: Sequence[Mapping[str, float]],
+    motion: Motion,
+) -> list[list[float]]:
+    """Return the error of a motion of each loop on each drive, a median over ``PHASES``.
+
+    It is the RMS over the regions of the error of the true velocity [mm/s], or, of ``RELATIVE``,
+    of that error relative to the command.
+
+    Parameters
+    ----------
+    drives : start values of the drive FMU by name
+    """
+    rig, loop = study.rig, study.reference
+    t = rig.samples(motion.duration)
+    v_cmd = motion.command.sample(t)
+    inside = [covered(t, spans) for spans in motion.regions.values()]
+    system = build_loop(rig.fmus, loop.changed(m_ff=loop.axis.m), CHAIN, study.feed)
+    step = rig.datasheet.encoder_step
+    still = {"a_cmd": np.zeros(len(v_cmd))}
+    relative = motion.name in RELATIVE
+
+    def error(v: Array) -> float:
+        squares = [np.mean((v - v_cmd)[part] ** 2) for part in inside]
+        if relative:
+            squares = [
+                x / np.mean(v_cmd[part] ** 2) for x, part in zip(squares, inside, strict=True)
+            ]
+        return float(np.sqrt(np.mean(squares))) * (1.0 if relative else 1e3)
+
+    with system.prepare(step=rig.T_s, stop=float(t[-1]), record=["drive.v"]) as simulation:
+
+        def typical(tuned: TunedLoop, drive: Mapping[str, float]) -> float:
+            commands = still | tuned.loop.commands(v_cmd)
+            found = []
+            for k in range(PHASES):
+                phase = {**drive, "x": k / PHASES * step, "seed": k}
+                values = {f"drive.{name}": value for name, value in phase.items()}
+                run = simulation.run({**tuned.parameters(), **values}, commands)
+                found.append(error(run["drive.v"]))
+            return float(np.median(found))
+
+        return [[typical(tuned, drive) for drive in drives] for tuned in loops]
+
+
+def with_friction(truth: Changes, level: float) -> dict[str, float]:
+    """Return the drive's parameters of friction, times a factor."""
+    start, name = drive_law(truth)
+    law, model = friction_law(name), models.load_model("drive", name).with_start(start)
+    own = {v.name: v.start for v in model.variables if v.role == "parameter"}
+    friction = {n: value for n, value in own.items() if n.partition("[")[0] in law.parameters}
+    return law.share(friction, level)
+
+
+def _peaks(study: LoopStudy, loops: Sequence[TunedLoop], truth: Changes) -> list[float]:
+    """Return the peak sensitivity Ms of each loop, with the drive's true mass, from FMU runs."""
+    start, name = drive_law(truth)
+    model = models.load_model("drive", name).with_start(start)
+    (m,) = (v.start for v in model.variables if v.name == "m")
+    own = ("compensator.", f"{OBSERVER}.")
+    found = []
+    with ChainResponse(study.rig.fmus, study.reference, CHAIN) as response:
+        for one in loops:
+            values = {n: value for n, value in one.parameters().items() if n.startswith(own)}
+            found.append(response.of(one.loop, values, study.friction["F_c"], m).peak)
+    return found

@@ -1,0 +1,127 @@
+"""What genetic learning may change of the velocity loop, and the loop that a candidate makes.
+
+========  ====================================================================
+K_p, K_i  gains of the controller, in units of those of the reference
+tau_f     low-pass of its velocity estimate, in units of that of the reference
+m_ff      feedforward of inertia, in units of the identified mass
+share     of the feedforward of friction
+rate      of the disturbance that the observer follows [F_c / s^0.5]
+observed  share of the observer's estimate that is compensated
+========  ====================================================================
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stickslip import ga
+from stickslip.models import Law
+from stickslip.servo.axis import ControlError
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.observer import FORCE_NOISE
+from stickslip.servo.sensitivity import Opened
+from stickslip.servo.systems import Compensator, nominal_parameters
+from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
+from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
+
+OBSERVER = "observer"
+"""Name of the disturbance observer in the loop."""
+CHAIN = (Compensator("compensator", "compensator"), Compensator(OBSERVER, "dob"))
+"""The feedforward, and the observer of what it leaves."""
+GENES = (
+    ga.Gene("K_p", 0.2, 2.5, 1.0, "1"),
+    ga.Gene("K_i", 0.1, 5.0, 1.0, "1"),
+    ga.Gene("tau_f", 0.1, 4.0, 1.0, "1"),
+    ga.Gene("m_ff", 0.01, 1.1, 0.5, "1"),
+    ga.Gene("share", 0.05, 1.0, 1.0, "1"),
+    ga.Gene("rate", 0.01, 50.0, 0.25, "1/s^0.5"),
+    ga.Gene("observed", 0.01, 1.0, 0.1, "1"),
+)
+"""Lowest value, highest value and start of each; all are searched by their logarithm."""
+PLAIN = {gene.name: gene.start for gene in GENES} | {"m_ff": 0.0, "share": 0.0, "observed": 0.0}
+"""The reference: its gains alone, without any model of friction."""
+FEEDFORWARD = PLAIN | {"share": 1.0}
+"""The reference with the feedforward of friction."""
+
+
+@dataclass(frozen=True)
+class TunedLoop:
+    """A velocity loop with its compensators.
+
+    Attributes
+    ----------
+    loop : with its gains and feedforward of inertia
+    law : friction law of the feedforward
+    friction : its parameters at the whole force, by name, SI units
+    share : of that force
+    observer : of what the feedforward leaves
+    """
+
+    loop: VelocityLoop
+    law: Law
+    friction: Mapping[str, float]
+    share: float
+    observer: Observer
+
+    def chain(self) -> list[Compensator]:
+        """Return the compensators with their parameters; without an observer that has no share."""
+        values = self.law.share(self.friction, self.share), self.observer.parameters()
+        parts = [replace(one, values=own) for one, own in zip(CHAIN, values, strict=True)]
+        return parts if self.observer.share else parts[:1]
+
+    def parameters(self) -> dict[str, float]:
+        """Return the parameters of the FMUs in a loop with ``CHAIN``, ``component.variable``."""
+        parts = {
+            "controller": {n: getattr(self.loop, n) for n in ("K_p", "K_i", "tau_f", "m_ff")},
+            "nominal": nominal_parameters(self.loop),
+            "compensator": self.law.share(self.friction, self.share),
+            OBSERVER: self.observer.parameters(),
+        }
+        return {f"{part}.{n}": value for part, own in parts.items() for n, value in own.items()}
+
+    def robustness(self) -> tuple[float, float]:
+        """Return the peak sensitivity Ms, and how white noise of the encoder moves the axis [1/s].
+
+        The second is the RMS of the velocity relative to that of the noise. Both are infinite if
+        the loop is unstable.
+        """
+        opened = Opened(self.loop)
+        if not opened.stable(self.observer):
+            return np.inf, np.inf
+        response = opened.response(self.observer)
+        density = 2.0 * self.loop.T_s * np.abs(response.noisy) ** 2
+        return response.peak, float(np.sqrt(np.trapezoid(density, opened.f)))
+
+
+def tuned_loop(
+    genes: Mapping[str, float],
+    reference: VelocityLoop,
+    law: Law,
+    friction: Mapping[str, float],
+    sheet: Datasheet,
+) -> TunedLoop:
+    """Return the loop of a candidate.
+
+    Parameters
+    ----------
+    genes : values by name
+    reference : the loop in whose units the gains are
+    friction : parameters of the law by name
+
+    Raises
+    ------
+    ControlError
+        When it is unstable, or no observer follows from the genes.
+    """
+    axis, T_s, F_c = reference.axis, reference.T_s, friction["F_c"]
+    gains = [genes[name] * getattr(reference, name) for name in ("tau_f", "K_p", "K_i")]
+    loop = close_velocity_loop(axis, T_s, *gains, m_ff=genes["m_ff"] * axis.m)
+    weights = FilterSpecification(sheet.encoder_step, FORCE_NOISE * F_c, genes["rate"] * F_c)
+    try:
+        estimator = design_velocity_filter(axis, T_s, weights)
+    except np.linalg.LinAlgError as error:
+        raise ControlError(f"no observer with a rate of {weights.disturbance_rate:g}") from error
+    return TunedLoop(loop, law, friction, genes["share"], Observer(estimator, genes["observed"]))
