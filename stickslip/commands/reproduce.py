@@ -47,8 +47,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     }
     add_options(parser, flags, **FLAG)
     seeds = (
-        "number of seeds that learn the loop (default 5) and that learn as published (default 20); "
-        "a quarter of these also learn under each other interpretation"
+        "number of seeds that learn the loop (default 5) and that learn as published and by least "
+        "squares (default 10); half of these also learn under another interpretation"
     )
     add_options(parser, {"--seeds N": seeds}, type=at_least(1), dest="number")
     coarse = (
@@ -139,7 +139,6 @@ def _published(
         rig,
         identification,
         range(options.seed, options.seed + options.published_seeds),
-        reading_seeds=options.published_seeds // 4,
         feed=options.feed,
         workers=execution.workers,
         on_stage=progress.stage,

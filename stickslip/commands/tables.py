@@ -23,6 +23,7 @@ from stickslip.evaluation.motion_study import (
     limits,
 )
 from stickslip.evaluation.motions import MOTIONS
+from stickslip.evaluation.scatter import HIGH, LOW, PHASES
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE, TRACKING_FIGURES, Tracking
 from stickslip.fmi.files import atomic_write
 from stickslip.identification.estimation import Estimation
@@ -32,8 +33,7 @@ from stickslip.pipeline.loop_tuning import LoopTuning, spread
 from stickslip.pipeline.observed import Observed
 from stickslip.pipeline.steps import FILTERED, REDUCTION_WITH_FILTER, TRAPEZOID
 from stickslip.results.folder import staged
-from stickslip.tuning.published.readings import WholeStudy, worse
-from stickslip.tuning.published.study import PAPER_COST, worth
+from stickslip.tuning.published import PAPER_COST, PublishedStudy
 
 TRACKING = "\ntracking error relative to none, on the same simulated drives and commands:"
 SHARES = f"{'fitted drive':>14}{'mean':>8}{'worst':>8}"
@@ -49,25 +49,33 @@ def write_files(out: Path | None, command: Mapping[str, object], files: Mapping[
     print(*(out / name for name in files), sep="\n")
 
 
+def _ranged(row: Mapping[Hashable, float], name: str, width: int = 7) -> str:
+    """Return the median of a row and, where it has one, its range."""
+    ends = [f"{row[end]:.3f}" for end in (f"{name}{LOW}", f"{name}{HIGH}") if end in row]
+    spread = f" {'(' + '-'.join(ends) + ')':13}" if ends else ""
+    return _size(row[name], f"{width}.3f") + spread
+
+
 def print_table4(table: pd.DataFrame) -> None:
     """Print Table 4, and beside it the default with a velocity filter where that was tried."""
-    filtered = FILTERED in table
+    filtered, room = FILTERED in table, " " * 14 * (f"with{LOW}" in table)
     print(
         "velocity errors in mm/s; loop, ramps and windows were calibrated so that the simulated\n"
-        "drive of Table 2, measured, comes near the real stage without compensation\n"
-        "                         simulated drive              real stage (paper)"
-        + ("       simulated, velocity filter\n" if filtered else "\n")
-        + "velocity region  metric  without    with reduction    without    with reduction"
-        + ("          with reduction" if filtered else "")
+        "drive of Table 2, measured, comes near the real stage without compensation"
+        + f"\nmedian of runs from {len(PHASES)} phases of an encoder step, and range" * bool(room)
+        + f"\n                         simulated drive{room}              real stage (paper)"
+        + "       simulated, velocity filter" * filtered
+        + f"\nvelocity region  metric  without    with{room} reduction    without    with reduction"
+        + f"          with{room} reduction" * filtered
     )
     for row in table.to_dict("records"):
         print(
             f"{row['velocity']:8} {row['region']:7} {row['metric']:6}"
-            f" {row['without']:8.3f} {row['with']:7.3f} {100 * row['reduction']:7.1f} %"
+            f" {row['without']:8.3f} {_ranged(row, 'with')} {100 * row['reduction']:7.1f} %"
             f"   {row['paper_without']:8.2f} {row['paper_with']:7.2f}"
             f" {100 * row['paper_reduction']:7.0f} %"
             + (
-                f"       {row[FILTERED]:7.3f} {100 * row[REDUCTION_WITH_FILTER]:7.1f} %"
+                f"       {_ranged(row, FILTERED)} {100 * row[REDUCTION_WITH_FILTER]:7.1f} %"
                 if filtered
                 else ""
             )
@@ -80,10 +88,10 @@ def print_motions(study: MotionStudy) -> None:
     slow = table[table["motion"] != TRAPEZOID.name]
     shown = slow[(slow["metric"] == "E_rms") & (slow["velocity"] == "true")]
     names = (UNCOMPENSATED, IDENTIFIED, LEARNED)
-    print("\nslow motions, E_rms of the true velocity in mm/s")
-    print(f"{'motion':28}" + "".join(f"{name:>12}" for name in names))
+    print("\nslow motions, E_rms of the true velocity in mm/s, median and range")
+    print(f"{'motion':28}" + "".join(f"{name:>12}{'':14}" for name in names))
     for row in shown.to_dict("records"):
-        sizes = "".join(_size(row[name], "12.3f") for name in names)
+        sizes = "".join(_ranged(row, name, 12) for name in names)
         print(f"{row['motion'] + ', ' + row['region']:28}{sizes}")
     print(limits(slow, {name: str(name) for name in slow["metric"]}))
 
@@ -235,30 +243,20 @@ def _tracking_figure(key: str, *, rotary: bool) -> tuple[float, str, str]:
     return 1e6, f"u{length}", title
 
 
-def print_published(study: WholeStudy) -> None:
-    """Print costs and Table 4 over the seeds, and what the results are worth in slow motions."""
-    published = study.published
-    start, final = published.start_costs(), published.final_costs()
-    print(f"the paper's learning as published, from coarse starts; seeds: {len(final)}")
+def print_published(study: PublishedStudy) -> None:
+    """Print what each method makes of the coarse starts."""
+    names = [motion.name.replace(" ", "_") for motion in MOTIONS]
     print(
-        f"cost in m2/s2: {published.cost_without:.3g} without compensation, median "
-        f"{np.median(start):.3g} at the start and {np.median(final):.3g} at the end "
-        f"on the simulated drive; {PAPER_COST:.2g} at the end on the real stage (paper)"
+        "from coarse starts, median over seeds and encoder phases: cost in m2/s2, then the RMS\n"
+        f"error of the true velocity relative to that without compensation; there the cost is\n"
+        f"{study.cost_without:.3g}, and {PAPER_COST:.2g} at the end on the real stage (paper); "
+        "worse: seeds that\ntrack worse than from their start, on the trapezoid and in slow motion"
     )
-    print("errors in mm/s, median over seeds; worse: seeds that track worse than their start")
-    print("                         simulated drive         real stage (paper)")
-    print("velocity region  metric  without   start    with    with   worse")
-    table = published.table4()
-    keys = ["velocity", "region", "metric"]
-    for (velocity, region, metric), rows in table.groupby(keys, sort=False):
+    heads = "".join(f"{name:>18}" for name in names)
+    print(f"{'method':16}{'seeds':>6}{'runs':>6}{'cost':>10}{heads}  worse")
+    for row in study.panel().to_dict("records"):
+        shares = "".join(f"{row[name]:18.3g}" for name in names)
         print(
-            f"{velocity:8} {region:7} {metric:6} {rows['without'].iloc[0]:8.3f} "
-            f"{rows['start'].median():7.3f} {rows['with'].median():7.3f} "
-            f"{rows['paper_with'].iloc[0]:7.2f} {(rows['with'] > rows['start']).sum():7d}"
+            f"{row['method']:16}{row['seeds']:6}{row['runs']:6}{row['cost']:10.2g}{shares}"
+            f"{row['worse']:5} {row['worse_slow']}"
         )
-    measured = table[table["velocity"] == "measured"]
-    print(
-        f"{100 * worse(measured):.0f} % of the seeds follow the trapezoid worse than from their "
-        "start (measured E_rms of both regions), although the training cost fell"
-    )
-    print(worth(study.slow))

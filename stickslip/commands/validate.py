@@ -156,6 +156,7 @@ def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> di
     """Identify the axis for its loop, run the trapezoid without and with the compensator."""
     from stickslip.commands.tables import print_table4, write_files
     from stickslip.evaluation.attribution import attribute
+    from stickslip.evaluation.scatter import PHASES
     from stickslip.evaluation.validation import validate
     from stickslip.identification.stages import identify
     from stickslip.pipeline.reproduction import drive_truth
@@ -176,7 +177,9 @@ def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> di
         if options.velocity_filter:
             loop = with_inertia(with_velocity_filter(plain, rig.datasheet, compensator["F_c"]))
         progress.stage("validating")
-        validation = validate(rig, loop, compensator, VALIDATION, options.feed, plain, behind)
+        validation = validate(
+            rig, loop, compensator, VALIDATION, options.feed, plain, behind, PHASES
+        )
         tables = {"table4.csv": validation.table()}
         print_table4(tables["table4.csv"])
         if options.velocity_filter:

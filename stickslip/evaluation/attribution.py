@@ -10,6 +10,7 @@ import pandas as pd
 from stickslip import cosim
 from stickslip.evaluation.comparison import Entry, evaluate
 from stickslip.evaluation.motions import trapezoid
+from stickslip.evaluation.scatter import PHASES
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.systems import Feed
@@ -25,8 +26,8 @@ def attribute(
 ) -> pd.DataFrame:
     """Run the trapezoid in all eight loops; return the errors of Table 4 in mm/s.
 
-    Columns: filter, inertia, compensator (off, on), velocity (measured, true), then
-    ``start E_max``, ``start E_rms``, ``reverse E_max``, ``reverse E_rms``.
+    They are medians over ``PHASES``. Columns: filter, inertia, compensator (off, on), velocity
+    (measured, true), then ``start E_max``, ``start E_rms``, ``reverse E_max``, ``reverse E_rms``.
 
     Parameters
     ----------
@@ -40,7 +41,7 @@ def attribute(
         chosen = filtered if use_filter else loop
         chosen = with_inertia(chosen) if inertia else chosen
         entries[str(parts)] = Entry(chosen, compensator if compensated else None)
-    table = evaluate(rig, entries, feed, [trapezoid(command)]).table()
+    table = evaluate(rig, entries, feed, [trapezoid(command)], PHASES).table()
     table.index = pd.Index(table["region"] + " " + table["metric"])
     rows = []
     for parts in itertools.product((False, True), repeat=3):

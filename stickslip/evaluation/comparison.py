@@ -3,29 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from itertools import chain
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from stickslip.evaluation.motions import MOTIONS, Motion
-from stickslip.evaluation.validation import (
-    Run,
-    covered,
-    run_command,
-    run_compensators,
-    velocity_errors,
-)
+from stickslip.evaluation.scatter import ONCE, repetitions, summary
+from stickslip.evaluation.validation import Run, covered, runs_of, velocity_errors
+from stickslip.fmi.process import Threads
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.divergence import Diverged, require_bounded
+from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 
-Key = tuple[str, int]
-"""The name of an entry, and which of its compensators."""
-
+Key = tuple[str, str, str, str, str]
+"""An error, by the columns of ``KEYS``."""
 KEYS = ["motion", "region", "velocity", "metric", "unit"]
 """The columns of ``Evaluation.table`` before those of the entries."""
 
@@ -53,35 +48,24 @@ class Evaluation:
     Attributes
     ----------
     motions : in the order in which they are shown
-    runs : by name of the motion, then of the entry; of its ``compensator``
-    others : the runs of ``Entry.others``, likewise
+    runs : by name of the motion, then of the entry: of its ``compensator``, at the first phase
+    errors : by name of the entry, with the index ``KEYS`` and a column for each compensator and
+        phase; NaN where the drive runs away
     """
 
     motions: tuple[Motion, ...]
     runs: Mapping[str, Mapping[str, Run]]
-    others: Mapping[str, Mapping[str, Sequence[Run]]] = field(default_factory=dict)
+    errors: Mapping[str, pd.DataFrame]
 
     def table(self) -> pd.DataFrame:
-        """Return the errors, a row each and a column for each entry.
+        """Return the errors, a row each, and for each entry a column of medians.
 
         The columns before those of the entries: motion, region, velocity (measured, true), metric
         (E_max, E_rms, E_x), unit (mm/s, for E_x um). E_x is the largest position error; for it
         ``velocity`` tells whether the position is the measured or the true one. Errors are NaN
-        where the drive runs away.
+        where the drive runs away. Behind all entries stand the ranges, see ``scatter.summary``.
         """
-        columns = []
-        runs = chain.from_iterable(of.values() for of in self.runs.values())
-        top = max(float(np.max(np.abs(run.v_cmd))) for run in runs)
-        for name in next(iter(self.runs.values())):
-            errors = {}
-            for motion in self.motions:
-                others = self.others.get(motion.name, {}).get(name, ())
-                each = [
-                    _errors(run, motion, top) for run in (self.runs[motion.name][name], *others)
-                ]
-                errors.update(pd.DataFrame(each).median(skipna=False).to_dict())
-            columns.append(pd.Series(errors, name=name))
-        return pd.concat(columns, axis=1).rename_axis(index=KEYS).reset_index()
+        return summary(self.errors).reset_index()
 
 
 def evaluate(
@@ -89,46 +73,53 @@ def evaluate(
     entries: Mapping[str, Entry],
     feed: Feed = "nominal",
     motions: Sequence[Motion] = MOTIONS,
+    phases: Sequence[float] = ONCE,
+    workers: int = 1,
 ) -> Evaluation:
-    """Run each motion with each entry. It may use the true values."""
-    each = {(name, -1): entry for name, entry in entries.items()}
-    each |= {
-        (name, place): Entry(entry.loop, values)
-        for name, entry in entries.items()
-        for place, values in enumerate(entry.others)
-    }
-    runs: dict[str, Mapping[str, Run]] = {}
-    others: dict[str, Mapping[str, Sequence[Run]]] = {}
-    for motion in motions:
-        done = _runs(rig, each, feed, motion)
-        runs[motion.name] = {name: done[name, -1] for name in entries}
-        others[motion.name] = {
-            name: [done[name, place] for place in range(len(entry.others))]
-            for name, entry in entries.items()
-        }
-    return Evaluation(tuple(motions), runs, others)
+    """Run each motion with each entry at each phase. It may use the true values.
+
+    ``workers`` motions run side by side.
+    """
+    commands = [motion.command.sample(rig.samples(motion.duration)) for motion in motions]
+    top = max(float(np.max(np.abs(v_cmd))) for v_cmd in commands)
+
+    def one(motion: Motion, v_cmd: Array) -> tuple[dict[str, Run], dict[str, pd.DataFrame]]:
+        runs: dict[str, Run] = {}
+        errors: dict[str, list[dict[Key, float]]] = {}
+        for name, repeated in _runs(rig, entries, feed, v_cmd, phases):
+            runs.setdefault(name, repeated[0])
+            errors.setdefault(name, []).extend(motion_errors(run, motion, top) for run in repeated)
+        return runs, {name: repetitions(found, KEYS) for name, found in errors.items()}
+
+    with Threads(workers) as threads:
+        found = threads.each(lambda pair: one(*pair), zip(motions, commands, strict=True))
+    runs = {motion.name: each for motion, (each, _) in zip(motions, found, strict=True)}
+    errors = {name: pd.concat(table[name] for _, table in found) for name in entries}
+    return Evaluation(tuple(motions), runs, errors)
 
 
-def _runs(rig: FmuRig, entries: Mapping[Key, Entry], feed: Feed, motion: Motion) -> dict[Key, Run]:
+def _runs(
+    rig: FmuRig,
+    entries: Mapping[str, Entry],
+    feed: Feed,
+    v_cmd: Array,
+    phases: Sequence[float],
+) -> Iterator[tuple[str, list[Run]]]:
     """Run one motion; the FMUs are prepared once for all compensators in the same loop."""
-    v_cmd = motion.command.sample(rig.samples(motion.duration))
-    runs = {
-        name: run_command(rig, entry.loop, None, v_cmd, feed)
-        for name, entry in entries.items()
-        if entry.compensator is None
-    }
-    alike: dict[int, dict[Key, Mapping[str, float]]] = {}
+    alike: dict[int, list[str]] = {}
     for name, entry in entries.items():
-        if entry.compensator is not None:
-            alike.setdefault(id(entry.loop), {})[name] = entry.compensator
-    for compensators in alike.values():
-        loop = entries[next(iter(compensators))].loop
-        done = run_compensators(rig, loop, compensators.values(), v_cmd, feed)
-        runs.update(zip(compensators, done, strict=True))
-    return runs
+        if entry.compensator is None:
+            yield name, next(runs_of(rig, entry.loop, [None], v_cmd, feed, phases))
+        else:
+            alike.setdefault(id(entry.loop), []).append(name)
+    for names in alike.values():
+        tried = [(n, one) for n in names for one in (entries[n].compensator, *entries[n].others)]
+        loop, compensators = entries[names[0]].loop, [one for _, one in tried]
+        found = runs_of(rig, loop, compensators, v_cmd, feed, phases)
+        yield from zip((name for name, _ in tried), found, strict=True)
 
 
-def _errors(run: Run, motion: Motion, top: float) -> dict[tuple[str, str, str, str, str], float]:
+def motion_errors(run: Run, motion: Motion, top: float) -> dict[Key, float]:
     """Return the errors by the columns of ``KEYS``, in the unit that is stated.
 
     Parameters

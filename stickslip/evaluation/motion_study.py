@@ -13,6 +13,7 @@ import pandas as pd
 from stickslip.catalog.parameters import parameter
 from stickslip.evaluation.comparison import Entry, Evaluation, evaluate
 from stickslip.evaluation.motions import MOTIONS, Motion
+from stickslip.evaluation.scatter import PHASES, summary
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
@@ -99,6 +100,8 @@ def study_motions(
     loop: VelocityLoop,
     exact: Mapping[str, float],
     feed: Feed = "nominal",
+    phases: Sequence[float] = PHASES,
+    workers: int = 1,
 ) -> MotionStudy:
     """Run all motions.
 
@@ -109,12 +112,15 @@ def study_motions(
     entries : what is compared, ``UNCOMPENSATED`` and ``LEARNED`` among them
     loop : in which the sensitivity is found, and of which the weak one is made
     exact : the parameters of the exact compensator by name
+    phases : at which each is run, see ``scatter.py``
+    workers : motions side by side
     """
     weak = weakened(loop)
     weak_entries = dict(zip(WEAK_ENTRIES, (Entry(weak), Entry(weak, exact)), strict=True))
-    evaluation = evaluate(rig, {**entries, **weak_entries}, feed)
+    evaluation = evaluate(rig, {**entries, **weak_entries}, feed, phases=phases, workers=workers)
     loops = {name: entry.loop for name, entry in entries.items()}
-    return MotionStudy(loops, evaluation, sensitivity(rig, loop, exact, feed), weak)
+    shown = sensitivity(rig, loop, exact, feed, phases=phases, workers=workers)
+    return MotionStudy(loops, evaluation, shown, weak)
 
 
 def weakened(loop: VelocityLoop) -> VelocityLoop:
@@ -143,12 +149,15 @@ def sensitivity(
     exact: Mapping[str, float],
     feed: Feed = "nominal",
     motions: Sequence[Motion] = MOTIONS,
+    phases: Sequence[float] = PHASES,
+    workers: int = 1,
 ) -> pd.DataFrame:
     """Return the errors of the drive's true motion with each parameter wrong, in every region.
 
     Columns: parameter, change, motion, region, metric (E_rms of the velocity, E_x of the position),
     unit; ``without``, ``exact`` and ``wrong``, the errors without compensation, with the exact
-    compensator and with the wrong one; ``lost``, by how much the reduction (9) falls, a fraction.
+    compensator and with the wrong one; ``lost``, by how much the reduction (9) falls, a fraction:
+    medians over the phases, and the ranges, see ``scatter.summary``.
 
     Parameters
     ----------
@@ -157,18 +166,18 @@ def sensitivity(
     wrong = wrong_values(exact)
     entries = {"without": Entry(loop), "exact": Entry(loop, exact)}
     entries |= {" ".join(key): Entry(loop, values) for key, values in wrong.items()}
-    table = evaluate(rig, entries, feed, motions).table()
-    table = table[(table["velocity"] == "true") & (table["metric"] != "E_max")]
+    errors = evaluate(rig, entries, feed, motions, phases, workers).errors
+    without, exact_ones = errors["without"], errors["exact"]
     frames = []
     for name, change in wrong:
-        frame = table[["motion", "region", "metric", "unit", "without", "exact"]].copy()
+        one = errors[f"{name} {change}"]
+        found = {"without": without, "exact": exact_ones, "wrong": one}
+        frame = summary({**found, "lost": (one - exact_ones) / without}).reset_index()
+        frame = frame[(frame["velocity"] == "true") & (frame["metric"] != "E_max")]
         frame.insert(0, "parameter", name)
         frame.insert(1, "change", change)
-        frame["wrong"] = table[f"{name} {change}"]
-        frames.append(frame)
-    shown = pd.concat(frames, ignore_index=True)
-    shown["lost"] = (shown["wrong"] - shown["exact"]) / shown["without"]
-    return shown
+        frames.append(frame.drop(columns="velocity"))
+    return pd.concat(frames, ignore_index=True)
 
 
 def by_motion(shown: pd.DataFrame) -> pd.DataFrame:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -14,6 +14,7 @@ from scipy.integrate import cumulative_trapezoid
 from stickslip import cosim
 from stickslip.errors import RigError
 from stickslip.evaluation.motions import Regions, Span, regions_after, trapezoid, windows
+from stickslip.evaluation.scatter import ONCE, beginnings, ranges_last, repetitions, summary
 from stickslip.rigs.contract import Rig
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.divergence import require_bounded
@@ -30,7 +31,7 @@ PAPER_TABLE4 = {
 """Table 4, without and with compensation; it prints no unit, and mm/s is the reading that fits."""
 
 METRICS = ("E_max", "E_rms")
-Errors = TypeVar("Errors", float, pd.Series)
+Errors = TypeVar("Errors", float, pd.Series, pd.DataFrame)
 
 RECORD = (
     *("drive.x_enc", "drive.x", "drive.v", "drive.F_f"),
@@ -72,34 +73,42 @@ class Validation:
     """Both runs, and the instants at which motion starts and reverses [s].
 
     It shows itself as the table of its errors.
+
+    Attributes
+    ----------
+    repeated : both runs of further phases, see ``scatter.py``
     """
 
     without: Run
     compensated: Run
     instants: dict[str, float]
+    repeated: Sequence[tuple[Run, Run]] = ()
 
     def errors(self) -> pd.DataFrame:
         """Return velocity errors [mm/s] without and with compensation, and reductions (9).
 
-        A row for each velocity (measured, true), region (start, reverse) and metric.
+        A row for each velocity (measured, true), region (start, reverse) and metric: medians over
+        the phases, with ranges, and the reduction by the medians.
         """
         regions = regions_after(self.instants)
-        without, compensated = (
-            velocity_errors(run, regions) for run in (self.without, self.compensated)
+        both = (self.without, self.compensated), *self.repeated
+        names = ["velocity", "region", "metric"]
+        before, after = (
+            1e3 * repetitions((velocity_errors(run, regions) for run in runs), names)
+            for runs in zip(*both, strict=True)
         )
-        rows = []
-        for key in without:
-            before, after = 1e3 * without[key], 1e3 * compensated[key]
-            rows.append((*key, before, after, reduction(before, after)))
-        head = ["velocity", "region", "metric", "without", "with", "reduction"]
-        return pd.DataFrame(rows, columns=head)
+        found = {"without": before, "with": after, "reduction": reduction(before, after)}
+        table = summary(found)
+        table["reduction"] = reduction(table["without"], table["with"])
+        return table.reset_index()
 
     def table(self) -> pd.DataFrame:
         """Return Table 4: the errors beside those of the paper."""
         table = self.errors()
         paper = [PAPER_TABLE4[key] for key in zip(table["region"], table["metric"], strict=True)]
         table[["paper_without", "paper_with"]] = paper
-        return table.assign(paper_reduction=[reduction(*one) for one in paper])
+        table["paper_reduction"] = [reduction(*one) for one in paper]
+        return ranges_last(table)
 
     def __repr__(self) -> str:
         return f"Velocity errors [mm/s]:\n{self.errors().round(3).to_string(index=False)}"
@@ -152,6 +161,7 @@ def validate(
     feed: Feed = "nominal",
     plain: VelocityLoop | None = None,
     behind: Sequence[Compensator] = (),
+    phases: Sequence[float] = ONCE,
 ) -> Validation:
     """Run the trapezoid without and with compensation.
 
@@ -162,21 +172,31 @@ def validate(
     plain : the loop of the run without compensation, by default ``loop``. A velocity filter that
         counts on a compensator follows worse without: compare it with the loop it replaces.
     behind : further compensators, behind this one; only on a simulated drive
+    phases : where a simulated drive begins, see ``scatter.py``
 
     Raises
     ------
     RigError
         When a motion of the rig did not end as commanded.
     Diverged
-        When the drive runs away in either run.
+        When the drive runs away in a run.
     """
     v_cmd = command.sample(rig.samples(trapezoid(command).duration))
-    without = run_command(rig, plain or loop, None, v_cmd, feed)
-    compensated = run_command(rig, loop, compensator, v_cmd, feed, behind)
-    for run in (without, compensated):
+    chains = ((plain or loop, None, ()), (loop, compensator, behind))
+    if isinstance(rig, FmuRig):
+        without, compensated = (
+            next(runs_of(rig, used, [values], v_cmd, feed, phases, more))
+            for used, values, more in chains
+        )
+    else:
+        without, compensated = (
+            [run_command(rig, used, values, v_cmd, feed, more)] for used, values, more in chains
+        )
+    for run in (*without, *compensated):
         for v in run.v.values():
             require_bounded(v, abs(command.height))
-    return Validation(without, compensated, windows(command))
+    first, *repeated = zip(without, compensated, strict=True)
+    return Validation(*first, windows(command), repeated)
 
 
 def run_command(
@@ -189,8 +209,7 @@ def run_command(
 ) -> Run:
     """Run a velocity command (n,) [m/s], one value a sample, with a compensator or None."""
     if isinstance(rig, FmuRig):
-        system = paper_loop(rig.fmus, loop, compensator, feed, behind)
-        return _runs(system, rig, loop, [{}], v_cmd)[0]
+        return next(runs_of(rig, loop, [compensator], v_cmd, feed, behind=behind))[0]
     if behind:
         raise RigError(f"{rig.name}: compensators with feedback run in the drive, not beside it")
     with rig.trials(v_cmd, loop, feed, compensated=compensator is not None) as trial:
@@ -202,31 +221,32 @@ def run_command(
     return Run(t, v_cmd, x_enc, shown, found["nominal.v_r"], *forces, unknown)
 
 
-def run_compensators(
+def runs_of(
     rig: FmuRig,
     loop: VelocityLoop,
-    compensators: Iterable[Mapping[str, float]],
+    compensators: Sequence[Mapping[str, float] | None],
     v_cmd: Array,
     feed: Feed = "nominal",
-) -> list[Run]:
-    """Do what ``run_command`` does with each of several compensators, and prepare the FMUs once."""
-    return _runs(paper_loop(rig.fmus, loop, {}, feed), rig, loop, compensators, v_cmd)
+    phases: Sequence[float] = ONCE,
+    behind: Sequence[Compensator] = (),
+) -> Iterator[list[Run]]:
+    """Do what ``run_command`` does, with several compensators at every phase; prepare once.
 
-
-def _runs(
-    system: cosim.System,
-    rig: FmuRig,
-    loop: VelocityLoop,
-    compensators: Iterable[Mapping[str, float]],
-    v_cmd: Array,
-) -> list[Run]:
+    Parameters
+    ----------
+    compensators : one that is None, for none, stands alone
+    """
+    connected: dict[str, float] | None = None if compensators[0] is None else {}
+    system = paper_loop(rig.fmus, loop, connected, feed, behind)
     stop, commands = (len(v_cmd) - 1) * rig.T_s, loop.commands(v_cmd)
-    runs = []
+    starts = beginnings(system, phases) if tuple(phases) != ONCE else [{}]
     with system.prepare(step=rig.T_s, stop=stop, record=RECORD) as simulation:
         for compensator in compensators:
-            values = {f"compensator.{name}": value for name, value in compensator.items()}
-            result = simulation.run(values, commands)
-            x_enc, x, v, F_f, v_r, F_ff = (result[name] for name in RECORD)
-            shown = {"measured": measured_velocity(x_enc, rig.T_s), "true": v}
-            runs.append(Run(result.time, v_cmd, x_enc, shown, v_r, F_f, F_ff, x))
-    return runs
+            own = {f"compensator.{name}": value for name, value in (compensator or {}).items()}
+            runs = []
+            for start in starts:
+                result = simulation.run({**own, **start}, commands)
+                x_enc, x, v, F_f, v_r, F_ff = (result[name] for name in RECORD)
+                shown = {"measured": measured_velocity(x_enc, rig.T_s), "true": v}
+                runs.append(Run(result.time, v_cmd, x_enc, shown, v_r, F_f, F_ff, x))
+            yield runs

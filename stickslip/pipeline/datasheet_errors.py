@@ -7,13 +7,16 @@ loop with the identified compensator, and the same with a velocity filter.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
-from stickslip.evaluation.validation import Validation, run_command, validate
+from stickslip.evaluation.scatter import HIGH, LOW, PHASES
+from stickslip.evaluation.validation import Validation, validate
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.process import Threads
 from stickslip.identification.stages import identify
@@ -24,13 +27,14 @@ from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import Feed
 
 FACTORS: Mapping[str, tuple[float, ...]] = {
-    "mass": (0.7, 1.3),
+    "mass": (0.7,),
     "peak_force": (0.5,),
     "tau_i": (0.5, 3.0),
-    "encoder_step": (0.5, 2.0),
-    "force_noise": (0.2, 5.0),
+    "encoder_step": (2.0,),
+    "force_noise": (5.0,),
 }
 """How wrong each number of ``setup.Datasheet`` is taken to be."""
+ENDS = ("", LOW, HIGH)
 FOUND = ("m", "b", "F_c")
 """What is shown of the identification."""
 
@@ -46,8 +50,9 @@ def vary_datasheet(
 
     Columns: quantity, factor, value; m, b, F_c as identified; the reductions of Table 4, measured,
     as ``start_E_max`` and so on; ``filtered``, the least of the four on the true velocity in the
-    loop with velocity filter and feedforward of inertia; ``error``, what failed. What was not
-    reached is missing. Values are in SI units, reductions are fractions.
+    loop with velocity filter and feedforward of inertia; the ranges of these, see ``scatter.py``;
+    ``error``, what failed. What was not reached is missing. Values are in SI units, reductions are
+    fractions.
 
     Parameters
     ----------
@@ -80,19 +85,21 @@ def _outcome(rig: FmuRig, feed: Feed) -> dict[str, object]:
         found |= {name: values[name] for name in FOUND}
         compensator = {name: one.value for name, one in identification.tuned.items()}
         plain = identification.loop
-        validation = validate(rig, plain, compensator, VALIDATION, feed)
-        for (region, metric), reduction in _reductions(validation, "measured").items():
-            found[f"{region}_{metric}"] = reduction
+        judged = partial(
+            validate, rig, compensator=compensator, command=VALIDATION, feed=feed, phases=PHASES
+        )
+        for row in _rows(judged(loop=plain), "measured"):
+            name = f"{row['region']}_{row['metric']}"
+            found |= {f"{name}{end}": row[f"reduction{end}"] for end in ENDS}
         loop = with_inertia(with_velocity_filter(plain, rig.datasheet, compensator["F_c"]))
-        filtered = run_command(rig, loop, compensator, validation.without.v_cmd, feed)
-        validation = replace(validation, compensated=filtered)
-        found["filtered"] = min(_reductions(validation, "true").values())
+        rows = _rows(judged(loop=loop, plain=plain), "true")
+        least = min(rows, key=lambda row: row["reduction"])
+        found |= {f"filtered{end}": least[f"reduction{end}"] for end in ENDS}
     except Fault as fault:
         found["error"] = str(fault)
     return found
 
 
-def _reductions(validation: Validation, velocity: str) -> dict[tuple[str, str], float]:
+def _rows(validation: Validation, velocity: str) -> list[dict[Hashable, Any]]:
     table = validation.table()
-    table = table[table["velocity"] == velocity]
-    return {(row["region"], row["metric"]): row["reduction"] for row in table.to_dict("records")}
+    return table[table["velocity"] == velocity].to_dict("records")

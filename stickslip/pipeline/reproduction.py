@@ -18,6 +18,7 @@ from stickslip import cosim, ga, models
 from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.evaluation.motion_study import MotionStudy
+from stickslip.evaluation.scatter import PHASES
 from stickslip.evaluation.validation import Validation, validate
 from stickslip.identification.criteria.scaling import Scale
 from stickslip.identification.stages import Estimate, Identification
@@ -33,7 +34,7 @@ from stickslip.servo.systems import Changes, Feed, build_fmus, build_loop, drive
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.loop_learning import LoopStudy, learn_loop
-from stickslip.tuning.published import WholeStudy
+from stickslip.tuning.published import PublishedStudy
 from stickslip.tuning.refinement import Refinement
 
 
@@ -62,7 +63,7 @@ class Options:
     preset: str = "default"
     feed: Feed = "nominal"
     loop_seeds: int = 5
-    published_seeds: int = 20
+    published_seeds: int = 10
     complete: bool = False
     coarse: Mapping[str, float] = field(default_factory=dict)
 
@@ -136,7 +137,7 @@ class Reproduction(Reproduced):
     beforehand: pd.DataFrame | None = None
     opinion: SecondOpinion | None = None
     motions: MotionStudy | None = None
-    published: WholeStudy | None = None
+    published: PublishedStudy | None = None
 
     @property
     def exact(self) -> Mapping[str, float]:
@@ -152,7 +153,7 @@ class Reproduction(Reproduced):
     def table4(self) -> pd.DataFrame:
         """Return Table 4, with a column for each step once all motions were run."""
         table = self.validation.table()
-        return with_steps(table, self.motions.evaluation.table()) if self.motions else table
+        return with_steps(table, self.motions.evaluation) if self.motions else table
 
 
 def drive_truth(changes: Changes, law: str = "lugre") -> dict[str, float]:
@@ -188,7 +189,9 @@ def validated(options: Options, rig: FmuRig, learned: Learned, progress: Progres
     """
     plain, loop, _ = learned.designed
     progress.stage("validating")
-    validation = validate(rig, loop, learned.friction, VALIDATION, options.feed, plain)
+    validation = validate(
+        rig, loop, learned.friction, VALIDATION, options.feed, plain, phases=PHASES
+    )
     system = paper_loop(rig.fmus, loop, learned.friction, options.feed)
     return Reproduced(options, drive_truth(options.truth, options.law), learned, validation, system)
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
 import pandas as pd
 
-from stickslip.evaluation.comparison import Entry
+from stickslip.evaluation.comparison import Entry, Evaluation
 from stickslip.evaluation.motion_study import IDENTIFIED, LEARNED, UNCOMPENSATED
 from stickslip.evaluation.motions import MOTIONS
+from stickslip.evaluation.scatter import HIGH, LOW, ranges_last, summary
 from stickslip.evaluation.validation import reduction
 from stickslip.identification.stages import Identification
 from stickslip.pipeline.learned import Learned
@@ -17,7 +17,6 @@ from stickslip.servo.axis import ControlError
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.tuned_pi import tuned_pi
-from stickslip.tuning.published import Published
 
 TRAPEZOID = MOTIONS[0]
 FILTERED = "with_filter"
@@ -30,20 +29,21 @@ STEPS = {
     "tuned_pi": "Tuned PI alone",
     IDENTIFIED: "Identified",
     "as_published": "As published",
-    "coarse_default": "Default, coarse",
+    "least_squares_coarse": "Least squares, coarse",
     LEARNED: "Default",
     FILTERED: "Default, filter",
     "one_recording": "One recording",
     "velocity_filter": "And filter",
 }
-"""The steps by the names of their columns, in the order in which they are shown."""
+"""The steps by the names of their columns, in the order in which they are shown.
+
+Those from coarse starts are in ``stickslip/tuning/published.py``, over seeds.
+"""
 
 
 def steps(
     identification: Identification,
     learned: Learned,
-    published: Published | None = None,
-    coarse: Sequence[Mapping[str, float]] = (),
     recorded: Learned | None = None,
 ) -> dict[str, Entry]:
     """Return the steps that there are, in the order of ``STEPS``.
@@ -51,7 +51,6 @@ def steps(
     Parameters
     ----------
     learned : by the default
-    coarse : parameters of the default from the coarse starts of some of the published seeds
     recorded : from one recording
     """
     loop = identification.loop
@@ -65,11 +64,6 @@ def steps(
     with suppress(ControlError):
         filtered = with_velocity_filter(loop, Datasheet(), learned.friction["F_c"])
         found[FILTERED] = Entry(with_inertia(filtered), learned.friction)
-    if published is not None:
-        first, *others = (one.learned for one in published.seeds)
-        found["as_published"] = Entry(loop, first, others)
-    if coarse:
-        found["coarse_default"] = Entry(loop, coarse[0], coarse[1:])
     if recorded is not None:
         plain, filtered, _ = recorded.designed
         found["one_recording"] = Entry(plain, recorded.friction)
@@ -77,20 +71,25 @@ def steps(
     return {name: found[name] for name in STEPS if name in found}
 
 
-def with_steps(table4: pd.DataFrame, motions: pd.DataFrame) -> pd.DataFrame:
-    """Return Table 4 with a column [mm/s] for each step that it has not yet.
+def by_step(table4: pd.DataFrame) -> pd.DataFrame:
+    """Return Table 4 with the names of the steps: ``LEARNED`` for its column ``with``."""
+    ends = ("", LOW, HIGH)
+    return table4.rename(columns={f"with{end}": f"{LEARNED}{end}" for end in ends})
+
+
+def with_steps(table4: pd.DataFrame, evaluation: Evaluation) -> pd.DataFrame:
+    """Return Table 4 with a column [mm/s] for each step that it has not yet, with ranges.
 
     Behind that of the filter stands the reduction with it, as a fraction.
-
-    Parameters
-    ----------
-    motions : what ``Evaluation.table`` returns
     """
+    names = [n for n in STEPS if n in evaluation.errors and n not in (UNCOMPENSATED, LEARNED)]
+    errors = {n: pd.DataFrame(t.loc[TRAPEZOID.name]) for n, t in evaluation.errors.items()}
+    found = {n: errors[n] for n in names}
+    if FILTERED in found:
+        found[REDUCTION_WITH_FILTER] = reduction(errors[UNCOMPENSATED], errors[FILTERED])
     keys = ["velocity", "region", "metric"]
-    rows = motions[motions["motion"] == TRAPEZOID.name]
-    more = [name for name in STEPS if name in rows and name not in (UNCOMPENSATED, LEARNED)]
-    table = table4.merge(rows[[*keys, *more]], on=keys, how="left", validate="one_to_one")
-    if FILTERED in table:
-        reduced = reduction(table[UNCOMPENSATED], table[FILTERED])
-        table.insert(list(table.columns).index(FILTERED) + 1, REDUCTION_WITH_FILTER, reduced)
-    return table
+    rows = summary(found).reset_index().drop(columns="unit")
+    table = table4.merge(rows, on=keys, how="left", validate="one_to_one")
+    if FILTERED in found:
+        table[REDUCTION_WITH_FILTER] = reduction(table[UNCOMPENSATED], table[FILTERED])
+    return ranges_last(table)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Hashable, Mapping
 
 from stickslip.catalog.parameters import parameter
+from stickslip.evaluation.scatter import HIGH, LOW
 from stickslip.identification.stages import Estimate
 from stickslip.models import Law
+from stickslip.report.markup import Html, element, join
 
 SPACE = "\u00a0"
 """Does not break."""
@@ -70,6 +73,15 @@ def number(value: float, digits: int = 4) -> str:
 def percent(share: float, digits: int = 1) -> str:
     """Return a share as per cent, e.g. ``95.7 %``."""
     return f"{_fixed(100.0 * share, digits)}{SPACE}%" if math.isfinite(share) else "–"
+
+
+def ranged(
+    row: Mapping[Hashable, float], name: str, show: Callable[[float], str] = "{:.3f}".format
+) -> Html:
+    """Return the median of a row and below it, where it has one, its range."""
+    ends = [show(row[end]) for end in (f"{name}{LOW}", f"{name}{HIGH}") if end in row]
+    spread = "–".join(ends).replace(f"{SPACE}%–", "–")
+    return join([show(row[name]), *([element("span", spread, class_="range")] if ends else [])])
 
 
 def percentage(share: float) -> str:

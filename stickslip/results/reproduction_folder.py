@@ -26,7 +26,7 @@ from stickslip.servo.deployment import deployed
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.systems import for_all_platforms
 from stickslip.servo.velocity_loop import VelocityLoop
-from stickslip.tuning.published.readings import TABLES, WholeStudy
+from stickslip.tuning.published import START, TABLES, PublishedStudy
 
 FMU = "compensator"
 """Name of the compensator's model and FMU."""
@@ -85,7 +85,7 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
 
 
 def write_published_results(
-    study: WholeStudy, options: Options, truth: Mapping[str, float], folder: Path
+    study: PublishedStudy, options: Options, truth: Mapping[str, float], folder: Path
 ) -> None:
     """Write tables, pictures and page of the study.
 
@@ -98,7 +98,7 @@ def write_published_results(
     OSError
         When a file cannot be written.
     """
-    seeds = len(study.published.seeds)
+    seeds = len(study.seeds[START])
     with staged(folder, command_of(options, as_published=True, seeds=seeds)) as staging:
         write_tables(study.tables(), staging)
         write_page(staging, PUBLISHED_TITLE, [study_section(study, truth)])

@@ -59,12 +59,12 @@ def reproduction(tmp_path_factory, quiet) -> Reproduction:
 
 
 @pytest.fixture(scope="session")
-def results(reproduction, tmp_path_factory, quiet) -> Path:
+def results(reproduction, tmp_path_factory) -> Path:
     """Return a folder of results; the drive with all extras, which takes long, is the drive."""
     folder = tmp_path_factory.mktemp("results")
     fmus = reproduction.system.components["drive"].path.parent
     varied = vary_datasheet(fmus, reproduction.options.feed, factors={})
-    steps = step_by_step(reproduction, fmus, quiet, Execution())
+    steps = step_by_step(reproduction, fmus)
     extras = Extras(reproduction.validation, steps)
     found = replace(reproduction, extras=extras, beforehand=varied)
     write_results(with_motions(found, fmus), folder)

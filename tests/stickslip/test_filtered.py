@@ -7,6 +7,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.evaluation.attribution import attribute
+from stickslip.evaluation.scatter import PHASES
 from stickslip.evaluation.validation import validate
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
@@ -82,7 +83,7 @@ def test_attribution_tells_what_each_part_adds(make_rig):
     assert len(table) == 16
     assert set(table.velocity) == {"measured", "true"}
     true = table[table.velocity == "true"].set_index(PARTS)
-    judged = validate(rig, filtered, TABLE_2, VALIDATION, plain=plain).table()
+    judged = validate(rig, filtered, TABLE_2, VALIDATION, plain=plain, phases=PHASES).table()
     judged = judged[judged.velocity == "true"]
     errors = true.columns.drop("velocity")
     np.testing.assert_allclose(

@@ -49,10 +49,13 @@ def test_tables_have_the_columns_that_others_rely_on(results):
         *("parameter", "unit", "paper", "drive", "identified", "learned", "spread")
     ]
     table4 = pd.read_csv(results / "table4.csv")
+    ranged = ("without", "with", "reduction", "tuned_pi", "identified")
+    ranged = (*ranged, "with_filter", "reduction_with_filter")
     assert list(table4.columns) == [
         *("velocity", "region", "metric", "without", "with", "reduction"),
         *("paper_without", "paper_with", "paper_reduction", "tuned_pi", "identified"),
         *("with_filter", "reduction_with_filter"),
+        *(f"{name}_{end}" for name in ranged for end in ("low", "high")),
     ]
     assert len(table4) == 8
     true = table4[table4["velocity"] == "true"]
@@ -63,9 +66,10 @@ def test_tables_have_the_columns_that_others_rely_on(results):
         *("without", "tuned_pi", "identified", "learned"),
     ]
     sensitivity = pd.read_csv(results / "sensitivity.csv")
+    figures = ("without", "exact", "wrong", "lost")
     assert list(sensitivity.columns) == [
-        *("parameter", "change", "motion", "region", "metric", "unit"),
-        *("without", "exact", "wrong", "lost"),
+        *("parameter", "change", "motion", "region", "metric", "unit", *figures),
+        *(f"{name}_{end}" for name in figures for end in ("low", "high")),
     ]
     fitness = pd.read_csv(results / "fitness.csv")
     head = ["seed", "generation", "evaluations", "best_cost", "mean_cost"]

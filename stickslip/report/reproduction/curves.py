@@ -13,10 +13,11 @@ from matplotlib.ticker import FixedLocator, FormatStrFormatter, MaxNLocator, Nul
 from stickslip import ga
 from stickslip.evaluation.motion_study import LEARNED, UNCOMPENSATED
 from stickslip.evaluation.motions import SLOW_MOTIONS, Motion
+from stickslip.evaluation.scatter import HIGH, LOW
 from stickslip.evaluation.validation import PAPER_TABLE4, Run, Validation
 from stickslip.identification.stages import FrictionMap
 from stickslip.pipeline.reproduction import Reproduction
-from stickslip.pipeline.steps import STEPS
+from stickslip.pipeline.steps import STEPS, by_step
 from stickslip.report import style
 from stickslip.report.quantity import METRICS, with_error
 from stickslip.servo.measurement import Array
@@ -221,13 +222,15 @@ def draw_steps(reproduction: Reproduction) -> Figure:
 
 
 def _step_errors(axes: Axes, table: pd.DataFrame) -> None:
-    true = table[table["velocity"] == "true"].rename(columns={"with": LEARNED})
+    true = by_step(table[table["velocity"] == "true"])
     names = [name for name in STEPS if name in true]
     axes.set_yscale("log")
     axes.grid(visible=True, axis="y")
     for shift, (key, (marker, edge, face)) in enumerate(LOOKS.items()):
         row = true[(true["region"] == key[0]) & (true["metric"] == key[1])].iloc[0]
         x = [place + 0.14 * (shift - 1.5) for place in range(len(names))]
+        low, high = ([row.get(f"{n}{end}", row[n]) for n in names] for end in (LOW, HIGH))
+        axes.vlines(x, low, high, color=edge, lw=0.8)
         axes.plot(
             x, row[names], marker, ls="none", ms=4.5, mec=edge, mfc=face,
             mew=0.9, label=f"{key[0]}, {METRICS[key[1]]}",

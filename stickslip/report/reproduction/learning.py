@@ -17,7 +17,7 @@ from stickslip.report.quantity import (
     symbol,
 )
 from stickslip.servo.paper_commands import TRAINING
-from stickslip.tuning.published.study import PAPER_COST
+from stickslip.tuning.published import PAPER_COST
 
 
 def friction_section(reproduction: Reproduction) -> Section:

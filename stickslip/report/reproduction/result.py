@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import pandas as pd
 
 from stickslip import models
@@ -17,6 +20,7 @@ from stickslip.report.quantity import (
     parameter_unit,
     parameter_value,
     percent,
+    ranged,
     unit,
 )
 from stickslip.report.reproduction.loop_tuning import steps_at_a_glance
@@ -135,14 +139,17 @@ def _headline(reproduction: Reproduction) -> Html:
             # Changed, the drive is no longer the one that was calibrated.
             if k == 1 and quantity == "without" and not reproduction.options.truth:
                 drive += ", calibrated to this row"
-            values = errors[f"{prefix}{quantity}"]
-            cells = [
-                percent(value, 0 if prefix else 1) if quantity == "reduction" else f"{value:.2f}"
-                for value in values
-            ]
+            show: Callable[[float], str] = "{:.2f}".format
+            if quantity == "reduction":
+                show = partial(percent, digits=0 if prefix else 1)
+            found = errors.to_dict("records")
+            cells = [ranged(row, f"{prefix}{quantity}", show) for row in found]
             rows.append(("" if k else name, drive, *cells))
     head = [f"{region.capitalize()}, {METRICS[metric]}" for region, metric in own.index]
-    caption = "Velocity errors [mm/s] at motion start and reversal, as the encoder shows them"
+    caption = (
+        "Velocity errors [mm/s] at motion start and reversal, as the encoder shows them: medians "
+        "over phases of an encoder step, and ranges"
+    )
     return join([table(("", "", *head), rows, caption, (0, 1)), _extras_remark(extras)])
 
 

@@ -20,12 +20,13 @@ from stickslip.evaluation.motion_study import (
     unseen,
 )
 from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS
+from stickslip.evaluation.scatter import HIGH, LOW, PHASES
 from stickslip.evaluation.validation import Validation, reduction
 from stickslip.pipeline.reproduction import Reproduction
-from stickslip.pipeline.steps import FILTERED, REDUCTION_WITH_FILTER, STEPS
+from stickslip.pipeline.steps import FILTERED, REDUCTION_WITH_FILTER, STEPS, by_step
 from stickslip.report.markup import Html, element, join, paragraph, table
 from stickslip.report.page import Illustration, Section
-from stickslip.report.quantity import METRICS, SPACE, number, percent, symbol
+from stickslip.report.quantity import METRICS, SPACE, number, percent, ranged, symbol
 from stickslip.report.reproduction.curves import draw_motions, draw_steps, draw_tracking
 from stickslip.servo.measurement import CUTOFF
 from stickslip.servo.paper_commands import REGION, VALIDATION
@@ -49,7 +50,8 @@ def validation_section(validation: Validation, table4: pd.DataFrame | None = Non
             f"(8a), (8b) are taken against the command from {begin} to {end} ms after the motion "
             "starts or reverses. “Measured” is the encoder’s position, differenced and low-passed "
             f"at {number(CUTOFF)} Hz without phase lag; “true” is the drive’s own velocity, which "
-            "cannot be measured, and which contains the loop’s response to every encoder step."
+            "cannot be measured, and which contains the loop’s response to every encoder step. "
+            f"{PHASED}"
         ),
         table(
             ("", "", "Without [mm/s]", "With [mm/s]", "Reduction"),
@@ -78,6 +80,10 @@ def validation_section(validation: Validation, table4: pd.DataFrame | None = Non
     )
 
 
+PHASED = (
+    "How the encoder’s steps fall is chance. Each error is therefore the median of runs that begin "
+    f"at {len(PHASES)} phases of an encoder step, with other noise, and below it stands the range."
+)
 FILTER = paragraph(
     "What feedforward alone leaves of the true velocity is mainly the loop’s response to single "
     "encoder steps: differentiated over a sample, a step is a velocity of its own, and $K_p$ "
@@ -95,19 +101,15 @@ def _rows(frame: pd.DataFrame) -> list[tuple[str, ...]]:
         name = f"Motion {region}, {METRICS[str(metric)]}"
         for row in errors.to_dict("records"):
             label = f"simulated drive, {row['velocity']}"
-            numbers = f"{row['without']:.3f}", f"{row['with']:.3f}", percent(row["reduction"])
+            numbers = ranged(row, "without"), ranged(row, "with"), ranged(row, "reduction", percent)
             rows.append((name, label, *numbers))
             if FILTERED in row:
-                reduced = percent(row[REDUCTION_WITH_FILTER])
-                numbers = numbers[0], f"{row[FILTERED]:.3f}", reduced
+                reduced = ranged(row, REDUCTION_WITH_FILTER, percent)
+                numbers = numbers[0], ranged(row, FILTERED), reduced
                 rows.append((name, f"{label}, velocity filter", *numbers))
         paper = f"{row['paper_without']:.2f}", f"{row['paper_with']:.2f}"
         rows.append((name, "real stage (paper)", *paper, percent(row["paper_reduction"], 0)))
     return rows
-
-
-SCATTER = 0.02
-"""Relative change of an error below which a step counts as having changed nothing."""
 
 
 def steps_section(reproduction: Reproduction) -> Section | None:
@@ -122,10 +124,10 @@ def steps_section(reproduction: Reproduction) -> Section | None:
             "The same drive, controlled step by step: the paper’s loop without compensation "
             "(none); a PI controller alone, its gains tuned against friction at the same peak "
             "sensitivity; a compensator with the identified parameters; one learned as published "
-            "from coarse starts (median over seeds); the default from some of these starts "
-            "(coarse); the default, which begins at the identified parameters; one learned from a "
-            "single recording; and the last two with velocity filter and feedforward of inertia, "
-            "which the paper does not have (filter).",
+            "and one by least squares from coarse starts (over seeds); the default, which begins "
+            "at the identified parameters; one learned from a single recording; and the last two "
+            "with velocity filter and feedforward of inertia, which the paper does not have "
+            "(filter).",
         ),
         Illustration(
             "steps",
@@ -156,13 +158,13 @@ def steps_section(reproduction: Reproduction) -> Section | None:
 
 
 def _step_errors(table4: pd.DataFrame, drive: str) -> Html:
-    table4 = table4.rename(columns={"with": LEARNED})
+    table4 = by_step(table4)
     names = [name for name in STEPS if name in table4]
     rows = [
         (
             f"{row['region'].capitalize()}, {METRICS[row['metric']]}",
             row["velocity"],
-            *(f"{row[name]:.3f}" for name in names),
+            *(ranged(row, name) for name in names),
         )
         for row in table4.to_dict("records")
     ]
@@ -172,15 +174,16 @@ def _step_errors(table4: pd.DataFrame, drive: str) -> Html:
 
 def _benefit(table4: pd.DataFrame, drive: str) -> Html:
     """Return whether learning did better than identification, on the true velocity."""
-    table4 = table4.rename(columns={"with": LEARNED})
+    table4 = by_step(table4)
     true = table4[(table4["velocity"] == "true") & (table4["metric"] == "E_rms")]
     sentences = []
-    for name in ("as_published", "coarse_default", LEARNED, "one_recording"):
+    for name in ("as_published", "least_squares_coarse", LEARNED, "one_recording"):
         if name not in true:
             continue
         change = true[name] / true["identified"] - 1.0
-        verdict = "changed nothing"
-        if not (change.abs() < SCATTER).all():
+        verdict = "changed nothing beyond chance"
+        low, high = (true.get(f"identified{end}", true["identified"]) for end in (LOW, HIGH))
+        if not true[name].between(low, high).all():
             verdict = "changed the RMS error by " + ", ".join(
                 f"{'+' * (value > 0)}{percent(value, 0)} at the {region}"
                 for value, region in zip(change, true["region"], strict=True)
@@ -225,7 +228,8 @@ def motions_section(reproduction: Reproduction) -> Section | None:
         ),
         paragraph(
             "$E_{max}$ and $E_{rms}$ are the errors (8a) and (8b) of the velocity, as in Table 4; "
-            "$E_x$ is the largest error of the position.",
+            f"$E_x$ is the largest error of the position. Medians over {len(PHASES)} phases of an "
+            "encoder step, with their ranges.",
         ),
         *(_errors(study, name, group) for name, group in slow.groupby("motion", sort=False)),
         _limits(slow),
@@ -241,7 +245,7 @@ def _errors(study: MotionStudy, motion: Hashable, frame: pd.DataFrame) -> Html:
             error_name(row, SHOWN).replace(" um,", " µm,"),
             row["velocity"],
             row["unit"].replace("um", "µm"),
-            *(f"{row[name]:.3f}" for name in study.names),
+            *(ranged(row, name) for name in study.names),
             percent(reduction(row[UNCOMPENSATED], row[LEARNED])),
         )
         for _, errors in frame.groupby(["region", "metric"], sort=False)
@@ -313,7 +317,7 @@ def _weak(study: MotionStudy, slow: pd.DataFrame, truth: Mapping[str, float]) ->
         steepest = number((F_s - F_c) / v_s)
         falls += f", at most by ($F_s$ − $F_c$)/$v_s$ = {steepest} N s/m on this drive"
     rows = [
-        (f"Creep, {row['region']}", *(f"{row[name]:.3f}" for name in names))
+        (f"Creep, {row['region']}", *(ranged(row, name) for name in names))
         for row in creep.to_dict("records")
     ]
     return (

@@ -27,12 +27,11 @@ def test_tables_tell_the_seed_and_count_a_thousand_runs(folder):
     fitness = pd.read_csv(folder / "fitness.csv")
     assert set(fitness["seed"]) == {6}
     assert fitness["runs"].iloc[-1] == 1000
-    table4 = pd.read_csv(folder / "table4.csv")
-    assert set(table4["seed"]) == {6}
-    assert len(table4) == 8
-    assert pd.read_csv(folder / "readings.csv").empty  # a quarter of one seed is none
-    evaluated = pd.read_csv(folder / "readings_evaluation.csv")
-    assert evaluated["ours"].sum() == 2
+    assert set(pd.read_csv(folder / "learned.csv")["seed"]) == {6}
+    panel = pd.read_csv(folder / "panel.csv")  # half of one seed is none for other readings
+    assert panel["method"].tolist() == ["start", "as_published", "least_squares"]
+    motions = pd.read_csv(folder / "motions.csv")
+    assert (motions["as_published_low"] <= motions["as_published_high"]).all()
 
 
 @pytest.mark.parametrize(

@@ -16,10 +16,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from stickslip import cosim, ga
 from stickslip.catalog.parameters import LUGRE, PAPER, friction_law
-from stickslip.evaluation.comparison import Evaluation
+from stickslip.evaluation.comparison import KEYS, Evaluation, motion_errors
 from stickslip.evaluation.fmpy_check import Comparison, FmuVariable, SecondOpinion
 from stickslip.evaluation.motion_study import WEAK_ENTRIES, MotionStudy, weakened, wrong_values
 from stickslip.evaluation.motions import MOTIONS
+from stickslip.evaluation.scatter import repetitions
 from stickslip.evaluation.validation import Run, Validation
 from stickslip.identification.stages import (
     Estimate,
@@ -36,6 +37,7 @@ from stickslip.pipeline.steps import STEPS
 from stickslip.report.page import Picture, render
 from stickslip.report.quantity import number, parameter_estimate, parameter_value, percent
 from stickslip.report.reproduction import FIGURES, TITLE, sections, write_report
+from stickslip.report.reproduction.as_published import METHODS
 from stickslip.report.reproduction.identification import PRIOR
 from stickslip.report.style import house_style
 from stickslip.rigs.contract import Log
@@ -46,8 +48,7 @@ from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.loop_genes import GENES, tuned_loop
 from stickslip.tuning.loop_learning import LearnedLoop
-from stickslip.tuning.published.readings import READINGS, WholeStudy, learning_row
-from stickslip.tuning.published.study import Method, Published, SeedRun
+from stickslip.tuning.published import OURS, READINGS, SQUARES, START, PublishedStudy, SeedRun
 from stickslip.tuning.refinement import Refinement
 
 pytestmark = pytest.mark.slow
@@ -120,9 +121,18 @@ def motion_study():
             for name, share in left.items()
         }
     loop = design_velocity_loop(Datasheet().axis(PAPER["m"], PAPER["b"]), LOOP)
-    evaluation = Evaluation(MOTIONS, runs)
+    evaluation = Evaluation(MOTIONS, runs, {name: repeated(runs, name) for name in left})
     loops = dict.fromkeys(left, loop)
     return MotionStudy(loops, evaluation, sensitivity_of(evaluation), weakened(loop))
+
+
+def repeated(runs, name):
+    """Return the errors of an entry at three phases, of which the first is as it runs."""
+    one = {}
+    for motion in MOTIONS:
+        one |= motion_errors(runs[motion.name][name], motion, 1.0)
+    of = ({key: factor * value for key, value in one.items()} for factor in (1.0, 0.9, 1.2))
+    return repetitions(of, KEYS)
 
 
 def sensitivity_of(evaluation):
@@ -147,24 +157,26 @@ def validation(left=0.6e-3):
 
 
 def published_study():
-    """Return a study of four seeds, whose third tracks worse than its start."""
-    v = validation()
-    seeds = []
-    for seed in range(4):
-        start = coarsened({name: estimate(name) for name in LUGRE}, draw_factors(seed))
-        values = {name: value.value for name, value in start.items()}
-        learning = algorithm("paper")
-        ends = validation(2e-4 * (1 + seed)), validation(1e-4 * (12 if seed == 2 else 1))
-        seeds.append(
-            SeedRun(seed, values, values, learning, 25, *(end.compensated for end in ends))
-        )
-    published = Published(Method(), tuple(seeds), v.without, 0.0221)
-    rows = [learning_row(reading, published, published) for reading in READINGS]
-    slow = pd.DataFrame(
-        {"seed": range(4), "motion": "creep", "region": "0.1 mm/s"}
-        | {"without": 0.2, "start": 0.1, "with": [0.05, 0.1, 0.3, 0.15]}
-    )
-    return WholeStudy(published, pd.DataFrame(rows), slow)
+    """Return a study of four seeds, whose third ends worse than its start, with least squares."""
+    left = {START: (0.4,) * 4, OURS: (0.3, 0.3, 0.6, 0.3), SQUARES: (0.1,) * 4}
+    left |= dict.fromkeys(READINGS, (0.2, 0.2))
+    one = motion_study().evaluation
+    errors = {"without": one.errors["without"]}
+    seeds = {}
+    for method, shares in left.items():
+        errors[method] = pd.concat([share * errors["without"] for share in shares], axis=1)
+        seeds[method] = [
+            seed_run(seed, share, algorithm("paper") if method == OURS else None)
+            for seed, share in enumerate(shares)
+        ]
+    return PublishedStudy(seeds, 0.0221, replace(one, errors=errors))
+
+
+def seed_run(seed, share, learning):
+    values = coarsened({name: estimate(name) for name in LUGRE}, draw_factors(seed))
+    parameters = {name: value.value for name, value in values.items()}
+    runs = 1000 if learning else 75
+    return SeedRun(seed, parameters, 0.01 * share, runs, learning)
 
 
 def loops(preset):
@@ -353,21 +365,29 @@ def test_page_shows_table_4(reproduction, outline):
         assert percent(row["reduction"]) in outline.text
 
 
+def shown(row, name):
+    """Return the cells of a median and the range below it."""
+    return f"{row[name]:.3f}|{row[f'{name}_low']:.3f}–{row[f'{name}_high']:.3f}"
+
+
 def test_page_shows_the_errors_of_the_slow_motions(reproduction, page):
     cells = re.sub(r"\s*(<[^>]*>\s*)+", "|", page)
     table = reproduction.motions.evaluation.table()
     slow = table[table.motion != "trapezoid"]
     assert len(slow)
     for row in slow.to_dict("records"):
-        figures = "|".join(f"{row[name]:.3f}" for name in STEPS if name in row)
+        figures = "|".join(shown(row, name) for name in STEPS if name in row)
         unit = row["unit"].replace("um", "µm")
         assert f"|{row['velocity']}|{unit}|{figures}|" in cells
 
 
-def test_page_states_how_many_seeds_track_worse_than_their_start(page):
+def test_page_sets_least_squares_beside_the_learning_as_published(page):
     text = re.sub(r"\s+", " ", " ".join(Outline(page).words))
-    assert "In 1 of 4 seeds the trapezoid" in text
-    for reading in READINGS:
+    assert "1 then follow the trapezoid" in text
+    assert "75 runs of least squares equal or beat 1000 of the genetic algorithm in 5" in text
+    for name, method in METHODS.items():
+        assert method in text, name
+    for reading in READINGS.values():
         assert reading.other in text
 
 
@@ -377,11 +397,13 @@ def test_page_shows_table_4_step_by_step(reproduction, page):
     for name in ("tuned_pi", "identified"):
         for error in table[name]:
             assert f" {error:.3f} " in text
+        for end in zip(table[f"{name}_low"], table[f"{name}_high"], strict=True):
+            assert " {:.3f}–{:.3f} ".format(*end) in text
     assert "changed the RMS error by" in text  # identified leaves twice what was learned
 
 
 def test_without_the_slow_motions_page_and_folder_have_nothing_of_them(reproduction, tmp_path):
-    written = write_report(replace(reproduction, motions=None), tmp_path)
+    written = write_report(replace(reproduction, motions=None, published=None), tmp_path)
     assert not [path for path in written if path.stem == "motions"]
     page = (tmp_path / "report.html").read_text(encoding="utf-8").lower()
     assert "three slow motions" not in page
@@ -400,11 +422,9 @@ def test_page_states_where_compensation_does_not_help(reproduction, outline):
     assert "Of these 46 errors" in outline.text
     assert "more than a tenth in 0, and smaller by more than a tenth in 46." in outline.text
     assert "creep worse at 0.1 mm/s, 0.3 mm/s, 1 mm/s, 2 mm/s." in outline.text
-    runs = {
-        motion: {**of, "without": of["learned"], "learned": of["without"]}
-        for motion, of in reproduction.motions.evaluation.runs.items()
-    }
-    evaluation = replace(reproduction.motions.evaluation, runs=runs)
+    errors = reproduction.motions.evaluation.errors
+    errors = {**errors, "without": errors["learned"], "learned": errors["without"]}
+    evaluation = replace(reproduction.motions.evaluation, errors=errors)
     worse = replace(reproduction, motions=replace(reproduction.motions, evaluation=evaluation))
     text = Outline(render_page(worse)).text
     assert "makes these errors larger: Slow reversals, 0.5 mm/s, Emax, measured (500\xa0%)" in text
