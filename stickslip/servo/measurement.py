@@ -44,3 +44,18 @@ def derivative(signal: Array, T_s: float) -> Array:
 def measured_velocity(x_enc: Array, T_s: float) -> Array:
     """Return the velocity (n,) [m/s] from encoder positions (n,) [m]: differences, smoothed."""
     return smoothed(np.gradient(x_enc, T_s), T_s)
+
+
+def blended_velocity(x_enc: Array, F_m: Array, m: float, T_s: float) -> Array:
+    """Return the velocity (n,) [m/s] that the encoder shows below ``CUTOFF``, and the force above.
+
+    Fast motion between two steps of an encoder, such as the response to one of them, shows in the
+    force alone: above the cut-off it is its integral over the mass.
+
+    Parameters
+    ----------
+    x_enc, F_m : position (n,) [m] and motor force (n,) [N], which acts in the period that ends
+    m : mass [kg]
+    """
+    by_force = np.cumsum(F_m - F_m.mean()) * T_s / m
+    return measured_velocity(x_enc, T_s) + by_force - smoothed(by_force, T_s)

@@ -22,7 +22,7 @@ from stickslip.models import Law
 from stickslip.servo.axis import ControlError
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.observer import FORCE_NOISE
-from stickslip.servo.sensitivity import Opened
+from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.systems import Compensator, nominal_parameters
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
@@ -82,18 +82,9 @@ class TunedLoop:
         }
         return {f"{part}.{n}": value for part, own in parts.items() for n, value in own.items()}
 
-    def robustness(self) -> tuple[float, float]:
-        """Return the peak sensitivity Ms, and how white noise of the encoder moves the axis [1/s].
-
-        The second is the RMS of the velocity relative to that of the noise. Both are infinite if
-        the loop is unstable.
-        """
-        opened = Opened(self.loop)
-        if not opened.stable(self.observer):
-            return np.inf, np.inf
-        response = opened.response(self.observer)
-        density = 2.0 * self.loop.T_s * np.abs(response.noisy) ** 2
-        return response.peak, float(np.sqrt(np.trapezoid(density, opened.f)))
+    def peak_sensitivity(self) -> float:
+        """Return the peak sensitivity Ms; infinite if the loop is unstable."""
+        return peak_sensitivity(self.loop, self.observer)
 
 
 def tuned_loop(
