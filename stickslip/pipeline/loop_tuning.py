@@ -16,6 +16,7 @@ import pandas as pd
 from stickslip import models
 from stickslip.catalog.parameters import friction_law
 from stickslip.evaluation.motions import MOTIONS, Motion
+from stickslip.evaluation.scatter import HIGH, LOW, PHASES, beginnings
 from stickslip.evaluation.validation import covered
 from stickslip.fmi.process import Threads
 from stickslip.servo.chain_response import ChainResponse
@@ -27,8 +28,6 @@ from stickslip.tuning.loop_learning import LearnedLoop, LoopStudy
 
 FRICTION = (0.7, 1.0, 1.3)
 """Friction of the drive, relative to its own."""
-PHASES = 8
-"""Places within a step of the encoder from which a motion begins; errors are medians over them."""
 STAGES = {
     "none": "no compensation",
     "tuned_pi": "gains tuned, no model",
@@ -47,7 +46,8 @@ class LoopTuning:
     Attributes
     ----------
     learned : of each seed
-    table : columns stage, seed, motion, friction, error, unit, Ms, evaluations
+    table : columns stage, seed, motion, friction, error, unit, Ms, evaluations, and the range of
+        the error over ``PHASES``
     """
 
     learned: Sequence[LearnedLoop]
@@ -154,24 +154,24 @@ def validate_loops(
     loops = [tuned for tuned, _ in steps.values()]
     drives = [with_friction(truth, level) for level in FRICTION]
 
-    def errors(motion: Motion) -> list[list[float]]:
+    def of(motion: Motion) -> list[list[list[float]]]:
         return motion_errors(study, loops, drives, motion)
 
     with Threads(workers) as threads:
-        found = threads.each(errors, MOTIONS)
+        found = threads.each(of, MOTIONS)
     peaks = _peaks(study, loops, truth)
     rows = []
     for seed in (one.seed for one in learned):
-        for k, ((stage, of), (_, evaluations)) in enumerate(steps.items()):
-            if of not in (-1, seed):
+        for k, ((stage, own_seed), (_, evaluations)) in enumerate(steps.items()):
+            if own_seed not in (-1, seed):
                 continue
             for motion, of_motion in zip(MOTIONS, found, strict=True):
                 unit = "1" if motion.name in RELATIVE else "mm/s"
-                for level, error in zip(FRICTION, of_motion[k], strict=True):
-                    rows.append(
-                        (stage, seed, motion.name, level, error, unit, peaks[k], evaluations)
-                    )
+                for level, errors in zip(FRICTION, of_motion[k], strict=True):
+                    named = stage, seed, motion.name, level, float(np.median(errors)), unit
+                    rows.append((*named, peaks[k], evaluations, min(errors), max(errors)))
     head = ["stage", "seed", "motion", "friction", "error", "unit", "Ms", "evaluations"]
+    head += [f"error{LOW}", f"error{HIGH}"]
     return LoopTuning(learned, pd.DataFrame(rows, columns=head))
 
 
@@ -180,8 +180,8 @@ def motion_errors(
     loops: Sequence[TunedLoop],
     drives: Sequence[Mapping[str, float]],
     motion: Motion,
-) -> list[list[float]]:
-    """Return the error of a motion of each loop on each drive, a median over ``PHASES``.
+) -> list[list[list[float]]]:
+    """Return the errors of a motion of each loop on each drive, one for each of ``PHASES``.
 
     It is the RMS over the regions of the error of the true velocity [mm/s], or, of ``RELATIVE``,
     of that error relative to the command.
@@ -195,8 +195,7 @@ def motion_errors(
     v_cmd = motion.command.sample(t)
     inside = [covered(t, spans) for spans in motion.regions.values()]
     system = build_loop(rig.fmus, loop.changed(m_ff=loop.axis.m), CHAIN, study.feed)
-    step = rig.datasheet.encoder_step
-    still = {"a_cmd": np.zeros(len(v_cmd))}
+    begun, still = beginnings(system, PHASES), {"a_cmd": np.zeros(len(v_cmd))}
     relative = motion.name in RELATIVE
 
     def error(v: Array) -> float:
@@ -209,17 +208,12 @@ def motion_errors(
 
     with system.prepare(step=rig.T_s, stop=float(t[-1]), record=["drive.v"]) as simulation:
 
-        def typical(tuned: TunedLoop, drive: Mapping[str, float]) -> float:
+        def errors(tuned: TunedLoop, drive: Mapping[str, float]) -> list[float]:
+            values = tuned.parameters() | {f"drive.{name}": x for name, x in drive.items()}
             commands = still | tuned.loop.commands(v_cmd)
-            found = []
-            for k in range(PHASES):
-                phase = {**drive, "x": k / PHASES * step, "seed": k}
-                values = {f"drive.{name}": value for name, value in phase.items()}
-                run = simulation.run({**tuned.parameters(), **values}, commands)
-                found.append(error(run["drive.v"]))
-            return float(np.median(found))
+            return [error(simulation.run(values | phase, commands)["drive.v"]) for phase in begun]
 
-        return [[typical(tuned, drive) for drive in drives] for tuned in loops]
+        return [[errors(tuned, drive) for drive in drives] for tuned in loops]
 
 
 def with_friction(truth: Changes, level: float) -> dict[str, float]:

@@ -41,7 +41,7 @@ POWER = 8
 counts a tenth as much as it."""
 QUIET = 0.75
 """Weight of the change of the force, which costs heat and noise, beside that of an error."""
-EVALUATIONS = 100
+EVALUATIONS = 150
 """Candidates in a search: docs/measurements/loop-tuning.md shows what fewer and more give."""
 FINALISTS = 3
 """Best candidates that are run again."""

@@ -9,6 +9,7 @@ import pytest
 from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.motions import MOTIONS
+from stickslip.evaluation.scatter import PHASES
 from stickslip.pipeline import loop_tuning
 from stickslip.pipeline.loop_tuning import FRICTION, STAGES, motion_errors
 from stickslip.servo.chain_response import ChainResponse
@@ -103,11 +104,15 @@ def test_what_is_worse_than_the_reference_in_anything_is_not_taken(study, monkey
     assert learn_loop(study).chosen == "reference"
 
 
-def test_where_the_search_finds_nothing_the_feedforward_is_kept(study, monkeypatch):
+def test_where_the_search_finds_nothing_the_feedforward_is_kept_or_the_reference(
+    study, monkeypatch
+):
     monkeypatch.setattr(loop_learning, "FINALISTS", 0)
-    assert learn_loop(study).chosen == "reference"  # it leaves more of small moves at less friction
-    monkeypatch.setattr(loop_learning, "NO_WORSE", 1.2)
-    assert learn_loop(study).chosen == "feedforward"
+    found = learn_loop(study)
+    assert found.chosen == "feedforward"
+    assert found.cost < 1.0
+    monkeypatch.setattr(loop_learning, "NO_WORSE", 0.9)  # it leaves nearly all of creep
+    assert learn_loop(study).chosen == "reference"
 
 
 class Stopped(Exception):
@@ -150,12 +155,13 @@ def judged(study, tuned):
     drives = [loop_tuning.with_friction({}, level) for level in FRICTION]
     loops = [study.loop(PLAIN), tuned]
     errors = np.array([motion_errors(study, loops, drives, motion) for motion in MOTIONS])
-    return errors[:, 1] / errors[:, 0]
+    typical = np.median(errors, axis=-1)
+    return typical[:, 1] / typical[:, 0]
 
 
 def test_the_search_earns_its_place(reproduction, study, monkeypatch):
     """Without it, and by random search of the same budget, its figures are not reached."""
-    monkeypatch.setattr(loop_tuning, "PHASES", 3)
+    monkeypatch.setattr(loop_tuning, "PHASES", PHASES[:3])
     found = reproduction.loops.by_seed()
     assert judged(study, study.loop(FEEDFORWARD)).max() > 1.3 * found["largest"].max()
     budget = reproduction.loops.best.evaluations

@@ -75,7 +75,7 @@ def test_tables_have_the_columns_that_others_rely_on(results):
     head = ["seed", "generation", "evaluations", "best_cost", "mean_cost"]
     assert list(fitness.columns) == head
     loops = pd.read_csv(results / "loop_tuning.csv")
-    assert list(loops.columns) == [
+    assert list(loops.columns)[:8] == [
         *("stage", "seed", "motion", "friction", "error", "unit", "Ms", "evaluations")
     ]
     counts = loops.groupby(["stage", "seed"]).size()

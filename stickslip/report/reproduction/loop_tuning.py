@@ -12,7 +12,8 @@ from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 
 from stickslip import ga
 from stickslip.evaluation.motions import MOTIONS
-from stickslip.pipeline.loop_tuning import FRICTION, PHASES, STAGES, LoopTuning, spread
+from stickslip.evaluation.scatter import PHASES
+from stickslip.pipeline.loop_tuning import FRICTION, STAGES, LoopTuning, spread
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.report import style
 from stickslip.report.markup import Html, paragraph, quiet, table
@@ -63,7 +64,7 @@ def steps_at_a_glance(reproduction: Reproduction) -> tuple[Html | Illustration, 
     loops = reproduction.loops
     assert loops is not None  # noqa: S101 - a page is of a whole reproduction
     return (
-        paragraph(loops.sentence),
+        paragraph(f"{loops.sentence[0].upper()}{loops.sentence[1:]}."),
         Illustration(
             "loop_tuning",
             partial(draw_stages, loops),
@@ -72,8 +73,8 @@ def steps_at_a_glance(reproduction: Reproduction) -> tuple[Html | Illustration, 
             "that of a PI controller whose gains are tuned without any model of friction. The "
             "simulated drive has its own friction (circles), and 0.7 and 1.3 times as much, to "
             "which nothing is learned again. Bars: range over "
-            f"{len(loops.learned)} seeds of the genetic algorithm. Each point is a median over "
-            f"{PHASES} places within a step of the encoder from which the motion begins.",
+            f"{len(loops.learned)} seeds of the search. Each point is a median over "
+            f"{len(PHASES)} places within a step of the encoder from which the motion begins.",
         ),
         _stages(loops),
     )

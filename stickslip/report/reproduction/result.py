@@ -56,7 +56,7 @@ def head(reproduction: Reproduction) -> Section:
     )
     glance = steps_at_a_glance(reproduction)
     return Section(
-        "", done, _drive(reproduction), *glance, _verdict(reproduction), _headline(reproduction)
+        "", done, *glance, _drive(reproduction), _verdict(reproduction), _headline(reproduction)
     )
 
 

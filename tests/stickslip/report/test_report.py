@@ -536,7 +536,10 @@ def test_verdict_does_not_praise_what_is_not_better(outline):
 def test_page_opens_with_what_each_step_brings(reproduction):
     cells = rendered(reproduction)
     assert cells.index("What each step brings") < cells.index("|The loop|")
-    assert "leaves 45 % of the error of a PI controller tuned without a model" in cells
+    assert (
+        "The learned loop leaves 45 % of the error of a PI controller tuned without a model"
+        in cells
+    )
     assert "(40 to 50 % over 2 seeds), and at most 70 % in any" in cells
     ends = "|0.50 [0.40, 0.70]" * 4
     assert f"|Loop learned{ends}|1.90|41 more|" in cells
