@@ -28,13 +28,9 @@ from stickslip.tuning.loop_learning import LearnedLoop, LoopStudy
 
 FRICTION = (0.7, 1.0, 1.3)
 """Friction of the drive, relative to its own."""
-STAGES = {
-    "none": "no compensation",
-    "tuned_pi": "gains tuned, no model",
-    "identified": "identified friction fed forward",
-    "least_squares": "after least squares",
-    "learned": "loop learned",
-}
+STAGES = ("none", "tuned_pi", "identified", "least_squares", "learned")
+"""The paper's loop alone; gains tuned without a model; with these the friction as identified and as
+least squares found it, fed forward; the loop that was learned."""
 RELATIVE = ("creep", "micrometre moves")
 """Motions of several speeds, whose errors are relative to the command."""
 

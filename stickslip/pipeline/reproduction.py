@@ -101,7 +101,7 @@ class Reproduced:
     Attributes
     ----------
     truth : every parameter of the drive FMU; it enters after all is learned
-    system : the loop of Fig. 2a with the learned compensator, or the loop that was learned
+    system : the loop of Fig. 2a with the learned compensator
     """
 
     options: Options
@@ -145,6 +145,12 @@ class Reproduction(Reproduced):
         if drive_law(self.options.truth)[1] != self.options.law:
             return self.learned.friction
         return {name: self.truth[name] for name in self.start}
+
+    def learned_system(self) -> cosim.System:
+        """Return the loop that was learned, as a system of FMUs."""
+        assert self.loops is not None  # noqa: S101 - it was learned
+        best, fmus = self.loops.best.tuned, self.system.fmus("the loop")["drive"].path.parent
+        return build_loop(fmus, best.loop, best.chain(), self.options.feed)
 
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was found."""
@@ -219,9 +225,6 @@ def reproduce(
     if options.loop_seeds:
         loops = _tuned(options, rig, found, progress, execution or Execution())
     result = validated(options, rig, found, progress)
-    if loops:
-        best = loops.best.tuned
-        result = replace(result, system=build_loop(rig.fmus, best.loop, best.chain(), options.feed))
     return Reproduction(
         **vars(result),
         identification=found.identification,

@@ -41,7 +41,6 @@ from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.models import Law, Model, StartValueError, UnknownLaw, UnknownModel, load_model
 from stickslip.models.export.units import motion_unit
 from stickslip.pipeline.learned import LearnedFromRecording
-from stickslip.pipeline.observed import BOTH
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
@@ -50,7 +49,7 @@ from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
-from stickslip.tuning.loop_genes import GENES, OBSERVER
+from stickslip.tuning.loop_genes import GENES
 from stickslip.versions import installed_versions
 
 SCHEMA = 2
@@ -112,7 +111,8 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
         "seed": options.seed,
         "preset": options.preset,
         "feed": options.feed,
-        **_tuned_entry(reproduction),
+        "loop": loop_document(reproduction.identification.loop),
+        "loop_learning": _loop_learning_entry(reproduction),
         "validation": validation_document(VALIDATION),
         "second_opinion": opinion and _opinion_document(opinion),
         **_law_entry(reproduction.identification.law),
@@ -120,31 +120,22 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
     }
 
 
-def _tuned_entry(reproduction: Reproduction) -> dict[str, Any]:
+def _loop_learning_entry(reproduction: Reproduction) -> dict[str, Any]:
     """Return the loop that was learned, and the compensators in it."""
     assert reproduction.loops is not None  # noqa: S101 - what is written was learned
     best = reproduction.loops.best
-    found: dict[str, Any] = {
+    found = {
+        "chosen": best.chosen,
+        "seed": best.seed,
+        "cost": {"value": best.cost, "unit": "1"},
+        "peak_sensitivity": {"value": best.Ms, "unit": "1"},
+        "evaluations": best.evaluations,
+        "runs": best.runs,
+        "genes": _stated(best.genes, {g.name: g.unit for g in GENES}, rotary=False),
         "loop": loop_document(best.tuned.loop),
-        "loop_learning": {
-            "chosen": best.chosen,
-            "seed": best.seed,
-            "cost": {"value": best.cost, "unit": "1"},
-            "peak_sensitivity": {"value": best.Ms, "unit": "1"},
-            "evaluations": best.evaluations,
-            "runs": best.runs,
-            "genes": _stated(best.genes, {g.name: g.unit for g in GENES}, rotary=False),
-        },
+        "share": {"value": best.tuned.share, "unit": "1"},
     }
-    if best.chosen == "reference":
-        why = "genetic learning found nothing better than tuned gains without a compensator"
-        return found | {"refusal": why}
-    found["share"] = {"value": best.tuned.share, "unit": "1"}
-    for observer in best.tuned.chain()[1:]:
-        component = _component(observer, rotary=False)
-        del component["model"]
-        found |= {"compensation": BOTH, OBSERVER: {"refusal": "", **component}}
-    return found
+    return found | {one.name: _component(one, rotary=False) for one in best.tuned.chain()[1:]}
 
 
 def _law_entry(law: Law) -> dict[str, str]:

@@ -24,19 +24,20 @@ from stickslip.results.folder import staged
 from stickslip.results.learned import reproduction_document
 from stickslip.servo.deployment import deployed
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
-from stickslip.servo.systems import for_all_platforms
+from stickslip.servo.systems import Compensator, for_all_platforms
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.published import START, TABLES, PublishedStudy
 
 FMU = "compensator"
 """Name of the compensator's model and FMU."""
-OBSERVER_FMU = "observer.fmu"
+LEARNED_LOOP = ("learned_loop.ssp", "learned_compensator.fmu", "learned_observer.fmu")
+"""The learned loop, and its feedforward and observer where it has them."""
 PREFIX = "as_published_"
 """Of the tables of the learning as published."""
 FILES = (
     *("table2.csv", "table4.csv", "table4_all_extras.csv", "motions.csv", "sensitivity.csv"),
     *("datasheet.csv", "fitness.csv", "loop_tuning.csv"),
-    *("learned.json", "compensator.fmu", OBSERVER_FMU, "loop.ssp"),
+    *("learned.json", "compensator.fmu", "loop.ssp", *LEARNED_LOOP),
     *(f"{PREFIX}{name}.csv" for name in TABLES),
     *REPORT,
 )
@@ -58,7 +59,7 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
     """
     loops = reproduction.loops
     assert loops is not None  # noqa: S101 - what is written was learned
-    with staged(folder, command_of(reproduction.options), without=[OBSERVER_FMU]) as staging:
+    with staged(folder, command_of(reproduction.options), without=LEARNED_LOOP) as staging:
         tables = {"table2": reproduction.table2(), "table4": reproduction.table4()}
         if reproduction.extras and reproduction.extras.table4 is not None:
             tables["table4_all_extras"] = reproduction.extras.table4
@@ -71,17 +72,28 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
             tables["motions"] = reproduction.motions.evaluation.table()
             tables["sensitivity"] = reproduction.motions.sensitivity
         write_tables(tables | {"loop_tuning": loops.table, "fitness": loops.fitness()}, staging)
-        options, loop = reproduction.options, loops.best.tuned.loop
-        one, *observers = loops.best.tuned.chain()
-        block = deployed(one, loop if options.feed == "nominal" else None, loop.T_s)
-        model, law = block.model, options.law
-        fmu = models.build_fmu(model, staging, start=block.values, law=law, called=FMU)
-        for observer in observers:
-            models.build_fmu(observer.model, staging, start=observer.values, called=observer.name)
+        options, loop = reproduction.options, reproduction.identification.loop
+        fmu = _build(Compensator(FMU, FMU, reproduction.refinement.values), loop, options, staging)
+        best = loops.best.tuned
+        if best.share:
+            feedforward, *observers = best.chain()
+            _build(feedforward, best.loop, options, staging, f"learned_{FMU}")
+            for one in observers:
+                name = f"learned_{one.name}"
+                models.build_fmu(one.model, staging, start=one.values, called=name)
         reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu, loop))
         write_json(reproduction_document(reproduction), staging / "learned.json")
         write_loop(reproduction.system, loop, staging / "loop.ssp", options)
+        write_loop(reproduction.learned_system(), best.loop, staging / LEARNED_LOOP[0], options)
         write_report(reproduction, staging)
+
+
+def _build(
+    one: Compensator, loop: VelocityLoop, options: Options, folder: Path, called: str = FMU
+) -> Path:
+    """Build the FMU of a feedforward, from the commands of a loop to its force."""
+    block = deployed(one, loop if options.feed == "nominal" else None, loop.T_s)
+    return models.build_fmu(block.model, folder, start=block.values, law=options.law, called=called)
 
 
 def write_published_results(

@@ -180,8 +180,7 @@ class LoopCost:
         self._of_loop = list(loop.parameters())
         self._real = self._runner("drive", self._of_loop)
         self._models = self._runner(MODEL, [*self._of_loop, *self._of_model(1.0)])
-        self.reference: Ratios = {}
-        self.reference = self.ratios(study.loop(PLAIN))
+        self.reference = self._errors(study.loop(PLAIN))
 
     def _runner(self, drive: str, names: list[str]) -> ga.SimulatedCost:
         study, rig = self.study, self.study.rig
@@ -206,11 +205,18 @@ class LoopCost:
     def ratios(self, tuned: TunedLoop) -> Ratios:
         """Return the errors of a loop, and the change of its force, relative to the reference.
 
+        With other friction they count as at least those with the drive's own, which is measured.
+
         Raises
         ------
         CandidateFailed
             When a run fails.
         """
+        found = {key: x / self.reference[key] for key, x in self._errors(tuned).items()}
+        return {(kind, level): max(x, found[kind, 1.0]) for (kind, level), x in found.items()}
+
+    def _errors(self, tuned: TunedLoop) -> Ratios:
+        """Return the errors by kind of motion and friction, and the change of the force [N]."""
         T_s, m, errors = self.study.rig.T_s, self.study.reference.axis.m, Ratios()
         values = list(tuned.parameters().values())
         run = self._real.result(np.array(values))
@@ -221,10 +227,10 @@ class LoopCost:
                 measured = of[f"{MODEL}.x_enc"], of[f"{MODEL}.F_m"]
                 unlike = shown - blended_velocity(*measured, m, T_s)
             v = of[f"{MODEL}.v"] + level * unlike
-            found = errors_by_kind(self.motion, self.v_cmd, v, T_s)
-            errors |= {(kind, level): error for kind, error in found.items()}
+            kinds = errors_by_kind(self.motion, self.v_cmd, v, T_s)
+            errors |= {(kind, level): error for kind, error in kinds.items()}
         errors[FORCE, 1.0] = float(np.std(np.diff(run["drive.F_m"])))
-        return {key: error / self.reference.get(key, 1.0) for key, error in errors.items()}
+        return errors
 
     def __call__(self, values: Array) -> float:
         """Return the cost of a candidate (k,).

@@ -179,7 +179,8 @@ def leuven(p: Parameters) -> Columns:
             ahead = limit - np.sign(rate) * q
             free = ahead > 0.0
             a = k @ free * abs(speed) / g
-            reach = a * np.where(free, ahead, np.inf) / abs(rate)
+            with np.errstate(divide="ignore"):  # at rest nothing is reached
+                reach = a * np.where(free, ahead, np.inf) / abs(rate)
             h = min(left, -np.log1p(-min(reach)) / a) if min(reach) < 1.0 else left
             dz = -np.expm1(-a * h) / a * rate
             area += h * (k @ q) + (k @ free) * (h * rate - dz) / a

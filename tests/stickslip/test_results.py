@@ -10,18 +10,19 @@ import pytest
 from scipy.signal import butter, sosfiltfilt
 
 from stickslip import cosim
+from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.cli import main
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.validation import covered, run_command
 from stickslip.fmi.toolchain import PLATFORMS
-from stickslip.results.learned import LearnedFile
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
 
 FILES = {
     *("table2.csv", "table4.csv", "fitness.csv", "learned.json", "manifest.json", "report.html"),
-    *("compensator.fmu", "observer.fmu", "loop.ssp"),
+    *("compensator.fmu", "loop.ssp"),
+    *("learned_loop.ssp", "learned_compensator.fmu", "learned_observer.fmu"),
     *("loop_tuning.csv", "motions.csv", "sensitivity.csv"),
     *(
         f"{name}.{ending}"
@@ -83,17 +84,23 @@ def test_tables_have_the_columns_that_others_rely_on(results):
     assert len(counts) == 5 * 2
 
 
-def test_the_fmus_start_with_what_was_learned(results):
-    file = LearnedFile(results / "learned.json")
-    share = file.share
-    assert 0.0 < share <= 1.0
-    for name, expected in (
-        ("compensator", file.law.share(file.friction, share)),
-        ("observer", dict(file.observer.values)),
-    ):
-        description = fmpy.read_model_description(results / f"{name}.fmu")
-        start = {v.name: float(v.start) for v in description.modelVariables if v.name in expected}
-        assert start == expected
+def starts(fmu, names):
+    variables = fmpy.read_model_description(fmu).modelVariables
+    return {v.name: float(v.start) for v in variables if v.name in names}
+
+
+def test_the_compensators_start_with_what_was_learned(results, reproduction):
+    learned = json.loads((results / "learned.json").read_text())
+    friction = {name: learned["parameters"][name]["value"] for name in LUGRE}
+    assert starts(results / "compensator.fmu", LUGRE) == friction
+    found, best = learned["loop_learning"], reproduction.loops.best
+    share = found["share"]["value"]
+    assert starts(results / "learned_compensator.fmu", LUGRE) == pytest.approx(
+        friction_law().share(friction, share)
+    )
+    observer = {name: one["value"] for name, one in found["observer"]["parameters"].items()}
+    assert starts(results / "learned_observer.fmu", observer) == observer
+    assert found["loop"]["K_p"]["value"] == best.tuned.loop.K_p
 
 
 def test_fmpy_agrees_with_the_kernel_on_the_compensator_that_is_written(results):
@@ -122,12 +129,21 @@ def test_the_cost_without_compensation_is_that_of_the_training_run(results, repr
     assert learned["cost"]["value"] < 1e-2 * without["value"]
 
 
-def test_the_packed_loop_is_the_one_that_was_learned(results, reproduction, tmp_path, capsys):
-    """Its error in the trapezoid is that of loop_tuning.csv, wherever the encoder begins."""
+def test_the_packed_loop_runs_the_validation_again(results, reproduction, tmp_path, capsys):
     out = tmp_path / "run.csv"
     assert main(["simulate", str(results / "loop.ssp"), "--out", str(out)]) == 0
     run = pd.read_csv(out)
+    expected = reproduction.validation.compensated
+    assert run["time"].to_numpy() == pytest.approx(expected.t)
+    assert run["drive.v"].to_numpy() == pytest.approx(expected.v["true"], abs=1e-9)
     assert "drive.v" in capsys.readouterr().out
+
+
+def test_the_learned_loop_is_packed_as_it_was_learned(results, reproduction, tmp_path):
+    """Its error in the trapezoid is that of loop_tuning.csv, wherever the encoder begins."""
+    out = tmp_path / "run.csv"
+    assert main(["simulate", str(results / "learned_loop.ssp"), "--out", str(out)]) == 0
+    run = pd.read_csv(out)
     table = pd.read_csv(results / "loop_tuning.csv")
     rows = table.query("stage == 'learned' and motion == 'trapezoid' and friction == 1.0")
     expected = rows.set_index("seed")["error"][reproduction.loops.best.seed]
@@ -139,7 +155,7 @@ def test_the_packed_loop_is_the_one_that_was_learned(results, reproduction, tmp_
 
 def test_the_package_is_plain_ssp(results):
     system, experiment = cosim.read_ssp(results / "loop.ssp")
-    assert list(system.components) == ["nominal", "compensator", "observer", "controller", "drive"]
+    assert list(system.components) == ["nominal", "compensator", "controller", "drive"]
     for fmu in system.fmus("this test").values():
         folders = {path.name for path in (fmu.folder / "binaries").iterdir()}
         assert folders == {platform.fmi2 for platform in PLATFORMS.values()}

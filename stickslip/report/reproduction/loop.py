@@ -53,10 +53,11 @@ def use_section(reproduction: Reproduction) -> Section:
     """Return the last section."""
     F_c = reproduction.refinement.values["F_c"]
     files = {
-        "loop.ssp": "the learned loop as a whole, for any tool that opens SSP",
-        "compensator.fmu": "its feedforward, from the controller's commands to the force",
-        "observer.fmu": "its observer, from encoder position and motor force to the force",
-        "learned.json": "gains and learned parameters with units, cost, seed and versions",
+        "learned_loop.ssp": "the learned loop, for any tool that opens SSP: use this one",
+        "learned_compensator.fmu": "its feedforward, from the controller's commands to the force",
+        "learned_observer.fmu": "its observer, from encoder and motor force to the force",
+        "compensator.fmu, loop.ssp": "the same for the paper's own loop, with the whole force",
+        "learned.json": "friction and both loops with units, cost, seed and versions",
         "loop_tuning.csv, fitness.csv": "what each step brings, and the searches",
         "table2.csv, table4.csv": "the tables of this page, unrounded",
     }
@@ -73,9 +74,9 @@ def use_section(reproduction: Reproduction) -> Section:
         file_list(files),
         paragraph("Run the loop, run it with another parameter, and check the FMU:"),
         commands(
-            "stickslip simulate loop.ssp",
-            f"stickslip simulate loop.ssp --set compensator.F_c={1.1 * F_c:.4g} --out run.csv",
-            "stickslip check compensator.fmu",
+            "stickslip simulate learned_loop.ssp",
+            f"stickslip simulate learned_loop.ssp --set compensator.F_c={F_c:.4g} --out run.csv",
+            "stickslip check learned_compensator.fmu",
         ),
         *(_fmu(reproduction.opinion) if reproduction.opinion else ()),
         made_with(),

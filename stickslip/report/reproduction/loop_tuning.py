@@ -284,7 +284,7 @@ def _written(best: LearnedLoop) -> str:
     loop = best.tuned.loop
     observer = best.tuned.observer
     return (
-        f"Seed {best.seed} has the least cost and is what loop.ssp and learned.json contain: "
+        f"Seed {best.seed} has the least cost and is what learned_loop.ssp contains: "
         f"$K_p$ = {number(loop.K_p)} {unit('N.s/m')}, $K_i$ = {number(loop.K_i)} N/m, "
         rf"$\tau_f$ = {number(1e3 * loop.tau_f)} ms, feedforward of {number(loop.m_ff)} kg and of "
         f"{percent(best.tuned.share)} of the identified friction, and {percent(observer.share)} of "

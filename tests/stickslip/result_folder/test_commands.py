@@ -49,14 +49,14 @@ def test_ctrl_c_leaves_no_process_and_no_folder(tmp_path):
         text=True,
         start_new_session=True,
     ) as process:
-        while not (out / "learning.checkpoint.json").exists() and process.poll() is None:
+        while not (out / "learning.checkpoint.seed0.json").exists() and process.poll() is None:
             time.sleep(0.02)
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
         said = process.communicate()[1]
     assert process.returncode == 130, said
     assert said.startswith("stickslip: ")
     assert said.count("\n") == 1
-    assert {path.name for path in out.iterdir()} == {"learning.checkpoint.json"}
+    assert {path.name for path in out.iterdir()} == {"learning.checkpoint.seed0.json"}
     assert not list(temporary.iterdir())
     _assert_gone(mark)
 
