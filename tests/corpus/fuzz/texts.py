@@ -168,7 +168,7 @@ def _adapted() -> bytes:
 
 def read_json(file: Path) -> None:
     data = file.read_bytes()
-    if b"evaluations" in data and b"genes" in data:
+    if b"evaluations" in data and b"genes" in data and b"standard_error" not in data:
         _algorithm().replay(checkpoint.read(file, ""))
     elif b"parameters" in data:
         learned = LearnedFile(file)
