@@ -40,7 +40,7 @@ def _course(reproduction: Reproduction) -> Html:
     text += (
         ". Least squares combined repeated runs of the training command, of its mirror image and "
         f"of slow motions, {learned.runs} in all, with these values as a prior; the paper’s "
-        "genetic algorithm, below, takes ten times as many runs for no better result. "
+        "genetic algorithm takes some twenty times as many for no better result. "
     )
     kept = "The fit was worse on the drive, so the start values are kept"
     if learned.accepted:

@@ -142,8 +142,8 @@ def loop_learning_section(reproduction: Reproduction) -> Section:
         paragraph(
             "The five parameters of friction are found by regression. What no regression finds is "
             "the loop: its gains, how much of the identified friction and inertia to feed "
-            "forward, and how fast an observer corrects the rest. There the genetic algorithm "
-            f"searches. A candidate runs a motion of {seconds} s, with starts and reversals, slow "
+            "forward, and how fast an observer corrects the rest. There an evolutionary search "
+            f"helps. A candidate runs a motion of {seconds} s, with starts and reversals, slow "
             "reversals, creep and small moves at other speeds than those of the validation, once "
             f"on the drive, and on two models of it, FMUs of what was identified, with {below} "
             f"and {above} times the identified friction, which no one can command on a drive. Its "
