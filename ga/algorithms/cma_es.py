@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,7 @@ class CovarianceAdaptation(Optimiser):
 
     Raises
     ------
-    SettingsError : the package ``cma`` is not installed, or there is only one gene
+    SettingsError : there is only one gene
 
     Source
     ------
@@ -39,10 +38,6 @@ class CovarianceAdaptation(Optimiser):
 
     def __init__(self, problem: Problem, limits: Limits, seed: int) -> None:
         super().__init__(problem, limits, seed)
-        if find_spec("cma") is None:
-            raise SettingsError(
-                "the algorithm 'cma' needs the package cma; pip install stickslip[optimisers]"
-            )
         if len(problem.genes) < 2:
             raise SettingsError("the algorithm 'cma' needs two genes or more; use 'default'")
         self._encoding = Encoding.of(problem)

@@ -24,8 +24,8 @@ def add_algorithm_option(
         dest="algorithm",
         choices=ga.ALGORITHMS,
         default="default",
-        help=f"default: {default}; paper: the paper's, with linear genes and no refinement, as "
-        "published; " + "; ".join(f"{name}: {method.title}" for name, method in ga.OTHERS.items()),
+        help=f"default: {default}; paper: the paper's, with linear genes, as published; "
+        + "; ".join(f"{name}: {method.title}" for name, method in ga.OTHERS.items()),
     )
 
 

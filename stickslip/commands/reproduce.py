@@ -100,8 +100,7 @@ def _print_drive(reproduction: Reproduction) -> None:
         print_motions(reproduction.motions)
     learned = reproduction.refinement
     print(f"friction: {learned.result}; {learned.remark}")
-    if reproduction.loops:
-        print_loops(reproduction.loops)
+    print_loops(reproduction.loops)
 
 
 def _record(

@@ -13,7 +13,6 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from stickslip import models
 from stickslip.catalog.parameters import friction_law
 from stickslip.evaluation.motions import MOTIONS, Motion
 from stickslip.evaluation.scatter import HIGH, LOW, PHASES, beginnings
@@ -21,7 +20,7 @@ from stickslip.evaluation.validation import covered
 from stickslip.fmi.process import Threads
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.measurement import Array
-from stickslip.servo.systems import Changes, build_loop, drive_law
+from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.loop_genes import CHAIN, FEEDFORWARD, OBSERVER, PLAIN, TunedLoop
 from stickslip.tuning.loop_learning import LearnedLoop, LoopStudy
@@ -99,7 +98,7 @@ class LoopTuning:
         )
         simpler = sum(one.chosen != "learned" for one in self.learned)
         if simpler:
-            text += f"; in {simpler} of the seeds no candidate was better than what precedes it"
+            text += f"; in {simpler} of the seeds none was worse than the tuned gains in nothing"
         return text
 
     def fitness(self) -> pd.DataFrame:
@@ -120,7 +119,8 @@ def spread(median: float, low: float, high: float) -> str:
 
 def validate_loops(
     study: LoopStudy,
-    truth: Changes,
+    law: str,
+    truth: Mapping[str, float],
     paper: VelocityLoop,
     identified: Mapping[str, float],
     learned: Sequence[LearnedLoop],
@@ -133,7 +133,7 @@ def validate_loops(
     Parameters
     ----------
     study : of the loops that were learned, with the friction after least squares
-    truth : as for ``build_fmus``
+    law, truth : friction law of the drive, and every parameter of its FMU
     paper : the loop of the paper
     identified : friction by name, as identified
     runs : of the drive, that least squares took
@@ -148,14 +148,14 @@ def validate_loops(
         **{("learned", one.seed): (one.tuned, one.evaluations) for one in learned},
     }
     loops = [tuned for tuned, _ in steps.values()]
-    drives = [with_friction(truth, level) for level in FRICTION]
+    drives = [with_friction(law, truth, level) for level in FRICTION]
 
     def of(motion: Motion) -> list[list[list[float]]]:
         return motion_errors(study, loops, drives, motion)
 
     with Threads(workers) as threads:
         found = threads.each(of, MOTIONS)
-    peaks = _peaks(study, loops, truth)
+    peaks = _peaks(study, loops, truth["m"])
     rows = []
     for seed in (one.seed for one in learned):
         for k, ((stage, own_seed), (_, evaluations)) in enumerate(steps.items()):
@@ -212,20 +212,15 @@ def motion_errors(
         return [[errors(tuned, drive) for drive in drives] for tuned in loops]
 
 
-def with_friction(truth: Changes, level: float) -> dict[str, float]:
+def with_friction(law: str, truth: Mapping[str, float], level: float) -> dict[str, float]:
     """Return the drive's parameters of friction, times a factor."""
-    start, name = drive_law(truth)
-    law, model = friction_law(name), models.load_model("drive", name).with_start(start)
-    own = {v.name: v.start for v in model.variables if v.role == "parameter"}
-    friction = {n: value for n, value in own.items() if n.partition("[")[0] in law.parameters}
-    return law.share(friction, level)
+    friction = friction_law(law)
+    own = {n: value for n, value in truth.items() if n.partition("[")[0] in friction.parameters}
+    return friction.share(own, level)
 
 
-def _peaks(study: LoopStudy, loops: Sequence[TunedLoop], truth: Changes) -> list[float]:
-    """Return the peak sensitivity Ms of each loop, with the drive's true mass, from FMU runs."""
-    start, name = drive_law(truth)
-    model = models.load_model("drive", name).with_start(start)
-    (m,) = (v.start for v in model.variables if v.name == "m")
+def _peaks(study: LoopStudy, loops: Sequence[TunedLoop], m: float) -> list[float]:
+    """Return the peak sensitivity Ms of each loop on the drive's true mass, from runs of FMUs."""
     own = ("compensator.", f"{OBSERVER}.")
     found = []
     with ChainResponse(study.rig.fmus, study.reference, CHAIN) as response:

@@ -119,7 +119,7 @@ class Reproduction(Reproduced):
     ----------
     start : the tuned parameters that learning began with
     refinement : what was known in the end
-    loops : the loop as it was learned, and what each step before it brings
+    searched : the loop as it was learned, and what each step before it brings, if it was learned
     cost_without : of the training run without compensation [m^2/s^2]
     extras : the same on the drive with all effects on, if that was asked for
     beforehand : what ``vary_datasheet`` found, if that was asked for
@@ -132,7 +132,7 @@ class Reproduction(Reproduced):
     start: Mapping[str, Estimate]
     refinement: Refinement
     cost_without: float
-    loops: LoopTuning | None = None
+    searched: LoopTuning | None = None
     extras: Extras | None = None
     beforehand: pd.DataFrame | None = None
     opinion: SecondOpinion | None = None
@@ -146,9 +146,14 @@ class Reproduction(Reproduced):
             return self.learned.friction
         return {name: self.truth[name] for name in self.start}
 
+    @property
+    def loops(self) -> LoopTuning:
+        """The loop as it was learned, for what is of a reproduction with it."""
+        assert self.searched is not None  # noqa: S101 - only the drive with extras has none
+        return self.searched
+
     def learned_system(self) -> cosim.System:
         """Return the loop that was learned, as a system of FMUs."""
-        assert self.loops is not None  # noqa: S101 - it was learned
         best, fmus = self.loops.best.tuned, self.system.fmus("the loop")["drive"].path.parent
         return build_loop(fmus, best.loop, best.chain(), self.options.feed)
 
@@ -221,16 +226,16 @@ def reproduce(
         coarse=options.coarse,
         on_stage=progress.stage,
     )
-    loops = None
+    searched = None
     if options.loop_seeds:
-        loops = _tuned(options, rig, found, progress, execution or Execution())
+        searched = _tuned(options, rig, found, progress, execution or Execution())
     result = validated(options, rig, found, progress)
     return Reproduction(
         **vars(result),
         identification=found.identification,
         start=found.start,
         refinement=found.refinement,
-        loops=loops,
+        searched=searched,
         cost_without=found.study.cost_without(),
     )
 
@@ -252,7 +257,8 @@ def _tuned(
     identified = {name: one.value for name, one in found.start.items()}
     return validate_loops(
         study,
-        options.truth,
+        drive_law(options.truth)[1],
+        drive_truth(options.truth, options.law),
         paper,
         identified,
         learned,

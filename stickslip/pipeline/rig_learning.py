@@ -50,8 +50,8 @@ def learn_on_rig(
 ) -> LearnedOnRig:
     """Identify a drive by three experiments, then fit the friction to repeated runs of it.
 
-    The paper lets a genetic algorithm try compensators here; least squares find as much in a tenth
-    of the runs (docs/measurements/as-published.md).
+    The paper lets a genetic algorithm try compensators here; least squares find as much in a
+    twentieth of the runs (docs/measurements/as-published.md).
 
     Parameters
     ----------

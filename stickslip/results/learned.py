@@ -122,7 +122,6 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
 
 def _loop_learning_entry(reproduction: Reproduction) -> dict[str, Any]:
     """Return the loop that was learned, and the compensators in it."""
-    assert reproduction.loops is not None  # noqa: S101 - what is written was learned
     best = reproduction.loops.best
     found = {
         "chosen": best.chosen,

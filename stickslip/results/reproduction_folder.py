@@ -58,7 +58,6 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
         When a file cannot be written.
     """
     loops = reproduction.loops
-    assert loops is not None  # noqa: S101 - what is written was learned
     with staged(folder, command_of(reproduction.options), without=LEARNED_LOOP) as staging:
         tables = {"table2": reproduction.table2(), "table4": reproduction.table4()}
         if reproduction.extras and reproduction.extras.table4 is not None:

@@ -11,7 +11,7 @@ from stickslip.report.reproduction.as_published import study_section
 from stickslip.report.reproduction.identification import identification_section
 from stickslip.report.reproduction.learning import friction_section
 from stickslip.report.reproduction.loop import design_section, use_section
-from stickslip.report.reproduction.loop_tuning import loop_learning_section
+from stickslip.report.reproduction.loop_learning import loop_learning_section
 from stickslip.report.reproduction.result import head
 from stickslip.report.reproduction.validation import (
     motions_section,

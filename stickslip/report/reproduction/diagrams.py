@@ -202,7 +202,6 @@ def draw_scheme(reproduction: Reproduction) -> Figure:
 
 def _search(reproduction: Reproduction) -> ga.Optimiser:
     """Return what searched the loop that is written."""
-    assert reproduction.loops is not None  # noqa: S101 - a page is of a whole reproduction
     return reproduction.loops.best.algorithm
 
 

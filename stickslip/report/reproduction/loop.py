@@ -51,16 +51,18 @@ def design_section(reproduction: Reproduction) -> Section:
 
 def use_section(reproduction: Reproduction) -> Section:
     """Return the last section."""
-    F_c = reproduction.refinement.values["F_c"]
+    F_c, best = reproduction.refinement.values["F_c"], reproduction.loops.best.tuned
     files = {
         "learned_loop.ssp": "the learned loop, for any tool that opens SSP: use this one",
-        "learned_compensator.fmu": "its feedforward, from the controller's commands to the force",
-        "learned_observer.fmu": "its observer, from encoder and motor force to the force",
         "compensator.fmu, loop.ssp": "the same for the paper's own loop, with the whole force",
         "learned.json": "friction and both loops with units, cost, seed and versions",
         "loop_tuning.csv, fitness.csv": "what each step brings, and the searches",
         "table2.csv, table4.csv": "the tables of this page, unrounded",
     }
+    if best.share:
+        files["learned_compensator.fmu"] = "its feedforward, from the commands to the force"
+    if best.observer.share:
+        files["learned_observer.fmu"] = "its observer, from encoder and motor force to the force"
     if reproduction.motions:
         files["motions.csv, sensitivity.csv"] = (
             "errors of all motions, and what a wrong parameter costs in each, by region"
@@ -76,7 +78,7 @@ def use_section(reproduction: Reproduction) -> Section:
         commands(
             "stickslip simulate learned_loop.ssp",
             f"stickslip simulate learned_loop.ssp --set compensator.F_c={F_c:.4g} --out run.csv",
-            "stickslip check learned_compensator.fmu",
+            "stickslip check compensator.fmu",
         ),
         *(_fmu(reproduction.opinion) if reproduction.opinion else ()),
         made_with(),

@@ -41,7 +41,6 @@ FEEDS = {"nominal": "the nominal loop’s velocity", "command": "the velocity co
 def head(reproduction: Reproduction) -> Section:
     """Return the paragraph of what was done, and the verdict."""
     options = reproduction.options
-    assert reproduction.loops is not None  # noqa: S101 - a page is of a whole reproduction
     search = reproduction.loops.best.algorithm
     done = paragraph(
         "This page reproduces “The Feedforward Friction Compensation of Linear Motor Using Genetic "
