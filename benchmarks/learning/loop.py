@@ -26,7 +26,7 @@ GRID = (2, 2, 2, 2, 3, 2, 2)
 """Values of each gene in the grid, evenly spaced in the logarithm within its bounds."""
 
 
-def costs(cost: LoopCost, candidates: np.ndarray) -> np.ndarray:
+def costs_of(cost: LoopCost, candidates: np.ndarray) -> np.ndarray:
     """Return the costs of candidates (n, k), infinite where they fail."""
     found = []
     for candidate in candidates:
@@ -37,17 +37,25 @@ def costs(cost: LoopCost, candidates: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
+def candidates_at_random(seed: int, n: int) -> np.ndarray:
+    """Return candidates (n, k), drawn evenly in the logarithm within the bounds of the genes."""
+    return _within(np.random.default_rng(seed).random((n, len(GENES))))
+
+
+def _within(places: np.ndarray) -> np.ndarray:
+    low, high = np.log([[gene.lower, gene.upper] for gene in GENES]).T
+    return np.exp(low + (high - low) * places)
+
+
 def course(study: LoopStudy, cost: LoopCost, name: str, seed: int, evaluations: int) -> np.ndarray:
     """Return the costs of the candidates that an algorithm evaluates, in their order."""
-    low, high = np.log([[gene.lower, gene.upper] for gene in GENES]).T
     if name == "random":
-        drawn = np.random.default_rng(seed).random((evaluations, len(GENES)))
-        return costs(cost, np.exp(low + (high - low) * drawn))
+        return costs_of(cost, candidates_at_random(seed, evaluations))
     if name == "grid":
         inside = [(np.arange(n) + 0.5) / n for n in GRID]
         places = np.array(list(product(*inside)))
         order = np.random.default_rng(seed).permutation(len(places))[:evaluations]
-        return costs(cost, np.exp(low + (high - low) * places[order]))
+        return costs_of(cost, _within(places[order]))
     limits = ga.Limits(evaluations=evaluations)
     own = LoopStudy(study.rig, study.reference, study.friction, "nominal", name, seed, limits)
     algorithm = own.optimiser()

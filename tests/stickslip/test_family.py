@@ -239,7 +239,7 @@ def test_drives_of_the_family_have_the_noise_of_the_log(tmp_path):
 def test_a_drive_of_another_size_is_tried_alike(tmp_path, force, length):
     """With the same equations in other units; a press of MN is not held at the paper's 205 N.
 
-    Last digits, which differ between processors, move an error by up to 1.6 %.
+    The encoder is fine: with coarse steps, last digits move an error by 1.6 %.
     """
 
     def errors(force, length):
@@ -248,7 +248,7 @@ def test_a_drive_of_another_size_is_tried_alike(tmp_path, force, length):
         gains = scale.values({"K_p": PAPER.K_p, "K_i": PAPER.K_i})
         loop = close_velocity_loop(axis, PAPER.T_s, PAPER.tau_f, **gains)
         friction = scale.values(TABLE_2)
-        sheet = Datasheet(peak_force=205.0 * force, encoder_step=4e-7 * length)
+        sheet = Datasheet(peak_force=205.0 * force, encoder_step=4e-9 * length)
         height, slope = VALIDATION.height * length, VALIDATION.slope * length
         tried = commands(replace(VALIDATION, height=height, slope=slope), 5e-4, friction, 4e-7)
         own, folder = [Drive("it", "lugre", friction)], tmp_path / f"{force}"
@@ -256,4 +256,4 @@ def test_a_drive_of_another_size_is_tried_alike(tmp_path, force, length):
         [benefit] = bench.benefits([feedforward(friction)])
         return [row.compensated / length for row in benefit.rows]
 
-    assert errors(force, length) == pytest.approx(errors(1.0, 1.0), rel=0.05)
+    assert errors(force, length) == pytest.approx(errors(1.0, 1.0), rel=1e-2)

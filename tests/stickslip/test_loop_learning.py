@@ -6,19 +6,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.learning.loop import candidates_at_random, costs_of
 from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.scatter import PHASES
 from stickslip.pipeline import loop_tuning
 from stickslip.pipeline.loop_tuning import FRICTION, STAGES, motion_errors
+from stickslip.pipeline.reproduction import drive_truth
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.systems import build_loop, servo_loop
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.tuning import loop_learning
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.loop_genes import CHAIN, FEEDFORWARD, GENES, PLAIN
-from stickslip.tuning.loop_learning import LoopCost, LoopStudy, learn_loop, mean_of
+from stickslip.tuning.loop_learning import FORCE, LoopCost, LoopStudy, learn_loop, mean_of
 
 pytestmark = pytest.mark.slow
 
@@ -80,6 +82,7 @@ def test_the_largest_ratio_counts_most():
     one = equal | {("creep", 0): 1.0}
     assert 0.7 < mean_of(one) < 1.0
     assert mean_of(equal | {("creep", 0): 0.6}) < 0.55
+    assert mean_of(equal | {(FORCE, 1.0): 0.6}) < mean_of(equal | {("creep", 12): 0.6})
 
 
 def test_what_the_drive_leaves_more_than_its_model_counts_at_every_friction(reproduction, make_rig):
@@ -90,9 +93,40 @@ def test_what_the_drive_leaves_more_than_its_model_counts_at_every_friction(repr
     for law in ("lugre", "gms"):
         study = LoopStudy(make_rig(law=law), tuned_pi(loop), friction)
         with LoopCost(study) as cost:
-            ratios.append(cost.ratios(study.loop(FEEDFORWARD)))
+            errors = cost._errors(study.loop(FEEDFORWARD))
+        ratios.append({key: error / cost.reference[key] for key, error in errors.items()})
     for level in FRICTION:
         assert ratios[1]["creep", level] > 1.1 * ratios[0]["creep", level]
+
+
+def test_with_other_friction_a_loop_counts_as_no_better_than_as_it_was_measured(study):
+    with LoopCost(study) as cost:
+        tuned = study.loop(SOME | {"share": 0.6})  # better where there is less friction
+        errors, counted = cost._errors(tuned), cost.ratios(tuned)
+    plain = {key: error / cost.reference[key] for key, error in errors.items()}
+    assert any(plain[kind, level] < plain[kind, 1.0] for kind, level in plain)
+    for kind, level in counted:
+        assert counted[kind, level] == max(plain[kind, level], plain[kind, 1.0])
+
+
+SOFT = {
+    "K_p": 0.476, "K_i": 0.458, "tau_f": 1.119, "m_ff": 0.419, "share": 0.983, "rate": 0.518,
+    "observed": 0.449,
+}  # fmt: skip
+
+
+def test_a_loop_that_would_stick_and_slip_is_seen(reproduction, make_rig, monkeypatch):
+    """With more friction, on a drive whose friction falls with the square of the speed."""
+    found = {"F_s": 9.735, "F_c": 5.823, "v_s": 1.821e-3, "sigma_0": 389362.0, "sigma_1": 4468.0}
+    rig = make_rig(delta=2.0, v_s=2e-3)
+    study = LoopStudy(rig, tuned_pi(reproduction.identification.loop), found)
+    ratios = []
+    for exponent in (loop_learning.STEEPER, 1.0):
+        monkeypatch.setattr(loop_learning, "STEEPER", exponent)
+        with LoopCost(study) as cost:
+            ratios.append(cost.ratios(study.loop(SOFT))["slow reversals", 1.3])
+    assert ratios[1] < 0.6
+    assert ratios[0] > 1.3 * ratios[1]
 
 
 def test_what_is_worse_than_the_reference_in_anything_is_not_taken(study, monkeypatch):
@@ -152,7 +186,7 @@ def test_each_seed_halves_the_error_of_a_tuned_controller_robustly(reproduction)
 
 def judged(study, tuned):
     """Return the errors of a loop relative to the reference, (motions, friction)."""
-    drives = [loop_tuning.with_friction({}, level) for level in FRICTION]
+    drives = [loop_tuning.with_friction("lugre", drive_truth({}), level) for level in FRICTION]
     loops = [study.loop(PLAIN), tuned]
     errors = np.array([motion_errors(study, loops, drives, motion) for motion in MOTIONS])
     typical = np.median(errors, axis=-1)
@@ -165,16 +199,9 @@ def test_the_search_earns_its_place(reproduction, study, monkeypatch):
     found = reproduction.loops.by_seed()
     assert judged(study, study.loop(FEEDFORWARD)).max() > 1.3 * found["largest"].max()
     budget = reproduction.loops.best.evaluations
-    rng = np.random.default_rng(0)
-    low, high = np.log([[gene.lower, gene.upper] for gene in GENES]).T
-    drawn = np.exp(low + (high - low) * rng.random((budget, len(GENES))))
-    costs = []
+    drawn = candidates_at_random(0, budget)
     with LoopCost(study) as cost:
-        for candidate in drawn:
-            try:
-                costs.append(cost(candidate))
-            except ga.CandidateFailed:
-                costs.append(np.inf)
+        costs = costs_of(cost, drawn)
     names = [gene.name for gene in GENES]
     best = study.loop(dict(zip(names, drawn[np.argmin(costs)], strict=True)))
     assert min(costs) > 1.1 * max(one.cost for one in reproduction.loops.learned)

@@ -64,6 +64,17 @@ def test_from_a_coarse_start_it_finds_friction_with_fewer_runs_than_ten_generati
     assert found.values["sigma_0"] == pytest.approx(PAPER["sigma_0"], rel=0.15)
 
 
+def test_it_finds_friction_from_twice_the_friction_and_half_the_stiffness(study):
+    poor = study.start | {
+        "F_c": Estimate(12.0, 6.0),
+        "F_s": Estimate(18.0, 9.0),
+        "sigma_0": Estimate(2e5, 1e5),
+    }
+    found = refine(replace(study, start=poor))
+    assert found.values["F_c"] == pytest.approx(PAPER["F_c"], rel=0.01)
+    assert found.values["sigma_0"] == pytest.approx(PAPER["sigma_0"], rel=0.1)
+
+
 def test_a_start_that_happens_to_fit_one_half_of_the_guide_does_not_stand(make_rig):
     rig = make_rig(position_dependent=True, position_amplitude=0.3, position_period=0.05)
     study = study_of(rig)

@@ -15,6 +15,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.fmi.process import calls, permitted, sandbox
+from stickslip.fmi.toolchain import cache_directory
 from tests.corpus.hostile import attempts
 
 pytestmark = pytest.mark.skipif(bool(sandbox.unavailable()), reason=sandbox.unavailable())
@@ -38,6 +39,17 @@ def told(hostile, caplog, behaviour, limits):
     except cosim.SimulationError as error:
         return str(error)
     return "".join(record.getMessage() for record in caplog.records if "sandbox" in record.msg)
+
+
+def test_an_isolated_program_finds_the_files_that_were_built_for_it(monkeypatch, tmp_path):
+    monkeypatch.delenv("STICKSLIP_CACHE", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    ask = "from stickslip.fmi.toolchain import cache_directory; print(cache_directory())"
+    command = [sys.executable, "-c", ask]
+    own = sandbox.Permissions().environment()
+    answer = subprocess.run(command, env=own, capture_output=True, text=True, check=True).stdout
+    assert Path(answer.strip()) == cache_directory()
+    assert cache_directory().is_relative_to(tmp_path)
 
 
 @pytest.mark.parametrize("behaviour", TRIED)
