@@ -1,6 +1,6 @@
 """Algorithms on the loop of the paper's drive: the same candidates, several seeds.
 
-    python -m benchmarks.learning.loop [--seeds 10] [--evaluations 150] [ALGORITHM ...]
+    python -m benchmarks.learning.loop [--seeds 10] [--evaluations 300] [ALGORITHM ...]
 
 Prints the cost of the best candidate after a third, two thirds and all of the evaluations, as
 median [lowest, highest] over seeds; 1 is a PI controller tuned without a model. ``random`` draws
@@ -10,6 +10,7 @@ candidates evenly in the logarithm; ``grid`` takes two or three values of each g
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -57,8 +58,7 @@ def course(study: LoopStudy, cost: LoopCost, name: str, seed: int, evaluations: 
         order = np.random.default_rng(seed).permutation(len(places))[:evaluations]
         return costs_of(cost, _within(places[order]))
     limits = ga.Limits(evaluations=evaluations)
-    own = LoopStudy(study.rig, study.reference, study.friction, "nominal", name, seed, limits)
-    algorithm = own.optimiser()
+    algorithm = replace(study, algorithm=name, seed=seed, limits=limits).optimiser()
     ga.learn(algorithm, cost)
     return algorithm.history["cost"].to_numpy(dtype=float)
 
@@ -67,7 +67,7 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--evaluations", type=int, default=150)
+    parser.add_argument("--evaluations", type=int, default=300)
     every = [*ga.ALGORITHMS, "random", "grid"]
     parser.add_argument("algorithms", nargs="*", default=every)
     options = parser.parse_args()

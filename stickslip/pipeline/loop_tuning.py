@@ -22,6 +22,7 @@ from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.tuning.drive_model import DriveModel
 from stickslip.tuning.loop_genes import CHAIN, FEEDFORWARD, OBSERVER, PLAIN, TunedLoop
 from stickslip.tuning.loop_learning import LearnedLoop, LoopStudy
 
@@ -41,11 +42,13 @@ class LoopTuning:
     Attributes
     ----------
     learned : of each seed
+    models : of the drive, on which candidates ran
     table : columns stage, seed, motion, friction, error, unit, Ms, evaluations, and the range of
         the error over ``PHASES``
     """
 
     learned: Sequence[LearnedLoop]
+    models: Sequence[DriveModel]
     table: pd.DataFrame
 
     @property
@@ -168,7 +171,7 @@ def validate_loops(
                     rows.append((*named, peaks[k], evaluations, min(errors), max(errors)))
     head = ["stage", "seed", "motion", "friction", "error", "unit", "Ms", "evaluations"]
     head += [f"error{LOW}", f"error{HIGH}"]
-    return LoopTuning(learned, pd.DataFrame(rows, columns=head))
+    return LoopTuning(learned, study.models, pd.DataFrame(rows, columns=head))
 
 
 def motion_errors(

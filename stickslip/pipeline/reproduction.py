@@ -32,6 +32,7 @@ from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import Changes, Feed, build_fmus, build_loop, drive_law, paper_loop
 from stickslip.servo.tuned_pi import tuned_pi
+from stickslip.tuning.drive_model import fit_models
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.loop_learning import LoopStudy, learn_loop
 from stickslip.tuning.published import PublishedStudy
@@ -248,6 +249,8 @@ def _tuned(
     study = LoopStudy(rig, tuned_pi(paper), found.friction, options.feed)
     if options.preset != "default":
         study = replace(study, algorithm=options.preset)
+    progress.stage("modelling the drive in loops")
+    study = replace(study, models=fit_models(study, progress.generation, execution))
     learned = []
     for seed in range(options.seed, options.seed + options.loop_seeds):
         progress.stage(f"learning the loop, seed {seed}")

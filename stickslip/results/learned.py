@@ -49,6 +49,7 @@ from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
+from stickslip.tuning.drive_model import DriveModel
 from stickslip.tuning.loop_genes import GENES
 from stickslip.versions import installed_versions
 
@@ -130,11 +131,23 @@ def _loop_learning_entry(reproduction: Reproduction) -> dict[str, Any]:
         "peak_sensitivity": {"value": best.Ms, "unit": "1"},
         "evaluations": best.evaluations,
         "runs": best.runs,
+        "models": [_model_entry(model) for model in reproduction.loops.models],
         "genes": _stated(best.genes, {g.name: g.unit for g in GENES}, rotary=False),
         "loop": loop_document(best.tuned.loop),
         "share": {"value": best.tuned.share, "unit": "1"},
     }
     return found | {one.name: _component(one, rotary=False) for one in best.tuned.chain()[1:]}
+
+
+def _model_entry(model: DriveModel) -> dict[str, Any]:
+    """Return a model of the drive on which candidates ran."""
+    units = {name: start_unit(name) for name in model.friction}
+    return {
+        "law": model.law,
+        "mismatch": {"value": model.mismatch, "unit": "1"},
+        "noise_x": {"value": model.noise, "unit": "m"},
+        "parameters": _stated(model.friction, units, rotary=False),
+    }
 
 
 def _law_entry(law: Law) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 import re
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ from stickslip.identification.stages import identify
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import TRAINING
 from stickslip.servo.tuned_pi import tuned_pi
+from stickslip.tuning.drive_model import fit_models
 from stickslip.tuning.learning import Study
 from stickslip.tuning.loop_learning import LoopStudy, learn_loop
 from stickslip.tuning.refinement import refine
@@ -37,8 +39,17 @@ def found(rig):
     study = LoopStudy(
         rig, tuned_pi(identification.loop), refined.values, limits=ga.Limits(evaluations=12)
     )
+    study = replace(study, models=fit_models(study))
     loop = learn_loop(study)
-    return repr((identification.estimates, refined, loop.genes, loop.algorithm.history.to_csv()))
+    return repr(
+        (
+            identification.estimates,
+            refined,
+            study.models,
+            loop.genes,
+            loop.algorithm.history.to_csv(),
+        )
+    )
 
 
 def falsify_description(fmu: Path) -> None:
@@ -97,7 +108,7 @@ def test_only_measurements_are_recorded_and_no_parameter_of_the_drive_is_set(mak
     monkeypatch.setattr(cosim.Simulation, "__init__", watch)
     monkeypatch.setattr(cosim.Simulation, "run", listen)
     found(rig)
-    assert "model.F_c" in given  # the models of the drive are FMUs of what was identified
+    assert "model_lugre.F_c" in given  # the models of the drive are FMUs of what was identified
     assert not [name for name in given if name.startswith("drive.")]
     with_drive = [s for s in seen if "drive" in s.system.components]
     assert len(with_drive) > 20

@@ -15,7 +15,8 @@ from stickslip.report.quantity import number
 from stickslip.report.style import FAINT, PAGE, PALE, SHADE, SMALL, WITH, name_panel, new_figure
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.loop_genes import GENES
-from stickslip.tuning.loop_learning import LEVELS, training_motion
+from stickslip.tuning.loop_learning import LEVELS
+from stickslip.tuning.loop_runs import training_motion
 
 LOOPS_HEIGHT = 127.0
 CONTROL = r"$K_p + K_i T_s \, z/(z-1)$"

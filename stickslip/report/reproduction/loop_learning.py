@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip import ga
+from stickslip.catalog.parameters import friction_law
 from stickslip.pipeline.loop_tuning import LoopTuning
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.report import style
@@ -17,15 +18,17 @@ from stickslip.report.page import Illustration, Section
 from stickslip.report.quantity import number, percent, unit
 from stickslip.report.reproduction.diagrams import draw_flow, draw_scheme
 from stickslip.report.reproduction.loop_tuning import NAMES
+from stickslip.tuning.drive_model import PROBES
 from stickslip.tuning.loop_genes import GENES
 from stickslip.tuning.loop_learning import (
     LEVELS,
     LIMIT,
+    NEAR,
     NO_WORSE,
     POWER,
     LearnedLoop,
-    training_motion,
 )
+from stickslip.tuning.loop_runs import training_motion
 
 MEANINGS = {
     "K_p": "proportional gain, of the tuned PI’s",
@@ -61,14 +64,14 @@ def loop_learning_section(reproduction: Reproduction) -> Section:
             "forward, and how fast an observer corrects the rest. There an evolutionary search "
             f"helps. A candidate runs a motion of {seconds} s, with starts and reversals, slow "
             "reversals, creep and small moves at other speeds than those of the validation, once "
-            f"on the drive, and on models of it, FMUs of what was identified, with {below}, 1 and "
-            f"{above} times the identified friction, which no one can command on a drive. The "
-            "velocity that counts is that of a model, plus what encoder and motor force of the "
-            f"drive show more than the model. The cost is the mean, with the power {POWER}, of the "
+            f"on the drive, whose encoder and motor force show the velocity, and on models of it, "
+            f"FMUs with {below} and {above} times its friction, which no one can command on a "
+            f"drive. {_models(loops)} The cost is the mean, with the power {POWER}, of the "
             "tracking errors and of the change of the force from sample to sample, each relative "
-            f"to the tuned PI controller; a candidate with a peak sensitivity Ms above {LIMIT:g} "
-            "is not run. The best are run again, and one is taken only if nothing is worse than "
-            f"with the tuned PI controller, by more than {percent(NO_WORSE - 1.0, 0)}."
+            f"to the tuned PI controller; ratios above {NEAR:g} cost more, and a candidate with a "
+            f"peak sensitivity Ms above {LIMIT:g} is not run. The best are run again, and one is "
+            "taken only if nothing is worse than with the tuned PI controller, by more than "
+            f"{percent(NO_WORSE - 1.0, 0)}."
         ),
         Illustration(
             "fig3_scheme",
@@ -94,6 +97,18 @@ def loop_learning_section(reproduction: Reproduction) -> Section:
         _settings(reproduction),
         _genes(loops),
         _outcomes(loops),
+    )
+
+
+def _models(loops: LoopTuning) -> str:
+    """Return what the models are, and how well they err like the drive."""
+    best, found = loops.models[0], "what was identified"
+    if best.fitted:
+        laws = " or ".join(friction_law(model.law).title for model in loops.models)
+        found = f"{laws}, fitted to the drive’s errors"
+    return (
+        f"Their friction is {found}: in {len(PROBES)} loops their errors differ from those of the "
+        f"drive by {percent(best.mismatch, 0)} (RMS of the logarithms)."
     )
 
 

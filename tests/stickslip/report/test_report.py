@@ -46,6 +46,7 @@ from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import FEEDS
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.tuning.coarse_start import coarsened, draw_factors
+from stickslip.tuning.drive_model import DriveModel
 from stickslip.tuning.loop_genes import GENES, tuned_loop
 from stickslip.tuning.loop_learning import LearnedLoop
 from stickslip.tuning.published import OURS, READINGS, SQUARES, START, PublishedStudy, SeedRun
@@ -198,7 +199,8 @@ def loops(preset):
                 row = (stage, seed, motion.name, level, 0.3 * ratio, "mm/s", 1.5 + 0.1 * k, 5 * k)
                 rows.append(row)
     head = ["stage", "seed", "motion", "friction", "error", "unit", "Ms", "evaluations"]
-    return LoopTuning(learned, pd.DataFrame(rows, columns=head))
+    models = [DriveModel("lugre", friction, mismatch=0.02)]
+    return LoopTuning(learned, models, pd.DataFrame(rows, columns=head))
 
 
 def made(
@@ -546,6 +548,16 @@ def test_page_opens_with_what_each_step_brings(reproduction):
     assert "|+ least squares|0.70|0.70|0.70|0.70|1.80|15 more|" in cells
     assert "Seed 18 has the least cost" in cells
     assert "|18|a candidate|0.400|0.40|0.60|1.70|25|41|" in cells
+
+
+def test_page_says_what_the_models_of_the_drive_are():
+    whole = made()
+    assert "Their friction is what was identified: in 3 loops" in rendered(whole)
+    assert "by 2 % (RMS" in rendered(whole)
+    models = [DriveModel(law, {}, mismatch=0.07, fitted=True) for law in ("gms", "dahl")]
+    other = replace(whole, searched=replace(whole.loops, models=models))
+    assert "Their friction is GMS or Dahl, fitted to the drive’s errors" in rendered(other)
+    assert "by 7 % (RMS" in rendered(other)
 
 
 def test_page_says_where_learning_began_and_whether_the_fit_is_kept():

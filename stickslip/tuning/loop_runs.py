@@ -1,0 +1,152 @@
+"""Runs of the motion from which the loop is learned, on the drive and on models of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stickslip import cosim, ga, models
+from stickslip.evaluation.motions import Motion, Stroke, strokes
+from stickslip.evaluation.validation import covered
+from stickslip.rigs.fmu import FmuRig
+from stickslip.servo.measurement import Array, blended_velocity
+from stickslip.servo.paper_commands import REGION
+from stickslip.servo.systems import Feed, build_loop
+from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.tuning.loop_genes import CHAIN, FEEDFORWARD, TunedLoop, tuned_loop
+
+NOISY = {"noise": 1.0, "noise_x": 0.0, "noise_F": 0.0, "seed": 1.0}
+"""Start values of models: noise is on, of no size yet, and drawn otherwise than the drive's."""
+
+SMALL = Stroke(1.0, 0.025, 0.0, 0.1, 0.15)
+"""A small move, with the rest after it."""
+
+
+def training_motion() -> Motion:
+    """Return what a candidate runs: the motions of the validation, in short, and some between them.
+
+    Errors of fast starts and reversals count where the paper evaluates them. The first start is
+    that of a drive at rest without a history, the last one follows slow motion.
+    """
+    kinds = [
+        ("fast", 0.022, (1, -1), Stroke(1.0, 0.4, 0.15, 0.0, 0.0)),
+        *(
+            ("small moves" if v < 5e-4 else "moves", v, (1, -1, 1, -1), SMALL)
+            for v in (1.8e-4, 2.1e-4, 2.6e-4, 6e-4, 1.6e-3)
+        ),
+        *(
+            ("slow reversals", v, (1, -1, 1), Stroke(1.0, 0.2, 0.0, 0.0, 0.2))
+            for v in (4e-4, 1.6e-3)
+        ),
+        *(
+            ("creep", v, (1, -1), Stroke(1.0, 5e-3, 1.5e-4 / v, 0.1, 1.5e-4 / v))
+            for v in (1e-4, 2e-4, 3e-4, 6e-4, 1.5e-3)
+        ),
+        ("fast again", 0.03, (1, -1), Stroke(1.0, 0.45, 0.15, 0.0, 0.0)),
+    ]
+    moves = [
+        (f"{kind}, {1e3 * v:g} mm/s", replace(stroke, speed=sign * v))
+        for kind, v, signs, stroke in kinds
+        for sign in signs
+    ]
+    motion = strokes("training", "What a candidate runs.", moves)
+    regions = {
+        name: tuple((t + REGION[0], t + REGION[1]) for t, _ in spans) if "fast" in name else spans
+        for name, spans in motion.regions.items()
+    }
+    return replace(motion, regions=regions)
+
+
+@dataclass(frozen=True)
+class LoopBench:
+    """A drive in loops that differ from a reference by their genes.
+
+    Attributes
+    ----------
+    reference : the loop whose gains are tuned without a model, see ``servo/tuned_pi.py``
+    friction : parameters of the compensator's law, as identified, by name
+    """
+
+    rig: FmuRig
+    reference: VelocityLoop
+    friction: Mapping[str, float]
+    feed: Feed = "nominal"
+
+    def loop(self, genes: Mapping[str, float]) -> TunedLoop:
+        """Return the loop of a candidate."""
+        rig = self.rig
+        return tuned_loop(genes, self.reference, rig.law, self.friction, rig.datasheet)
+
+
+class LoopRuns:
+    """Runs of the training motion with the drive, or with a model of it.
+
+    It pickles, and each worker prepares the loop at its first run. Use it in a ``with`` block.
+
+    Parameters
+    ----------
+    law : friction law of the model; None for the drive
+    names : parameters of the model that differ between runs
+    """
+
+    def __init__(self, bench: LoopBench, law: str | None = None, names: tuple[str, ...] = ()):
+        self.bench, self._names, rig = bench, names, bench.rig
+        self.motion = training_motion()
+        self.v_cmd = self.motion.command.sample(rig.samples(self.motion.duration))
+        self.drive = f"model_{law}" if law else "drive"
+        if law:
+            models.build_fmu("drive", rig.fmus, start=NOISY, law=law, called=self.drive)
+        t = rig.samples(self.motion.duration)
+        self._counted = {name: covered(t, spans) for name, spans in self.motion.regions.items()}
+        loop = bench.reference.changed(m_ff=bench.reference.axis.m)
+        shown = ("x_enc", "F_m", *(["v"] if law else []))
+        specification = cosim.Specification(
+            build_loop(rig.fmus, loop, CHAIN, bench.feed, drive=self.drive),
+            step=rig.T_s,
+            stop=(len(self.v_cmd) - 1) * rig.T_s,
+            record=tuple(f"{self.drive}.{name}" for name in shown),
+        )
+        known = [*bench.loop(FEEDFORWARD).parameters(), *(f"{self.drive}.{n}" for n in names)]
+        self._cost = ga.SimulatedCost(specification, known, _no_cost, loop.commands(self.v_cmd))
+
+    def run(self, tuned: TunedLoop, values: Mapping[str, float] | None = None) -> cosim.Result:
+        """Run a loop, with values of the model by name.
+
+        Raises
+        ------
+        CandidateFailed
+            When an FMU fails.
+        """
+        numbers = [*tuned.parameters().values(), *((values or {})[name] for name in self._names)]
+        return self._cost.result(np.array(numbers))
+
+    def shown(self, run: cosim.Result) -> Array:
+        """Return the velocity (n,) that encoder and motor force show [m/s]."""
+        measured = run[f"{self.drive}.x_enc"], run[f"{self.drive}.F_m"]
+        return blended_velocity(*measured, self.bench.reference.axis.m, self.bench.rig.T_s)
+
+    def errors(self, v: Array) -> dict[str, float]:
+        """Return RMS errors of a velocity (n,) relative to the command, by region."""
+        return {
+            name: float(np.sqrt(np.mean((v - self.v_cmd)[of] ** 2) / np.mean(self.v_cmd[of] ** 2)))
+            for name, of in self._counted.items()
+        }
+
+    def close(self) -> None:
+        """Free the FMUs."""
+        self._cost.close()
+
+
+def by_kind(errors: Mapping[str, float]) -> dict[str, float]:
+    """Return the RMS of errors by region for each kind of motion."""
+    squares: dict[str, list[float]] = {}
+    for region, error in errors.items():
+        squares.setdefault(region.split(",")[0], []).append(error**2)
+    return {kind: float(np.sqrt(np.mean(of))) for kind, of in squares.items()}
+
+
+def _no_cost(_: cosim.Result) -> float:
+    """Stand for a cost where runs alone are wanted."""
+    return 0.0
