@@ -63,7 +63,7 @@ def loop_learning_section(reproduction: Reproduction) -> Section:
             "the loop: its gains, how much of the identified friction and inertia to feed "
             "forward, and how fast an observer corrects the rest. There an evolutionary search "
             f"helps. A candidate runs a motion of {seconds} s, with starts and reversals, slow "
-            "reversals, creep and small moves at other speeds than those of the validation, once "
+            "reversals, creep and small moves at speeds of the validation and between them, once "
             f"on the drive, whose encoder and motor force show the velocity, and on models of it, "
             f"FMUs with {below} and {above} times its friction, which no one can command on a "
             f"drive. {_models(loops)} The cost is the mean, with the power {POWER}, of the "
