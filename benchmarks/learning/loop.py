@@ -3,8 +3,9 @@
     python -m benchmarks.learning.loop [--seeds 10] [--evaluations 300] [ALGORITHM ...]
 
 Prints the cost of the best candidate after a third, two thirds and all of the evaluations, as
-median [lowest, highest] over seeds; 1 is a PI controller tuned without a model. ``random`` draws
-candidates evenly in the logarithm; ``grid`` takes two or three values of each gene.
+median [lowest, highest] over seeds. It is a mean of ratios to a PI controller tuned without a
+model. ``random`` draws candidates evenly in the logarithm; ``grid`` takes two or three values of
+each gene.
 """
 
 from __future__ import annotations
