@@ -48,9 +48,11 @@ def test_what_was_identified_is_taken_where_it_errs_like_the_drive(bench_of):
     assert model.mismatch < 0.5 * drive_model.AGREES
 
 
-def test_the_noise_of_the_encoder_is_found_from_the_errors_it_makes(bench_of):
-    (model,) = fit_models(bench_of(noise=1.0))
-    assert model.noise == pytest.approx(1e-7, rel=0.2)
+@pytest.mark.parametrize("noise", [1e-7, 1.5e-7])
+def test_the_noise_of_the_encoder_is_found_from_the_errors_it_makes(bench_of, noise):
+    (model,) = fit_models(bench_of(noise=1.0, noise_x=noise))
+    assert not model.fitted
+    assert model.noise == pytest.approx(noise, rel=0.2)
     assert model.mismatch < 0.5 * drive_model.AGREES
 
 
@@ -70,12 +72,12 @@ def test_a_drive_of_another_law_has_a_model_that_errs_like_it_with_other_frictio
 
 def test_parameters_that_identification_missed_are_found(bench_of, monkeypatch):
     monkeypatch.setattr(drive_model, "LAWS", ("lugre",))
-    monkeypatch.setattr(drive_model, "ROUNDS", (90,))
-    missed = {"sigma_0": 0.5 * PAPER["sigma_0"], "F_s": 1.2 * PAPER["F_s"]}
+    monkeypatch.setattr(drive_model, "ROUNDS", (120,))
+    missed = {"sigma_0": 0.3 * PAPER["sigma_0"], "F_s": 1.2 * PAPER["F_s"]}
     (model,) = fit_models(bench_of(missed))
     assert model.fitted
-    assert model.mismatch < 0.12
-    assert model.friction["sigma_0"] == pytest.approx(PAPER["sigma_0"], rel=0.1)
+    assert model.mismatch < 0.15
+    assert model.friction["sigma_0"] == pytest.approx(PAPER["sigma_0"], rel=0.35)
     assert model.friction["F_s"] >= model.friction["F_c"]
 
 
