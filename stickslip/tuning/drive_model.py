@@ -47,14 +47,19 @@ reference."""
 LAWS = ("lugre", "elasto_plastic", "gms", "dahl", "coulomb_stribeck", "armstrong")
 """Laws of models. That of Leuven is left out, as it takes fifty times as long to run as LuGre."""
 HOPELESS = 2.0
-"""How many times the least at the start a law has that is not tried."""
+"""How many times the least mismatch at the start a law has that is not tried: the drive's own law
+had up to 1.7 times the least, from the friction that LuGre shows."""
 ROUNDS = (60, 300)
-"""Candidates in the search of a law's parameters: of each law, and of the best ``FINALISTS``."""
+"""Candidates in the search of a law's parameters: of each law, and of the best ``FINALISTS``. After
+60 the drive's own law is first or second (Armstrong, GMS, elasto-plastic); after 300 it has a
+mismatch of 0.04 to 0.10, by chance of the search."""
 FINALISTS = 2
 ALIKE = 1.3
-"""By what factor further models that are used may be less like the drive than the best."""
+"""By what factor further models that are used may be less like the drive than the best: searches of
+one law from two seeds differ by as much and more."""
 WIDE = 4.0
-"""By what factor a parameter may differ from its start."""
+"""By what factor a parameter may differ from its start: LuGre identifies 0.57 of the stiffness of a
+drive of GMS friction, and 1.55 of one of Armstrong's."""
 
 
 @dataclass(frozen=True)
@@ -230,7 +235,7 @@ def fit_models(
         def begun(law: str) -> LawSearch:
             return LawSearch(opened.enter_context(Mismatch(bench, law, errors)))
 
-        own = bench.rig.law.name
+        own = bench.rig.law.name if bench.rig.law.name in LAWS else LAWS[0]
         found = [begun(own)]
         if found[0].model.mismatch > AGREES:
             found += [begun(law) for law in LAWS if law != own]

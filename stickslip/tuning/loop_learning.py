@@ -27,7 +27,7 @@ from stickslip.tuning.loop_genes import FEEDFORWARD, GENES, PLAIN, TunedLoop
 from stickslip.tuning.loop_runs import LoopBench, LoopRuns, by_kind
 
 LEVELS = (0.7, 1.3)
-"""Friction of the models, relative to that identified: what temperature and wear change."""
+"""Friction of the models, relative to the drive's own: what temperature and wear change."""
 LIMIT = 1.98
 """Largest peak sensitivity Ms of a candidate. Textbooks allow 2.0, by which the gain margin is at
 least 2 and the phase margin 29 degrees; 1 % is left for the error of the identified mass."""
@@ -37,7 +37,8 @@ counts a tenth as much as it."""
 QUIET = 0.75
 """Weight of the change of the force, which costs heat and noise, beside that of an error."""
 NEAR, STEEP = 0.9, 3.0
-"""From where on a ratio costs more, and how much: a search that ends at 1 finds nothing to take."""
+"""From where on a ratio costs more, and how much. Without it, searches on drives of Armstrong and
+Coulomb-Stribeck friction ended where nothing could be taken."""
 EVALUATIONS = 300
 """Candidates in a search: docs/measurements/loop-tuning.md shows what fewer and more give."""
 FINALISTS = 4

@@ -83,7 +83,7 @@ class LoopBench:
 class LoopRuns:
     """Runs of the training motion with the drive, or with a model of it.
 
-    It pickles, and each worker prepares the loop at its first run. Use it in a ``with`` block.
+    It pickles, and each worker prepares the loop at its first run. Close it in the end.
 
     Parameters
     ----------
@@ -94,11 +94,11 @@ class LoopRuns:
     def __init__(self, bench: LoopBench, law: str | None = None, names: tuple[str, ...] = ()):
         self.bench, self._names, rig = bench, names, bench.rig
         self.motion = training_motion()
-        self.v_cmd = self.motion.command.sample(rig.samples(self.motion.duration))
+        t = rig.samples(self.motion.duration)
+        self.v_cmd = self.motion.command.sample(t)
         self.drive = f"model_{law}" if law else "drive"
         if law:
             models.build_fmu("drive", rig.fmus, start=NOISY, law=law, called=self.drive)
-        t = rig.samples(self.motion.duration)
         self._counted = {name: covered(t, spans) for name, spans in self.motion.regions.items()}
         loop = bench.reference.changed(m_ff=bench.reference.axis.m)
         shown = ("x_enc", "F_m", *(["v"] if law else []))

@@ -8,6 +8,7 @@ import pytest
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.pipeline.loop_tuning import with_friction
 from stickslip.pipeline.reproduction import drive_truth
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.tuning import drive_model
 from stickslip.tuning.drive_model import DriveModel, fit_models
@@ -144,6 +145,15 @@ def test_laws_are_tried_until_two_are_left_and_those_as_good_are_used(
     monkeypatch.setattr(drive_model, "AGREES", 0.6)
     assert laws_of(fit_models(bench)) == ["lugre"]
     assert not done
+
+
+def test_a_law_that_takes_long_to_run_is_no_model(searches, bench_of):
+    starts, *_ = searches
+    starts |= {"lugre": 0.02, "leuven": 0.01}
+    bench = bench_of()
+    rig = FmuRig(bench.rig.fmus, bench.rig.datasheet, bench.rig.T_s, "leuven")
+    assert rig.law.name == "leuven"
+    assert laws_of(fit_models(replace(bench, rig=rig))) == ["lugre"]
 
 
 def test_a_model_that_was_not_fitted_has_a_steeper_curve_with_more_friction(bench_of):
