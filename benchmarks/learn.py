@@ -14,12 +14,12 @@ import pandas as pd
 import stickslip as ss
 from stickslip.identification.estimation import Search
 from stickslip.logs import Column, Description
-from stickslip.pipeline.recorded import gains_of
 from stickslip.planning import plan
 from stickslip.rigs.contract import commissioning_loop
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import build_fmus, servo_loop
-from stickslip.tuning.execution import Execution
+from stickslip.studies.learn.recorded import gains_of
+from stickslip.work.execution import Execution
 
 RUNS = 20
 

@@ -27,11 +27,11 @@ from vendor_texts import FILES, F, T, V, X  # noqa: E402 - of the tests
 
 HEADINGS = {
     "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),
-    "Models and friction laws": ("models", "laws", "evaluation.phenomena"),
-    "Velocity loops and frequency responses": ("servo", "cosim.control", "report.bode"),
-    "Learning": ("logs", "planning", "pipeline", "results"),
+    "Models and friction laws": ("models", "laws", "papers.lugre"),
+    "Velocity loops and frequency responses": ("servo", "cosim.control", "presentation"),
+    "Learning": ("logs", "planning", "studies.learn", "learned"),
     "Drives": ("rigs",),
-    "Comparison and checks": ("evaluation.arena", "fmucheck", "fmi"),
+    "Comparison and checks": ("studies.arena", "fmucheck", "fmi"),
 }
 """The packages whose public names stand under each heading; the longest name counts."""
 
@@ -90,7 +90,7 @@ def _commands() -> str:
     """Return the page of all commands."""
     lines = [*_heading("Command line", "="), "Files and options come in any order. Each command"]
     lines += ["has ``--json``, ``--quiet``, ``--verbose`` and ``--debug``.", ""]
-    for name, does in cli.COMMANDS.items():
+    for name, (_, does) in cli.COMMANDS.items():
         parser = _choices(cli._parser([name]))[name]  # noqa: SLF001 - the parser is its content
         lines += [*_heading(f"stickslip {name}", "-"), f"{does[0].upper()}{_plain(does[1:])}.", ""]
         exports = _choices(parser)

@@ -11,9 +11,8 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
-from typing import NoReturn
+from typing import NamedTuple, NoReturn
 
-from stickslip import commands
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.messages import harmless
 from stickslip.fmi.process import (
@@ -28,19 +27,29 @@ from stickslip.parser import Parser, suffixes_of
 _HELP = re.compile(r'"""``stickslip (\w+)``: ([^"]+?)\.?(?:""")?$')
 
 
-def _commands() -> dict[str, str]:
-    """Return what each command does, by name, from the first line of its module."""
-    found = {}
-    for path in sorted(Path(commands.__file__).parent.glob("*.py")):
+_PLACES = ("commands/*.py", "studies/*/command.py", "papers/*/commands/*.py")
+
+
+class Command(NamedTuple):
+    """A command: the module that declares and runs it, imported when it is called, and its help."""
+
+    module: str
+    does: str
+
+
+def _commands() -> dict[str, Command]:
+    """Return the commands by name, from the first line of their modules."""
+    found, root = {}, Path(__file__).parent
+    for path in (path for place in _PLACES for path in root.glob(place)):
         with path.open(encoding="utf-8") as file:
             line = _HELP.match(file.readline().rstrip())
-        if line and line[1] == path.stem:
-            found[path.stem] = line[2]
-    return found
+        if line:
+            module = ".".join(("stickslip", *path.relative_to(root).with_suffix("").parts))
+            found[line[1]] = Command(module, line[2])
+    return dict(sorted(found.items()))
 
 
 COMMANDS = _commands()
-"""Each is a module of ``stickslip.commands``, imported when it is called for."""
 EXPECTED = (Fault, OSError, MemoryError)
 """Errors that a user can cause; any other is a defect and shows its traceback."""
 _LONGEST = 2000  # characters of a message, which may contain text from a file
@@ -108,10 +117,10 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     parser.add_argument("--version", action=_Version, nargs=0, help="show it and leave")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
     called = next((word for word in arguments if not word.startswith("-")), None)
-    for name, does in COMMANDS.items():
+    for name, (module, does) in COMMANDS.items():
         command = subparsers.add_parser(name, help=does)
         if name == called:
-            import_module(f"stickslip.commands.{name}").declare(command)
+            import_module(module).declare(command)
     return parser
 
 

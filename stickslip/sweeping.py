@@ -26,7 +26,7 @@ from stickslip.fmi.by_name import by_name
 from stickslip.fmi.messages import printable
 from stickslip.ga.execution.evaluation import DIED
 from stickslip.simulation import Model
-from stickslip.tuning.jobs import Outcome, run_jobs
+from stickslip.work.jobs import Outcome, run_jobs
 
 _log = logging.getLogger(__name__)
 

@@ -32,10 +32,9 @@ from stickslip.identification.estimation import Estimation, Task, candidate_fmus
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
 from stickslip.identification.sliding.friction_curve import Interval
 from stickslip.logs import Recording
-from stickslip.pipeline.recorded import gains_of
 from stickslip.planning import plan
-from stickslip.report.quantity import meaning, number
-from stickslip.report.style import (
+from stickslip.presentation.quantity import meaning, number
+from stickslip.presentation.style import (
     GREY,
     PAGE,
     RESOLUTION,
@@ -49,6 +48,7 @@ from stickslip.rigs.contract import COMMISSIONING
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
+from stickslip.studies.learn.recorded import gains_of
 from tests.random_drives import RandomDrive, random_drive
 from tests.random_drives import record as record_random
 

@@ -22,12 +22,12 @@ import stickslip as ss
 from stickslip.errors import StickslipError
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import Column, Description
-from stickslip.pipeline.recorded import gains_of
 from stickslip.planning import plan
 from stickslip.servo.axis import Axis
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import build_fmus, feedforward
 from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
+from stickslip.studies.learn.recorded import gains_of
 from tests.stickslip.identification import drives
 
 T_S = drives.T_S

@@ -18,13 +18,13 @@ import numpy as np
 from stickslip import models
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import Recording
-from stickslip.pipeline.recorded import gains_of
 from stickslip.planning import Limits, plan
 from stickslip.rigs.contract import COMMISSIONING
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.stribeck_curve import level
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
+from stickslip.studies.learn.recorded import gains_of
 
 LAWS = ("lugre", "dahl", "gms", "coulomb_stribeck")
 MASS = (0.8, 14.0)  # [kg]

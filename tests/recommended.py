@@ -23,11 +23,11 @@ import pandas as pd
 from stickslip.cosim import Simulation
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import aligned, samples_late
-from stickslip.pipeline.compensator_trial import loops_of_log, try_compensator
-from stickslip.pipeline.learned import LearnedFromRecording, learn_recording
-from stickslip.pipeline.log_learning import read_and_check
-from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER
 from stickslip.servo.systems import Compensator, build_fmus, build_loop
+from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
+from stickslip.studies.learn.log_learning import read_and_check, with_trial
+from stickslip.trial.compensator_trial import loops_of_log
+from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER
 from tests.fault_matrix.drives import Drive
 from tests.fault_matrix.recordings import SOUND, record
 from tests.never_worse import CLOSE, commands
@@ -81,7 +81,7 @@ def tried(name: str, drive: Drive, law: str, out: Path) -> Iterator[dict[str, ob
         learned = learn_recording(recording, gains, design, findings, law=law)
     for way, asked in WAYS.items():
         begin = time.process_time()
-        one = try_compensator(reading, learned, **asked)
+        one = with_trial(reading, learned, **asked)
         seconds = time.process_time() - begin
         compared = one.trial.compared if one.trial else None
         chosen = compared.chosen.name if compared else one.writes()

@@ -36,6 +36,16 @@ ROOMS_OF_COSIM = (
     ),
     *({"assembly"}, {"run"}, {"isolation"}, {"control"}, {"ssp"}, {"container"}),
 )
+# The ground first. A room imports rooms before it only; a study or paper is a room of its own.
+ROOMS_OF_STICKSLIP = (
+    *("errors", "versions", "toml_files", "progress", "output", "parser"),
+    *("storage", "catalog", "servo", "presentation", "work", "compensators", "planning"),
+    *("logs", "rigs", "identification", "evaluation", "tuning", "trial", "learned"),
+    *("default_input", "contents", "simulation", "laws", "blocks", "sweeping", "system"),
+    *("commandline", "studies.arena", "studies.survey", "studies.learn", "papers.lugre"),
+    *("studies.compare", "studies.fleet", "studies.validate"),
+    *("precompile", "commands", "cli", "__main__"),
+)
 # They import what runs a system when they are called.
 THIN_METHODS = {
     f"stickslip.cosim.system.system.{name}.prepare" for name in ("System", "Specification")
@@ -162,6 +172,36 @@ def test_rooms_of_cosim_have_an_order():
     assert not wrong
     present = {name.split(".")[2] for name in sources() if name.startswith("stickslip.cosim.")}
     assert present == place.keys()
+
+
+def room_of(module: str) -> str:
+    """Return the room of a module of the application, its folder or, on top, the module itself."""
+    parts = module.split(".")[1:]
+    return ".".join(parts[: 2 if parts[0] in ("studies", "papers") else 1])
+
+
+def test_rooms_of_the_application_have_an_order():
+    """So no rooms form a circle; imports in functions and for annotations count as well."""
+    place = {room: i for i, room in enumerate(ROOMS_OF_STICKSLIP)}
+    own = {
+        name: tree
+        for name, tree in sources().items()
+        if name.count(".") and name.split(".")[1] not in ALLOWED
+    }
+    own = {
+        name: tree
+        for name, tree in own.items()
+        if name not in ("stickslip.studies", "stickslip.papers")
+    }
+    wrong = [
+        f"{module} imports {name}"
+        for module, tree in own.items()
+        for node in imports(tree)
+        for name in targets(node)
+        if name in own and place[room_of(name)] > place[room_of(module)]
+    ]
+    assert not wrong
+    assert {room_of(name) for name in own} == place.keys()
 
 
 @pytest.mark.parametrize("package", ALLOWED)

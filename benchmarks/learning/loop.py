@@ -18,9 +18,9 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stickslip import ga
-from stickslip.pipeline.rig_learning import learn_on_rig
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.tuned_pi import tuned_pi
+from stickslip.studies.learn.rig_learning import learn_on_rig
 from stickslip.tuning.loop_genes import GENES
 from stickslip.tuning.loop_learning import LoopCost, LoopStudy
 

@@ -8,8 +8,8 @@ import os
 from pathlib import Path
 
 from stickslip import models
-from stickslip.commands import FLAG, add_options, complete_with
-from stickslip.commands.platforms import add_platform_option, parse_platforms
+from stickslip.commandline import FLAG, add_options, complete_with
+from stickslip.commandline.platforms import add_platform_option, parse_platforms
 from stickslip.fmi.process import Threads
 from stickslip.output import Answer
 

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stickslip.commands import FLAG, add_options, seconds
+from stickslip.commandline import FLAG, add_options, seconds
 from stickslip.errors import UsageError
 from stickslip.fmi.process.sandbox import Permissions
 from stickslip.output import Answer

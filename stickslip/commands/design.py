@@ -37,7 +37,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Design, print gains and margins, and write them with the nominal loop's matrices."""
-    from stickslip.commands.tables import write_files
+    from stickslip.commandline.files import write_files
     from stickslip.servo.axis import Axis
     from stickslip.servo.systems import nominal_parameters
     from stickslip.servo.velocity_loop import design_velocity_loop

@@ -7,13 +7,13 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.commands import FLAG, add_options, warn
-from stickslip.commands.platforms import add_fmu_options, fmu_options
+from stickslip.commandline import FLAG, add_options, warn
+from stickslip.commandline.platforms import add_fmu_options, fmu_options
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.output import Answer
 
 if TYPE_CHECKING:
-    from stickslip.results.learned import LearnedFile
+    from stickslip.learned.file import LearnedFile
     from stickslip.servo.systems import Compensator
 
 
@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> Answer:
     makes the loop worse nowhere; where there is none, nothing is written.
     """
     from stickslip import models
-    from stickslip.results.learned import LearnedFile
+    from stickslip.learned.file import LearnedFile
 
     learned = LearnedFile(options.parameters)
     one = learned.at(1.0 if options.force else learned.share)
@@ -78,8 +78,8 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
         When it makes the loop worse at every share, was never tried, or learning refused it, and is
         not forced.
     """
-    from stickslip.commands.tables import print_benefit
-    from stickslip.evaluation.guards import benefits_on_drives, feedforward
+    from stickslip.studies.learn.terminal import print_benefit
+    from stickslip.trial.guards import benefits_on_drives, feedforward
 
     path, loop = learned.path, learned.loop
     refusal = f"learn refused it: {learned.refusal}" if learned.refusal else ""

@@ -6,9 +6,9 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from stickslip.commands import add_options
+from stickslip.commandline import add_options
+from stickslip.commandline.platforms import add_fmu_options
 from stickslip.commands.export_compensator import add_form_option, write_as
-from stickslip.commands.platforms import add_fmu_options
 from stickslip.errors import UsageError
 from stickslip.output import Answer
 
@@ -31,7 +31,7 @@ def run(options: argparse.Namespace) -> Answer:
     UsageError
         When there is none, or it is not available in the form that is wanted.
     """
-    from stickslip.results.learned import LearnedFile
+    from stickslip.learned.file import LearnedFile
 
     learned = LearnedFile(options.parameters)
     components = learned.components

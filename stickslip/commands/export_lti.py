@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from stickslip.commands import FLAG, add_options
-from stickslip.commands.platforms import add_fmu_options, fmu_options
+from stickslip.commandline import FLAG, add_options
+from stickslip.commandline.platforms import add_fmu_options, fmu_options
 from stickslip.output import Answer
 
 

@@ -6,15 +6,15 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.commands import FLAG, add_options, warn
+from stickslip.commandline import FLAG, add_options, warn
+from stickslip.commandline.platforms import add_fmu_options
 from stickslip.commands.export_compensator import add_form_option, write_as
-from stickslip.commands.platforms import add_fmu_options
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.fmi.process import temporary_folder
 from stickslip.output import Answer
 
 if TYPE_CHECKING:
-    from stickslip.results.learned import LearnedFile
+    from stickslip.learned.file import LearnedFile
     from stickslip.servo.systems import Compensator
     from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -43,7 +43,7 @@ def run(options: argparse.Namespace) -> Answer:
         When learning refused it, or the peak sensitivity of the loop is too large with it.
     """
     from stickslip import models
-    from stickslip.results.learned import LearnedFile
+    from stickslip.learned.file import LearnedFile
 
     learned = LearnedFile(options.parameters)
     observer = learned.observer

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from stickslip.commands import add_options
+from stickslip.commandline import add_options
 from stickslip.output import Answer
 
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from stickslip.commands import add_options
-from stickslip.commands.assignments import add_set_option, split_assignments
-from stickslip.commands.platforms import add_fmu_options, fmu_options
+from stickslip.commandline import add_options
+from stickslip.commandline.assignments import add_set_option, split_assignments
+from stickslip.commandline.platforms import add_fmu_options, fmu_options
 from stickslip.errors import UsageError
 from stickslip.output import Answer
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.catalog.parameters import PAPER
-from stickslip.commands import FLAG, SEVERAL, add_options, warn
+from stickslip.commandline import FLAG, SEVERAL, add_options, warn
 from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write
 from stickslip.logs.recording import Motion
@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> Answer:
     table, stretches = plan(limits, options.show), arrange(limits, options.show)
     atomic_write(options.out, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
     if options.plot:
-        from stickslip.planning.picture import draw_plan
+        from stickslip.commands.plan_picture import draw_plan
 
         atomic_write(options.plot, draw_plan(table, stretches, length))
     _print_parts(table, stretches, length)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from stickslip.commands import FLAG, add_options
+from stickslip.commandline import FLAG, add_options
 from stickslip.errors import UsageError
 from stickslip.fmi.process import temporary_folder
 from stickslip.output import Answer

@@ -11,13 +11,13 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stickslip.commands import FLAG, SEVERAL, add_options, or_, warn
-from stickslip.commands.assignments import add_set_option, split_assignments
-from stickslip.commands.isolation import add_isolation, isolation_of
+from stickslip.commandline import FLAG, SEVERAL, add_options, or_, warn
+from stickslip.commandline.assignments import add_set_option, split_assignments
+from stickslip.commandline.isolation import add_isolation, isolation_of
 from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write, require_regular_file
 from stickslip.output import LOG, Answer
-from stickslip.results.folder import writable
+from stickslip.storage import writable
 
 if TYPE_CHECKING:
     from stickslip import cosim

@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from stickslip.commands import SEVERAL, add_options
+from stickslip.commandline import SEVERAL, add_options
 from stickslip.output import LOG, Answer
-from stickslip.results.folder import verify
+from stickslip.storage import verify
 
 
 def declare(parser: argparse.ArgumentParser) -> None:

@@ -13,6 +13,7 @@ from typing import TypeVar, cast
 import pandas as pd
 
 from stickslip import cosim
+from stickslip.catalog.estimate import HIGH, LOW
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -21,8 +22,6 @@ ONCE = (0.0,)
 PHASES = tuple(sorted((k / 9.0 for k in range(-4, 5)), key=abs))
 """Where the drive begins, in steps of the encoder from where its FMU does; at each of them the
 encoder shows the same position at first."""
-LOW, HIGH = "_low", "_high"
-"""What the columns of a range are called behind the name of their median."""
 
 
 def beginnings(system: cosim.System, phases: Sequence[float]) -> list[dict[str, float]]:

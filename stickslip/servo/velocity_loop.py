@@ -250,6 +250,15 @@ def close_velocity_loop(
     )
 
 
+POSITION_LOOP = 75.4 / 849.0
+"""Gain of the position loop relative to K_p over the mass, the crossover of the velocity loop."""
+
+
+def position_loop(loop: VelocityLoop) -> VelocityLoop:
+    """Return the cascade of a velocity loop and a proportional position controller."""
+    return loop.changed(K_x=POSITION_LOOP * loop.K_p / loop.axis.m)
+
+
 def _closed(given: tuple[Any, ...], further: tuple[Any, ...]) -> VelocityLoop:
     """Return the loop that was pickled."""
     names = ("m_ff", "velocity_filter", "K_x", "velocity_feedforward")

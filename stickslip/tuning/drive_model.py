@@ -21,9 +21,9 @@ from threadpoolctl import threadpool_limits
 from stickslip import cosim, ga, models
 from stickslip.catalog.parameters import PAPER, friction_law, scaled_start
 from stickslip.servo.measurement import Array
-from stickslip.tuning.execution import Execution
 from stickslip.tuning.loop_genes import FEEDFORWARD, PLAIN
 from stickslip.tuning.loop_runs import LoopBench, LoopRuns
+from stickslip.work.execution import Execution
 
 PROBES = (
     PLAIN,

@@ -14,10 +14,10 @@ from functools import partial
 
 import numpy as np
 
+from stickslip.catalog.estimate import Estimate
 from stickslip.catalog.parameters import PAPER
 from stickslip.evaluation.motions import Motion, Stroke, strokes
 from stickslip.evaluation.validation import covered
-from stickslip.identification.stages.estimate import Estimate
 from stickslip.servo.measurement import Array
 
 WORSE = 1.1

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import lfilter, ss2tf
 
-from stickslip.identification.stages.estimate import correlation_length
+from stickslip.catalog.estimate import correlation_length
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.servo.systems import feedforward
 from stickslip.tuning.learning import BOUNDS, Study, VelocityCost

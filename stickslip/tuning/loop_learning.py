@@ -22,9 +22,9 @@ from stickslip import cosim, ga
 from stickslip.servo.axis import ControlError
 from stickslip.servo.measurement import Array
 from stickslip.tuning.drive_model import PROBES, DriveModel, start_model
-from stickslip.tuning.execution import Execution
 from stickslip.tuning.loop_genes import FEEDFORWARD, GENES, PLAIN, TunedLoop
 from stickslip.tuning.loop_runs import LoopBench, LoopRuns, by_kind
+from stickslip.work.execution import Execution
 
 LEVELS = (0.7, 1.3)
 """Friction of the models, relative to the drive's own: what temperature and wear change."""

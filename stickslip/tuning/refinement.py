@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from stickslip.identification.stages.estimate import Estimate
+from stickslip.catalog.estimate import Estimate
 from stickslip.tuning.guard import WORSE, guard_motion, relative_errors
 from stickslip.tuning.learning import Study
 from stickslip.tuning.linear_fit import Bench, fit

@@ -11,7 +11,7 @@ from closed_loop import ideal_servo
 
 from stickslip import cosim, models
 from stickslip.cosim.control import measure_response
-from stickslip.report.bode import draw_bode
+from stickslip.presentation.bode import draw_bode
 
 T_S = 5e-4
 F = np.geomspace(2.0, 450.0, 9)

@@ -11,8 +11,8 @@ import numpy as np
 from stickslip.errors import StickslipError
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import Description, raise_errors
-from stickslip.pipeline.log_learning import read_and_check
 from stickslip.servo.systems import build_fmus
+from stickslip.studies.learn.log_learning import read_and_check
 from tests.fault_matrix.drives import DRIVES
 from tests.fault_matrix.faults import FAULTS, Fault, cases
 from tests.fault_matrix.outcome import outcome_of, remarks_of

@@ -14,10 +14,10 @@ import stickslip as ss
 from stickslip.errors import StickslipError
 from stickslip.logs import Description, Finding, raise_errors
 from stickslip.models import build_fmu
-from stickslip.pipeline.learned import LearnedFromRecording
-from stickslip.pipeline.log_learning import read_and_check
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import Compensator, build_loop
+from stickslip.studies.learn.learned import LearnedFromRecording
+from stickslip.studies.learn.log_learning import read_and_check
 from tests.fault_matrix.drives import Drive, steady
 
 MASS_TOLERANCE = 0.02

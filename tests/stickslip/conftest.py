@@ -9,19 +9,19 @@ import pytest
 
 from stickslip import cosim
 from stickslip.evaluation.validation import validate
-from stickslip.pipeline.datasheet_errors import vary_datasheet
-from stickslip.pipeline.reproduction import Extras, Options, Reproduction, reproduce
-from stickslip.pipeline.studies import step_by_step, with_motions
+from stickslip.papers.lugre.datasheet_errors import vary_datasheet
+from stickslip.papers.lugre.folder import write_results
+from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, reproduce
+from stickslip.papers.lugre.studies import step_by_step, with_motions
 from stickslip.planning import LINEAR, plan
-from stickslip.report.page import Picture
-from stickslip.results.reproduction_folder import write_results
+from stickslip.presentation.page import Picture
 from stickslip.rigs.contract import COMMISSIONING
 from stickslip.rigs.fmu import FmuRig, rig_of
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import design_velocity_loop
-from stickslip.tuning.execution import Execution
+from stickslip.work.execution import Execution
 
 
 class Quiet:
@@ -49,7 +49,9 @@ def quiet() -> Quiet:
 @pytest.fixture
 def without_pictures(monkeypatch):
     """Leave the figures of a report blank: drawing takes half of the time of a short learning."""
-    monkeypatch.setattr("stickslip.report.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
+    monkeypatch.setattr(
+        "stickslip.presentation.page.Picture.of", lambda *_: Picture(b"", b"", 89.0)
+    )
 
 
 @pytest.fixture(scope="session")

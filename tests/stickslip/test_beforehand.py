@@ -7,7 +7,7 @@ from stickslip.catalog.parameters import LUGRE
 from stickslip.evaluation.scatter import PHASES
 from stickslip.evaluation.validation import validate
 from stickslip.identification.stages import identify
-from stickslip.pipeline.datasheet_errors import vary_datasheet
+from stickslip.papers.lugre.datasheet_errors import vary_datasheet
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import VALIDATION

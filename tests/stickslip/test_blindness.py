@@ -9,14 +9,14 @@ import pytest
 
 import stickslip
 from stickslip import cosim, ga
-from stickslip.evaluation.arena.drives import default_drives
-from stickslip.evaluation.arena.entrants import entrant
-from stickslip.evaluation.arena.protocol import Plan, build
-from stickslip.evaluation.arena.tuning import Budget, tune
+from stickslip.compensators.entrants import entrant
 from stickslip.identification.stages import identify
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import TRAINING
 from stickslip.servo.tuned_pi import tuned_pi
+from stickslip.studies.arena.drives import default_drives
+from stickslip.studies.arena.protocol import Plan, build
+from stickslip.studies.arena.tuning import Budget, tune
 from stickslip.tuning.drive_model import fit_models
 from stickslip.tuning.learning import Study
 from stickslip.tuning.loop_learning import LoopStudy, learn_loop

@@ -8,11 +8,8 @@ from dataclasses import replace
 import pytest
 
 from stickslip.catalog.parameters import friction_law
+from stickslip.compensators.entrants import parts
 from stickslip.errors import UsageError
-from stickslip.evaluation.arena.entrants import parts
-from stickslip.evaluation.guards import Known, Tried, bench_of, best_of, family, feedforward
-from stickslip.evaluation.guards.benefit import Benefit
-from stickslip.pipeline.candidates import SAME, Compared, Row, compare, law_of, offered
 from stickslip.servo.axis import Axis
 from stickslip.servo.chain_response import frequencies
 from stickslip.servo.datasheet import Datasheet
@@ -21,6 +18,9 @@ from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.sensitivity import Opened
 from stickslip.servo.velocity_filter import Observer, VelocityFilter
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
+from stickslip.trial.benefit import Benefit
+from stickslip.trial.candidates import SAME, Compared, Row, compare, law_of, offered
+from stickslip.trial.guards import Known, Tried, bench_of, best_of, family, feedforward
 
 AXIS = Axis(80.0, 100.0, 1e-3)
 FRICTION = {"F_s": 80.0, "F_c": 60.0, "v_s": 1e-3, "sigma_0": 4e6, "sigma_1": 8e3, "delta": 1.0}

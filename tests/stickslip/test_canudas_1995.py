@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stickslip.cli import main
-from stickslip.evaluation import canudas_1995 as published
-from stickslip.evaluation.phenomena import contact_of
+from stickslip.papers.lugre import canudas_1995 as published
+from stickslip.papers.lugre.phenomena import contact_of
 
 
 @pytest.fixture(scope="module")

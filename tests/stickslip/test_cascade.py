@@ -10,14 +10,12 @@ import pytest
 from stickslip import models
 from stickslip.catalog.parameters import unit_of
 from stickslip.errors import UsageError
-from stickslip.evaluation.guards import commands
+from stickslip.learned.file import LearnedFile
+from stickslip.learned.writing import loop_document
 from stickslip.logs import Description, Recording
 from stickslip.logs.controller import Controller
 from stickslip.logs.reading import read_recording, with_velocity_command
-from stickslip.pipeline.log_learning import learn
-from stickslip.pipeline.log_validation import read_log
 from stickslip.planning import LINEAR, plan
-from stickslip.results.learned import LearnedFile, loop_document
 from stickslip.servo.axis import Axis
 from stickslip.servo.systems import Compensator, build_fmus, build_loop
 from stickslip.servo.velocity_loop import (
@@ -25,6 +23,9 @@ from stickslip.servo.velocity_loop import (
     close_velocity_loop,
     design_velocity_loop,
 )
+from stickslip.studies.learn.log_learning import learn
+from stickslip.studies.validate.log_validation import read_log
+from stickslip.trial.guards import commands
 
 T_S = 5e-4
 GAINS = {"K_x": 40.0, "K_p": 500.0, "K_i": 8e3}

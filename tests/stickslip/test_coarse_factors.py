@@ -2,7 +2,7 @@
 
 import pytest
 
-from stickslip.commands.assignments import coarse_factors
+from stickslip.commandline.assignments import coarse_factors
 from stickslip.errors import UsageError
 
 

@@ -8,12 +8,12 @@ import pytest
 
 from stickslip.evaluation.scatter import PHASES
 from stickslip.evaluation.validation import validate
-from stickslip.pipeline.reproduction import Options, reproduce
-from stickslip.results.tolerance import differences
+from stickslip.papers.lugre.reproduction import Options, reproduce
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import VALIDATION
+from tests.stickslip.result_tolerance import differences
 
 ROOT = Path(__file__).parents[2]
 COMMITTED = ROOT / "results" / "paper"

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from stickslip import cosim, models
-from stickslip.evaluation.guards import commands
 from stickslip.fmi import toolchain
 from stickslip.models.firmware import write_compensator
 from stickslip.servo.axis import Axis
@@ -26,6 +25,7 @@ from stickslip.servo.velocity_loop import (
     close_velocity_loop,
     design_velocity_loop,
 )
+from stickslip.trial.guards import commands
 from tests.models.firmware import structured_text
 
 ROOT = Path(__file__).parents[2]

@@ -8,7 +8,6 @@ import pytest
 from stickslip.catalog.parameters import PAPER, friction_law
 from stickslip.cosim import SimulationError, Trapezoid
 from stickslip.evaluation.comparison import Entry, evaluate
-from stickslip.evaluation.guards import Bench, Drive, commands, feedforward
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.owner_loop import LearnedDrive, simulate
 from stickslip.evaluation.validation import validate
@@ -22,6 +21,7 @@ from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.divergence import DIVERGED, Diverged, require_bounded
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.velocity_loop import design_velocity_loop
+from stickslip.trial.guards import Bench, Drive, commands, feedforward
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
 VALUES = {**PAPER, "m": AXIS.m, "b": AXIS.b, "F_0": 0.0, "delay": AXIS.tau_i, "delta": 1.0}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
-from stickslip.pipeline.loop_tuning import with_friction
-from stickslip.pipeline.reproduction import drive_truth
+from stickslip.papers.lugre.loop_tuning import with_friction
+from stickslip.papers.lugre.reproduction import drive_truth
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.tuning import drive_model

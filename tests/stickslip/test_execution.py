@@ -6,10 +6,14 @@ import pytest
 
 from stickslip import ga
 from stickslip.cli import main
-from stickslip.commands.execution import add_algorithm_option, add_execution_options, execution_of
+from stickslip.commandline.execution import (
+    add_algorithm_option,
+    add_execution_options,
+    execution_of,
+)
 from stickslip.errors import UsageError
 from stickslip.ga.execution import checkpoint
-from stickslip.tuning.execution import Execution, processors
+from stickslip.work.execution import Execution, processors
 
 
 def chosen(*arguments):
@@ -60,7 +64,7 @@ def test_ctrl_c_prints_one_line_on_how_to_continue(monkeypatch, tmp_path, capsys
     def interrupted(*_):
         raise ga.Interrupted(tmp_path / "learning.checkpoint.json", 7, 58)
 
-    monkeypatch.setattr("stickslip.pipeline.reproduction.reproduce", interrupted)
+    monkeypatch.setattr("stickslip.papers.lugre.reproduction.reproduce", interrupted)
     assert main(["reproduce", "--out", str(tmp_path)]) == 130
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("stickslip: interrupted after 7 generations (58 evaluations); ")
@@ -72,7 +76,7 @@ def interrupt(*_):
 
 
 def test_ctrl_c_before_and_after_the_search(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr("stickslip.pipeline.reproduction.reproduce", interrupt)
+    monkeypatch.setattr("stickslip.papers.lugre.reproduction.reproduce", interrupt)
     assert main(["reproduce", "--out", str(tmp_path)]) == 130
     assert capsys.readouterr().err == "stickslip: interrupted\n"
 
@@ -80,7 +84,7 @@ def test_ctrl_c_before_and_after_the_search(monkeypatch, tmp_path, capsys):
         given[-1].of_seed(0).checkpoint.touch()
         interrupt()
 
-    monkeypatch.setattr("stickslip.pipeline.reproduction.reproduce", searched)
+    monkeypatch.setattr("stickslip.papers.lugre.reproduction.reproduce", searched)
     assert main(["reproduce", "--out", str(tmp_path)]) == 130
     kept = tmp_path / "learning.checkpoint.seed0.json"
     message = f"interrupted; the state of the search is kept in {kept}; continue with --resume"

@@ -10,7 +10,7 @@ import stickslip as ss
 from stickslip import models
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.results.learned import LearnedFile
+from stickslip.learned.file import LearnedFile
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.systems import Compensator, build_fmus, build_loop

@@ -7,7 +7,7 @@ import json
 import pytest
 
 from stickslip.cli import main
-from stickslip.results.learned import loop_document
+from stickslip.learned.writing import loop_document
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter

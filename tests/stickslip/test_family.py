@@ -9,7 +9,16 @@ import pytest
 
 from stickslip.catalog.parameters import friction_law
 from stickslip.cosim import Trapezoid
-from stickslip.evaluation.guards import (
+from stickslip.identification.criteria.scaling import Scale
+from stickslip.models import law_names
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.systems import Compensator, build_fmus
+from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
+from stickslip.trial.benefit import _repeated
+from stickslip.trial.family import deflection, travel
+from stickslip.trial.guards import (
     NONE,
     Bench,
     Benefit,
@@ -24,15 +33,6 @@ from stickslip.evaluation.guards import (
     family,
     feedforward,
 )
-from stickslip.evaluation.guards.benefit import _repeated
-from stickslip.evaluation.guards.family import deflection, travel
-from stickslip.identification.criteria.scaling import Scale
-from stickslip.models import law_names
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.systems import Compensator, build_fmus
-from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
 TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}

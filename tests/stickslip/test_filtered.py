@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.evaluation.attribution import attribute
 from stickslip.evaluation.scatter import PHASES
 from stickslip.evaluation.validation import validate
+from stickslip.papers.lugre.attribution import attribute
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.paper_commands import VALIDATION

@@ -6,7 +6,7 @@ import pytest
 
 from stickslip.cli import main
 from stickslip.contents import info
-from stickslip.report.markup import text
+from stickslip.presentation.markup import text
 from tests.corpus.hostile.sound import describe, replaced
 from tests.corpus.hostile.zips import zipped
 

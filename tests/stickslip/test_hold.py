@@ -5,12 +5,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from stickslip.catalog.parameters import friction_law
-from stickslip.evaluation.guards import NONE, Bench, Drive, feedforward, holds, hunting_at_rest
-from stickslip.evaluation.guards.family import Command
-from stickslip.evaluation.guards.hold import _motions, hold_time, reversals
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.velocity_loop import close_velocity_loop
+from stickslip.trial.family import Command
+from stickslip.trial.guards import NONE, Bench, Drive, feedforward, holds, hunting_at_rest
+from stickslip.trial.hold import _motions, hold_time, reversals
 
 LAW = friction_law("coulomb_stribeck")
 FRICTION = {"F_s": 9.0, "F_c": 6.0, "v_s": 1e-4, "delta": 1.0}

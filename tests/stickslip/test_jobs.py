@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import pytest
 
 from stickslip import ga
-from stickslip.tuning.jobs import Outcome, run_jobs
+from stickslip.work.jobs import Outcome, run_jobs
 
 
 class Cluster(ThreadPoolExecutor):

@@ -12,12 +12,12 @@ from fmpy import read_model_description
 
 from stickslip import ga
 from stickslip.cli import main
-from stickslip.commands.progress import TerminalProgress, spread_of
+from stickslip.commandline.progress import TerminalProgress, spread_of
 from stickslip.identification.criteria.scaling import Scale
 from stickslip.identification.estimation import Search
+from stickslip.presentation.page import Picture
 from stickslip.progress import shown_by, steps
-from stickslip.report.page import Picture
-from stickslip.results.learned_folder import FILES
+from stickslip.studies.learn.folder import FILES
 
 pytestmark = pytest.mark.slow
 
@@ -59,7 +59,7 @@ def test_ctrl_c_while_the_results_are_written_keeps_the_search(log, folder, tmp_
 
     arguments = ["learn", "--log", str(log), "--out", str(tmp_path)]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.results.learned_folder.write_learned", interrupt)
+        patch.setattr("stickslip.studies.learn.folder.write_learned", interrupt)
         assert main(arguments) == 130
     checkpoint = tmp_path / "learning.checkpoint.json"
     assert f"kept in {checkpoint}; continue with --resume" in capsys.readouterr().err
@@ -78,7 +78,7 @@ def of_two_seeds(log, tmp_path_factory):
     out = tmp_path_factory.mktemp("seeds") / "whole"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stickslip.identification.estimation.Search", partial(Search, evaluations=40))
-        patch.setattr("stickslip.report.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
+        patch.setattr("stickslip.presentation.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
         with shown_by(lambda done, of: STEPS.append((done, of))):
             assert main(["learn", "--log", str(log), *TWO_SEEDS, "--out", str(out)]) == 0
     return out
@@ -163,7 +163,7 @@ def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
     path = tmp_path / "mine.json" if named else own
     arguments += ["--out", str(tmp_path / "out"), *(["--checkpoint", str(path)] if named else [])]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.results.learned_folder.write_learned", interrupt)
+        patch.setattr("stickslip.studies.learn.folder.write_learned", interrupt)
         assert main(arguments) == 130
     checkpoints = [path.with_suffix(f".seed{seed}.json") for seed in (3, 4)]
     assert f"kept in {checkpoints[0]}, {checkpoints[1]}; continue with" in capsys.readouterr().err
@@ -231,7 +231,7 @@ def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsy
     assert main(arguments) == 1
     assert "kg, less than 0.001 kg" in capsys.readouterr().err
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.pipeline.log_learning.check_units", lambda _: ())
+        patch.setattr("stickslip.studies.learn.log_learning.check_units", lambda _: ())
         assert main(arguments) == 0
         assert "compensator.fmu is not written: error: the mass" in capsys.readouterr().err
         assert (tmp_path / "learned.json").exists()

@@ -11,12 +11,8 @@ from stickslip import cosim
 from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.results.learned import (
-    LearnedFile,
-    datasheet_document,
-    loop_document,
-    validation_document,
-)
+from stickslip.learned.file import LearnedFile
+from stickslip.learned.writing import datasheet_document, loop_document, validation_document
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter

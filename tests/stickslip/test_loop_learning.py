@@ -11,15 +11,14 @@ from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.scatter import PHASES
-from stickslip.pipeline import loop_tuning
-from stickslip.pipeline.loop_tuning import FRICTION, STAGES, motion_errors
-from stickslip.pipeline.reproduction import drive_truth
+from stickslip.papers.lugre import loop_tuning
+from stickslip.papers.lugre.loop_tuning import FRICTION, STAGES, motion_errors
+from stickslip.papers.lugre.reproduction import drive_truth
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.systems import build_loop, servo_loop
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.tuning import drive_model, loop_learning
 from stickslip.tuning.drive_model import start_model
-from stickslip.tuning.execution import Execution
 from stickslip.tuning.loop_genes import CHAIN, FEEDFORWARD, GENES, PLAIN
 from stickslip.tuning.loop_learning import (
     FORCE,
@@ -30,6 +29,7 @@ from stickslip.tuning.loop_learning import (
     learn_loop,
     mean_of,
 )
+from stickslip.work.execution import Execution
 
 pytestmark = pytest.mark.slow
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 import pytest
 
 from stickslip.catalog.parameters import friction_law
-from stickslip.evaluation.guards import Known, bench_of, family, feedforward
-from stickslip.pipeline.observed import BOTH, OBSERVER, Observed, kalman_designs, try_observer
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.observer import LIMIT
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
+from stickslip.trial.guards import Known, bench_of, family, feedforward
+from stickslip.trial.observed import BOTH, OBSERVER, Observed, kalman_designs, try_observer
 
 AXIS = Axis(80.0, 100.0, 1e-3)
 FRICTION = {"F_s": 80.0, "F_c": 60.0, "v_s": 1e-3, "sigma_0": 4e6, "sigma_1": 8e3, "delta": 1.0}

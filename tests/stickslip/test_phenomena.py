@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from stickslip.cli import main
-from stickslip.commands.phenomena import table_of
-from stickslip.evaluation.phenomena import PHENOMENA, phenomena
+from stickslip.papers.lugre.commands.phenomena import table_of
+from stickslip.papers.lugre.phenomena import PHENOMENA, phenomena
 
 STEADY, PRESLIDING, LOSS, LOOP, LAG, SLOW, FAST, DWELL, DRIFT = PHENOMENA
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
-from stickslip.pipeline.reproduction import Options, reproduce
+from stickslip.papers.lugre.reproduction import Options, reproduce
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.systems import build_fmus, paper_loop

@@ -6,7 +6,7 @@ import pytest
 
 from stickslip import models
 from stickslip.catalog.parameters import LUGRE, PAPER
-from stickslip.evaluation.fmpy_check import second_opinion
+from stickslip.papers.lugre.fmpy_check import second_opinion
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.deployment import deployed
 from stickslip.servo.paper_commands import TRAINING, VALIDATION

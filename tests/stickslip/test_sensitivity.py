@@ -6,7 +6,10 @@ import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.comparison import KEYS, Entry, evaluate
-from stickslip.evaluation.motion_study import (
+from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS, Motion
+from stickslip.evaluation.scatter import ONCE, PHASES
+from stickslip.evaluation.validation import run_command, validate
+from stickslip.papers.lugre.motion_study import (
     CONTROL,
     SEEN,
     WEAK_ENTRIES,
@@ -15,9 +18,6 @@ from stickslip.evaluation.motion_study import (
     study_motions,
     unseen,
 )
-from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS, Motion
-from stickslip.evaluation.scatter import ONCE, PHASES
-from stickslip.evaluation.validation import run_command, validate
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter

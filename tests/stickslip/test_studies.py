@@ -6,9 +6,9 @@ import pytest
 
 from stickslip import ga, models
 from stickslip.errors import IdentificationError
-from stickslip.pipeline import studies
-from stickslip.pipeline.reproduction import Options
-from stickslip.tuning.execution import Execution
+from stickslip.papers.lugre import studies
+from stickslip.papers.lugre.reproduction import Options
+from stickslip.work.execution import Execution
 
 
 def run(tmp_path, quiet, monkeypatch, outcome):

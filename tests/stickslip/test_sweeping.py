@@ -13,7 +13,7 @@ import stickslip as ss
 from stickslip import ga
 from stickslip.ga.execution.evaluation import DIED
 from stickslip.sweeping import _evaluated, _nothing, _Run
-from stickslip.tuning.jobs import Outcome
+from stickslip.work.jobs import Outcome
 
 M, B, PUSH, STOP = 5.557, 6.6135, 12.0, 0.5
 RUN = {"stop": STOP, "step": 1e-3, "inputs": {"u": PUSH}}

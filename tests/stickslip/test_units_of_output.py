@@ -17,7 +17,7 @@ import pytest
 
 from stickslip.cli import main
 from stickslip.identification.estimation import Search
-from stickslip.report.page import Picture
+from stickslip.presentation.page import Picture
 
 pytestmark = pytest.mark.slow
 
@@ -72,7 +72,7 @@ def output(request, tmp_path_factory):
     printed = {}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stickslip.identification.estimation.Search", SHORT)
-        patch.setattr("stickslip.report.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
+        patch.setattr("stickslip.presentation.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
         for command in (
             ["learn", log, "--check"],
             ["learn", log, "--out", out, "--force"],

@@ -10,12 +10,12 @@ import pytest
 from fmpy import read_model_description
 
 from stickslip.cli import main
-from stickslip.evaluation.guards import Benefit
 from stickslip.identification.estimation import Search
 from stickslip.logs import Description, Finding
-from stickslip.pipeline.log_learning import learn
-from stickslip.pipeline.observed import Observed
 from stickslip.servo.axis import ControlError
+from stickslip.studies.learn.log_learning import learn
+from stickslip.trial.guards import Benefit
+from stickslip.trial.observed import Observed
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("without_pictures")]
 
@@ -99,7 +99,7 @@ def test_each_sentence_that_names_a_file_is_true(
     kind, force, sound, log, tmp_path, capsys, monkeypatch
 ):
     learned, out = KINDS[kind](sound), tmp_path / "out"
-    monkeypatch.setattr("stickslip.pipeline.log_learning.learn", lambda *_, **__: learned)
+    monkeypatch.setattr("stickslip.studies.learn.log_learning.learn", lambda *_, **__: learned)
     arguments = ["learn", str(log), "--out", str(out), *(["--force"] if force else [])]
     assert main(arguments) == 0
     printed, error = capsys.readouterr()

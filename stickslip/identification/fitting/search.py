@@ -12,7 +12,7 @@ from stickslip import ga
 from stickslip.identification.criteria.inverse_model import ForceCost, InverseModel
 from stickslip.identification.fitting.start import Start
 from stickslip.servo.measurement import Array
-from stickslip.tuning.execution import Execution
+from stickslip.work.execution import Execution
 
 EVALUATIONS = 300
 """Enough to reach the basin of the minimum; a local fit follows."""

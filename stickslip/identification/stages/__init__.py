@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from stickslip.catalog.estimate import Estimate, unseen
 from stickslip.catalog.parameters import estimated, friction_law, scaled_start, tabulated
-from stickslip.identification.stages.estimate import Estimate, unseen
 from stickslip.identification.stages.friction_map import FrictionMap, measure_friction
 from stickslip.identification.stages.inertia import Inertia, measure_inertia
 from stickslip.identification.stages.presliding import Presliding, measure_presliding

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
+from stickslip.catalog.estimate import UNKNOWN, Estimate, covariance, unseen
 from stickslip.errors import IdentificationError
-from stickslip.identification.stages.estimate import UNKNOWN, Estimate, covariance, unseen
 from stickslip.identification.stages.sliding import measure_sliding
 from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, measured_velocity

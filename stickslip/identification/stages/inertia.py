@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.catalog.estimate import Estimate, covariance
 from stickslip.errors import IdentificationError
-from stickslip.identification.stages.estimate import Estimate, covariance
 from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, smoothed
 

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 
 from stickslip import cosim
+from stickslip.catalog.estimate import UNKNOWN, Estimate, covariance
 from stickslip.catalog.parameters import presliding
-from stickslip.identification.stages.estimate import UNKNOWN, Estimate, covariance
 from stickslip.models import LawParameter
 from stickslip.rigs.contract import Log, Rig
 from stickslip.servo.measurement import Array

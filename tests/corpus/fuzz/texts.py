@@ -14,13 +14,13 @@ from stickslip.cosim.ssp.markup import violation
 from stickslip.cosim.ssp.package import Package
 from stickslip.cosim.ssp.read import read_package
 from stickslip.errors import StickslipError, UsageError
-from stickslip.fleet import read_fleet
 from stickslip.ga.execution import checkpoint
+from stickslip.learned.file import LearnedFile
 from stickslip.logs import Description, load_description, raise_errors
 from stickslip.models.errors import LtiError
 from stickslip.models.lti.file import read_lti
-from stickslip.pipeline.log_learning import read_and_check
-from stickslip.results.learned import LearnedFile
+from stickslip.studies.fleet import read_fleet
+from stickslip.studies.learn.log_learning import read_and_check
 from tests.corpus.defects.reference import members, pack
 from tests.corpus.fuzz.mutation import by_tokens
 from tests.corpus.fuzz.parser import Parser, text

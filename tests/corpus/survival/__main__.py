@@ -6,8 +6,8 @@ import tempfile
 from collections import Counter
 from pathlib import Path
 
-from stickslip.pipeline.reproduction import Options, Reproduction, reproduce
-from stickslip.results.reproduction_folder import write_results
+from stickslip.papers.lugre.folder import write_results
+from stickslip.papers.lugre.reproduction import Options, Reproduction, reproduce
 from stickslip.servo.systems import build_fmus
 from tests.corpus.survival.trials import (
     fill_at_each_operation,

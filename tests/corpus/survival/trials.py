@@ -22,7 +22,7 @@ import numpy as np
 
 from stickslip.errors import ResultsError, UsageError
 from stickslip.fmi.files import atomic_write
-from stickslip.results.folder import locked, staged, verify
+from stickslip.storage import locked, staged, verify
 
 Files = Mapping[str, bytes]
 

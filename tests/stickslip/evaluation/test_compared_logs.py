@@ -9,12 +9,12 @@ from scipy.integrate import cumulative_trapezoid
 
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.evaluation.compared_logs import common, compare
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
+from stickslip.learned.file import LearnedFile
 from stickslip.logs import Column, Description, Recording
 from stickslip.logs.same_command import Stretch, period, same_command
-from stickslip.pipeline.log_validation import compare_logs, read_log
-from stickslip.results.learned import LearnedFile
+from stickslip.studies.validate.compared_logs import common, compare
+from stickslip.studies.validate.log_validation import compare_logs, read_log
 from tests.stickslip.evaluation import plain_stage as stage
 
 T_S = 1e-3

@@ -8,10 +8,10 @@ import pytest
 
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.evaluation.log_verdict import material, verdict
+from stickslip.learned.file import LearnedFile
 from stickslip.logs import Column, Description
-from stickslip.pipeline.log_validation import read_log, validate_log
-from stickslip.results.learned import LearnedFile
+from stickslip.studies.validate.log_validation import read_log, validate_log
+from stickslip.studies.validate.log_verdict import material, verdict
 from tests.same_results import simulate_log
 
 pytestmark = pytest.mark.slow

@@ -7,7 +7,6 @@ import pytest
 from stickslip.catalog.parameters import PAPER, friction_law
 from stickslip.cosim import Trapezoid
 from stickslip.errors import UsageError
-from stickslip.evaluation.guards import Trial
 from stickslip.evaluation.owner_loop import (
     LearnedDrive,
     commanded_position,
@@ -21,6 +20,7 @@ from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import design_velocity_loop
+from stickslip.trial.guards import Trial
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
 VALUES = {**PAPER, "m": AXIS.m, "b": AXIS.b, "F_0": 0.0, "delay": AXIS.tau_i, "delta": 1.0}

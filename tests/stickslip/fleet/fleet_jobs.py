@@ -7,8 +7,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from stickslip.results.learned import SCHEMA, versions
-from stickslip.tuning.jobs import Outcome
+from stickslip.learned.writing import SCHEMA, versions
+from stickslip.work.jobs import Outcome
 
 
 def quick(drive, seed, _=None):

@@ -54,7 +54,7 @@ def test_a_fleet_is_the_same_in_processes_and_on_dask(log, cluster, tmp_path, ca
 
 
 def test_a_variant_is_recorded_and_its_truth_joined(tmp_path, monkeypatch):
-    monkeypatch.setattr("stickslip.pipeline.recorded.plan", lambda *_: plan(SHORT))
+    monkeypatch.setattr("stickslip.studies.learn.recorded.plan", lambda *_: plan(SHORT))
     table = tmp_path / "table.csv"
     table.write_text("name,set\nheavy,drive.m=9\n")
     assert main(["fleet", str(table), "--out", str(tmp_path / "out")]) == 0

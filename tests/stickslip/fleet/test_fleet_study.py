@@ -8,10 +8,10 @@ from fleet_jobs import Counting, Deadly, quick
 
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.fleet import fleet_table, learn_fleet
-from stickslip.fleet.writing import write_fleet
-from stickslip.tuning.execution import Execution
-from stickslip.tuning.jobs import DIED
+from stickslip.studies.fleet import fleet_table, learn_fleet
+from stickslip.studies.fleet.writing import write_fleet
+from stickslip.work.execution import Execution
+from stickslip.work.jobs import DIED
 
 pytestmark = pytest.mark.slow
 
@@ -79,7 +79,7 @@ def test_what_changed_is_learned_again(drives, tmp_path, monkeypatch):
     assert learned_again("c", "a") == ["c", "a"]
     assert learned_again("c", "a") == []
     assert learned_again("a", seed=1) == ["a"]
-    monkeypatch.setattr("stickslip.fleet.study.versions", lambda: {"stickslip": "another"})
+    monkeypatch.setattr("stickslip.studies.fleet.study.versions", lambda: {"stickslip": "another"})
     assert learned_again("a", seed=1) == ["a"]
 
 
@@ -129,7 +129,7 @@ def test_the_command_names_a_file_of_the_user_and_learns_nothing(
     mine = tmp_path / "out" / name
     mine.parent.mkdir(parents=True)
     mine.write_text("mine")
-    monkeypatch.setattr("stickslip.fleet.study.run_jobs", None)
+    monkeypatch.setattr("stickslip.studies.fleet.study.run_jobs", None)
     arguments = ["fleet", str(tmp_path / "table.csv"), "--out", str(tmp_path / "out"), *options]
     assert main(arguments) == 1
     said = capsys.readouterr().err

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from stickslip.identification.estimation import candidate_fmus
-from stickslip.pipeline.record_mode import reproduce_from_recording
-from stickslip.pipeline.reproduction import Options
+from stickslip.papers.lugre.record_mode import reproduce_from_recording
+from stickslip.papers.lugre.reproduction import Options
 
 sys.path.insert(0, str(Path(__file__).parent))  # drives
 

@@ -12,7 +12,7 @@ from stickslip.catalog.parameters import estimated, friction_law, tabulated
 from stickslip.cli import main
 from stickslip.identification.stages import identify
 from stickslip.models.firmware.words import literal
-from stickslip.pipeline.reproduction import Options, drive_truth, reproduce
+from stickslip.papers.lugre.reproduction import Options, drive_truth, reproduce
 from stickslip.planning import plan
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.datasheet import LOOP
@@ -118,7 +118,7 @@ def test_the_law_is_chosen_by_what_it_predicts(tmp_path, capsys, monkeypatch):
     The trial of the compensator, most of the time of a whole learning, comes after the choice.
     """
     monkeypatch.setattr(
-        "stickslip.pipeline.log_learning.try_compensator", lambda _, learned, **__: learned
+        "stickslip.studies.learn.log_learning.with_trial", lambda _, learned, **__: learned
     )
     command = plan()["velocity_command"].to_numpy()[:16_000]
     log = write_log(tmp_path / "log.csv", run("gms", command, uneven=0.0))

@@ -7,12 +7,12 @@ import pytest
 
 from stickslip import cosim
 from stickslip.cli import main
-from stickslip.commands.learn import print_estimation
-from stickslip.evaluation.guards import Benefit
+from stickslip.learned.file import LearnedFile
 from stickslip.logs import Finding, load_description
-from stickslip.pipeline.log_learning import learn
-from stickslip.results.learned import LearnedFile
-from stickslip.results.learned_folder import write_learned
+from stickslip.studies.learn.command import print_estimation
+from stickslip.studies.learn.folder import write_learned
+from stickslip.studies.learn.log_learning import learn
+from stickslip.trial.guards import Benefit
 
 pytestmark = pytest.mark.slow
 

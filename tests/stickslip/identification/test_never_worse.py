@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from stickslip.results.learned import LearnedFile
-from stickslip.results.learned_folder import write_learned
+from stickslip.learned.file import LearnedFile
+from stickslip.studies.learn.folder import write_learned
 from tests.never_worse import DRIVES, WORSE, learn, tried
 
 pytestmark = [pytest.mark.slow, pytest.mark.thorough]

@@ -8,7 +8,7 @@ from stickslip.identification.criteria.output_error import OutputError, predicto
 from stickslip.identification.estimation.learn import MODEL_ERROR
 from stickslip.identification.fitting.bootstrap import Resimulation, correct
 from stickslip.identification.fitting.fit import linearised
-from stickslip.pipeline.compensator_trial import shown_gains
+from stickslip.trial.compensator_trial import shown_gains
 
 pytestmark = pytest.mark.slow
 

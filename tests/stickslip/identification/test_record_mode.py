@@ -8,10 +8,10 @@ import pytest
 from stickslip import cosim
 from stickslip.catalog.parameters import UNITS
 from stickslip.logs import load_description, read_recording
-from stickslip.pipeline.recorded import record_drive
-from stickslip.results.learned_folder import RECORD_FILES, write_record_results
+from stickslip.papers.lugre.record_folder import RECORD_FILES, write_record_results
 from stickslip.rigs.contract import commissioning_loop
 from stickslip.servo.datasheet import Datasheet
+from stickslip.studies.learn.recorded import record_drive
 
 pytestmark = pytest.mark.slow
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stickslip.catalog.estimate import correlation_length, covariance
 from stickslip.catalog.parameters import PAPER
 from stickslip.errors import IdentificationError
 from stickslip.identification.stages import identify
-from stickslip.identification.stages.estimate import correlation_length, covariance
 from stickslip.identification.stages.sliding import SPEEDS
 from stickslip.servo.datasheet import LOOP
 

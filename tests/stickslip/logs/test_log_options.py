@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip.commands.log_options import add_log_options, description_of
+from stickslip.commandline.log_options import add_log_options, description_of
 from stickslip.errors import UsageError
 from stickslip.logs import Column, Description, load_description, read_recording
 

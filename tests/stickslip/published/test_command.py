@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from stickslip.cli import main
-from stickslip.results.reproduction_folder import PUBLISHED_FILES
+from stickslip.papers.lugre.folder import PUBLISHED_FILES
 
 pytestmark = pytest.mark.slow
 

@@ -10,11 +10,11 @@ from stickslip import ga
 from stickslip.catalog.parameters import LUGRE
 from stickslip.evaluation.validation import validate
 from stickslip.identification.stages import Estimate
+from stickslip.papers.lugre.published import OURS, SQUARES, START, study_as_published
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.learning import VelocityCost
-from stickslip.tuning.published import OURS, SQUARES, START, study_as_published
 
 pytestmark = pytest.mark.slow
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from stickslip.report.interactive import keep, name_points, panels, plain
-from stickslip.report.page import Illustration, Section, write_page
+from stickslip.presentation.interactive import keep, name_points, panels, plain
+from stickslip.presentation.page import Illustration, Section, write_page
 
 T = np.linspace(0.0, 2.0, 200)
 

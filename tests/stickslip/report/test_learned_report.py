@@ -18,11 +18,11 @@ from stickslip.identification.estimation import Estimation, Identifiability
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
-from stickslip.report.learned import FIGURES, content, sections, write_estimation_report
-from stickslip.report.learned.signals import Scale, residual, thinned
-from stickslip.report.page import Picture
-from stickslip.report.quantity import interval, number
-from stickslip.report.style import house_style, new_figure
+from stickslip.presentation.page import Picture
+from stickslip.presentation.quantity import interval, number
+from stickslip.presentation.style import house_style, new_figure
+from stickslip.studies.learn.page import FIGURES, content, sections, write_estimation_report
+from stickslip.studies.learn.page.signals import Scale, residual, thinned
 
 pytestmark = pytest.mark.slow
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from stickslip.report.markup import text
-from stickslip.report.quantity import interval, number, with_error
+from stickslip.presentation.markup import text
+from stickslip.presentation.quantity import interval, number, with_error
 
 
 @pytest.mark.parametrize(

@@ -17,8 +17,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from stickslip import cosim, ga
 from stickslip.catalog.parameters import LUGRE, PAPER, friction_law
 from stickslip.evaluation.comparison import KEYS, Evaluation, motion_errors
-from stickslip.evaluation.fmpy_check import Comparison, FmuVariable, SecondOpinion
-from stickslip.evaluation.motion_study import WEAK_ENTRIES, MotionStudy, weakened, wrong_values
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.scatter import repetitions
 from stickslip.evaluation.validation import Run, Validation
@@ -29,27 +27,30 @@ from stickslip.identification.stages import (
     Inertia,
     Presliding,
 )
-from stickslip.pipeline.datasheet_errors import FACTORS
-from stickslip.pipeline.learned import Learned, Loops
-from stickslip.pipeline.loop_tuning import FRICTION, STAGES, LoopTuning
-from stickslip.pipeline.reproduction import Extras, Options, Reproduction, drive_truth
-from stickslip.pipeline.steps import STEPS
-from stickslip.report.page import Picture, render
-from stickslip.report.quantity import number, parameter_estimate, parameter_value, percent
-from stickslip.report.reproduction import FIGURES, TITLE, sections, write_report
-from stickslip.report.reproduction.as_published import METHODS
-from stickslip.report.reproduction.identification import PRIOR
-from stickslip.report.style import house_style
+from stickslip.papers.lugre.datasheet_errors import FACTORS
+from stickslip.papers.lugre.fmpy_check import Comparison, FmuVariable, SecondOpinion
+from stickslip.papers.lugre.loop_tuning import FRICTION, STAGES, LoopTuning
+from stickslip.papers.lugre.motion_study import WEAK_ENTRIES, MotionStudy, weakened, wrong_values
+from stickslip.papers.lugre.page import FIGURES, TITLE, sections, write_report
+from stickslip.papers.lugre.page.as_published import METHODS
+from stickslip.papers.lugre.page.identification import PRIOR
+from stickslip.papers.lugre.published import OURS, READINGS, SQUARES, START, PublishedStudy, SeedRun
+from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, drive_truth
+from stickslip.papers.lugre.steps import STEPS
+from stickslip.presentation.page import Picture, render
+from stickslip.presentation.quantity import number, parameter_estimate, parameter_value, percent
+from stickslip.presentation.style import house_style
 from stickslip.rigs.contract import Log
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import FEEDS
 from stickslip.servo.velocity_loop import design_velocity_loop
+from stickslip.studies.learn.learned import Learned
+from stickslip.trial.simulated import Loops
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.drive_model import DriveModel
 from stickslip.tuning.loop_genes import GENES, tuned_loop
 from stickslip.tuning.loop_learning import LearnedLoop
-from stickslip.tuning.published import OURS, READINGS, SQUARES, START, PublishedStudy, SeedRun
 from stickslip.tuning.refinement import Refinement
 
 pytestmark = pytest.mark.slow

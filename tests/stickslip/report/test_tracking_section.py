@@ -5,8 +5,8 @@ import re
 import numpy as np
 
 from stickslip.evaluation.tracking import FEEDFORWARD, FRICTIONLESS, NONE, Tracking, TrackingError
-from stickslip.report.learned.tracking import tracking_section, window
-from stickslip.report.page import Picture
+from stickslip.presentation.page import Picture
+from stickslip.studies.learn.page.tracking import tracking_section, window
 
 
 def tracked(measured=None):

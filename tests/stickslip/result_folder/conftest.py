@@ -5,12 +5,12 @@ import sys
 
 import pytest
 
-from stickslip.results.folder import staged
+from stickslip.storage import staged
 
 HOLDER = """
 import sys, time
 from pathlib import Path
-from stickslip.results.folder import staged
+from stickslip.storage import staged
 with staged(Path(sys.argv[1]), {"name": "other"}) as staging:
     (staging / "half").write_text("written")
     print("has it", flush=True)

@@ -6,10 +6,11 @@ import pytest
 
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.results import learned_folder
-from stickslip.results import reproduction_folder as reproduction_results
-from stickslip.results.folder import reserved, staged, verify
-from stickslip.results.folder.publishing import READY
+from stickslip.papers.lugre import folder as reproduction_results
+from stickslip.papers.lugre import record_folder
+from stickslip.storage import reserved, staged, verify
+from stickslip.storage.publishing import READY
+from stickslip.studies.learn import folder as learned_folder
 
 pytestmark = pytest.mark.slow
 
@@ -84,12 +85,16 @@ def test_absent_files_and_those_of_other_commands_are_no_obstacle(folder, put):
 
 
 COMMANDS = {
-    "learn": (["learn", "--log", __file__], learned_folder.FILES, "pipeline.log_learning.learn"),
-    "reproduce": (["reproduce"], reproduction_results.FILES, "pipeline.reproduction.reproduce"),
+    "learn": (
+        ["learn", "--log", __file__],
+        learned_folder.FILES,
+        "studies.learn.log_learning.learn",
+    ),
+    "reproduce": (["reproduce"], reproduction_results.FILES, "papers.lugre.reproduction.reproduce"),
     "record": (
         ["reproduce", "--mode", "record"],
-        learned_folder.RECORD_FILES,
-        "pipeline.record_mode.reproduce_from_recording",
+        record_folder.RECORD_FILES,
+        "papers.lugre.record_mode.reproduce_from_recording",
     ),
     "identify": (["identify"], ["identified.json"], "identification.stages.identify"),
 }

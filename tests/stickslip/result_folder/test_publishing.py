@@ -9,7 +9,7 @@ import pytest
 
 from stickslip.errors import ResultsError, UsageError
 from stickslip.fmi.files import atomic_write
-from stickslip.results.folder import locked, staged, verify
+from stickslip.storage import locked, staged, verify
 
 OLD = {"a": "old a", "b": "old b"}
 

@@ -8,10 +8,10 @@ import pytest
 
 from stickslip import Command, FmuRig, Limits, Log, Rig, RigLimits, ga, learn, validate
 from stickslip.errors import HarmfulError, LimitError, RigError, UsageError
-from stickslip.pipeline.log_learning import check_rig
-from stickslip.pipeline.recorded import read_rig
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import TRAINING
+from stickslip.studies.learn.log_learning import check_rig
+from stickslip.studies.learn.recorded import read_rig
 from stickslip.tuning.learning import VelocityCost
 
 WIDE = RigLimits(travel=(-1.0, 1.0), speed=1.0, force=300.0, following_error=0.1)

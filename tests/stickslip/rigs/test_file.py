@@ -121,7 +121,7 @@ def test_learn_takes_a_rig_instead_of_a_log(fmus, described, tmp_path, monkeypat
         asked.append((source.run(command_of(source)), limits))
         raise UsageError("far enough")
 
-    monkeypatch.setattr("stickslip.pipeline.log_learning.learn", learn)
+    monkeypatch.setattr("stickslip.studies.learn.log_learning.learn", learn)
     with served(fmus) as (drive, port):
         given = ["learn", "--rig", str(described(port)), "--out", str(tmp_path / "out")]
         for _ in range(2):  # the second goes on with the log of the first

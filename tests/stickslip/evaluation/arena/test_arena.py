@@ -16,30 +16,30 @@ from matplotlib import pyplot as plt
 from stickslip import cosim, models
 from stickslip.catalog.parameters import PAPER
 from stickslip.cli import main
+from stickslip.compensators import entrants as registry
+from stickslip.compensators import names
+from stickslip.compensators.entrants import Coarse, Tuned, default_names, entrant, own_part
 from stickslip.errors import UsageError
-from stickslip.evaluation.arena import entrants as registry
-from stickslip.evaluation.arena import names
-from stickslip.evaluation.arena.commands import COMMANDS, moves, training
-from stickslip.evaluation.arena.comparison import Comparison
-from stickslip.evaluation.arena.comparison import arena as arena_of
-from stickslip.evaluation.arena.course import Course
-from stickslip.evaluation.arena.drives import default_drives, learned_drive, read_drives
-from stickslip.evaluation.arena.entrants import Coarse, Tuned, default_names, entrant, own_part
-from stickslip.evaluation.arena.names import drive_names
-from stickslip.evaluation.arena.protocol import Plan, build, run_arena
-from stickslip.evaluation.arena.table import ALL, COLUMNS, RELATIVE, arena_table, relative_errors
-from stickslip.evaluation.arena.tuning import Budget, tune
-from stickslip.evaluation.arena.validation import WORST, validate, validate_changed
-from stickslip.evaluation.arena.writing import write_arena
 from stickslip.models import UnknownLaw
 from stickslip.models.export.units import force_and_length
-from stickslip.results.folder import UNFINISHED
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import close_velocity_loop
-from stickslip.tuning.execution import Execution
+from stickslip.storage import UNFINISHED
+from stickslip.studies.arena.comparison import Comparison
+from stickslip.studies.arena.comparison import arena as arena_of
+from stickslip.studies.arena.course import Course
+from stickslip.studies.arena.drive_names import drive_names
+from stickslip.studies.arena.drives import default_drives, learned_drive, read_drives
+from stickslip.studies.arena.judged import COMMANDS, moves, training
+from stickslip.studies.arena.protocol import Plan, build, run_arena
+from stickslip.studies.arena.table import ALL, COLUMNS, RELATIVE, arena_table, relative_errors
+from stickslip.studies.arena.tuning import Budget, tune
+from stickslip.studies.arena.validation import WORST, validate, validate_changed
+from stickslip.studies.arena.writing import write_arena
+from stickslip.work.execution import Execution
 
 SMALL = Budget(12, 1000.0)
 KEPT = ("state", "memory")

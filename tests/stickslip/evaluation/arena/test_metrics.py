@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip.evaluation.arena.commands import COMMANDS, RADIUS, training
-from stickslip.evaluation.arena.drives import default_drives
-from stickslip.evaluation.arena.metrics import Trace, figures
+from stickslip.studies.arena.drives import default_drives
+from stickslip.studies.arena.judged import COMMANDS, RADIUS, training
+from stickslip.studies.arena.metrics import Trace, figures
 
 T_S = 5e-4
 LOOP = default_drives(["lugre"])[0].loop

@@ -9,7 +9,7 @@ from synthetic_predictions import predicted
 
 from stickslip.identification.selection import choose, predictions
 from stickslip.logs import load_description
-from stickslip.pipeline.log_learning import read_and_check
+from stickslip.studies.learn.log_learning import read_and_check
 
 ROOT = Path(__file__).resolve().parents[4]
 DATA = ROOT.parent / "shared" / "data"

@@ -1,0 +1,82 @@
+"""What commands share: how options are declared, progress on a terminal, options of logs and rigs.
+
+A command is a file: ``declare`` declares its options, ``run`` executes it. Its first line,
+``stickslip NAME`` and what it does, makes it a command.
+"""
+
+import argparse
+import re
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from stickslip.output import LOG
+
+SEVERAL: dict[str, Any] = {"nargs": "+", "action": "extend", "default": []}
+"""An option that takes several values and can be repeated."""
+FLAG = {"action": "store_true"}
+
+
+def add_options(
+    parser: argparse._ActionsContainer, texts: Mapping[str, str], **settings: Any
+) -> None:
+    """Declare options that share their settings; ``texts`` is ``--name METAVAR`` -> help."""
+    for option, text in texts.items():
+        name, _, metavar = option.partition(" ")
+        shown: dict[str, Any] = {"metavar": metavar} if metavar else {}
+        parser.add_argument(name, help=text, **shown, **settings)
+
+
+def at_least(least: int) -> Callable[[str], int]:
+    """Return the type of an option that is a whole number, for ``argparse``."""
+
+    def whole_number(text: str) -> int:
+        if not re.fullmatch(r"[+-]?\d+", text) or (value := int(text)) < least:
+            raise argparse.ArgumentTypeError(
+                f"expected a whole number, at least {least}, got {text!r}"
+            )
+        return value
+
+    return whole_number
+
+
+def seconds(text: str) -> float:
+    """Return a time limit [s], a type for ``argparse``."""
+    value = float(text)
+    if not value > 0.0:
+        raise argparse.ArgumentTypeError(f"expected a number of seconds above 0, got {text!r}")
+    return value
+
+
+def require_files(*paths: Path | None) -> None:
+    """Raise OSError where a file or folder that is given is not there, before heavy imports."""
+    for path in paths:
+        if path is not None:
+            path.stat()
+
+
+def complete_with(action: argparse.Action, names: Callable[[], Iterable[str]]) -> None:
+    """Let a shell complete the values of an argument that is not limited to them."""
+    action.completer = lambda **_: names()  # type: ignore[attr-defined]
+
+
+def warn(message: str) -> None:
+    """Print a warning to standard error, unless with ``--quiet``."""
+    LOG.warning("%s", message)
+
+
+def add_old_spelling(parser: argparse.ArgumentParser, old: str, action: argparse.Action) -> None:
+    """Accept an option of one value also as ``old``, which the help does not list."""
+    parser.add_argument(
+        old,
+        dest=action.dest,
+        choices=action.choices,
+        default=argparse.SUPPRESS,
+        help=argparse.SUPPRESS,
+    )
+
+
+def or_(names: Iterable[str]) -> str:
+    """Return names as ``a, b or c``."""
+    *most, last = names
+    return f"{', '.join(most)} or {last}" if most else last

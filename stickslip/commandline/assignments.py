@@ -1,0 +1,124 @@
+"""``--set``, ``--coarse``, ``--source`` and ``--law`` on the command line."""
+
+from __future__ import annotations
+
+import math
+from argparse import ArgumentParser
+from collections.abc import Collection, Iterable
+
+from stickslip.commandline import SEVERAL, add_old_spelling, add_options
+from stickslip.errors import UsageError
+from stickslip.fmi.messages import suggestion
+
+_WORDS = {"true": 1.0, "on": 1.0, "false": 0.0, "off": 0.0}
+
+
+def add_set_option(parser: ArgumentParser, what: str = "") -> None:
+    """Declare ``--set``, of the simulated drive where nothing else is given."""
+    what = what or "parameters of the simulated drive: drive.NAME=VALUE, drive.law=NAME"
+    add_options(parser, {"--set NAME=VALUE": what}, **SEVERAL)
+
+
+def add_source_option(parser: ArgumentParser) -> None:
+    """Declare ``--source``, with which signal the compensator is driven."""
+    action = parser.add_argument(
+        "--source",
+        dest="feed",
+        choices=("nominal", "command"),
+        default="nominal",
+        help="velocity input of the compensator: that of the nominal loop, or the command",
+    )
+    add_old_spelling(parser, "--feed", action)
+
+
+def add_law_option(parser: ArgumentParser, *further: str, more: str = "") -> None:
+    """Declare ``--law``, the friction law of the compensator, with further choices."""
+    from stickslip.catalog.parameters import learnable_laws
+
+    parser.add_argument(
+        "--law",
+        choices=[*learnable_laws(), *further],
+        default="lugre",
+        help=f"friction law of the compensator (default lugre){more}",
+    )
+
+
+def coarse_factors(texts: Iterable[str], law: str = "lugre") -> dict[str, float]:
+    """Return factors on identified parameters by name.
+
+    Raises
+    ------
+    UsageError
+        When a name is not one of the law's, or a factor is not a positive finite number.
+    """
+    from stickslip.catalog.parameters import estimated, friction_law
+
+    names = estimated(friction_law(law))
+    factors: dict[str, float] = {}
+    for name, value in split_assignments(texts, "--coarse").items():
+        factor = _number("--coarse", name, value)
+        if name not in names or not 0.0 < factor < math.inf:
+            raise UsageError(
+                f"--coarse {name}={value}: expected one of {', '.join(names)} and a positive number"
+            )
+        factors[name] = factor
+    return factors
+
+
+def split_assignments(
+    texts: Iterable[str], option: str = "--set", known: Collection[str] = ()
+) -> dict[str, str]:
+    """Return name -> value as it was written.
+
+    Parameters
+    ----------
+    option : named in messages
+    known : names that are accepted; empty for any
+
+    Raises
+    ------
+    UsageError
+        When a text is not an assignment, or a name is unknown or comes twice.
+    """
+    values: dict[str, str] = {}
+    for text in texts:
+        name, _, value = (part.strip() for part in text.partition("="))
+        if not (name and value):
+            raise UsageError(f"{option} {text}: expected NAME=VALUE")
+        if known and name not in known:
+            raise UsageError(f"{option} {text}: no '{name}'{suggestion(name, known)}")
+        if name in values:
+            raise UsageError(f"{option} {text}: {name} is set twice")
+        values[name] = value
+    return values
+
+
+def drive_changes(texts: Iterable[str]) -> dict[str, float | str]:
+    """Return the assignments to ``drive.NAME`` without their prefix.
+
+    All are numbers but ``law``, the name of the drive's friction law.
+
+    Raises
+    ------
+    UsageError
+        When another component is named, or a value is not a number.
+    """
+    changes: dict[str, float | str] = {}
+    for name, value in split_assignments(texts).items():
+        if name == "drive.law":
+            changes["law"] = value
+            continue
+        if not name.startswith("drive."):
+            raise UsageError(f"--set {name}: only the drive's parameters can be set, as drive.NAME")
+        changes[name.removeprefix("drive.")] = _number("--set", name, value)
+    return changes
+
+
+def _number(option: str, name: str, value: str) -> float:
+    try:
+        # 1_000 is a number to Python alone
+        return _WORDS[value.lower()] if value.lower() in _WORDS else float(value.replace("_", "?"))
+    except ValueError:
+        raise UsageError(
+            f"{option} {name}={value}: the value must be a number, true or false"
+        ) from None

@@ -1,0 +1,154 @@
+"""Options that describe a log, for the commands that read one."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, get_args
+
+from stickslip.commandline import SEVERAL, add_options, require_files
+from stickslip.commandline.assignments import split_assignments
+from stickslip.errors import UsageError
+from stickslip.logs import ROLES, Column, Description, Finding, Kind, load_description
+from stickslip.logs.controller import GAINS
+from stickslip.logs.description import CONFIRMED
+from stickslip.logs.units import parse_quantity
+
+_PARTS = {"column": "name", "unit": "unit", "scale": "scale", "offset": "offset"}
+"""Options of several ROLE=VALUE, and the attribute of a column that each one sets."""
+_SINGLE = (
+    *("motion", "encoder_step", "force_limit", "delimiter", "decimal"),
+    *("sample_period", "tau_i", "rated_force", "rated_torque"),
+)
+_QUANTITIES = {
+    "encoder_step": ("length", "angle"),
+    "force_limit": ("force", "torque"),
+    "rated_force": ("force",),
+    "rated_torque": ("torque",),
+}
+"""What single options measure that take a number with a unit, besides a product."""
+
+
+def add_log_argument(parser: argparse.ArgumentParser) -> None:
+    """Declare the log's file as an argument, and ``--log`` as another spelling of it."""
+    parser.add_argument(
+        "log",
+        nargs="?",
+        type=Path,
+        metavar="LOG",
+        help="CSV, Excel, Parquet, MAT, HDF5, TDMS or MF4",
+    )
+    parser.add_argument("--log", dest="log_option", type=Path, help=argparse.SUPPRESS)
+
+
+def log_of(options: argparse.Namespace) -> Path:
+    """Return the log's file.
+
+    Raises
+    ------
+    UsageError
+        When none, or two, are given.
+    """
+    return one_of("a log", options.log, options.log_option)
+
+
+def one_of(what: str, *given: Path | None) -> Path:
+    """Return the one path that is given.
+
+    Raises
+    ------
+    UsageError
+        When there is none, or more than one.
+    OSError
+        When the file is not there.
+    """
+    paths = [path for path in given if path is not None]
+    if len(paths) != 1:
+        got = " and ".join(map(str, paths)) or "none"
+        raise UsageError(f"expected {what} as an argument; got {got}")
+    require_files(paths[0])
+    return paths[0]
+
+
+def print_findings(findings: Iterable[Finding]) -> None:
+    """Print what reading and checking a log found, a line each."""
+    for finding in findings:
+        print(finding)
+
+
+def add_log_options(parser: argparse.ArgumentParser) -> None:
+    """Declare what describes a log: a TOML file, or options that go before it."""
+    group = parser.add_argument_group(
+        "the log",
+        f"ROLE is one of {', '.join(ROLES)}. Options override the file given by --config.",
+    )
+    add_options(group, {"--config FILE.toml": "describes the log"}, type=Path)
+    several = {
+        "--column ROLE=NAME": "name of a column, its number from 1, or none",
+        "--unit ROLE=UNIT": "such as position=mm or force=A",
+        "--scale ROLE=NUMBER": "SI units per unit, such as force=23 for N per A (also of mA)",
+        "--offset ROLE=NUMBER": "offset added to the value, in SI units",
+        "--gain NAME=VALUE": f"gains of the controller: {', '.join(GAINS)}; SI units",
+        "--confirm FIGURE": f"{', '.join(CONFIRMED)}: the extreme value and its units are correct",
+    }
+    add_options(group, several, **SEVERAL)
+    add_options(group, {"--motion": "(default: from the units)"}, choices=("linear", "rotary"))
+    controller = {"--controller": "controller of the drive (default none: not known)"}
+    add_options(group, controller, choices=get_args(Kind))
+    texts = {
+        "--encoder-step M": "resolution of the position, such as 4e-7 or 0.4um (default: detected)",
+        "--force-limit N": "force limit of motor or amplifier, such as 205 or 0.2kN",
+        "--rated-force N": "what 100 %% of the rated force or current are",
+        "--rated-torque N.m": "what 100 %% of the rated torque or current are, such as 2.4Nm",
+        "--delimiter CHAR": "delimiter of a text file (default: detected)",
+    }
+    add_options(group, texts)
+    decimal = {"--decimal": "decimal sign of a text file (default: detected)"}
+    add_options(group, decimal, choices=(".", ","))
+    numbers = {
+        "--sample-period S": "sample period, in place of a column of time",
+        "--tau-i S": "time constant of the current loop",
+    }
+    add_options(group, numbers, type=float)
+    span = {"--span": "part of the log to use [s]"}
+    add_options(group, span, nargs=2, type=float, metavar=("BEGIN", "END"))
+
+
+def description_of(options: argparse.Namespace) -> Description:
+    """Return the description that options and their file give together.
+
+    Raises
+    ------
+    UsageError
+        When an option or the file is not valid.
+    """
+    base = load_description(options.config) if options.config else Description()
+    columns = dict(base.columns)
+    for option, part in _PARTS.items():
+        texts = getattr(options, option)
+        for role, value in split_assignments(texts, f"--{option}", ROLES).items():
+            columns[role] = replace(columns.get(role, Column()), **{part: value})
+    changes: dict[str, Any] = {"columns": columns}
+    gains = split_assignments(options.gain, "--gain", GAINS)
+    if options.controller and options.controller != base.controller:
+        changes["controller"], changes["gains"] = options.controller, gains
+    else:
+        changes["gains"] = {**base.gains, **gains}
+    for name in _SINGLE:
+        if (value := getattr(options, name)) is not None:
+            changes[name] = "\t" if value == "\\t" else _number_with_unit(name, value)
+    if options.confirm:
+        changes["confirm"] = (*base.confirm, *options.confirm)
+    if options.span:
+        changes["span"] = tuple(options.span)
+    return replace(base, **changes)
+
+
+def _number_with_unit(name: str, value: Any) -> Any:
+    """Return a number with a unit in SI units, anything else as it is."""
+    if name not in _QUANTITIES or not re.fullmatch(r"[-+.\d][^*]*[^\d\s.]", value):
+        return value  # a number, or a product
+    return parse_quantity(value, f"--{name.replace('_', '-')}", _QUANTITIES[name])[0]

@@ -1,0 +1,48 @@
+"""Names of what competes, known before anything is imported that designs or simulates it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from stickslip import models
+from stickslip.errors import UsageError
+from stickslip.fmi.files import parse_toml
+from stickslip.fmi.messages import suggestion
+
+
+@cache
+def _text() -> bytes:
+    return files(__package__).joinpath("entrants.toml").read_bytes()
+
+
+def content() -> dict[str, Any]:
+    """Return ``entrants.toml``: a table for each part, ``combinations`` and ``behind``."""
+    return parse_toml(_text())
+
+
+@cache
+def part_names() -> tuple[str, ...]:
+    """Return the names of all parts: those of ``entrants.toml``, then what enters without one."""
+    tables = content()
+    del tables["combinations"], tables["behind"]
+    used = {table.get("model") for table in tables.values()} | {"compensator"}
+    blocks = (name for name in models.model_names() if name not in used)
+    added = (name for name in blocks if models.load_model(name).ports is not None)
+    return tuple(dict.fromkeys([*tables, *models.law_names(), *added]))
+
+
+def require_parts(name: str, further: Iterable[str] = ()) -> None:
+    """Raise UsageError where a part of a compensator is unknown, such as ``ekbf`` of ``dahl+ekbf``.
+
+    Parameters
+    ----------
+    further : parts of the user
+    """
+    known = {*part_names(), *further}
+    for word in name.split("+"):
+        if word not in known:
+            there = [*part_names(), *further]
+            raise UsageError(f"compensator '{name}': there is no '{word}'{suggestion(word, there)}")

@@ -1,0 +1,1 @@
+"""learned.json: what every study reads of a learned drive."""

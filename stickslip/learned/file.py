@@ -1,0 +1,472 @@
+"""learned.json: its keys, and the one module that reads it.
+
+    "parameters": {"F_s": {"value": 8.98, "unit": "N", "low": 8.89, "high": 9.08, ...}, ...}
+    "loop": {"K_p": {"value": 4717.4, "unit": "N.s/m"}, ...}     absent in older files
+    "validation": {"height": {"value": 0.04, "unit": "m/s"}, ...}
+    "datasheet": {"encoder_step": {"value": 4e-7, "unit": "m"}, ...}
+
+Values are in SI units. The loop has m b tau_i T_s tau_f K_p K_i, and where they are used m_ff,
+the gains L_x L_v L_d of a velocity filter, and K_x velocity_feedforward of a cascade. ``law`` names
+the friction law where it is not LuGre.
+``components`` has compensators that learn while they run, and all their parameters as numbers in
+SI units: {"scale": {"model": "adaptive_scale", "parameters": {"s_0": 0.8, "rate": 0.05, ...}}}.
+Only ``parameters`` is needed to read a file. ``schema`` counts changes of keys: 1, that of files
+without it, has ``judge`` and ``visible`` where 2 has ``criterion`` and ``identifiability``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import re
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from stickslip.catalog.parameters import estimated, friction_law, unit_of
+from stickslip.cosim import SignalError, Simulation, Trapezoid
+from stickslip.errors import UsageError
+from stickslip.fmi.files import MOST_TEXT, atomic_write, parse_json, read_limited
+from stickslip.learned.writing import (
+    AXIS_KEYS,
+    DATASHEET,
+    FILTER_KEYS,
+    LOOP_KEYS,
+    LOOP_UNITS,
+    OBSERVER_MODEL,
+    OUTER_KEYS,
+    SCHEMA,
+    TRAPEZOID,
+)
+from stickslip.models import Law, Model, StartValueError, UnknownLaw, UnknownModel, load_model
+from stickslip.models.export.units import motion_unit
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.deployment import deployed
+from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed
+from stickslip.servo.velocity_filter import VelocityFilter
+from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
+from stickslip.trial.guards import Drive, Known, family
+
+_UNITS = {"loop": LOOP_UNITS, "validation": TRAPEZOID, "datasheet": DATASHEET}
+_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
+_UNFIT = (AttributeError, KeyError, TypeError, ValueError, OverflowError)
+"""What an entry of the wrong shape raises."""
+
+
+def save_learned(path: Path | str, simulation: Simulation) -> Path:
+    """Write what the compensators of a simulation have learned in its last run to a learned.json.
+
+    Parameters
+    ----------
+    path : of the file, whose other entries are kept; it is made if it is absent
+    simulation : with components that learn; all their parameters are written
+
+    Raises
+    ------
+    UsageError
+        When no component learns, or the file is not a learned.json.
+    SimulationError
+        When nothing was run.
+    OSError
+        When the file cannot be read or written.
+    """
+    path, components, learned = Path(path), {}, simulation.learned()
+    for name, component in simulation.spec.system.components.items():
+        if component.learned.variables:
+            own = [v.name for v in component.variables.values() if v.causality == "parameter"]
+            now = simulation.values([f"{name}.{parameter}" for parameter in own])
+            values = {p: learned.get(f"{name}.{p}", x) for p, x in zip(own, now, strict=True)}
+            components[name] = {"model": component.learned.model, "parameters": values}
+    if not components:
+        raise UsageError(f"{path}: no component of {simulation.spec.system.name} learns")
+    document: dict[str, Any] = {"schema": SCHEMA}
+    if path.exists():
+        document = LearnedFile(path).document
+    document = {**document, "components": components}
+    return atomic_write(path, json.dumps(document, indent=2) + "\n")
+
+
+def load_learned(path: Path | str) -> dict[str, float]:
+    """Return what compensators have learned, from a learned.json or a winner.json of the arena.
+
+    Returns
+    -------
+    ``component.parameter`` -> start value, for ``System.set`` and ``Simulation.run``
+
+    Raises
+    ------
+    UsageError
+        When the file is not valid, or a model has no such parameter.
+    OSError
+        When the file cannot be read.
+    """
+    return {
+        f"{name}.{variable.name}": variable.start
+        for name, model in LearnedFile(Path(path)).components.items()
+        for variable in model.variables
+        if variable.role == "parameter"
+    }
+
+
+class LearnedFile:
+    """A learned.json, whose entries are checked when they are used, ``components`` at once.
+
+    Attributes
+    ----------
+    document : its content
+    components : compensators that learn while they run: model with its start values, by name
+
+    Raises
+    ------
+    UsageError
+        When the file, or the entry that is asked for, is not valid.
+    OSError
+        When the file cannot be read.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        try:
+            document = parse_json(read_limited(path, MOST_TEXT))
+        except ValueError as error:
+            raise UsageError(f"{path}: not a learned.json: {error}") from None
+        self.document: dict[str, Any] = document if isinstance(document, dict) else {}
+        schema = self.document.get("schema", 1)
+        if type(schema) is not int or not 1 <= schema <= SCHEMA:
+            raise UsageError(
+                f"{path}: schema: expected a number from 1 to {SCHEMA}, got {schema!r:.80}; "
+                "read it with the version of stickslip that wrote it, or learn again"
+            )
+        self.components = self._components()
+
+    @cached_property
+    def law(self) -> Law:
+        """The friction law of the compensator; LuGre by default."""
+        name = self.document.get("law", "lugre")
+        try:
+            return friction_law(str(name))
+        except UnknownLaw as error:
+            raise UsageError(f"{self.path}: law: {error}") from None
+
+    @cached_property
+    def friction(self) -> dict[str, float]:
+        """The learned friction by name, in SI units, and what else of the law is in the file."""
+        document, tuned = self.document, estimated(self.law)
+        known = self._entry("parameters") or {}
+        missing = [name for name in tuned if name not in known]
+        if missing:
+            raise UsageError(
+                f"{self.path}: not a learned.json: {missing[0]} is missing; expected parameters "
+                f"{', '.join(tuned)}, each with a value"
+            )
+        chosen = [name for name in self.law.parameters if name in document and name not in tuned]
+        further = self._values("law", {name: document[name] for name in chosen})
+        return {name: known[name] for name in tuned} | further
+
+    @property
+    def compensator(self) -> dict[str, float]:
+        """The compensator's parameters, at the ``share`` of its force in the file.
+
+        They are those of the friction unless the file has an entry for them.
+        """
+        whole = {**self.friction, **(self._entry("compensator") or {})}
+        return self.law.share(whole, self._share(self.document))
+
+    def _share(self, document: dict[str, Any]) -> float:
+        share = self._values("share", {"share": document.get("share", {"value": 1.0})})["share"]
+        if not 0.0 < share <= 1.0:
+            raise UsageError(f"{self.path}: share: expected a value from 0 to 1; got {share:g}")
+        return share
+
+    @property
+    def behind(self) -> list[Compensator]:
+        """The components, to stand behind the compensator.
+
+        Raises
+        ------
+        UsageError
+            When one of them cannot.
+        """
+        found = []
+        for name, model in self.components.items():
+            if model.law is not None or name in ("compensator", *COMPONENTS):
+                raise UsageError(
+                    f"{self.path}: components: '{name}' cannot stand behind the compensator, for "
+                    "it contains a friction law, or has the name of another part of the loop"
+                )
+            start = {v.name: v.start for v in model.variables if v.role == "parameter"}
+            found.append(Compensator(name, model.name, start))
+        return found
+
+    @property
+    def drives(self) -> tuple[Drive, ...]:
+        """The drives on which the compensator is tried; by default those around the friction."""
+        entries = self.document.get("family")
+        if entries is None:
+            given = (self.law, self.friction, self.validation, Known())
+            return family(*given, rotary=self.rotary)
+        try:
+            return tuple(map(self._drive, entries))
+        except (KeyError, TypeError, UnknownLaw) as error:
+            raise UsageError(
+                f"{self.path}: family: expected drives, each with drive, law and parameters; "
+                f"got {error}"
+            ) from None
+
+    @property
+    def feedforward(self) -> Compensator:
+        """The feedforward that is exported: that of the law, or another one in the file."""
+        entry = self.document.get("feedforward")
+        if entry is None:
+            return Compensator("compensator", "compensator", self.compensator)
+        return self._component("feedforward", entry)
+
+    @property
+    def share(self) -> float:
+        """The share of its whole force that the feedforward of the file has."""
+        return self._share(self.document.get("feedforward", self.document))
+
+    def at(self, share: float) -> Compensator:
+        """Return the feedforward at a share of its whole force."""
+        one = self.feedforward
+        values = self.law.share(one.values, share / self.share)
+        return dataclasses.replace(one, values=values)
+
+    def _component(self, name: str, entry: Any, model: str = "") -> Compensator:
+        """Return a compensator that is none of a law."""
+        entry = entry if isinstance(entry, dict) else {}
+        model = str(entry.get("model", model))
+        values = self._values(name, entry.get("parameters"))
+        component = "compensator" if name == "feedforward" else name
+        try:
+            one = Compensator(component, model, _with_switches(values, load_model(model)))
+            missing = [key for key in one.ports.axis if key not in values]
+        except ValueError as error:  # no model, or no compensator
+            raise UsageError(f"{self.path}: {name}: {error}") from None
+        if missing:
+            raise UsageError(f"{self.path}: {name}: '{missing[0]}' is missing")
+        return one
+
+    @property
+    def observer(self) -> Compensator:
+        """The observer, for the axis and the sample period in the file.
+
+        Raises
+        ------
+        UsageError
+            When there is none, or its values are not valid.
+        """
+        entry = self.document.get("observer")
+        entry = entry if isinstance(entry, dict) else {}
+        if "parameters" not in entry:
+            raise UsageError(
+                f"{self.path}: contains no disturbance observer: "
+                f"{entry.get('refusal') or 'learn from a log whose loop and mass are known'}"
+            )
+        return self._component("observer", entry, OBSERVER_MODEL)
+
+    @property
+    def observer_refusal(self) -> str:
+        """Why the observer should not be exported; empty by default."""
+        entry = self.document.get("observer")
+        return str(entry.get("refusal") or "") if isinstance(entry, dict) else ""
+
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """Standard errors of the friction by name in SI units, where the file has them."""
+        return {k: v for k, v in self.drive_errors.items() if k in self.law.parameters}
+
+    @property
+    def drive_errors(self) -> dict[str, float]:
+        """Standard errors of the friction, m and b by name in SI units, where the file has them."""
+        names = (*self.friction, "m", "b")
+        entries = {n: one for n, one in self.document["parameters"].items() if n in names}
+        found = {name: entry.get("standard_error") for name, entry in entries.items()}
+        return {
+            name: float(value)
+            for name, value in found.items()
+            if isinstance(value, (int, float)) and math.isfinite(value) and value > 0.0
+        }
+
+    @property
+    def drive(self) -> dict[str, float]:
+        """The drive by name: its friction, m, b, the constant force F_0 and the delay.
+
+        Mass and damping are those of the loop where they were not learned.
+        """
+        known = {**(self._entry("loop") or {}), **(self._entry("parameters") or {})}
+        rest = {name: known.get(name, 0.0) for name in ("m", "b")}
+        entries = {name: self.document.get(name, {"value": 0.0}) for name in ("F_0", "delay")}
+        return {**self.friction, **rest, **self._values("F_0, delay", entries)}
+
+    @property
+    def feed(self) -> Feed:
+        """The input of the compensator; the nominal loop by default."""
+        feed = self.document.get("feed", "nominal")
+        if feed not in FEEDS:
+            raise UsageError(f"{self.path}: feed is {feed!r}; expected {' or '.join(FEEDS)}")
+        return cast(Feed, feed)
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the drive is rotary."""
+        return self.document.get("motion") == "rotary"
+
+    @property
+    def refusal(self) -> str:
+        """Why the compensator should not be exported; empty by default."""
+        return str(self.document.get("refusal") or "")
+
+    @property
+    def is_tried(self) -> bool:
+        """Whether learning tried the compensator at the share of its force in the file."""
+        return bool(self.document.get("tracking_error"))
+
+    @property
+    def loop(self) -> VelocityLoop | None:
+        """The velocity loop; None in a file without it."""
+        entry = self._entry("loop")
+        if entry is None:
+            return None
+        try:
+            with np.errstate(all="ignore"):
+                return _loop_of(entry, rotary=self.rotary)
+        except KeyError as error:
+            raise UsageError(
+                f"{self.path}: loop: {error} is missing; expected "
+                f"{', '.join((*AXIS_KEYS, *LOOP_KEYS))}"
+            ) from None
+        except (ValueError, ArithmeticError) as error:  # a ControlError is a ValueError
+            raise UsageError(f"{self.path}: loop: {error}") from None
+
+    def deployed(self, share: float) -> Compensator:
+        """Return a share of the feedforward as a controller takes it; see ``servo.deployment``."""
+        loop = self.loop if self.feed == "nominal" else None
+        entry = self.document.get("T_s", {"value": loop.T_s if loop else LOOP.T_s})
+        return deployed(self.at(share), loop, self._values("T_s", {"T_s": entry})["T_s"])
+
+    @property
+    def validation(self) -> Trapezoid:
+        """The validation command; the paper's by default."""
+        entry = self._entry("validation")
+        if entry is None:
+            return VALIDATION
+        names = set(entry) == set(TRAPEZOID)
+        if not names or not entry["height"] or not min(entry["plateau"], entry["begin"]) >= 0.0:
+            raise UsageError(
+                f"{self.path}: validation: expected {', '.join(TRAPEZOID)}, slope above 0, "
+                f"height not 0, times of 0 or more; got {entry}"
+            )
+        try:
+            return Trapezoid(**entry)
+        except SignalError as error:
+            raise UsageError(f"{self.path}: validation: {error}") from None
+
+    @property
+    def datasheet(self) -> Datasheet:
+        """Motor and encoder; the paper's by default."""
+        entry = self._entry("datasheet") or {}
+        if not set(entry) <= set(DATASHEET) or not all(
+            value > 0.0 or (name in ("tau_i", "encoder_noise") and value == 0.0)
+            for name, value in entry.items()
+        ):
+            raise UsageError(
+                f"{self.path}: datasheet: expected {', '.join(DATASHEET)}, each above 0; "
+                f"got {entry}"
+            )
+        return Datasheet(**entry)
+
+    def _components(self) -> dict[str, Model]:
+        """Return the entry ``components``: a model with its start values, by name."""
+        found = {}
+        entries = self.document.get("components", {})
+        try:
+            for name, entry in entries.items():
+                if not _NAME.fullmatch(name):
+                    raise ValueError(f"expected a name of letters, digits and _, got {name!r:.80}")
+                model = load_model(str(entry["model"]), entry.get("law"))
+                if model.ports is None:
+                    raise ValueError(f"{model.name} is not a compensator")
+                values = {key: float(value) for key, value in entry["parameters"].items()}
+                found[name] = model.with_start(values)
+        except (*_UNFIT, StartValueError, UnknownModel, UnknownLaw) as error:
+            raise UsageError(
+                f"{self.path}: components: expected names, each with model and parameters; {error}"
+            ) from None
+        return found
+
+    def _drive(self, entry: Mapping[str, Any]) -> Drive:
+        """Return an entry of ``family``."""
+        law = friction_law(str(entry["law"]))
+        model = load_model("drive", law.name)
+        values = _with_switches(self._values("family", entry["parameters"]), model)
+        try:
+            model.with_start(values)
+        except StartValueError as error:
+            raise UsageError(f"{self.path}: family: {error}") from None
+        return Drive(str(entry["drive"]), law.name, values)
+
+    def _entry(self, name: str) -> dict[str, float] | None:
+        """Return the values of an entry, None if it is absent."""
+        entry = self.document.get(name)
+        return None if entry is None else self._values(name, entry)
+
+    def _check_units(self, entry: str, stated: Mapping[str, Any]) -> None:
+        """Raise where a value is not stated in the unit in which it is read."""
+        units, old = dict(_UNITS.get(entry, {})), self.rotary and entry in _UNITS
+        if entry == "parameters":
+            known = (
+                name for name in stated if name in self.law.parameters or name in AXIS_KEYS[:2]
+            )
+            units = {name: unit_of(name) for name in known}
+        for name, unit in stated.items():
+            expected = motion_unit(units.get(name, unit), rotary=self.rotary)
+            # What a rotary drive's loop is, was stated in the units of a linear one.
+            if name in units and unit != expected and not (old and unit == units[name]):
+                raise UsageError(
+                    f"{self.path}: {entry}: {name} is in {unit!r:.40}; expected {expected}, in"
+                    " which it is read"
+                )
+
+    def _values(self, name: str, entry: Any) -> dict[str, float]:
+        """Return the finite values of an entry by name."""
+        try:
+            values = {key: float(item["value"]) for key, item in entry.items()}
+            finite = all(map(math.isfinite, values.values()))
+            stated = {key: unit for key, item in entry.items() if (unit := item.get("unit"))}
+        except _UNFIT:
+            finite = False
+        if finite:
+            self._check_units(name, stated)
+            return values
+        raise UsageError(
+            f"{self.path}: {name}: expected names, each with a finite value and a unit; "
+            f"got {entry!r:.80}"
+        )
+
+
+def _with_switches(values: Mapping[str, float], model: Model) -> dict[str, float | bool]:
+    """Return values of a model with its switches as booleans."""
+    switches = {one.name for one in model.variables if one.type == "boolean"}
+    return {name: bool(value) if name in switches else value for name, value in values.items()}
+
+
+def _loop_of(entry: Mapping[str, float], *, rotary: bool) -> VelocityLoop:
+    axis = Axis(**{name: entry[name] for name in AXIS_KEYS}, rotary=rotary)
+    velocity_filter = None
+    if "L_x" in entry:
+        gains = {name: entry[name] for name in FILTER_KEYS}
+        velocity_filter = VelocityFilter(axis, entry["T_s"], **gains)
+    return close_velocity_loop(
+        axis,
+        **{name: entry[name] for name in LOOP_KEYS},
+        m_ff=entry.get("m_ff", 0.0),
+        velocity_filter=velocity_filter,
+        **{name: entry[name] for name in OUTER_KEYS if name in entry},
+    )

@@ -1,0 +1,90 @@
+"""Entries of learned.json that several studies write, and the keys and units that are read."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+from stickslip.cosim import Trapezoid
+from stickslip.models import Law, load_model
+from stickslip.models.export.units import motion_unit
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.systems import Compensator
+from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.versions import installed_versions
+
+SCHEMA = 2
+"""Version of the keys that this module writes, and the latest that it reads."""
+OBSERVER_MODEL = "dob"
+"""Model of an observer without an entry for it."""
+PACKAGES = ("stickslip", "control", "fmpy", "numpy", "scipy", "ziglang")
+LOOP_UNITS = {
+    "m": "kg",
+    "b": "N.s/m",
+    "tau_i": "s",
+    "T_s": "s",
+    "tau_f": "s",
+    "K_p": "N.s/m",
+    "K_i": "N/m",
+    "m_ff": "kg",
+    "K_x": "1/s",
+    "velocity_feedforward": "1",
+    "L_x": "1",
+    "L_v": "1/s",
+    "L_d": "N/m",
+}
+DATASHEET = {"peak_force": "N", "tau_i": "s", "encoder_step": "m", "encoder_noise": "m"}
+TRAPEZOID = {"height": "m/s", "slope": "m/s2", "plateau": "s", "begin": "s"}
+FILTER_KEYS = ("L_x", "L_v", "L_d")
+AXIS_KEYS = ("m", "b", "tau_i")
+LOOP_KEYS = ("T_s", "tau_f", "K_p", "K_i")
+OUTER_KEYS = ("K_x", "velocity_feedforward")
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of the packages that the result depends on."""
+    return installed_versions(PACKAGES)
+
+
+def loop_document(loop: VelocityLoop) -> dict[str, dict[str, Any]]:
+    """Return a velocity loop as plain data, for the entry ``loop``."""
+    values = {name: getattr(loop.axis, name) for name in AXIS_KEYS}
+    values |= {name: getattr(loop, name) for name in (*LOOP_KEYS, "m_ff")}
+    if loop.K_x:
+        values |= {name: getattr(loop, name) for name in OUTER_KEYS}
+    if loop.velocity_filter is not None:
+        values |= {name: getattr(loop.velocity_filter, name) for name in FILTER_KEYS}
+    return stated(values, LOOP_UNITS, rotary=loop.axis.rotary)
+
+
+def validation_document(command: Trapezoid, *, rotary: bool = False) -> dict[str, Any]:
+    """Return a validation command as plain data, for the entry ``validation``."""
+    return stated(dataclasses.asdict(command), TRAPEZOID, rotary=rotary)
+
+
+def datasheet_document(sheet: Datasheet, *, rotary: bool = False) -> dict[str, Any]:
+    """Return what is known of motor and encoder as plain data, for the entry ``datasheet``."""
+    return stated({name: getattr(sheet, name) for name in DATASHEET}, DATASHEET, rotary=rotary)
+
+
+def stated(
+    values: Mapping[str, float], units: Mapping[str, str], *, rotary: bool
+) -> dict[str, dict[str, Any]]:
+    """Return values by name, each with its unit on this kind of drive."""
+    return {
+        name: {"value": value, "unit": motion_unit(units[name], rotary=rotary)}
+        for name, value in values.items()
+    }
+
+
+def component_entry(one: Compensator, *, rotary: bool) -> dict[str, Any]:
+    """Return a compensator that is none of a law."""
+    units = {known.name: known.unit or "1" for known in load_model(one.model).variables}
+    given = {name: float(value) for name, value in dict(one.values).items()}
+    return {"model": one.model, "parameters": stated(given, units, rotary=rotary)}
+
+
+def law_entry(law: Law) -> dict[str, str]:
+    """Return the name of the compensator's friction law; a file without it has LuGre's."""
+    return {} if law.name == "lugre" else {"law": law.name}

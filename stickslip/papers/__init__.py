@@ -1,0 +1,1 @@
+"""Publications that are reproduced, each a folder."""

@@ -1,0 +1,214 @@
+"""``stickslip reproduce``: reproduce the paper: identify, learn, validate, report."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stickslip.commandline import FLAG, SEVERAL, add_options, at_least, warn
+from stickslip.commandline.assignments import (
+    add_law_option,
+    add_set_option,
+    add_source_option,
+    coarse_factors,
+    drive_changes,
+)
+from stickslip.commandline.execution import (
+    add_algorithm_option,
+    add_execution_options,
+    execution_of,
+)
+from stickslip.commandline.progress import TerminalProgress
+from stickslip.errors import UsageError
+from stickslip.fmi.process import temporary_folder
+from stickslip.output import Answer
+from stickslip.storage import reserved
+from stickslip.studies.learn.command import print_estimation
+from stickslip.work.execution import Execution
+
+if TYPE_CHECKING:
+    from stickslip.papers.lugre.reproduction import Options, Reproduction
+
+
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    out = "folder of the results (default results/paper; with --as-published results/as_published)"
+    add_options(parser, {"--out DIR": out}, type=Path)
+    mode = (
+        "drive: each candidate runs on the drive FMU, as in the paper; record: learn everything "
+        "from one recording of 20 s"
+    )
+    add_options(parser, {"--mode": mode}, choices=["drive", "record"], default="drive")
+    flags = {
+        "--as-published": "only the paper's learning as published, from coarse starts over several "
+        "seeds, and under other interpretations of the paper",
+        "--complete": "also learn as published and from one recording, and compare all steps; "
+        "takes two minutes on two cores",
+    }
+    add_options(parser, flags, **FLAG)
+    seeds = (
+        "number of seeds that learn the loop (default 5) and that learn as published and by least "
+        "squares (default 10); half of these also learn under another interpretation"
+    )
+    add_options(parser, {"--seeds N": seeds}, type=at_least(1), dest="number")
+    coarse = (
+        "start learning at these factors times the identified values, e.g. F_s=0.7 F_c=0.7 v_s=3 "
+        "sigma_0=0.5 sigma_1=0.5; a parameter not named has the factor 1"
+    )
+    add_options(parser, {"--coarse NAME=FACTOR": coarse}, **SEVERAL)
+    add_algorithm_option(
+        parser,
+        "--preset",
+        default="CMA-ES for the loop, which needs half of the "
+        "candidates of our genetic algorithm, and that for a recording",
+    )
+    add_execution_options(parser)
+    add_source_option(parser)
+    add_set_option(parser)
+    add_law_option(parser)
+    parser.set_defaults(run=run)
+
+
+LEARNED = "learned.json"
+SEEDS = ("loop_seeds", "published_seeds")
+"""The numbers of seeds among the options of a reproduction."""
+Show = Callable[[], None]
+"""Prints what was computed."""
+
+
+def _drive(
+    options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
+) -> Show:
+    from stickslip.papers.lugre.folder import write_results
+    from stickslip.papers.lugre.reproduction import reproduce
+    from stickslip.papers.lugre.studies import with_studies
+
+    reproduction = reproduce(options, fmus, progress, execution)
+    reproduction = with_studies(reproduction, fmus, progress, execution)
+    progress.stage("writing the report")
+    write_results(reproduction, out)
+    return partial(_print_drive, reproduction)
+
+
+def _print_drive(reproduction: Reproduction) -> None:
+    from stickslip.papers.lugre.terminal import print_loops, print_motions, print_table4
+
+    for warning in reproduction.identification.warnings:
+        warn(warning)
+    print_table4(reproduction.table4())
+    if reproduction.motions:
+        print_motions(reproduction.motions)
+    learned = reproduction.refinement
+    print(f"friction: {learned.result}; {learned.remark}")
+    print_loops(reproduction.loops)
+
+
+def _record(
+    options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
+) -> Show:
+    from stickslip.papers.lugre.record_folder import write_record_results
+    from stickslip.papers.lugre.record_mode import reproduce_from_recording
+    from stickslip.papers.lugre.terminal import print_table4
+
+    reproduction = reproduce_from_recording(options, fmus, progress, execution)
+    print_estimation(reproduction.learned.estimation)
+    print()
+    progress.stage("writing the report")
+    write_record_results(reproduction, out)
+    return partial(print_table4, reproduction.validation.table())
+
+
+def _published(
+    options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
+) -> Show:
+    from stickslip.identification.stages import identify
+    from stickslip.papers.lugre.folder import write_published_results
+    from stickslip.papers.lugre.published import study_as_published
+    from stickslip.papers.lugre.reproduction import drive_truth
+    from stickslip.papers.lugre.terminal import print_published
+    from stickslip.rigs.fmu import FmuRig
+    from stickslip.servo.datasheet import LOOP, Datasheet
+    from stickslip.servo.systems import build_fmus
+
+    progress.stage("building the FMUs")
+    build_fmus(fmus, options.truth)
+    rig = FmuRig(fmus, Datasheet(), LOOP.T_s)
+    identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
+    study = study_as_published(
+        rig,
+        identification,
+        range(options.seed, options.seed + options.published_seeds),
+        feed=options.feed,
+        workers=execution.workers,
+        on_stage=progress.stage,
+    )
+    progress.stage("writing the report")
+    write_published_results(study, options, drive_truth(options.truth), out)
+    return partial(print_published, study)
+
+
+def run(options: argparse.Namespace) -> Answer:
+    """Reproduce, write the results and print the main figures."""
+    _check(options)
+    truth, coarse = drive_changes(options.set), coarse_factors(options.coarse, options.law)
+    from stickslip.papers.lugre.folder import FILES, PUBLISHED_FILES
+    from stickslip.papers.lugre.record_folder import RECORD_FILES
+    from stickslip.papers.lugre.reproduction import Options, drive_truth
+
+    mode = "published" if options.as_published else options.mode
+    chosen = Options(
+        truth=truth,
+        law=options.law,
+        seed=options.seed,
+        preset=options.algorithm,
+        feed=options.feed,
+        **({} if options.number is None else dict.fromkeys(SEEDS, options.number)),
+        complete=options.complete,
+        coarse=coarse,
+    )
+    drive_truth(chosen.truth, chosen.law)  # before anything is done
+    compute, files = {
+        "drive": (_drive, FILES),
+        "record": (_record, RECORD_FILES),
+        "published": (_published, PUBLISHED_FILES),
+    }[mode]
+    options.seeds = chosen.loop_seeds if mode == "drive" else 1  # of which each has a checkpoint
+    out = options.out or Path("results/as_published" if options.as_published else "results/paper")
+    with (
+        reserved(out, files),
+        temporary_folder() as fmus,
+        TerminalProgress() as progress,
+        execution_of(options, out / "learning.checkpoint.json") as execution,
+    ):
+        show = compute(chosen, fmus, progress, execution, out)
+    show()
+    print(f"all results are in {out}; open report.html first")
+    learned = out / LEARNED
+    found = json.loads(learned.read_text(encoding="utf-8")) if LEARNED in files else {}
+    return Answer({"folder": out, **found})
+
+
+def _check(options: argparse.Namespace) -> None:
+    """Raise where two options exclude each other."""
+    published, complete, record = options.as_published, options.complete, options.mode == "record"
+    law = f"--law {options.law}", options.law != "lugre"
+    coarse = "--coarse", bool(options.coarse)
+    algorithm = f"--algorithm {options.algorithm}", options.algorithm not in ("default", "paper")
+    files = ("--resume", options.resume), ("--checkpoint", options.checkpoint is not None)
+    pool = "--pool or --cluster", options.where != "threads"
+    steps = "--complete", complete
+    exclusive = {
+        "--mode record": (record, coarse, steps),
+        "--complete": (complete, law),
+        "--as-published": (
+            *(published, ("--mode record", record), law, coarse, algorithm, *files, pool, steps),
+        ),
+    }
+    for first, (given, *others) in exclusive.items():
+        for second, also in others:
+            if given and also:
+                raise UsageError(f"{first} and {second} exclude each other; leave out one of them")

@@ -1,0 +1,97 @@
+"""The content of learned.json of a reproduction."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.catalog.parameters import start_unit, unit_of
+from stickslip.learned.writing import (
+    SCHEMA,
+    component_entry,
+    law_entry,
+    loop_document,
+    stated,
+    validation_document,
+    versions,
+)
+from stickslip.papers.lugre.fmpy_check import SecondOpinion
+from stickslip.papers.lugre.reproduction import Reproduction
+from stickslip.servo.paper_commands import VALIDATION
+from stickslip.tuning.drive_model import DriveModel
+from stickslip.tuning.loop_genes import GENES
+
+
+def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
+    """Return the content of learned.json as plain data, values in SI units."""
+    learned, options, opinion = reproduction.refinement, reproduction.options, reproduction.opinion
+    return {
+        "schema": SCHEMA,
+        "parameters": {
+            name: {
+                "value": estimate.value,
+                "unit": unit_of(name),
+                "standard_error": estimate.standard_error,
+            }
+            for name, estimate in learned.estimates.items()
+        },
+        "start": {
+            name: {"value": known.value, "unit": unit_of(name)}
+            for name, known in reproduction.start.items()
+        },
+        "coarse": dict(options.coarse),
+        "result": learned.chosen,
+        "slow_motions": learned.remark or None,
+        "cost": {"value": learned.cost, "unit": "m2/s2"},
+        "cost_without_compensation": {"value": reproduction.cost_without, "unit": "m2/s2"},
+        "runs": learned.runs,
+        "seed": options.seed,
+        "preset": options.preset,
+        "feed": options.feed,
+        "loop": loop_document(reproduction.identification.loop),
+        "loop_learning": _loop_learning_entry(reproduction),
+        "validation": validation_document(VALIDATION),
+        "second_opinion": opinion and _opinion_document(opinion),
+        **law_entry(reproduction.identification.law),
+        "versions": versions(),
+    }
+
+
+def _loop_learning_entry(reproduction: Reproduction) -> dict[str, Any]:
+    """Return the loop that was learned, and the compensators in it."""
+    best = reproduction.loops.best
+    found = {
+        "chosen": best.chosen,
+        "seed": best.seed,
+        "cost": {"value": best.cost, "unit": "1"},
+        "peak_sensitivity": {"value": best.Ms, "unit": "1"},
+        "evaluations": best.evaluations,
+        "runs": best.runs,
+        "models": [_model_entry(model) for model in reproduction.loops.models],
+        "genes": stated(best.genes, {g.name: g.unit for g in GENES}, rotary=False),
+        "loop": loop_document(best.tuned.loop),
+        "share": {"value": best.tuned.share, "unit": "1"},
+    }
+    return found | {one.name: component_entry(one, rotary=False) for one in best.tuned.chain()[1:]}
+
+
+def _model_entry(model: DriveModel) -> dict[str, Any]:
+    """Return a model of the drive on which candidates ran."""
+    units = {name: start_unit(name) for name in model.friction}
+    return {
+        "law": model.law,
+        "mismatch": {"value": model.mismatch, "unit": "1"},
+        "noise_x": {"value": model.noise, "unit": "m"},
+        "parameters": stated(model.friction, units, rotary=False),
+    }
+
+
+def _opinion_document(opinion: SecondOpinion) -> dict[str, Any]:
+    runs = {
+        name: {
+            "samples": one.samples,
+            "different": one.different,
+            "largest_difference": {"value": one.largest, "unit": "N"},
+        }
+        for name, one in opinion.comparisons.items()
+    }
+    return {"tool": opinion.tool, "output": "F_ff", "runs": runs}

@@ -1,0 +1,153 @@
+"""The folders that a reproduction and the learning as published leave behind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from stickslip import cosim, models
+from stickslip.default_input import pack_input
+from stickslip.fmi.process import temporary_folder
+from stickslip.papers.lugre.document import reproduction_document
+from stickslip.papers.lugre.fmpy_check import SecondOpinion, second_opinion
+from stickslip.papers.lugre.page import FILES as REPORT
+from stickslip.papers.lugre.page import write_report
+from stickslip.papers.lugre.page.as_published import FIGURES, study_section
+from stickslip.papers.lugre.published import START, TABLES, PublishedStudy
+from stickslip.papers.lugre.reproduction import Options, Reproduction
+from stickslip.presentation.page import picture_files, write_page
+from stickslip.servo.deployment import deployed
+from stickslip.servo.paper_commands import TRAINING, VALIDATION
+from stickslip.servo.systems import Compensator, for_all_platforms
+from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.storage import staged
+from stickslip.storage.writing import write_json, write_tables
+
+FMU = "compensator"
+"""Name of the compensator's model and FMU."""
+LEARNED_LOOP = ("learned_loop.ssp", "learned_compensator.fmu", "learned_observer.fmu")
+"""The learned loop, and its feedforward and observer where it has them."""
+PREFIX = "as_published_"
+"""Of the tables of the learning as published."""
+FILES = (
+    *("table2.csv", "table4.csv", "table4_all_extras.csv", "motions.csv", "sensitivity.csv"),
+    *("datasheet.csv", "fitness.csv", "loop_tuning.csv"),
+    *("learned.json", "compensator.fmu", "loop.ssp", *LEARNED_LOOP),
+    *(f"{PREFIX}{name}.csv" for name in TABLES),
+    *REPORT,
+)
+"""What ``write_results`` writes."""
+PUBLISHED_TITLE = "The paper’s learning as published"
+PUBLISHED_FILES = (*(f"{name}.csv" for name in TABLES), *picture_files(FIGURES), "report.html")
+"""What ``write_published_results`` writes."""
+
+
+def write_results(reproduction: Reproduction, folder: Path) -> None:
+    """Write tables, report, learned.json, compensator.fmu and loop.ssp.
+
+    An earlier result stays whole until the new one is complete.
+
+    Raises
+    ------
+    OSError
+        When a file cannot be written.
+    """
+    loops = reproduction.loops
+    with staged(folder, command_of(reproduction.options), without=LEARNED_LOOP) as staging:
+        tables = {"table2": reproduction.table2(), "table4": reproduction.table4()}
+        if reproduction.extras and reproduction.extras.table4 is not None:
+            tables["table4_all_extras"] = reproduction.extras.table4
+        if reproduction.published:
+            published = reproduction.published.tables()
+            tables |= {f"{PREFIX}{name}": table for name, table in published.items()}
+        if reproduction.beforehand is not None:
+            tables["datasheet"] = reproduction.beforehand
+        if reproduction.motions:
+            tables["motions"] = reproduction.motions.evaluation.table()
+            tables["sensitivity"] = reproduction.motions.sensitivity
+        write_tables(tables | {"loop_tuning": loops.table, "fitness": loops.fitness()}, staging)
+        options, loop = reproduction.options, reproduction.identification.loop
+        fmu = _build(Compensator(FMU, FMU, reproduction.refinement.values), loop, options, staging)
+        best = loops.best.tuned
+        if best.share:
+            feedforward, *observers = best.chain()
+            _build(feedforward, best.loop, options, staging, f"learned_{FMU}")
+            for one in observers:
+                name = f"learned_{one.name}"
+                models.build_fmu(one.model, staging, start=one.values, called=name)
+        reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu, loop))
+        write_json(reproduction_document(reproduction), staging / "learned.json")
+        write_loop(reproduction.system, loop, staging / "loop.ssp", options)
+        write_loop(reproduction.learned_system(), best.loop, staging / LEARNED_LOOP[0], options)
+        write_report(reproduction, staging)
+
+
+def _build(
+    one: Compensator, loop: VelocityLoop, options: Options, folder: Path, called: str = FMU
+) -> Path:
+    """Build the FMU of a feedforward, from the commands of a loop to its force."""
+    block = deployed(one, loop if options.feed == "nominal" else None, loop.T_s)
+    return models.build_fmu(block.model, folder, start=block.values, law=options.law, called=called)
+
+
+def write_published_results(
+    study: PublishedStudy, options: Options, truth: Mapping[str, float], folder: Path
+) -> None:
+    """Write tables, pictures and page of the study.
+
+    Parameters
+    ----------
+    truth : every parameter of the drive FMU
+
+    Raises
+    ------
+    OSError
+        When a file cannot be written.
+    """
+    seeds = len(study.seeds[START])
+    with staged(folder, command_of(options, as_published=True, seeds=seeds)) as staging:
+        write_tables(study.tables(), staging)
+        write_page(staging, PUBLISHED_TITLE, [study_section(study, truth)])
+
+
+def opinion_of(reproduction: Reproduction, fmu: Path, loop: VelocityLoop) -> SecondOpinion:
+    """Return what FMPy makes of the compensator over the training and the validation command."""
+    t = np.arange(round(TRAINING.duration / loop.T_s) + 1) * loop.T_s
+    commands = {
+        "training": TRAINING.sample(np.asarray(t)),
+        "validation": reproduction.validation.compensated.v_cmd,
+    }
+    return second_opinion(fmu, reproduction.system, loop, commands)
+
+
+def command_of(options: Options, **more: object) -> dict[str, object]:
+    """Return what the manifest says of a reproduction."""
+    return {
+        "name": "reproduce",
+        "set": {f"drive.{name}": value for name, value in options.truth.items()},
+        "seed": options.seed,
+        "preset": options.preset,
+        "feed": options.feed,
+        "coarse": dict(options.coarse),
+        **({} if options.law == "lugre" else {"law": options.law}),
+        **more,
+    }
+
+
+def write_loop(system: cosim.System, loop: VelocityLoop, path: Path, options: Options) -> None:
+    """Write the loop of Fig. 2a for all platforms, with the trapezoid as its input."""
+    corners = VALIDATION.corners()
+    t = np.arange(round((corners[-1] + VALIDATION.begin) / loop.T_s) + 1) * loop.T_s
+    stop = float(t[-1])
+    experiment = cosim.DefaultExperiment(start=0.0, stop=stop, step=loop.T_s)
+    with temporary_folder() as folder:
+        whole = for_all_platforms(system, folder, options.truth, options.law)
+        cosim.write_ssp(whole, path, experiment)
+    table = pd.DataFrame({"time": corners, "v_cmd": VALIDATION.sample(corners)})
+    if loop.m_ff:
+        table = pd.DataFrame({"time": t, **loop.commands(VALIDATION.sample(np.asarray(t)))})
+    pack_input(path, table)

@@ -1,0 +1,359 @@
+"""Figures over time, velocity and generations: experiments, Figs. 5 and 6, motions, and steps."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FormatStrFormatter, MaxNLocator, NullLocator
+
+from stickslip import ga
+from stickslip.catalog.estimate import HIGH, LOW
+from stickslip.evaluation.motions import SLOW_MOTIONS, Motion
+from stickslip.evaluation.validation import PAPER_TABLE4, Run, Validation
+from stickslip.identification.stages import FrictionMap
+from stickslip.papers.lugre.motion_study import LEARNED, UNCOMPENSATED
+from stickslip.papers.lugre.reproduction import Reproduction
+from stickslip.papers.lugre.steps import STEPS, by_step
+from stickslip.presentation import style
+from stickslip.presentation.quantity import METRICS, with_error
+from stickslip.servo.measurement import Array
+from stickslip.servo.paper_commands import REGION
+
+COMMAND: Any = {"color": style.INK, "lw": 0.8, "ls": style.DASHED}
+
+
+def cost_axes(height: float, generation: Array, cost: str) -> tuple[Figure, Axes]:
+    """Return a figure of a column's width with a cost, logarithmic, over generations (n,)."""
+    figure = style.new_figure(style.COLUMN, height)
+    axes = figure.add_subplot()
+    axes.grid(visible=True, axis="y")
+    axes.set(yscale="log", xlabel="Generation [1]", ylabel=f"Cost {cost}")
+    axes.set_xlim(generation[0], max(generation[-1], generation[0] + 1.0))
+    return figure, axes
+
+
+def draw_course(
+    algorithm: ga.Optimiser,
+    cost: str,
+    final: tuple[float, str] | None = None,
+    without: float | None = None,
+) -> Figure:
+    """Draw best and mean cost of an algorithm.
+
+    Parameters
+    ----------
+    cost : what it is, with its unit
+    final : a cost after the last generation, and what it is of
+    without : cost without compensation
+    """
+    line = algorithm.convergence()
+    columns = ("generation", "evaluations", "best_cost", "mean_cost")
+    generation, evaluations, best, mean = (line[name].to_numpy(dtype=float) for name in columns)
+    figure, axes = cost_axes(78.0, generation, cost)
+    axes.plot(
+        generation, np.where(np.isfinite(mean), mean, np.nan),
+        color=style.WITHOUT, ls=(0, (4, 1.5)), label="mean of the generation",
+    )  # fmt: skip
+    axes.step(generation, best, where="post", color=style.WITH, lw=style.THICK, label="best so far")
+    marks: Any = {"mec": style.INK, "ls": "none", "clip_on": False, "zorder": 5}
+    start = float(algorithm.history["cost"].iloc[0])
+    axes.plot(generation[0], start, "o", mfc="white", label="start", **marks)
+    if final is not None:
+        axes.plot(generation[-1], final[0], "D", mfc=style.GREY, label=final[1], **marks)
+    if without is not None:
+        axes.axhline(without, color=style.GREY, lw=style.LINE)
+        axes.annotate(
+            f"without compensation: {without:.2g}", (1.0, without), (-2.0, -3.0),
+            xycoords=("axes fraction", "data"), textcoords="offset points",
+            ha="right", va="top", fontsize=style.SMALL,
+        )  # fmt: skip
+    style.legend_below(axes, 2)
+
+    # After the first generation each one adds as many evaluations.
+    span = max(generation[-1] - generation[0], 1.0)
+    slope = max((evaluations[-1] - evaluations[0]) / span, 1.0)
+    second = axes.secondary_xaxis(
+        "top",
+        functions=(
+            lambda g: evaluations[0] + slope * (g - generation[0]),
+            lambda e: generation[0] + (e - evaluations[0]) / slope,
+        ),
+    )
+    second.set_xlabel("Evaluations [1]")
+    for scale in (axes, second):
+        scale.xaxis.set_major_locator(MaxNLocator(integer=True))
+    return figure
+
+
+SHOWN = (-0.02, 0.15)
+"""What is drawn around an instant [s]."""
+
+
+def draw_tracking(validation: Validation) -> Figure:
+    """Draw command, velocities and their errors."""
+    figure = style.new_figure(style.PAGE, 140.0)
+    grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 0.9, 1.1))
+    _whole(figure.add_subplot(grid[0, :]), validation)
+    below: Axes | None = None
+    for column, (letter, region) in enumerate((("b", "start"), ("c", "reverse"))):
+        upper = figure.add_subplot(grid[1, column])
+        below = figure.add_subplot(grid[2, column], sharex=upper, sharey=below)
+        upper.tick_params(labelbottom=False)
+        _region(upper, below, validation, validation.instants[region])
+        style.name_panel(upper, letter, f"Motion-{region} region, simulated drive")
+        below.set_xlabel(f"Time after motion {region}s [ms]")
+        if column == 0:
+            upper.set_ylabel("Velocity [mm/s]")
+            below.set_ylabel(r"Error $v_{cmd} - v$ [mm/s]")
+    assert below is not None  # noqa: S101 - there are two columns
+    style.legend_below(below)
+    return figure
+
+
+def _whole(axes: Axes, validation: Validation) -> None:
+    run = validation.compensated
+    style.zero_lines(axes)
+    for letter, instant in zip("bc", validation.instants.values(), strict=True):
+        axes.axvspan(instant + SHOWN[0], instant + SHOWN[1], color=style.SHADE, lw=0)
+        axes.annotate(
+            f"({letter})", (instant + sum(SHOWN) / 2, 0.96), xycoords=("data", "axes fraction"),
+            ha="center", va="top",
+        )  # fmt: skip
+    axes.plot(
+        run.t, 1e3 * run.v["measured"], color=style.WITH, lw=2.0, alpha=0.55,
+        label=r"measured $v$, with compensation",
+    )  # fmt: skip
+    axes.plot(run.t, 1e3 * run.v_cmd, label=r"command $v_{cmd}$", **COMMAND)
+    axes.set(xlabel="Time [s]", ylabel="Velocity [mm/s]", xlim=(run.t[0], run.t[-1]))
+    style.name_panel(axes, "a", "Trapezoid, simulated drive")
+    axes.legend(loc="lower left")
+
+
+def _region(velocity: Axes, error: Axes, validation: Validation, instant: float) -> None:
+    """Draw both runs around an instant: velocities, and their errors below."""
+    t, v_cmd = validation.without.t, validation.without.v_cmd
+    begin, end = np.searchsorted(t, [instant + edge - 1e-9 for edge in SHOWN])
+    part = slice(int(begin), int(end) + 1)
+    t = 1e3 * (t[part] - instant)
+    window = 1e3 * REGION[0], 1e3 * REGION[1]
+    velocity.axvspan(*window, color=style.SHADE, lw=0)
+    error.axvspan(*window, color=style.SHADE, lw=0, label="evaluated")
+    style.zero_lines(velocity)
+    error.axhline(0.0, color=style.GREY, lw=style.THIN)
+    velocity.plot(t, 1e3 * v_cmd[part], **COMMAND)
+    for run, colour, label in (
+        (validation.without, style.WITHOUT, "without"),
+        (validation.compensated, style.WITH, "with"),
+    ):
+        measured, true = (1e3 * (run.v_cmd - run.v[v])[part] for v in ("measured", "true"))
+        velocity.plot(t, 1e3 * run.v["measured"][part], color=colour, lw=style.LINE)
+        error.plot(t, measured, color=colour, lw=1.3, label=f"{label} compensation, measured")
+        error.plot(t, true, color=colour, lw=style.THIN, label=f"{label}, true")
+    velocity.set_xlim(t[0], t[-1])
+
+
+REVERSALS, CREEP, MOVES = SLOW_MOTIONS
+BEFORE = 0.05
+"""What is drawn before the first of the spans [s]."""
+
+
+def draw_motions(reproduction: Reproduction) -> Figure:
+    """Draw the command, the motion without compensation and with what was learned."""
+    assert reproduction.motions is not None  # noqa: S101 - it is drawn once they were run
+    figure = style.new_figure(style.PAGE, 66.0)
+    panels = figure.subplots(1, 3)
+    shown = (
+        ("a", REVERSALS, "0.5 mm/s", "Slow reversals"),
+        ("b", CREEP, "0.3 mm/s", "Creep"),
+        ("c", MOVES, "20 um", "Micrometre moves"),
+    )
+    for axes, (letter, motion, region, title) in zip(panels, shown, strict=True):
+        runs = reproduction.motions.evaluation.runs[motion.name]
+        _motion(axes, motion, region, runs[UNCOMPENSATED], runs[LEARNED])
+        style.name_panel(axes, letter, f"{title}, {region.replace('um', 'µm')}, simulated")
+    style.legend_below(panels[0])
+    return figure
+
+
+def _motion(axes: Axes, motion: Motion, region: str, without: Run, compensated: Run) -> None:
+    spans = motion.regions[region]
+    part = (without.t >= spans[0][0] - BEFORE) & (without.t <= spans[-1][1])
+    t = without.t[part] - spans[0][0]
+    style.zero_lines(axes)
+    quantity, scale, command = "velocity [mm/s]", 1e3, without.v_cmd
+    if motion is MOVES:
+        quantity, scale, command = "position [µm]", 1e6, without.x_cmd
+    for run, colour, label in (
+        (without, style.WITHOUT, "without compensation"),
+        (compensated, style.WITH, "with the learned compensator"),
+    ):
+        values = run.x_enc if motion is MOVES else run.v["measured"]
+        axes.plot(t, scale * values[part], color=colour, lw=0.7, label=label)
+    axes.plot(t, scale * command[part], label="command", **COMMAND)
+    axes.set(xlabel="Time [s]", ylabel=f"Encoder’s {quantity}", xlim=(t[0], t[-1]))
+
+
+LOOKS = {
+    ("start", "E_max"): ("o", style.WITHOUT, "white"),
+    ("start", "E_rms"): ("o", style.WITHOUT, style.WITHOUT),
+    ("reverse", "E_max"): ("s", style.WITH, "white"),
+    ("reverse", "E_rms"): ("s", style.WITH, style.WITH),
+}
+"""Marker, edge and face of each error."""
+
+
+def draw_steps(reproduction: Reproduction) -> Figure:
+    """Draw the errors on the drive's true velocity, and on that of the drive with all effects."""
+    drives = {"Simulated drive": reproduction.table4()}
+    if reproduction.extras and reproduction.extras.table4 is not None:
+        drives["Simulated drive, all extras on"] = reproduction.extras.table4
+    figure = style.new_figure(style.PAGE, 78.0)
+    panels = figure.subplots(1, len(drives), sharey=True, squeeze=False)[0]
+    for axes, letter, (name, table) in zip(panels, "ab", drives.items(), strict=False):
+        _step_errors(axes, table)
+        style.name_panel(axes, letter, name)
+    panels[0].set_ylabel("Error on the true velocity [mm/s]")
+    style.legend_below(panels[0], 3)
+    return figure
+
+
+def _step_errors(axes: Axes, table: pd.DataFrame) -> None:
+    true = by_step(table[table["velocity"] == "true"])
+    names = [name for name in STEPS if name in true]
+    axes.set_yscale("log")
+    axes.grid(visible=True, axis="y")
+    for shift, (key, (marker, edge, face)) in enumerate(LOOKS.items()):
+        row = true[(true["region"] == key[0]) & (true["metric"] == key[1])].iloc[0]
+        x = [place + 0.14 * (shift - 1.5) for place in range(len(names))]
+        low, high = ([row.get(f"{n}{end}", row[n]) for n in names] for end in (LOW, HIGH))
+        axes.vlines(x, low, high, color=edge, lw=0.8)
+        axes.plot(
+            x, row[names], marker, ls="none", ms=4.5, mec=edge, mfc=face,
+            mew=0.9, label=f"{key[0]}, {METRICS[key[1]]}",
+        )  # fmt: skip
+    for values, colour, which in zip(
+        zip(*PAPER_TABLE4.values(), strict=True), (style.GREY, style.INK), ("without", "with"),
+        strict=True,
+    ):  # fmt: skip
+        label = f"real stage (paper), {which}"
+        axes.axhspan(min(values), max(values), color=colour, alpha=0.13, lw=0, label=label)
+    labels = [STEPS[name] for name in names]
+    axes.set_xticks(range(len(names)), labels, rotation=35, ha="right", rotation_mode="anchor")
+
+
+POINTS: Any = {"mec": style.WITHOUT, "ecolor": style.WITHOUT, "capsize": 2.0, "elinewidth": 0.8}
+CLOUD_POINTS = 400
+"""Points drawn at most; the low-pass makes neighbours alike."""
+
+
+def draw_inertia(reproduction: Reproduction) -> Figure:
+    """Draw the force without the fitted friction against acceleration, and the line m a."""
+    inertia = reproduction.identification.inertia
+    thin = slice(None, None, max(1, len(inertia.acceleration) // CLOUD_POINTS))
+    a, force = inertia.acceleration[thin], inertia.force[thin]
+    figure = style.new_figure(style.COLUMN, 65.0)
+    axes = figure.add_subplot()
+    style.zero_lines(axes, vertical=True)
+    axes.plot(
+        a,
+        force,
+        "o",
+        ms=3.0,
+        mfc="none",
+        mec=style.WITHOUT,
+        mew=0.7,
+        label="measured, friction removed",
+    )
+    ends = np.array([a.min(), a.max()])
+    slope = with_error(inertia.m.value, inertia.m.standard_error)
+    axes.plot(ends, inertia.m.value * ends, color=style.WITH, label=rf"slope $m$ = {slope} kg")
+    axes.set(xlabel="Acceleration [m/s$^2$]", ylabel="Motor force less friction [N]")
+    axes.legend(loc="upper left")
+    return figure
+
+
+def draw_friction(reproduction: Reproduction) -> Figure:
+    """Draw the map in both directions, and friction against speed, logarithmic."""
+    friction = reproduction.identification.friction
+    figure = style.new_figure(style.COLUMN, 112.0)
+    upper, lower = figure.subplots(2, 1)
+    _both_directions(upper, friction)
+    _against_speed(lower, friction)
+    return figure
+
+
+def _both_directions(axes: Axes, friction: FrictionMap) -> None:
+    top = 1.04 * float(np.abs(friction.velocity).max())
+    speed = np.geomspace(1e-6, top, 400)
+    style.zero_lines(axes, vertical=True)
+    for sign in (1.0, -1.0):
+        axes.plot(1e3 * sign * speed, friction.curve(sign * speed), color=style.WITH)
+    axes.errorbar(
+        1e3 * friction.velocity, friction.force, friction.error,
+        fmt="o", ms=3.5, mfc="white", **POINTS,
+    )  # fmt: skip
+    forward, back = friction.breakaway
+    axes.plot([0.0, 0.0], [forward, -back], "D", mfc="none", mec=style.INK, zorder=6)
+    axes.set(xlabel="Velocity [mm/s]", ylabel="Motor force [N]")
+    style.name_panel(axes, "a", "Both directions")
+
+
+def _against_speed(axes: Axes, friction: FrictionMap) -> None:
+    speeds = np.unique(np.abs(friction.velocity))
+    edge = 0.6 * float(speeds[0])
+    speed = np.geomspace(edge, 1.25 * float(speeds[-1]), 300)
+    axes.plot(1e3 * speed, friction.curve(speed), color=style.WITH, label="fitted curve (4), (5)")
+    for sign, marker, size, fill, direction in (
+        (1, "o", 3.5, style.WITHOUT, "forward"),
+        (-1, "s", 6.0, "none", "back"),
+    ):
+        side = np.sign(friction.velocity) == sign
+        axes.errorbar(
+            np.abs(1e3 * friction.velocity[side]), np.abs(friction.force[side]),
+            friction.error[side], fmt=marker, ms=size, mfc=fill,
+            label=f"{direction}, ±1 standard error", **POINTS,
+        )  # fmt: skip
+    rate = f"{friction.ramp_rate:.2g} N/s"
+    axes.plot(
+        [1e3 * edge] * 2, friction.breakaway, "D", mfc="none", mec=style.INK, clip_on=False,
+        label=f"break-away, ramp of {rate}",
+    )  # fmt: skip
+    axes.set_xscale("log")
+    axes.set_xlim(1e3 * edge, 1.25e3 * float(speeds[-1]))
+    ticks = [tick for tick in (0.1, 0.3, 1, 3, 10, 30, 100) if tick >= 1e3 * edge]
+    axes.xaxis.set_major_locator(FixedLocator(ticks))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+    axes.set(xlabel="Speed [mm/s], logarithmic", ylabel="Friction [N]")
+    style.name_panel(axes, "b", "The Stribeck branch")
+    axes.legend(loc="upper right")
+
+
+def draw_presliding(reproduction: Reproduction) -> Figure:
+    """Draw force, encoder position against the fitted one, and what is left of it."""
+    presliding = reproduction.identification.presliding
+    log = presliding.log
+    left = 1e6 * (log.x_enc - presliding.x_fit)
+    figure = style.new_figure(style.COLUMN, 112.0)
+    force, position, rest = figure.subplots(3, 1, sharex=True, height_ratios=(1.0, 1.4, 0.8))
+    style.zero_lines(force, position, rest)
+    force.plot(log.t, log.F_m, color=style.INK, lw=0.8)
+    force.set_ylabel("Motor force [N]")
+    style.name_panel(force, "a", "Force steps below break-away")
+    position.plot(log.t, 1e6 * log.x_enc, color=style.WITHOUT, lw=2.0, alpha=0.7, label="encoder")
+    position.plot(
+        log.t, 1e6 * presliding.x_fit, color=style.WITH, lw=style.LINE, label="fitted model"
+    )
+    position.set_ylabel("Position [µm]")
+    position.set_ylim(top=1e6 * (log.x_enc.max() + 0.3 * np.ptp(log.x_enc)))
+    position.legend(loc="upper right", ncols=2)
+    style.name_panel(position, "b", "Position")
+    rest.plot(log.t, left, color=style.WITH, lw=style.THIN)
+    rest.set(xlabel="Time [s]", ylabel="Difference [µm]", xlim=(log.t[0], log.t[-1]))
+    style.name_panel(rest, "c", "Encoder less model")
+    figure.align_ylabels()
+    return figure

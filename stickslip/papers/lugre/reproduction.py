@@ -1,0 +1,270 @@
+"""The paper from beginning to end: build, identify, learn, validate.
+
+Data flow: the drive's truth goes into drive.fmu and, when all is learned, into Table 2. What is in
+between sees a ``Rig``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Protocol
+
+import pandas as pd
+
+from stickslip import cosim, ga, models
+from stickslip.catalog.parameters import estimated, friction_law
+from stickslip.evaluation.scatter import PHASES
+from stickslip.evaluation.validation import Validation, validate
+from stickslip.identification.criteria.scaling import Scale
+from stickslip.identification.stages import Estimate, Identification
+from stickslip.papers.lugre.fmpy_check import SecondOpinion
+from stickslip.papers.lugre.loop_tuning import LoopTuning, validate_loops
+from stickslip.papers.lugre.motion_study import MotionStudy
+from stickslip.papers.lugre.published import PublishedStudy
+from stickslip.papers.lugre.steps import with_steps
+from stickslip.papers.lugre.tables import table2
+from stickslip.rigs.fmu import FmuRig
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.systems import Changes, Feed, build_fmus, build_loop, drive_law, paper_loop
+from stickslip.servo.tuned_pi import tuned_pi
+from stickslip.studies.learn.learned import Learned
+from stickslip.studies.learn.rig_learning import LearnedOnRig, learn_on_rig
+from stickslip.tuning.drive_model import fit_models
+from stickslip.tuning.loop_learning import LoopStudy, learn_loop
+from stickslip.tuning.refinement import Refinement
+from stickslip.work.execution import Execution
+
+
+@dataclass(frozen=True)
+class Options:
+    """What can be chosen.
+
+    Attributes
+    ----------
+    truth : parameters of the drive FMU that differ from Table 2, in the units of its model.toml,
+        and its friction law as ``law``
+    law : friction law of the compensator
+    preset : what searches, a name in ``ga.ALGORITHMS``; ``default`` is CMA-ES for the loop, and our
+        genetic algorithm for a recording
+    feed : what drives the compensator
+    loop_seeds : how many seeds search the loop, ``seed`` the first; 0 for none
+    published_seeds : how many seeds learn as published
+    complete : take all steps: learn as published and from one recording, too
+    coarse : factors by name on what identification found, to begin learning there; see
+        ``stickslip/tuning/coarse_start.py``
+    """
+
+    truth: Changes = field(default_factory=dict)
+    law: str = "lugre"
+    seed: int = 0
+    preset: str = "default"
+    feed: Feed = "nominal"
+    loop_seeds: int = 5
+    published_seeds: int = 10
+    complete: bool = False
+    coarse: Mapping[str, float] = field(default_factory=dict)
+
+
+class Progress(Protocol):
+    """Receives the progress of a reproduction."""
+
+    def stage(self, name: str) -> None:
+        """Begin a stage."""
+
+    def generation(self, algorithm: ga.Optimiser, scale: Scale | None = None) -> None:
+        """One more generation of candidates is done; their values have a scale, or are in SI."""
+
+
+@dataclass(frozen=True)
+class Extras:
+    """The result on the drive with all effects on, which the compensator does not model.
+
+    Attributes
+    ----------
+    validation : None where identification or learning failed
+    table4 : with a column for each step
+    reason : why they failed
+    """
+
+    validation: Validation | None
+    table4: pd.DataFrame | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Reproduced:
+    """What both modes compute.
+
+    Attributes
+    ----------
+    truth : every parameter of the drive FMU; it enters after all is learned
+    system : the loop of Fig. 2a with the learned compensator
+    """
+
+    options: Options
+    truth: Mapping[str, float]
+    learned: Learned
+    validation: Validation
+    system: cosim.System
+
+
+@dataclass(frozen=True)
+class Reproduction(Reproduced):
+    """All that was computed with the three experiments, and by running the drive.
+
+    Attributes
+    ----------
+    start : the tuned parameters that learning began with
+    refinement : what was known in the end
+    searched : the loop as it was learned, and what each step before it brings, if it was learned
+    cost_without : of the training run without compensation [m^2/s^2]
+    extras : the same on the drive with all effects on, if that was asked for
+    beforehand : what ``vary_datasheet`` found, if that was asked for
+    opinion : what FMPy makes of the compensator, once its FMU is written
+    motions : all motions with each step, once they were run
+    published : the learning as published, where that was asked for
+    """
+
+    identification: Identification
+    start: Mapping[str, Estimate]
+    refinement: Refinement
+    cost_without: float
+    searched: LoopTuning | None = None
+    extras: Extras | None = None
+    beforehand: pd.DataFrame | None = None
+    opinion: SecondOpinion | None = None
+    motions: MotionStudy | None = None
+    published: PublishedStudy | None = None
+
+    @property
+    def exact(self) -> Mapping[str, float]:
+        """The drive's own friction; the learned one where the drive's law is another one."""
+        if drive_law(self.options.truth)[1] != self.options.law:
+            return self.learned.friction
+        return {name: self.truth[name] for name in self.start}
+
+    @property
+    def loops(self) -> LoopTuning:
+        """The loop as it was learned, for what is of a reproduction with it."""
+        assert self.searched is not None  # noqa: S101 - only the drive with extras has none
+        return self.searched
+
+    def learned_system(self) -> cosim.System:
+        """Return the loop that was learned, as a system of FMUs."""
+        best, fmus = self.loops.best.tuned, self.system.fmus("the loop")["drive"].path.parent
+        return build_loop(fmus, best.loop, best.chain(), self.options.feed)
+
+    def table2(self) -> pd.DataFrame:
+        """Return Table 2 with what was found."""
+        return table2(self.identification, self.start, self.refinement, self.truth)
+
+    def table4(self) -> pd.DataFrame:
+        """Return Table 4, with a column for each step once all motions were run."""
+        table = self.validation.table()
+        return with_steps(table, self.motions.evaluation) if self.motions else table
+
+
+def drive_truth(changes: Changes, law: str = "lugre") -> dict[str, float]:
+    """Return every parameter of the drive FMU, and NaN for those of ``law`` that it lacks.
+
+    Raises
+    ------
+    models.StartValueError
+        When a change names no parameter or lies outside its range.
+    models.UnknownLaw
+        When there is no such friction law.
+    """
+    start, own = drive_law(changes)
+    model = models.load_model("drive", own).with_start(start)
+    known = {v.name: v.start for v in model.variables if v.role == "parameter"}
+    return dict.fromkeys(estimated(friction_law(law)), math.nan) | known
+
+
+def build_rig(options: Options, fmus: Path, progress: Progress) -> FmuRig:
+    """Build the drive and the FMUs of the loop into a folder, which must stay."""
+    progress.stage("building the FMUs")
+    build_fmus(fmus, options.truth, options.law)
+    return FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
+
+
+def validated(options: Options, rig: FmuRig, learned: Learned, progress: Progress) -> Reproduced:
+    """Run the trapezoid on the drive without and with what was learned; join the truth.
+
+    Raises
+    ------
+    stickslip.servo.axis.ControlError
+        When no loop could be designed.
+    """
+    plain, loop, _ = learned.designed
+    progress.stage("validating")
+    validation = validate(
+        rig, loop, learned.friction, VALIDATION, options.feed, plain, phases=PHASES
+    )
+    system = paper_loop(rig.fmus, loop, learned.friction, options.feed)
+    return Reproduced(options, drive_truth(options.truth, options.law), learned, validation, system)
+
+
+def reproduce(
+    options: Options, fmus: Path, progress: Progress, execution: Execution | None = None
+) -> Reproduction:
+    """Run the whole paper; FMUs are built into the folder ``fmus``, which must stay.
+
+    Raises
+    ------
+    models.ModelError, toolchain.ToolchainError
+    stickslip.errors.IdentificationError, stickslip.servo.axis.ControlError
+        When the drive does not show what is looked for, or its loop cannot be designed.
+    """
+    rig = build_rig(options, fmus, progress)
+    found = learn_on_rig(
+        rig,
+        feed=options.feed,
+        seed=options.seed,
+        coarse=options.coarse,
+        on_stage=progress.stage,
+    )
+    searched = None
+    if options.loop_seeds:
+        searched = _tuned(options, rig, found, progress, execution or Execution())
+    result = validated(options, rig, found, progress)
+    return Reproduction(
+        **vars(result),
+        identification=found.identification,
+        start=found.start,
+        refinement=found.refinement,
+        searched=searched,
+        cost_without=found.study.cost_without(),
+    )
+
+
+def _tuned(
+    options: Options, rig: FmuRig, found: LearnedOnRig, progress: Progress, execution: Execution
+) -> LoopTuning:
+    """Let the genetic algorithm learn the loop, and find out what each step brings."""
+    paper = found.identification.loop
+    study = LoopStudy(rig, tuned_pi(paper), found.friction, options.feed)
+    if options.preset != "default":
+        study = replace(study, algorithm=options.preset)
+    progress.stage("modelling the drive in loops")
+    study = replace(study, models=fit_models(study, progress.generation, execution))
+    learned = []
+    for seed in range(options.seed, options.seed + options.loop_seeds):
+        progress.stage(f"learning the loop, seed {seed}")
+        own = replace(study, seed=seed)
+        learned.append(learn_loop(own, progress.generation, execution.of_seed(seed)))
+    progress.stage("what each step brings")
+    identified = {name: one.value for name, one in found.start.items()}
+    return validate_loops(
+        study,
+        drive_law(options.truth)[1],
+        drive_truth(options.truth, options.law),
+        paper,
+        identified,
+        learned,
+        runs=found.refinement.runs,
+        workers=execution.workers,
+    )

@@ -1,0 +1,96 @@
+"""What each step brings: one drive, controlled in every way that a reproduction knows."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import pandas as pd
+
+from stickslip.catalog.estimate import HIGH, LOW
+from stickslip.evaluation.comparison import Entry, Evaluation
+from stickslip.evaluation.motions import MOTIONS
+from stickslip.evaluation.scatter import ranges_last, summary
+from stickslip.evaluation.validation import reduction
+from stickslip.identification.stages import Identification
+from stickslip.papers.lugre.motion_study import IDENTIFIED, LEARNED, UNCOMPENSATED
+from stickslip.servo.axis import ControlError
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.tuned_pi import tuned_pi
+from stickslip.studies.learn.learned import Learned
+
+TRAPEZOID = MOTIONS[0]
+FILTERED = "with_filter"
+"""The default with a velocity filter and feedforward of inertia, which the paper does not have."""
+
+REDUCTION_WITH_FILTER = f"reduction_{FILTERED}"
+
+STEPS = {
+    UNCOMPENSATED: "None",
+    "tuned_pi": "Tuned PI alone",
+    IDENTIFIED: "Identified",
+    "as_published": "As published",
+    "least_squares_coarse": "Least squares, coarse",
+    LEARNED: "Default",
+    FILTERED: "Default, filter",
+    "one_recording": "One recording",
+    "velocity_filter": "And filter",
+}
+"""The steps by the names of their columns, in the order in which they are shown.
+
+Those from coarse starts are in ``stickslip/papers/lugre/published.py``, over seeds.
+"""
+
+
+def steps(
+    identification: Identification,
+    learned: Learned,
+    recorded: Learned | None = None,
+) -> dict[str, Entry]:
+    """Return the steps that there are, in the order of ``STEPS``.
+
+    Parameters
+    ----------
+    learned : by the default
+    recorded : from one recording
+    """
+    loop = identification.loop
+    identified = {name: one.value for name, one in identification.tuned.items()}
+    found = {
+        UNCOMPENSATED: Entry(loop),
+        "tuned_pi": Entry(tuned_pi(loop)),
+        IDENTIFIED: Entry(loop, identified),
+        LEARNED: Entry(loop, learned.friction),
+    }
+    with suppress(ControlError):
+        filtered = with_velocity_filter(loop, Datasheet(), learned.friction["F_c"])
+        found[FILTERED] = Entry(with_inertia(filtered), learned.friction)
+    if recorded is not None:
+        plain, filtered, _ = recorded.designed
+        found["one_recording"] = Entry(plain, recorded.friction)
+        found["velocity_filter"] = Entry(filtered, recorded.friction)
+    return {name: found[name] for name in STEPS if name in found}
+
+
+def by_step(table4: pd.DataFrame) -> pd.DataFrame:
+    """Return Table 4 with the names of the steps: ``LEARNED`` for its column ``with``."""
+    ends = ("", LOW, HIGH)
+    return table4.rename(columns={f"with{end}": f"{LEARNED}{end}" for end in ends})
+
+
+def with_steps(table4: pd.DataFrame, evaluation: Evaluation) -> pd.DataFrame:
+    """Return Table 4 with a column [mm/s] for each step that it has not yet, with ranges.
+
+    Behind that of the filter stands the reduction with it, as a fraction.
+    """
+    names = [n for n in STEPS if n in evaluation.errors and n not in (UNCOMPENSATED, LEARNED)]
+    errors = {n: pd.DataFrame(t.loc[TRAPEZOID.name]) for n, t in evaluation.errors.items()}
+    found = {n: errors[n] for n in names}
+    if FILTERED in found:
+        found[REDUCTION_WITH_FILTER] = reduction(errors[UNCOMPENSATED], errors[FILTERED])
+    keys = ["velocity", "region", "metric"]
+    rows = summary(found).reset_index().drop(columns="unit")
+    table = table4.merge(rows, on=keys, how="left", validate="one_to_one")
+    if FILTERED in found:
+        table[REDUCTION_WITH_FILTER] = reduction(table[UNCOMPENSATED], table[FILTERED])
+    return ranges_last(table)

@@ -1,0 +1,140 @@
+"""What a reproduction is compared with: other drives, other assumptions, other motions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pandas as pd
+
+from stickslip import ga, models
+from stickslip.evaluation.comparison import evaluate
+from stickslip.evaluation.scatter import PHASES
+from stickslip.fmi.errors import Fault
+from stickslip.identification.criteria.scaling import Scale
+from stickslip.identification.estimation import Search
+from stickslip.papers.lugre.datasheet_errors import vary_datasheet
+from stickslip.papers.lugre.motion_study import study_motions
+from stickslip.papers.lugre.published import OURS, SQUARES, study_as_published
+from stickslip.papers.lugre.record_mode import learn_from_recording
+from stickslip.papers.lugre.reproduction import Extras, Options, Progress, Reproduction, reproduce
+from stickslip.papers.lugre.steps import TRAPEZOID, steps, with_steps
+from stickslip.rigs.fmu import FmuRig
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.studies.learn.learned import Learned
+from stickslip.work.execution import Execution
+
+
+def with_studies(
+    reproduction: Reproduction,
+    fmus: Path,
+    progress: Progress,
+    execution: Execution,
+) -> Reproduction:
+    """Return a reproduction with what is compared with it.
+
+    Parameters
+    ----------
+    fmus : folder of its FMUs
+    execution : its checkpoint is left as it is
+    """
+    options, found = reproduction.options, reproduction.identification
+    own = replace(execution, checkpoint=None, resume=False)
+    extras = reproduce_with_extras(options, fmus / "extras", progress, own)
+    progress.stage("varying what is known beforehand")
+    beforehand = vary_datasheet(fmus, options.feed, execution.workers, law=options.law)
+    rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
+    study = recorded = None
+    if options.complete:
+        seeds = range(options.seed, options.seed + options.published_seeds)
+        study = study_as_published(
+            rig,
+            found,
+            seeds,
+            feed=options.feed,
+            workers=own.workers,
+            on_stage=progress.stage,
+        )
+        recorded = _recorded(rig, options, progress, own)
+    progress.stage("all motions")
+    studied = replace(reproduction, extras=extras, beforehand=beforehand, published=study)
+    return with_motions(studied, fmus, recorded, execution.workers)
+
+
+def with_motions(
+    reproduction: Reproduction, fmus: Path, recorded: Learned | None = None, workers: int = 1
+) -> Reproduction:
+    """Return a reproduction with what each of its steps does in all motions.
+
+    Parameters
+    ----------
+    fmus : folder of its FMUs
+    recorded : see ``steps``
+    workers : motions side by side
+    """
+    found, options, study = (
+        reproduction.identification,
+        reproduction.options,
+        reproduction.published,
+    )
+    entries = steps(found, reproduction.learned, recorded)
+    rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
+    motions = study_motions(
+        rig, entries, found.loop, reproduction.exact, options.feed, workers=workers
+    )
+    if study is not None:
+        coarse = {"as_published": OURS, "least_squares_coarse": SQUARES}
+        of_seeds = {name: study.evaluation.errors[method] for name, method in coarse.items()}
+        errors = {**motions.evaluation.errors, **of_seeds}
+        motions = replace(motions, evaluation=replace(motions.evaluation, errors=errors))
+    return replace(reproduction, motions=motions)
+
+
+def _recorded(rig: FmuRig, options: Options, progress: Progress, execution: Execution) -> Learned:
+    """Return what one recording of the drive gives."""
+    search = Search(options.preset, execution=execution)
+    return learn_from_recording(rig, options.seed, search, progress.stage, progress.generation)
+
+
+def all_effects() -> dict[str, float]:
+    """Return every Boolean parameter of the drive, switched on."""
+    variables = models.load_model("drive").variables
+    return {v.name: True for v in variables if v.role == "parameter" and v.type == "boolean"}
+
+
+def reproduce_with_extras(
+    options: Options, fmus: Path, progress: Progress, execution: Execution
+) -> Extras:
+    """Take the steps on the drive with all effects on; ``fmus`` is made."""
+    fmus.mkdir()
+    stages = _Named(progress)
+    options = replace(options, loop_seeds=0, truth={**options.truth, **all_effects()})
+    try:
+        found = reproduce(options, fmus, stages, execution)
+        return Extras(found.validation, step_by_step(found, fmus))
+    except ga.Interrupted:  # its message is that of a search without a checkpoint
+        raise KeyboardInterrupt from None
+    except Fault as fault:
+        return Extras(None, reason=str(fault))
+
+
+def step_by_step(found: Reproduction, fmus: Path) -> pd.DataFrame:
+    """Return Table 4 of a reproduction with a column for each step that takes no study."""
+    options = found.options
+    rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
+    entries = steps(found.identification, found.learned)
+    evaluation = evaluate(rig, entries, options.feed, [TRAPEZOID], PHASES)
+    return with_steps(found.validation.table(), evaluation)
+
+
+@dataclass(frozen=True)
+class _Named:
+    """Tells stages with the drive that they are of."""
+
+    progress: Progress
+
+    def stage(self, name: str) -> None:
+        self.progress.stage(f"all extras on: {name}")
+
+    def generation(self, algorithm: ga.Optimiser, scale: Scale | None = None) -> None:
+        self.progress.generation(algorithm, scale)

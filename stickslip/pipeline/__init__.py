@@ -1,1 +1,0 @@
-"""From experiment to result, for each mode of the application."""

@@ -1,1 +1,0 @@
-"""learned.json and the folders of results."""

@@ -1,0 +1,1 @@
+"""What users run, each a folder: its run, its result, its page and its command."""

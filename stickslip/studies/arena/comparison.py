@@ -1,0 +1,249 @@
+"""The arena from Python: ``stickslip.arena``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
+
+from stickslip.compensators.entrants import default_names, own_part
+from stickslip.errors import UsageError
+from stickslip.fmi.process import temporary_folder
+from stickslip.presentation.style import WITH, WITHOUT
+from stickslip.storage import reserved
+from stickslip.studies.arena.budget import Budget
+from stickslip.studies.arena.drive_names import require_drives
+from stickslip.studies.arena.drives import default_drives, learned_drive, read_drives
+from stickslip.studies.arena.protocol import Arena, Plan, run_arena
+from stickslip.studies.arena.table import ALL, arena_table, ranking, relative_errors
+from stickslip.studies.arena.writing import FILES, write_arena
+from stickslip.work.execution import Execution
+
+_DEEP = 3.0
+"""Factor on the error at which the colour of a cell is the deepest."""
+
+
+def make_plan(
+    compensators: Sequence[str] | None = None,
+    drives: Path | Mapping[str, Mapping[str, Any]] | None = None,
+    *,
+    laws: Sequence[str] | None = None,
+    learned: Sequence[Path] = (),
+    only: Sequence[str] = (),
+    own: Mapping[Path, Path | Mapping[str, Any]] | None = None,
+    evaluations: int = Budget.evaluations,
+    seconds: float = Budget.seconds,
+    seeds: int = 20,
+    seed: int = 0,
+) -> Plan:
+    """Return what an arena compares; parameters are those of ``arena``.
+
+    Raises
+    ------
+    UsageError
+        When a law, a compensator or a drive is unknown.
+    """
+    found = [learned_drive(path) for path in learned]
+    if drives is not None:
+        found += read_drives(drives, laws)
+    elif not found:
+        found = default_drives(laws)
+    known = [drive.name for drive in found]
+    require_drives(only, known)
+    if len({name.lower() for name in known}) < len(known):
+        raise UsageError(
+            "--drive: two drives have the same name, upper and lower case alike, of"
+            f" {', '.join(known)}"
+        )
+    if not seconds > 0.0:
+        raise UsageError(f"--seconds {seconds:g}: expected a number above 0")
+    for option, given, least in (
+        ("--evaluations", evaluations, 10),
+        ("--seeds", seeds, 1),
+        ("--seed", seed, 0),
+    ):
+        if not (isinstance(given, int) and given >= least):
+            raise UsageError(f"{option} {given!r}: expected a whole number, at least {least}")
+    parts = tuple(own_part(fmu, ports) for fmu, ports in (own or {}).items())
+    names = [*(compensators or default_names()), *(part.name for part in parts)]
+    plan = Plan(
+        [drive for drive in found if not only or drive.name in only],
+        list(dict.fromkeys(names)),
+        Budget(evaluations, seconds),
+        seeds,
+        seed,
+        parts,
+    )
+    for name in plan.entrants:
+        plan.entrant(name)
+    return plan
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What an arena found.
+
+    Attributes
+    ----------
+    arena : every cell
+    table : the rows of arena.csv, see docs/arena.md
+    """
+
+    arena: Arena
+    table: pd.DataFrame
+
+    @property
+    def ranking(self) -> pd.DataFrame:
+        """A row an entrant: mean and worst error over the drives, relative to the reference."""
+        return ranking(self.table, self.arena.plan)
+
+    def errors(self, command: str = ALL, *, carried: bool = False) -> pd.DataFrame:
+        """Return the errors relative to the reference, a row an entrant, a column a drive.
+
+        Parameters
+        ----------
+        command : one of docs/arena.md, or ``all`` for the geometric mean over them
+        carried : whether each is tuned on the nominal drive instead of on the drive itself
+        """
+        return relative_errors(self.table, self.arena.plan, carried=carried, command=command)
+
+    def sensitivity(self) -> pd.DataFrame:
+        """Return the peak sensitivity Ms of each entrant as tuned on each drive."""
+        rows = self.table[self.table["metric"] == "Ms"]
+        here = rows[rows["tuned_on"] == rows["drive"]]
+        found = here.pivot_table("median", "compensator", "drive")
+        plan = self.arena.plan
+        return found.reindex(list(plan.entrants)).reindex(columns=[one.name for one in plan.drives])
+
+    def plot(self) -> list[Axes]:
+        """Draw the errors as heat maps: tuned on each drive, and carried over to it.
+
+        Returns
+        -------
+        the axes; one where there is only one drive
+        """
+        from matplotlib import pyplot as plt  # late, for workers that draw nothing
+
+        plan = self.arena.plan
+        nominal = plan.nominal
+        maps = {"tuned on the drive itself": self.errors()}
+        if nominal is not None:
+            maps[f"tuned on {nominal.name}, carried over"] = self.errors(carried=True)
+        size = (1.6 + len(maps) * (1.2 + 0.9 * len(plan.drives)), 1.4 + 0.4 * len(plan.entrants))
+        figure, grid = plt.subplots(
+            1, len(maps), sharey=True, squeeze=False, figsize=size, layout="constrained"
+        )
+        for axes, (title, wide) in zip(grid[0], maps.items(), strict=True):
+            _heat_map(axes, wide, title)
+        figure.supxlabel(
+            f"error relative to that of {plan.reference}, tuned on the same drive; below 1 is"
+            " better",
+            fontsize="medium",
+        )
+        return list(grid[0])
+
+    def write(self, folder: Path | str) -> Path:
+        """Write arena.csv, arena.html with its figures, and the winners; return the folder.
+
+        Raises
+        ------
+        UsageError, OSError
+            When a file to be replaced is the user's, or cannot be written.
+        """
+        folder = Path(folder)
+        with reserved(folder, FILES):
+            write_arena(self.arena, self.table, folder)
+        return folder
+
+
+def arena(
+    compensators: Sequence[str] | None = None,
+    drives: Path | str | Mapping[str, Mapping[str, Any]] | None = None,
+    *,
+    laws: Sequence[str] | None = None,
+    learned: Sequence[Path | str] = (),
+    only: Sequence[str] = (),
+    own: Mapping[Path | str, Path | str | Mapping[str, Any]] | None = None,
+    evaluations: int = Budget.evaluations,
+    seconds: float = Budget.seconds,
+    seeds: int = 20,
+    seed: int = 0,
+    workers: int = 1,
+    where: str | None = None,
+    folder: Path | str | None = None,
+    resume: bool = False,
+    progress: Callable[[int, int, str], object] = lambda *_: None,
+) -> Comparison:
+    """Tune compensators on drives and compare them on other motions, as ``stickslip arena``.
+
+    Parameters
+    ----------
+    compensators : names, such as ``pi``, ``static`` or ``lugre+ekbf``; all by default
+    drives : a file, or name -> ``{"law": ..., "parameters": ..., "loop": ..., "nominal": ...}``,
+        as in docs/arena.md; by default those of the command
+    laws, only : keep only drives with these laws, or of these names
+    learned : files learned.json, each a drive
+    own : FMU of a compensator -> how it is connected, a TOML file or its content
+    evaluations, seconds : budget of each compensator on each drive: candidates, and motion [s]
+    seeds : runs of each command
+    seed : of the algorithm and of the coarse start values
+    workers, where : how many, and ``threads``, ``processes`` (the default for more than one) or
+        the address of a Dask scheduler; the result does not depend on it
+    folder : in which the cells are kept while the arena runs; none by default
+    resume : go on with the cells in the folder
+    progress : called with how many cells are done, how many there are, and the last one's name
+
+    Raises
+    ------
+    UsageError
+        When a law, a compensator or a drive is unknown.
+    """
+    plan = make_plan(
+        compensators,
+        Path(drives) if isinstance(drives, str) else drives,
+        laws=laws,
+        learned=[Path(path) for path in learned],
+        only=only,
+        own={
+            Path(fmu): Path(ports) if isinstance(ports, str) else ports
+            for fmu, ports in (own or {}).items()
+        },
+        evaluations=evaluations,
+        seconds=seconds,
+        seeds=seeds,
+        seed=seed,
+    )
+    place = where or ("threads" if workers == 1 else "processes")
+    with ExitStack() as stack:
+        kept = Path(folder) if folder else stack.enter_context(temporary_folder())
+        found = run_arena(
+            plan,
+            kept,
+            Execution(workers, place, resume=resume),
+            lambda done, of, cell: progress(done, of, cell.name),
+        )
+    return Comparison(found, arena_table(found))
+
+
+def _heat_map(axes: Axes, wide: pd.DataFrame, title: str) -> None:
+    """Draw errors on a logarithmic scale of colours, with their numbers."""
+    colours = LinearSegmentedColormap.from_list("errors", [WITH, "#ffffff", WITHOUT])
+    depth = np.log(_DEEP)
+    values = np.log(wide.to_numpy(float))
+    axes.imshow(values, colours, norm=TwoSlopeNorm(0.0, -depth, depth), aspect="auto")
+    for (row, column), value in np.ndenumerate(wide.to_numpy(float)):
+        dark = value < np.exp(-0.6 * depth)
+        text = f"{value:.2f}" if np.isfinite(value) else "–"
+        ink = "white" if dark else "black"
+        axes.text(column, row, text, ha="center", va="center", color=ink)
+    axes.set_xticks(range(wide.shape[1]), list(wide.columns))
+    axes.set_yticks(range(wide.shape[0]), list(wide.index))
+    axes.tick_params(length=0)
+    axes.set_title(title, fontsize="medium")

@@ -1,0 +1,93 @@
+"""Runs of an entrant in the loop around a drive."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+
+from stickslip import cosim, models
+from stickslip.compensators.entrants import Entrant, Tuned
+from stickslip.servo.measurement import Array
+from stickslip.servo.systems import build_loop, nominal_parameters
+from stickslip.servo.velocity_loop import VelocityLoop
+
+
+def build_entrants(folder: Path, entrants: list[Entrant]) -> None:
+    """Build the FMUs of the loop but for the drive, and those of all entrants."""
+    for name in ("velocity_controller", "nominal_loop"):
+        models.build_fmu(name, folder)
+    built = {part.file: part for one in entrants for part in one.parts if part.model}
+    for file, part in built.items():
+        if part.own_fmu is not None:
+            shutil.copy(part.own_fmu, folder / f"{file}.fmu")
+        else:
+            law = part.law.name if part.law else None
+            models.build_fmu(part.model, folder, law=law, called=file)
+
+
+class Course:
+    """A loop that is prepared once and run with many values of its entrant's parameters.
+
+    Parameters
+    ----------
+    fmus : folder with drive.fmu and what ``build_entrants`` builds
+    loop : as designed; an entrant may choose other gains in each run
+    samples : of the longest command
+    record : signals
+    """
+
+    def __init__(
+        self,
+        fmus: Path,
+        loop: VelocityLoop,
+        entrant: Entrant,
+        samples: int,
+        record: cosim.Record | tuple[str, ...],
+    ) -> None:
+        self.loop, self._n = loop, samples
+        system = build_loop(fmus, loop, entrant.chain)
+        self._simulation = system.prepare(
+            step=loop.T_s, stop=(samples - 1) * loop.T_s, record=record
+        )
+
+    def run(
+        self, tuned: Tuned, v_cmd: Array, drive: Mapping[str, float] | None = None
+    ) -> cosim.Result:
+        """Run one command.
+
+        Parameters
+        ----------
+        v_cmd : (n,) [m/s]
+        drive : start values of the drive, such as the seed of its noise
+
+        Raises
+        ------
+        SimulationError
+            When an FMU fails.
+        """
+        values = dict(tuned.parameters)
+        if tuned.loop is not self.loop:
+            values |= {"controller.K_p": tuned.loop.K_p, "controller.K_i": tuned.loop.K_i}
+            nominal = nominal_parameters(tuned.loop)
+            values |= {f"nominal.{name}": value for name, value in nominal.items()}
+            if self.loop.K_x:
+                values["controller.K_x"] = tuned.loop.K_x
+        values |= {f"controller.{name}": value for name, value in tuned.damping.items()}
+        values |= {f"drive.{name}": value for name, value in (drive or {}).items()}
+        longer = np.pad(v_cmd, (0, self._n - len(v_cmd)), mode="edge")
+        until = (len(v_cmd) - 1) * self.loop.T_s
+        return self._simulation.run(values, tuned.loop.commands(longer), until=until)
+
+    def close(self) -> None:
+        """Free the FMUs."""
+        self._simulation.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,253 @@
+"""The drives of the arena: a law, true parameters, a loop. What tunes does not see them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip import models
+from stickslip.compensators.entrants import SPEED
+from stickslip.errors import UsageError
+from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
+from stickslip.learned.file import LearnedFile
+from stickslip.servo.axis import Axis, ControlError
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
+from stickslip.studies.arena.drive_names import content
+from stickslip.trial.single_run import axis_values
+
+AXIS = Axis(5.557, 6.6135, Datasheet().tau_i)
+"""That of the paper's stage."""
+QUIET = 0.25
+"""Noise of the encoder of a learned drive, relative to its step."""
+SHARES = {"friction": (0.5, 0.8, 1.2, 1.5), "mass": (0.5, 0.8, 1.25, 2.0), "lag": (5.0,)}
+"""Factors on what a drive has in robustness runs."""
+STEPS = {"encoder step x 0.25": 0.25, "encoder step x 5": 5.0}
+"""Factors on the step of the encoder."""
+NOISE = 3.0
+"""Factor on the noise."""
+Changes = Mapping[str, tuple[str, Mapping[str, float]]]
+"""What is changed -> command, and start values of the drive FMU."""
+_KEYS = {"title", "law", "parameters", "loop", "nominal", "axis", "speed"}
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A drive.
+
+    Attributes
+    ----------
+    name, title : short, and for people
+    law : name of its friction law
+    parameters : start values of the drive FMU, its truth
+    gains : K_p [N s/m] and K_i [N/m] of its controller; those of the paper's loop where empty
+    nominal : whether what is tuned on it is carried over to the others
+    axis, T_s, tau_f : for which its loop is designed, and the sampling of the loop
+    sheet : what is known of motor and encoder
+    speed : of the fastest commands [m/s]
+    """
+
+    name: str
+    title: str
+    law: str
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    gains: Mapping[str, float] = field(default_factory=dict)
+    nominal: bool = False
+    axis: Axis = AXIS
+    T_s: float = LOOP.T_s
+    tau_f: float = LOOP.tau_f
+    sheet: Datasheet = field(default_factory=Datasheet)
+    speed: float = SPEED
+
+    @property
+    def loop(self) -> VelocityLoop:
+        """The velocity loop, for the axis that the controller's design assumes."""
+        if not self.gains:
+            return design_velocity_loop(self.axis, LOOP)
+        gains = self.gains["K_p"], self.gains["K_i"]
+        return close_velocity_loop(self.axis, self.T_s, self.tau_f, *gains)
+
+    def changes(self, robustness: str, resolution: str) -> Changes:
+        """Return changed drives, and the unchanged one under the names of the commands.
+
+        Parameters
+        ----------
+        robustness : command for other friction, mass and lag
+        resolution : command for another encoder and more noise
+        """
+        law, model = models.load_law(self.law), models.load_model("drive", self.law)
+        true = {**{v.name: v.start for v in model.variables}, **self.parameters}
+        powers = {
+            name: law.parameters[name.partition("[")[0]].force
+            for name in true
+            if name.partition("[")[0] in law.parameters
+        }
+        found: dict[str, tuple[str, dict[str, float]]] = {
+            robustness: (robustness, {}),
+            resolution: (resolution, {}),
+        }
+
+        def change(label: str, command: str, powers: Mapping[str, float], factor: float) -> None:
+            kept = {name: true[name] * factor**power for name, power in powers.items() if power}
+            found[label] = command, kept
+
+        for what, names in {"friction": powers, "mass": {"m": 1}, "lag": {"tau_i": 1}}.items():
+            for factor in SHARES[what]:
+                change(f"{what} x {factor:g}", robustness, names, factor)
+        for label, factor in STEPS.items():
+            change(label, resolution, {"encoder_step": 1}, factor)
+        change(f"noise x {NOISE:g}", resolution, {"noise_x": 1, "noise_F": 1}, NOISE)
+        return found
+
+    @property
+    def mass(self) -> float:
+        """The true mass [kg]."""
+        return float(self.parameters.get("m", AXIS.m))
+
+
+def default_drives(laws: Sequence[str] | None = None) -> list[Drive]:
+    """Return the drives of ``drives.toml``, and one of each law that none of them has.
+
+    Parameters
+    ----------
+    laws : only drives with one of these
+    """
+    found, common = _drives("drives.toml", content())
+    shown = {drive.law for drive in found}
+    for name in models.law_names():
+        if name not in shown:
+            found.append(Drive(name, models.load_law(name).title, name, common))
+    return _of_laws(found, laws)
+
+
+def read_drives(
+    source: Path | Mapping[str, Mapping[str, Any]], laws: Sequence[str] | None = None
+) -> list[Drive]:
+    """Return the drives of a TOML file in the form of ``drives.toml``, or of its content.
+
+    Raises
+    ------
+    UsageError
+        When it cannot be read, or a drive is not well formed.
+    """
+    if not isinstance(source, Path):
+        return _of_laws(_drives("drives", dict(source))[0], laws)
+    try:
+        content = parse_toml(read_limited(source, MOST_TEXT))
+    except ValueError as error:
+        raise UsageError(f"{source}: {error}") from None
+    return _of_laws(_drives(str(source), content)[0], laws)
+
+
+def learned_drive(path: Path) -> Drive:
+    """Return the drive of a learned.json, in its loop.
+
+    Raises
+    ------
+    UsageError
+        When it is not a learned.json, or has no loop.
+    """
+    learned = LearnedFile(path)
+    loop, sheet = learned.loop, learned.datasheet
+    if loop is None:
+        raise UsageError(f"{path}: contains no loop, in which compensators could be compared")
+    of_drive = {v.name for v in models.load_model("drive", learned.law.name).variables}
+    parameters = {
+        **{name: value for name, value in learned.drive.items() if name in of_drive},
+        **axis_values(loop, sheet),
+        "noise": True,
+        "noise_x": QUIET * sheet.encoder_step,
+        "noise_F": sheet.force_noise,
+    }
+    true = {name: learned.drive[name] for name in ("m", "b") if learned.drive[name] > 0.0}
+    name = path.stem if path.stem != "learned" else path.resolve().parent.name
+    return Drive(
+        re.sub(r"[^\w-]", "_", name) or "learned",
+        f"{learned.law.title}, learned",
+        learned.law.name,
+        {name: float(value) for name, value in {**parameters, **true}.items()},
+        {"K_p": loop.K_p, "K_i": loop.K_i},
+        False,
+        loop.axis,
+        loop.T_s,
+        loop.tau_f,
+        sheet,
+        abs(learned.validation.height),
+    )
+
+
+def _of_laws(drives: list[Drive], laws: Sequence[str] | None) -> list[Drive]:
+    for name in laws or ():
+        models.load_law(name)
+    found = [drive for drive in drives if not laws or drive.law in laws]
+    if not found:
+        raise UsageError(f"no drive has one of the laws {', '.join(laws or ())}")
+    return found
+
+
+def _drives(where: str, content: dict[str, Any]) -> tuple[list[Drive], dict[str, float]]:
+    common = content.pop("measurement", {})
+    found = []
+    for name, table in content.items():
+        if not isinstance(table, dict) or not {"law"} <= table.keys() <= _KEYS:
+            raise UsageError(
+                f"{where}: drive '{name}': expected a table with law and, if needed,"
+                f" {', '.join(sorted(_KEYS - {'law'}))}"
+            )
+        try:
+            found.append(_drive(name, table, common))
+        except (UsageError, ControlError, models.ModelError) as error:
+            raise UsageError(f"{where}: drive '{name}': {error}") from None
+    if not found:
+        raise UsageError(f"{where}: expected a table for each drive, got none")
+    return found, common
+
+
+def _drive(name: str, table: Mapping[str, Any], common: Any) -> Drive:
+    """Return the drive of a table; ``common`` are parameters of all drives."""
+    if not name.replace("_", "").replace("-", "").isalnum():
+        raise UsageError("expected a name of letters, digits, '_' and '-'")
+    law, title, nominal = table["law"], table.get("title", name), table.get("nominal", False)
+    if not (isinstance(law, str) and isinstance(title, str) and isinstance(nominal, bool)):
+        raise UsageError("expected text as law and title, true or false as nominal")
+    parameters = {
+        **_numbers("measurement", common),
+        **_numbers("parameters", table.get("parameters", {})),
+    }
+    model = models.load_model("drive", law).with_start(parameters)
+    true = {v.name: v.start for v in model.variables if v.role == "parameter"}
+    for force in ("F_s", "F_c"):
+        if true.get(force, 0.0) >= true["u_max"]:
+            raise UsageError(
+                f"its {force} of {true[force]:g} N is not below the force limit u_max of"
+                f" {true['u_max']:g} N"
+            )
+    loop, speed = _numbers("loop", table.get("loop", {})), table.get("speed", SPEED)
+    if loop and set(loop) != {"K_p", "K_i"}:
+        raise UsageError("loop: expected K_p and K_i")
+    own = {"m": true["m"], "b": true["b"], "tau_i": true["tau_i"] * bool(true["current_loop"])}
+    assumed = _numbers("axis", table.get("axis", {}))
+    if unknown := sorted(assumed.keys() - own.keys()):
+        raise UsageError(f"axis: '{unknown[0]}' is unknown; expected {', '.join(own)}")
+    if type(speed) not in (int, float) or not 0.0 < speed < np.inf:
+        raise UsageError(f"speed: expected a number above 0, got {speed!r}")
+    m, b, tau_i = {**own, **assumed}.values()
+    axis = Axis(m, b, tau_i)
+    sheet = Datasheet(axis.m, true["u_max"], axis.tau_i, true["encoder_step"], true["noise_F"])
+    drive = Drive(
+        name, title, law, parameters, loop, nominal, axis, sheet=sheet, speed=float(speed)
+    )
+    _ = drive.loop  # raises where it is unstable
+    return drive
+
+
+def _numbers(key: str, found: Any) -> dict[str, float]:
+    """Return a table of numbers from a file."""
+    if not isinstance(found, dict) or not all(isinstance(x, int | float) for x in found.values()):
+        raise UsageError(f"{key}: expected a table of numbers")
+    return found

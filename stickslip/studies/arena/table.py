@@ -1,0 +1,177 @@
+"""arena.csv: a row for each drive, entrant, command, metric, and drive that it was tuned on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from stickslip.servo.observer import LIMIT
+from stickslip.studies.arena.judged import COMMANDS
+from stickslip.studies.arena.metrics import ERROR
+from stickslip.studies.arena.protocol import Arena, Plan
+
+COLUMNS = [
+    *("drive", "law", "compensator", "command", "metric", "unit", "median", "worst"),
+    *("tuned_on", "budget", "reason"),
+]
+RELATIVE = "relative error"
+DIGITS = 6
+"""Significant digits of the figures."""
+ALL = "all"
+"""The command of a row that is a mean over all commands."""
+TUNING = {
+    "cost": "m/s",
+    "evaluations": "1",
+    "seconds": "s",
+    "soon": "s",
+}
+"""Figures of ``Found`` that are rows, and their units."""
+_NAMES = {"cost": "training error", "seconds": "motion", "soon": "motion until tuned"}
+
+
+def arena_table(arena: Arena) -> pd.DataFrame:
+    """Return the table, in SI units.
+
+    ``worst`` is the largest value of all starts. ``relative error`` is the error over the median
+    of the plan's reference, tuned on the same drive; for the command ``all`` the geometric mean of
+    those of all commands.
+    """
+    rows = [row for place in arena.documents for row in _rows(arena, place)]
+    table = pd.DataFrame(rows, columns=COLUMNS).astype({"median": float, "worst": float})
+    table = pd.concat([table, _relative(table, arena.plan.reference)], ignore_index=True)
+    failed = [
+        {
+            "drive": drive,
+            "law": _law(arena.plan, drive),
+            "compensator": name,
+            "budget": budget_text(arena.plan),
+            "reason": reason,
+        }
+        for (drive, name), reason in arena.reasons.items()
+    ]
+    table = pd.concat([table, pd.DataFrame(failed, columns=COLUMNS)], ignore_index=True)
+    order = {drive.name: k for k, drive in enumerate(arena.plan.drives)}
+    entrants = {name: k for k, name in enumerate(arena.plan.entrants)}
+    keys = table["drive"].map(order) * len(entrants) + table["compensator"].map(entrants)
+    table = table.assign(key=keys).sort_values("key", kind="stable")[COLUMNS]
+    figures = ["median", "worst"]
+    table[figures] = table[figures].astype(float).map(lambda value: float(f"{value:.{DIGITS}g}"))
+    return table.reset_index(drop=True)
+
+
+def time_table(arena: Arena) -> pd.DataFrame:
+    """Return measured processor times: of tuning, and of a sample of the FMUs, overhead included.
+
+    They differ from run to run, and are no part of the result.
+    """
+    rows = [
+        (drive, name, document["time"]["tuning"], document["time"].get("step", 0.0))
+        for (drive, name), document in arena.documents.items()
+    ]
+    return pd.DataFrame(rows, columns=["drive", "compensator", "tuning [s]", "sample [s]"])
+
+
+def relative_errors(
+    table: pd.DataFrame, plan: Plan, *, carried: bool, command: str = ALL
+) -> pd.DataFrame:
+    """Return the errors relative to the reference, a row an entrant, a column a drive.
+
+    Parameters
+    ----------
+    carried : whether those tuned on the nominal drive are returned instead of those tuned here
+    """
+    rows = table[(table["metric"] == RELATIVE) & (table["command"] == command)]
+    nominal = plan.nominal.name if plan.nominal else ""
+    chosen = rows["tuned_on"] == (nominal if carried else rows["drive"])
+    wide = rows[chosen].pivot_table("median", "compensator", "drive")
+    return wide.reindex(list(plan.entrants)).reindex(columns=[one.name for one in plan.drives])
+
+
+def ranking(table: pd.DataFrame, plan: Plan) -> pd.DataFrame:
+    """Return a row an entrant: geometric mean and worst of its relative errors over the drives."""
+    columns = {}
+    for label, carried in (("here", False), ("carried", True)):
+        wide = relative_errors(table, plan, carried=carried)
+        columns[f"mean {label}"] = wide.apply(_geometric, axis=1)
+        columns[f"worst {label}"] = wide.max(axis=1, skipna=False)
+    return pd.DataFrame(columns)
+
+
+def budget_text(plan: Plan) -> str:
+    """Return the budget of each entrant on each drive."""
+    return f"{plan.budget.evaluations} evaluations, {plan.budget.seconds:g} s of motion"
+
+
+def _law(plan: Plan, drive: str) -> str:
+    return next(one.law for one in plan.drives if one.name == drive)
+
+
+def _rows(arena: Arena, place: tuple[str, str]) -> Iterator[dict[str, Any]]:
+    document, (drive, name) = arena.documents[place], place
+    for tuned_on, validated in document["validated"].items():
+        same = {
+            "drive": drive,
+            "law": _law(arena.plan, drive),
+            "compensator": name,
+            "tuned_on": tuned_on,
+            "budget": budget_text(arena.plan),
+        }
+        peak = validated["peaks"].get("Ms", np.inf)
+        reason = validated["reason"]
+        if not peak <= LIMIT:
+            reason = reason or f"Ms = {peak:.3g}, expected at most {LIMIT:g}"
+        same["reason"] = reason
+        for command, metric, unit, values in validated["values"]:
+            yield {
+                **same,
+                "command": command,
+                "metric": metric,
+                "unit": unit,
+                "median": float(np.median(values)),
+                "worst": float(np.max(values)),
+            }
+        margins = {"phase margin": "rad"}
+        found = {
+            metric: (value, margins.get(metric, "1"))
+            for metric, value in validated["peaks"].items()
+        }
+        found |= {
+            metric: (value, "B" if "size" in metric else "1")
+            for metric, value in document["footprint"].items()
+        }
+        for key, unit in TUNING.items():
+            if key == "cost" and arena.plan.entrant(name).positions:
+                unit = "m"
+            found[_NAMES.get(key, key)] = (document["tuned"][tuned_on][key], unit)
+        for metric, (value, unit) in found.items():
+            yield {**same, "metric": metric, "unit": unit, "median": value, "worst": value}
+
+
+def _relative(table: pd.DataFrame, reference: str) -> pd.DataFrame:
+    """Return the rows of the errors relative to those of an entrant tuned on the same drive."""
+    errors = table[table["metric"] == ERROR]
+    own = errors[(errors["compensator"] == reference) & (errors["tuned_on"] == errors["drive"])]
+    known: Mapping[Any, float] = own.set_index(["drive", "command"])["median"].to_dict()
+    places = list(zip(errors["drive"], errors["command"], strict=True))
+    scale = np.array([known.get(place, 0.0) for place in places])
+    errors, scale = errors[scale > 0.0], scale[scale > 0.0]
+    found = errors.assign(
+        metric=RELATIVE,
+        unit="1",
+        median=errors["median"].to_numpy(float) / scale,
+        worst=errors["worst"].to_numpy(float) / scale,
+    )
+    keys = [name for name in COLUMNS if name not in ("command", "median", "worst")]
+    ranked = found["command"].isin([name for name, one in COMMANDS.items() if one.ranked])
+    groups = found[ranked].groupby(keys, sort=False)[["median", "worst"]]
+    means = pd.DataFrame(groups.agg(_geometric)).reset_index()
+    both: pd.DataFrame = pd.concat([found, means.assign(command=ALL)], ignore_index=True)
+    return both
+
+
+def _geometric(values: pd.Series[float]) -> float:
+    numbers = values.to_numpy(float)
+    return float(np.exp(np.mean(np.log(numbers)))) if (numbers > 0.0).all() else float("nan")

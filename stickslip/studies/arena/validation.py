@@ -1,0 +1,208 @@
+"""How well a tuned entrant does on commands on which it was not tuned."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip import cosim
+from stickslip.compensators.entrants import Entrant, Tuned
+from stickslip.servo.chain_response import ChainResponse
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.divergence import require_bounded
+from stickslip.servo.measurement import Array
+from stickslip.servo.velocity_loop import VelocityLoop, position_loop
+from stickslip.studies.arena.course import Course
+from stickslip.studies.arena.drives import STEPS, Changes
+from stickslip.studies.arena.judged import COMMANDS, Command
+from stickslip.studies.arena.metrics import ERROR, RECORDED, Trace, figures
+
+TURN = 240
+"""Points along a circle."""
+POINTS = 240
+"""Intervals of a time plot, each with its least and its greatest value."""
+FEW = 3
+"""Runs at most on each changed drive."""
+ROBUSTNESS, RESOLUTION = "T", "R"
+"""Commands on which a drive is changed: its friction, mass and lag; its encoder and its noise."""
+RATIO, WORST = "error ratio", "worst error ratio"
+"""Metrics of drives with other friction, mass or lag."""
+PER_STEP = "error per encoder step"
+
+
+Figures = dict[tuple[str, str, str], list[float]]
+"""(command, metric, unit) -> a value for each run."""
+
+
+@dataclass
+class Validated:
+    """What an entrant did, as plain data.
+
+    Attributes
+    ----------
+    figures : a value for each start
+    plots : command -> least and greatest error in each interval of the first run, of the velocity
+        [um/s] or, in the position loop, of the position [nm]
+    circle : position error [nm] along one turn of the first circle, from a reversal on
+    reason : why a run failed; its errors are infinite
+    """
+
+    figures: Figures = field(default_factory=dict)
+    plots: dict[str, list[int]] = field(default_factory=dict)
+    circle: list[int] = field(default_factory=list)
+    reason: str = ""
+
+    def document(self) -> dict[str, Any]:
+        """Return it as JSON takes it."""
+        rows = [[*key, values] for key, values in self.figures.items()]
+        return {"values": rows, "plots": self.plots, "circle": self.circle, "reason": self.reason}
+
+
+def validate(
+    fmus: Path,
+    loop: VelocityLoop,
+    one: Entrant,
+    tuned: Tuned,
+    commands: Sequence[Command],
+    starts: int,
+    sheet: Datasheet | None = None,
+) -> Validated:
+    """Run every command from several starts: other noise, other places between encoder steps."""
+    found, loop = Validated(), one.base(loop)
+    for position in (False, True):
+        chosen = [command for command in commands if command.position == position]
+        if chosen and position and not one.positions:
+            loop = position_loop(loop)
+            tuned = replace(tuned, loop=tuned.loop.changed(K_x=loop.K_x))
+        if chosen:
+            step = (sheet or Datasheet()).encoder_step
+            _validate(fmus, loop, one, tuned, chosen, starts, step, found)
+    return found
+
+
+def validate_changed(
+    fmus: Path,
+    loop: VelocityLoop,
+    one: Entrant,
+    tuned: Tuned,
+    changes: Changes,
+    starts: int,
+    sheet: Datasheet,
+    factor: float = 1.0,
+) -> Figures:
+    """Return how much more errors there are on changed drives, as in ``Validated.figures``.
+
+    Parameters
+    ----------
+    changes : see ``Drive.changes``
+    factor : on the commands
+    """
+    loop, step, starts = one.base(loop), sheet.encoder_step, min(starts, FEW)
+    commands = {name: COMMANDS[name].scaled(factor) for name in (ROBUSTNESS, RESOLUTION)}
+    sampled = {name: command.sample(loop.T_s) for name, command in commands.items()}
+    top = max(float(np.max(np.abs(v_cmd))) for v_cmd in sampled.values())
+    errors: dict[str, list[float]] = {}
+    with Course(fmus, loop, one, max(map(len, sampled.values())), RECORDED) as course:
+        for label, (name, values) in changes.items():
+            for k, place in enumerate(_places(starts, step)):
+                start = {**values, "seed": k + 1, "x": place}
+                try:
+                    run = course.run(tuned, sampled[name], start)
+                    require_bounded(run["drive.v"], top)
+                except cosim.SimulationError:
+                    continue
+                trace = Trace.of(loop.T_s, sampled[name], run, step)
+                error = figures(commands[name], trace, tuned.loop)[ERROR][0]
+                errors.setdefault(label, []).append(error)
+    whole = {label: np.array(found) for label, found in errors.items() if len(found) == starts}
+    ratios = {
+        (changes[label][0], f"{RATIO} {label}", "1"): (found / whole[changes[label][0]]).tolist()
+        for label, found in whole.items()
+        if label not in (*commands, *STEPS) and changes[label][0] in whole
+    }
+    worst = [values for (name, _, _), values in ratios.items() if name == ROBUSTNESS]
+    if worst and {*changes} == {*whole}:
+        ratios[ROBUSTNESS, WORST, "1"] = np.max(worst, axis=0).tolist()
+    if {*STEPS} <= {*whole}:
+        (fine, low), (coarse, high) = STEPS.items()
+        slope = (whole[coarse] - whole[fine]) / ((high - low) * step)
+        ratios[RESOLUTION, PER_STEP, "1/s"] = slope.tolist()
+    return ratios
+
+
+def _places(starts: int, step: float) -> list[float]:
+    """Return where runs start, evenly between two steps of the encoder [m]."""
+    places: list[float] = (step * ((np.arange(starts) + 0.5) / starts - 0.5)).tolist()
+    return places
+
+
+def _validate(
+    fmus: Path,
+    loop: VelocityLoop,
+    one: Entrant,
+    tuned: Tuned,
+    commands: Sequence[Command],
+    starts: int,
+    encoder_step: float,
+    found: Validated,
+) -> None:
+    sampled = {command.name: command.sample(loop.T_s) for command in commands}
+    n = max(len(v_cmd) for v_cmd in sampled.values())
+    top = max(float(np.max(np.abs(v_cmd))) for v_cmd in sampled.values())
+    with Course(fmus, loop, one, n, RECORDED) as course:
+        for command in commands:
+            v_cmd = sampled[command.name]
+            for k, place in enumerate(_places(starts, encoder_step)):
+                try:
+                    run = course.run(tuned, v_cmd, {"seed": k + 1, "x": place})
+                    require_bounded(run["drive.v"], top)
+                except cosim.SimulationError as error:
+                    found.reason = found.reason or str(error)
+                    continue
+                trace = Trace.of(loop.T_s, v_cmd, run, encoder_step)
+                for metric, (value, unit) in figures(command, trace, tuned.loop).items():
+                    found.figures.setdefault((command.name, metric, unit), []).append(value)
+                if k == 0:
+                    gap = 1e9 * trace.position_error
+                    shown = gap if command.position else 1e6 * trace.velocity_error
+                    found.plots[command.name] = _thinned(shown)
+                    if command.kind == "circle":
+                        found.circle = _turn(gap, command, loop.T_s)
+
+
+def sensitivities(
+    fmus: Path, loop: VelocityLoop, one: Entrant, tuned: Tuned, friction: float, mass: float
+) -> dict[str, float]:
+    """Return peak sensitivities and margins; the true mass [kg] counts in one of them only."""
+    with ChainResponse(fmus, loop, one.chain) as response:
+        known, true = (tuned.robustness(response, friction, m) for m in (None, mass))
+        if not one.positions:
+            tuned = replace(tuned, loop=tuned.loop.changed(K_x=position_loop(loop).K_x))
+        outer = tuned.robustness(response, friction)
+    return {
+        "Ms": known.peak,
+        "Ms with the true mass": true.peak,
+        "Ms of the position loop": outer.peak,
+        "gain margin": known.gain_margin,
+        "phase margin": known.phase_margin,
+    }
+
+
+def _turn(error: Array, command: Command, T_s: float) -> list[int]:
+    """Return ``TURN`` values (n,) of an error along the turn that ends with the first circle."""
+    reversals = next(iter(command.motion.regions.values()))
+    begin, half = reversals[-2][0], reversals[-1][0] - reversals[-2][0]
+    t = begin + 2.0 * half * np.arange(TURN) / TURN
+    return [round(float(value)) for value in np.interp(t, T_s * np.arange(len(error)), error)]
+
+
+def _thinned(values: Array) -> list[int]:
+    """Return least and greatest value of each of ``POINTS`` intervals, one after the other."""
+    parts = np.array_split(values, POINTS)
+    ends = [end for part in parts for end in (part.min(), part.max())]
+    return [round(float(end)) if math.isfinite(end) else 0 for end in ends]

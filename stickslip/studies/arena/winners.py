@@ -1,0 +1,96 @@
+"""The best compensator of each drive as FMU, C and structured text, and how it was tuned."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from stickslip import models
+from stickslip.fmi.files import atomic_write
+from stickslip.models.firmware import write_compensator
+from stickslip.servo.observer import LIMIT
+from stickslip.studies.arena.drives import Drive
+from stickslip.studies.arena.protocol import Arena, found_of
+from stickslip.studies.arena.table import relative_errors
+
+FOLDER = "winners"
+
+
+def winners(arena: Arena, found: pd.DataFrame) -> dict[str, str]:
+    """Return the entrant with the smallest error on each drive, of those within the limit of Ms."""
+    errors = relative_errors(found, arena.plan, carried=False)
+    chosen = {}
+    for drive in arena.plan.drives:
+        ranked = errors[drive.name].dropna().sort_values(kind="stable")
+        for name in map(str, ranked.index):
+            peaks = arena.documents[drive.name, name]["validated"][drive.name]["peaks"]
+            if peaks.get("Ms", np.inf) <= LIMIT:
+                chosen[drive.name] = name
+                break
+    return chosen
+
+
+def write_winners(arena: Arena, found: pd.DataFrame, folder: Path) -> None:
+    """Write ``winners/DRIVE/``: winner.json and, for each compensator, NAME.fmu, .c, .h and .st.
+
+    Structured text is left out where the compensator has none.
+
+    Raises
+    ------
+    OSError
+        When a file cannot be written.
+    """
+    drives = {drive.name: drive for drive in arena.plan.drives}
+    errors = relative_errors(found, arena.plan, carried=False)
+    for drive, name in winners(arena, found).items():
+        _write(arena, drives[drive], name, float(errors[drive][name]), folder / FOLDER / drive)
+
+
+def _write(arena: Arena, drive: Drive, name: str, error: float, folder: Path) -> None:
+    one, loop = arena.plan.entrant(name), drive.loop
+    tuned_on = found_of(arena.documents[drive.name, name]["tuned"][drive.name])
+    tuned = tuned_on.tuned(one, loop, drive.sheet)
+    folder.mkdir(parents=True)
+    components = {}
+    for part in one.parts:
+        compensator = part.compensator
+        if compensator is None:
+            continue
+        own = {
+            key.partition(".")[2]: value
+            for key, value in tuned.parameters.items()
+            if key.partition(".")[0] == part.name
+        }
+        start = {key: float(x) for key, x in {**compensator.parameters(loop), **own}.items()}
+        law = part.law.name if part.law else None
+        components[part.name] = {"model": part.model, "law": law, "parameters": start}
+        if part.own_fmu is not None:
+            shutil.copy(part.own_fmu, folder / f"{part.name}.fmu")
+        else:
+            _export(folder, part.name, part.model, law, start)
+    document = {
+        "compensator": name,
+        "drive": drive.name,
+        "relative_error": error,
+        "controller": {"K_p": tuned.loop.K_p, "K_i": tuned.loop.K_i},
+        "components": components,
+        "tuned": asdict(tuned_on),
+    }
+    atomic_write(folder / "winner.json", json.dumps(document, indent=2) + "\n")
+
+
+def _export(
+    folder: Path, name: str, model: str, law: str | None, start: Mapping[str, float]
+) -> None:
+    models.build_fmu(model, folder, start=start, law=law, called=name)
+    write_compensator(folder, "c", start=start, law=law, model=model, called=name)
+    try:
+        write_compensator(folder, "st", start=start, law=law, model=model, called=name)
+    except models.UnknownModel:
+        return

@@ -1,0 +1,1 @@
+"""``stickslip compare``: several learned drives beside each other."""

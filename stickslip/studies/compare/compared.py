@@ -1,0 +1,150 @@
+"""Results side by side: parameters with their intervals, and what the compensators do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from stickslip.errors import UsageError
+from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
+from stickslip.learned.file import LearnedFile
+
+PARAMETERS = ["name", "parameter", "unit", "value", "standard_error", "low", "high"]
+PARAMETERS += ["identifiability"]
+NORMAL = 1.96
+"""Half-width of a 95 % interval over a standard error, where a file has no interval."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """What several results say.
+
+    Attributes
+    ----------
+    parameters : a row for each parameter of each result; columns ``PARAMETERS``, SI units
+    errors : a row for each result: name, law, compensation, share of the feedforward, and how many
+        times the simulated tracking error of none it leaves, as the mean on the fitted drive and at
+        worst on the drives that the log supports; NaN where it was not tried
+    """
+
+    parameters: pd.DataFrame
+    errors: pd.DataFrame
+
+    def side_by_side(self) -> pd.DataFrame:
+        """Return a row for each parameter and unit, a column for each result, as text.
+
+        The column ``differ`` names the results whose 95 % interval lies apart from that of the
+        first one where both are known.
+        """
+        names = list(self.errors["name"])
+        rows = []
+        for key, of in self.parameters.groupby(["parameter", "unit"], sort=False):
+            known = {row["name"]: row for row in of.to_dict("records")}
+            row = dict.fromkeys(names, "")
+            row |= {name: _shown(one) for name, one in known.items()}
+            first = next(iter(known.values()))
+            apart = [name for name, one in known.items() if _apart(first, one)]
+            rows.append({"parameter": f"{key[0]} [{key[1]}]", **row, "differ": ", ".join(apart)})
+        return pd.DataFrame(rows, columns=["parameter", *names, "differ"]).set_index("parameter")
+
+
+def parameter_rows(name: str, parameters: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Return rows of ``Compared.parameters`` from the entry ``parameters`` of a learned.json."""
+    rows = []
+    for parameter, one in parameters.items():
+        known = {column: one.get(column) for column in PARAMETERS[2:]}
+        known |= {n: float(one[n]) for n in PARAMETERS[3:7] if n == "value" or known[n] is not None}
+        if one.get("low") is None and one.get("standard_error") is not None:
+            half = NORMAL * one["standard_error"]
+            known |= {"low": one["value"] - half, "high": one["value"] + half}
+            known["identifiability"] = IDENTIFIABLE
+        rows.append({"name": name, "parameter": parameter, **known})
+    return rows
+
+
+def compare(places: Iterable[Path]) -> Compared:
+    """Return what the results of ``learn``, ``reproduce`` and ``fleet`` say.
+
+    Parameters
+    ----------
+    places : learned.json files, folders with one, or folders of a fleet
+
+    Raises
+    ------
+    UsageError
+        When there is no learned.json at a place, or one is not valid.
+    OSError
+        When a file cannot be read.
+    """
+    files = [file for place in places for file in _files(place)]
+    names = _names(files)
+    parameters, errors = [], []
+    for name, file in zip(names, files, strict=True):
+        learned = LearnedFile(file)
+        try:
+            parameters += parameter_rows(name, learned.document["parameters"])
+            errors.append({"name": name, **error_ratios(learned.document)})
+        except (AttributeError, KeyError, TypeError, ValueError) as fault:
+            raise UsageError(f"{file}: is no result of learn, reproduce or fleet") from fault
+    return Compared(pd.DataFrame(parameters, columns=PARAMETERS), pd.DataFrame(errors))
+
+
+def _files(place: Path) -> list[Path]:
+    if place.is_file():
+        return [place]
+    found = [place / "learned.json"] if (place / "learned.json").exists() else []
+    found = found or sorted(place.glob("drives/*/learned.json"))
+    if not found:
+        raise UsageError(
+            f"{place}: expected learned.json, or a folder in which learn, reproduce or fleet wrote"
+            " one"
+        )
+    return found
+
+
+def _names(files: list[Path]) -> list[str]:
+    """Return the shortest ends of the paths that tell the files apart."""
+    parts = [file.absolute().parts for file in files]
+    parts = [of[:-1] if of[-1] == "learned.json" else of for of in parts]
+    for n in range(1, max(map(len, parts), default=1) + 1):
+        names = ["/".join(of[-n:]) for of in parts]
+        if len(set(names)) == len(names):
+            return names
+    raise UsageError("the same result is named twice")
+
+
+def error_ratios(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row of ``Compared.errors`` but for its name, from the content of a learned.json."""
+    ratios = {"share": np.nan, "fitted": np.nan, "worst": np.nan}
+    law = document.get("law", "lugre")
+    if document.get("refusal"):
+        return {"law": law, "compensation": "none: refused", **ratios}
+    compensation = document.get("compensation", "feedforward")
+    tried = [*document.get("error_ratio_of_parts", ())]
+    tried += document.get("compared", {}).get("compensators", ())
+    for row in tried:
+        if compensation in (row.get("part"), row.get("compensator")):
+            ratios |= {key: row[key] for key in ratios if row.get(key) is not None}
+    if "cost" in document:  # of a reproduction
+        cost, none = (document[key]["value"] for key in ("cost", "cost_without_compensation"))
+        ratios["fitted"] = (cost / none) ** 0.5
+    return {"law": law, "compensation": compensation, **ratios}
+
+
+def _shown(one: Mapping[Any, Any]) -> str:
+    low, high = one["low"], one["high"]
+    if low is None or one["identifiability"] == NOT_IDENTIFIABLE:
+        return f"({one['value']:.4g})"
+    return f"{one['value']:.4g} [{low:.4g}, {high:.4g}]"
+
+
+def _apart(one: Mapping[Any, Any], other: Mapping[Any, Any]) -> bool:
+    known = all(
+        of["low"] is not None and of["identifiability"] != NOT_IDENTIFIABLE for of in (one, other)
+    )
+    return known and (one["high"] < other["low"] or other["high"] < one["low"])

@@ -1,0 +1,223 @@
+"""Several drives side by side: a panel for each parameter, a line for each drive."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+
+from stickslip.identification.fitting.identifiability import (
+    IDENTIFIABLE,
+    NOT_IDENTIFIABLE,
+    WEAKLY_IDENTIFIABLE,
+)
+from stickslip.presentation.interactive import name_points
+from stickslip.presentation.markup import Html
+from stickslip.presentation.markup import table as markup_table
+from stickslip.presentation.page import Illustration, Section, made_with
+from stickslip.presentation.quantity import number, symbol
+from stickslip.presentation.style import GREY, INK, LINE, PAGE, THIN, WITH, WITHOUT, new_figure
+from stickslip.servo.measurement import Array
+
+LOOKS = {
+    NOT_IDENTIFIABLE: (GREY, "white", THIN),
+    WEAKLY_IDENTIFIABLE: (WITHOUT, WITHOUT, LINE),
+    IDENTIFIABLE: (WITH, WITH, LINE),
+}
+"""Colour of the line and of the inside of the dot, and width of the line [pt]."""
+NUMBERS = ("value", "low", "high", "truth")
+SYMBOLS = {"sigma_0": r"\sigma_0", "sigma_1": r"\sigma_1"}
+SCALES = {
+    ("v_s", "m/s"): (1e3, "mm/s"),
+    ("v_s", "rad/s"): (1e3, "mrad/s"),
+    ("sigma_0", "N/m"): (1e-6, "N/µm"),
+    ("sigma_0", "N.m/rad"): (1e-3, "N m/mrad"),
+    ("sigma_1", "N.s/m"): (1e-3, "N s/mm"),
+}
+"""Factors to units in which numbers are short; other units stay."""
+COLUMNS = 4
+PITCH = 4.2
+"""From one drive's line to the next, where there is room [mm]."""
+NAMED = 40
+"""So many lines can be named; of more drives only some are."""
+DECADES = 3.0
+"""A panel whose values differ by more than this factor is logarithmic."""
+ROOM = 0.12
+"""Left free beside the outermost values, as a share of their range."""
+LONGEST = 190.0
+"""Of all lines of a panel [mm]."""
+
+
+def drives_sections(
+    table: pd.DataFrame, head: Html, file: str, errors: pd.DataFrame | None = None
+) -> list[Section]:
+    """Return the sections of a page on several drives.
+
+    Parameters
+    ----------
+    table : a row for each parameter of each drive: name, parameter, unit, value, low, high,
+        identifiability; optionally truth, and source, which is shown unless it is log; a drive
+        that failed has a row without a parameter
+    head : what the page begins with
+    file : name of the figure's files
+    errors : of the compensators, as ``results.compared`` has them
+    """
+    parts: list[Html | Illustration] = [head]
+    if table["parameter"].notna().any():
+        illustration = Illustration(
+            file,
+            partial(drives_figure, table),
+            "A panel for each parameter, a line with value and 95 % interval for each drive",
+            "Values with their 95 % intervals. What is not identifiable does not set the"
+            " range of its panel.",
+        )
+        parts.append(illustration)
+    sections = [Section("", *parts), Section("Parameters", _parameters(table))]
+    if errors is not None:
+        sections.append(Section("Compensators", _compensators(errors)))
+    return [*sections, Section("Made with", made_with())]
+
+
+def _parameters(table: pd.DataFrame) -> Html:
+    order = {name: k for k, name in enumerate(table["parameter"].dropna().unique())}
+    learned = table[table["parameter"].notna()].sort_values(
+        "parameter", kind="stable", key=lambda names: names.map(order)
+    )
+    rows = []
+    for row in learned.to_dict("records"):
+        factor, unit = readable_unit(row["parameter"], row["unit"])
+        known = [row[end] for end in ("low", "high") if pd.notna(row[end])]
+        bounds = " to ".join(number(factor * end) for end in known)
+        value, level = number(factor * row["value"]), row["identifiability"] or ""
+        rows.append((symbol(row["parameter"]), row["name"], value, bounds, unit, level))
+    heads = ("parameter", "result", "value", "95 % interval", "unit", "")
+    return markup_table(heads, rows, "Parameters by result", (0, 1, 4, 5))
+
+
+def _compensators(errors: pd.DataFrame) -> Html:
+    def shown(value: float) -> str:
+        return number(value, 4) if pd.notna(value) else ""
+
+    rows = [
+        (
+            row["name"],
+            row["law"],
+            row["compensation"],
+            *map(shown, (row["share"], row["fitted"], row["worst"])),
+        )
+        for row in errors.to_dict("records")
+    ]
+    heads = ("result", "law", "compensation", "share", "error ratio", "worst")
+    return markup_table(
+        heads,
+        rows,
+        "Simulated tracking error with the compensator over that without: on the fitted drive, and"
+        " the worst on the drives that the log supports",
+        (0, 1, 2),
+    )
+
+
+def readable_unit(parameter: str, unit: str) -> tuple[float, str]:
+    """Return factor and name of a unit in which the numbers of a parameter are short."""
+    return SCALES.get((parameter, unit), (1.0, unit.replace(".", " ")))
+
+
+def drives_figure(table: pd.DataFrame) -> Figure:
+    """Return a figure with a panel for each parameter and a line for each drive.
+
+    Values stand with their 95 % intervals; the truth of variants is a bar. What is not identifiable
+    does not set the range of its panel. Drives that failed keep an empty line.
+    """
+    table = table.assign(**{name: table.get(name, np.nan) for name in ("truth", "source")})
+    names = list(dict.fromkeys(table["name"]))
+    learned = table[table["parameter"].notna()]
+    panels: list[tuple[Any, pd.DataFrame]] = list(
+        learned.groupby(["parameter", "unit"], sort=False)
+    )
+    rows = -(-len(panels) // COLUMNS)
+    height = min(max(PITCH * len(names), 12.0), LONGEST / rows)
+    figure = new_figure(PAGE, 12.0 + rows * (height + 17.0))
+    first: Axes | None = None
+    for k, (key, of_it) in enumerate(panels):
+        parameter, unit = key
+        axes = figure.add_subplot(rows, COLUMNS, k + 1, sharey=first)
+        first = first or axes
+        scale, unit = readable_unit(parameter, unit)
+        scaled = of_it.assign(**{name: scale * of_it[name].astype(float) for name in NUMBERS})
+        _draw(axes, scaled, np.array([names.index(name) for name in of_it["name"]]))
+        axes.set_title(f"${SYMBOLS.get(parameter, parameter)}$ [{unit}]")
+        axes.tick_params(axis="y", labelleft=k % COLUMNS == 0, length=0)
+    if first is not None:
+        other = table[table["source"].notna() & (table["source"] != "log")]
+        remarks = dict(zip(other["name"], other["source"], strict=True))
+        remarks |= dict.fromkeys(table["name"][table["parameter"].isna()], "failed")
+        _name_drives(first, names, remarks)
+    figure.legend(handles=_legend(learned), loc="outside lower center", ncols=4)
+    return figure
+
+
+def _draw(axes: Axes, table: pd.DataFrame, line: Array) -> None:
+    """Draw the values of one parameter (n,) on the lines (n,) of their drives."""
+    value, truth = table["value"].to_numpy(float), table["truth"].to_numpy(float)
+    low, high = _range(table)
+    if low > 0.0 and high > DECADES * low:
+        axes.set_xscale("log")
+        few = high > 30.0 * low
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if few else (1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        low, high = low / (high / low) ** ROOM, high * (high / low) ** ROOM
+    else:
+        room = ROOM * (high - low) or 0.1 * abs(high) or 1.0
+        low, high = low - room, high + room
+        axes.xaxis.set_major_locator(MaxNLocator(3))
+    axes.set_xlim(low, high)
+    axes.grid(axis="y")
+    for level, (colour, inside, width) in LOOKS.items():
+        of = (table["identifiability"] == level).to_numpy()
+        gaps = np.full(of.sum(), np.nan)
+        ends = np.column_stack([table.loc[of, ["low", "high"]].to_numpy(float), gaps])
+        axes.plot(ends.ravel(), np.repeat(line[of], 3), color=colour, lw=width)
+        (dots,) = axes.plot(value[of], line[of], "o", color=colour, mfc=inside, ms=3.2)
+        name_points(dots, table.loc[of, "name"])
+    (bars,) = axes.plot(truth, line, "|", color=INK, ms=8.0, mew=0.8, zorder=1)
+    name_points(bars, [f"truth of {name}" for name in table["name"]])
+
+
+def _range(table: pd.DataFrame) -> tuple[float, float]:
+    """Return the least and the greatest of what a panel must show."""
+    seen = table[table["identifiability"] != NOT_IDENTIFIABLE]
+    shown = [table["truth"], seen["low"], seen["high"], seen["value"]]
+    if seen.empty:
+        shown.append(table["value"])
+    values = pd.concat(shown).to_numpy(float)
+    values = values[np.isfinite(values)]
+    return float(values.min()), float(values.max())
+
+
+def _name_drives(axes: Axes, names: list[str], remarks: dict[str, str]) -> None:
+    """Name the lines; of many drives only some."""
+    axes.set_ylim(len(names) - 0.3, -0.7)
+    shown = range(0, len(names), -(-len(names) // NAMED))
+    labels = [
+        f"{names[k]} ({remarks[names[k]]})" if names[k] in remarks else names[k] for k in shown
+    ]
+    axes.set_yticks(list(shown), labels)
+
+
+def _legend(table: pd.DataFrame) -> list[Line2D]:
+    handles = [
+        Line2D([], [], color=colour, marker="o", ms=3.2, mfc=inside, lw=width, label=level)
+        for level, (colour, inside, width) in reversed(LOOKS.items())
+        if (table["identifiability"] == level).any()
+    ]
+    if table["truth"].notna().any():
+        mark = Line2D([], [], color=INK, marker="|", ms=8.0, mew=0.8, ls="", label="truth")
+        handles.append(mark)
+    return handles

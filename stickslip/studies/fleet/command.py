@@ -1,0 +1,127 @@
+"""``stickslip fleet``: learn many drives at once, from a table of logs or drive variants."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stickslip.commandline import FLAG, add_options, at_least, require_files
+from stickslip.commandline.execution import add_worker_options
+from stickslip.commandline.progress import TerminalProgress, add_live_option, spread_of
+from stickslip.output import Answer
+from stickslip.storage import reserved
+from stickslip.work.execution import Execution
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from stickslip.studies.fleet import Drive, Fleet
+    from stickslip.work.jobs import Outcome
+
+
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.description = (
+        "Learn the drives of a table in parallel. TABLE is a CSV file with a row "
+        "for each drive: its name, and either log, with config, a TOML file that describes the "
+        "log (both relative to the table), or set, parameters of a simulated drive that is then "
+        "recorded, such as 'drive.m=10 drive.noise=on'."
+    )
+    parser.add_argument("table", type=Path, metavar="TABLE")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR")
+    seed = {"--seed": "random seed of the genetic algorithm, the same for each drive"}
+    add_options(parser, seed, type=at_least(0), default=0)
+    add_worker_options(parser, "drives")
+    resume = "keep what an earlier run learned from the same rows, files, seed and versions"
+    add_options(parser, {"--resume": resume}, **FLAG)
+    add_live_option(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> Answer:
+    """Learn all drives, write the results, print what is known; status 1 if a drive failed."""
+    require_files(options.table)
+    from stickslip.studies.fleet import read_fleet
+    from stickslip.studies.fleet.writing import files_of
+
+    drives = read_fleet(options.table)
+    with reserved(options.out, files_of(drives)):
+        return _learn(options, drives)
+
+
+def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> Answer:
+    from stickslip.studies.fleet import fleet_table, learn_fleet
+    from stickslip.studies.fleet.writing import write_fleet
+
+    execution = Execution(options.workers, options.where, resume=options.resume)
+    with TerminalProgress(live=options.live) as progress:
+        done = 0
+        learned: dict[str, list[float]] = {}
+
+        def on_done(drive: Drive, outcome: Outcome) -> None:
+            nonlocal done
+            done += 1
+            for name, one in json.loads(outcome.learned or "{}").get("parameters", {}).items():
+                learned.setdefault(name, []).append(one["value"])
+            what = f"{drive.name} {outcome.reason or 'learned'}"
+            progress.done(done, len(drives), what, "drive", spread_of(learned))
+
+        progress.stage(f"learning {len(drives)} drives")
+        progress.move(0, len(drives), "drive")
+        fleet = learn_fleet(
+            drives, options.out, seed=options.seed, execution=execution, on_done=on_done
+        )
+    table = fleet_table(fleet)
+    write_fleet(fleet, table, options.out)
+    _print_drives(fleet)
+    _print_parameters(table)
+    if fleet.kept:
+        print(f"{fleet.kept} of {len(drives)} drives were learned before and kept")
+    print(f"all results are in {options.out}; open fleet.html first")
+    document = {"folder": options.out, "table": table, "failed": fleet.reasons}
+    if not fleet.reasons:
+        return Answer(document)
+    print(
+        f"stickslip: {len(fleet.reasons)} of {len(drives)} drives failed; the reasons are above "
+        f"and in {options.out / 'fleet.csv'}",
+        file=sys.stderr,
+    )
+    return Answer(document, 1)
+
+
+def _print_drives(fleet: Fleet) -> None:
+    """Print the criterion of each drive and the identifiability of its parameters."""
+    from stickslip.identification.fitting.identifiability import LEVELS
+
+    width = max(len(drive.name) for drive in fleet.drives)
+    for drive in fleet.drives:
+        if drive.name in fleet.reasons:
+            print(f"{drive.name:{width}}  failed: {fleet.reasons[drive.name]}")
+            continue
+        document = fleet.learned[drive.name]
+        known: dict[str, list[str]] = {level: [] for level in LEVELS}
+        for name, parameter in document["parameters"].items():
+            known[parameter["identifiability"]].append(name)
+        parameters = [f"{level}: {' '.join(of)}" for level, of in known.items() if of]
+        print(
+            f"{drive.name:{width}}  {'; '.join([drive.kind, document['criterion'], *parameters])}"
+        )
+
+
+def _print_parameters(table: pd.DataFrame) -> None:
+    """Print each parameter's range over the drives in which it is identifiable."""
+    from stickslip.studies.fleet.writing import summary
+
+    over = summary(table)
+    if over.empty:
+        return
+    heads = " ".join(f"{head:>11}" for head in over.columns[3:])
+    print(f"\n{'':8} {'':9} {'drives':>6} {heads}")
+    for name, unit, drives, *figures in over.itertuples(index=False, name=None):
+        numbers = " ".join(f"{figure:11.5g}" for figure in figures)
+        print(f"{name:8} {unit:9} {drives:6} {numbers}")
+    print()

@@ -1,0 +1,63 @@
+"""What a worker does with one drive, from its recording to the text of its learned.json."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from stickslip.errors import StickslipError
+from stickslip.identification.estimation import Search
+from stickslip.logs import Description, load_description
+from stickslip.papers.lugre.record_mode import learn_from_recording
+from stickslip.rigs.fmu import rig_of
+from stickslip.studies.fleet.table import Drive, LogSource
+from stickslip.studies.learn.document import log_document, recording_document
+from stickslip.studies.learn.log_learning import learn
+from stickslip.work.jobs import OnStage, Outcome, ended_by_signals
+
+
+def learn_drive(drive: Drive, seed: int, on_stage: OnStage | None = None) -> Outcome:
+    """Learn one drive. Whatever goes wrong is an outcome, too, and costs no other drive.
+
+    The result does not depend on where this runs: sums of products are formed by one thread here,
+    because their last digits depend on how many share the work.
+    """
+    threadpool_limits(limits=1, user_api="blas")
+    try:
+        with ended_by_signals():
+            document = _document(drive, seed, on_stage or _ignore)
+    except Exception as error:  # noqa: BLE001 - a fleet outlives any fault of one drive
+        return Outcome(reason=_reason(drive, error))
+    return Outcome(learned=json.dumps(document))
+
+
+def _document(drive: Drive, seed: int, on_stage: OnStage) -> dict[str, Any]:
+    """Return the content of learned.json, with what the checks found."""
+    if isinstance(drive.source, LogSource):
+        config = drive.source.config
+        description = load_description(config) if config else Description()
+        learned = learn(drive.source.log, description, seed=seed, on_stage=on_stage)
+        document = log_document(learned)
+    else:
+        with rig_of(drive.source.changes) as rig:
+            learned = learn_from_recording(
+                rig, seed, Search(), on_stage, lambda *_: on_stage("searching")
+            )
+        document = recording_document(learned)
+    return document | {"findings": [str(finding) for finding in learned.findings]}
+
+
+def _reason(drive: Drive, error: Exception) -> str:
+    """Return one line, with paths as the table has them."""
+    text = " ".join(str(error).split())
+    if isinstance(drive.source, LogSource):
+        for column, path in (("log", drive.source.log), ("config", drive.source.config)):
+            text = text.replace(str(path), drive.row[column]) if path else text
+    expected = isinstance(error, StickslipError)
+    return text if expected and text else f"{type(error).__name__}: {text}".rstrip(": ")
+
+
+def _ignore(_: str) -> None:
+    pass

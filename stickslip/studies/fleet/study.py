@@ -1,0 +1,136 @@
+"""A fleet study in its folder: what is kept there, and what is still to be learned."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stickslip import ga
+from stickslip.errors import UsageError
+from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
+from stickslip.learned.writing import SCHEMA, versions
+from stickslip.storage import MANIFEST, UNFINISHED, complete, refuse_foreign, staged
+from stickslip.studies.fleet.job import learn_drive
+from stickslip.studies.fleet.table import Drive, LogSource
+from stickslip.work.execution import Execution, stopped
+from stickslip.work.jobs import Job, Outcome, run_jobs
+
+TABLE = "fleet.csv"
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """What became of all drives.
+
+    Attributes
+    ----------
+    drives : in the order of the table
+    learned : content of learned.json by name
+    reasons : why a drive failed, by name
+    kept : how many were not learned again
+    """
+
+    drives: Sequence[Drive]
+    learned: dict[str, dict[str, Any]]
+    reasons: dict[str, str]
+    kept: int
+
+
+def learn_fleet(
+    drives: Sequence[Drive],
+    folder: Path,
+    *,
+    seed: int = 0,
+    execution: Execution | None = None,
+    on_done: Callable[[Drive, Outcome], object] = lambda _, __: None,
+    job: Job = learn_drive,
+) -> Fleet:
+    """Learn all drives; each learned.json is in ``unfinished/`` as soon as it is known.
+
+    Parameters
+    ----------
+    seed : the same for each drive
+    execution : where, and whether to go on from what is in the folder
+    on_done : called for each drive when it is learned, or has failed
+
+    Raises
+    ------
+    UsageError
+        When the folder holds a study that did not end and is not to be resumed, or files of the
+        user where this one would keep what it learns.
+    KeyboardInterrupt
+        At Ctrl-C; says what is kept.
+    """
+    execution = execution or Execution()
+    unfinished = folder / UNFINISHED
+    complete(unfinished)
+    refuse_foreign(unfinished, [_learned(drive) for drive in drives])
+    if not execution.resume and (unfinished / MANIFEST).exists():
+        raise UsageError(
+            f"{unfinished}: an earlier study did not end; continue with --resume, delete it, "
+            "or choose another folder with --out"
+        )
+    origins = {drive.name: _origin(drive) for drive in drives}
+    learned: dict[str, dict[str, Any]] = {}
+    reasons: dict[str, str] = {}
+    if execution.resume:
+        for drive in drives:
+            files = (place / _learned(drive) for place in (unfinished, folder / "drives"))
+            documents = (_kept(file, origins[drive.name], seed) for file in files)
+            if document := next((d for d in documents if d is not None), None):
+                learned[drive.name] = document
+    kept = len(learned)
+
+    def take(drive: Drive, outcome: Outcome) -> None:
+        if outcome.learned:
+            document = {**json.loads(outcome.learned), "fleet": origins[drive.name]}
+            with staged(unfinished, {"name": drive.name}) as staging:
+                atomic_write(staging / _learned(drive), json.dumps(document, indent=2) + "\n")
+            learned[drive.name] = document
+        else:
+            reasons[drive.name] = outcome.reason
+        on_done(drive, outcome)
+
+    left = [drive for drive in drives if drive.name not in learned]
+    try:
+        run_jobs(job, left, seed, execution.where, execution.workers, take)
+    except (KeyboardInterrupt, ga.WorkersLost) as stop:
+        done = f"{len(learned)} of {len(drives)} drives are learned and kept in {folder}"
+        raise stopped(stop, done) from None
+    return Fleet(drives, learned, reasons, kept)
+
+
+def _learned(drive: Drive) -> str:
+    return f"{drive.name}/learned.json"
+
+
+def _origin(drive: Drive) -> dict[str, Any]:
+    """Return what a result is the result of, beside seed and versions: row and files."""
+    files: dict[str, str | None] = {}
+    if isinstance(drive.source, LogSource):
+        for column, path in (("log", drive.source.log), ("config", drive.source.config)):
+            if path is not None:
+                files[column] = _hash(path)
+    return {"row": dict(drive.row), "sha256": files}
+
+
+def _hash(path: Path) -> str | None:
+    try:
+        return digest(path)
+    except OSError:
+        return None  # the drive will fail, and say why
+
+
+def _kept(path: Path, origin: dict[str, Any], seed: int) -> dict[str, Any] | None:
+    """Return an earlier result, if it is the one that would be learned now."""
+    try:
+        document = parse_json(read_limited(path, MOST_TEXT))
+    except (OSError, ValueError):
+        return None
+    expected = {"schema": SCHEMA, "fleet": origin, "seed": seed, "versions": versions()}
+    if not isinstance(document, dict) or not expected.items() <= document.items():
+        return None
+    return document

@@ -1,0 +1,141 @@
+"""The drives of a fleet, and the table that lists them: a CSV with a row for each."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from stickslip import models
+from stickslip.commandline.assignments import drive_changes
+from stickslip.errors import UsageError
+from stickslip.fmi.files import MOST_TEXT, read_limited
+from stickslip.fmi.messages import suggestion
+from stickslip.papers.lugre.reproduction import drive_truth
+from stickslip.servo.systems import Changes
+
+COLUMNS = ("name", "log", "config", "set")
+SIMULATED = "simulated drive"
+_NAME = re.compile(r"\w[\w.-]{0,79}")
+
+
+@dataclass(frozen=True)
+class LogSource:
+    """A recording in a CSV, Parquet or MAT file, and the TOML file that describes it, if any."""
+
+    log: Path
+    config: Path | None = None
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A simulated drive that is recorded, by the parameters that differ from Table 2."""
+
+    changes: Changes
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A row of a fleet's table.
+
+    Attributes
+    ----------
+    name : unique, and valid as the name of a folder
+    source : of its recording
+    row : its cells as they were written, by column
+    """
+
+    name: str
+    source: LogSource | Variant
+    row: Mapping[str, str]
+
+    @property
+    def kind(self) -> str:
+        """What was recorded: a simulated drive, or whatever made the log."""
+        return SIMULATED if isinstance(self.source, Variant) else "log"
+
+
+def read_fleet(path: Path) -> list[Drive]:
+    """Read the table: ``name``, and either ``log`` (with ``config``) or ``set``.
+
+    Paths are relative to the table. Whether logs and configurations can be read is a matter of
+    each drive, not of the table.
+
+    Raises
+    ------
+    UsageError
+        When it cannot be read; names row and column, counted as a spreadsheet does.
+    """
+    header, *rows = _rows(path)
+    names = [cell.strip() for cell in header]
+    for name in names:
+        if name not in COLUMNS:
+            expected = f"expected {', '.join(COLUMNS)}, got '{name}'{suggestion(name, COLUMNS)}"
+            raise UsageError(f"{path}: row 1: {expected}")
+        if names.count(name) > 1:
+            raise UsageError(f"{path}: column '{name}' is there twice")
+    if "name" not in names or not {"log", "set"} & set(names):
+        got = ", ".join(names)
+        raise UsageError(f"{path}: expected columns name and log, or name and set, got {got}")
+    drives: dict[str, Drive] = {}
+    for number, cells in enumerate(rows, start=2):
+        if not any(cell.strip() for cell in cells):
+            continue
+        if len(cells) != len(names):
+            raise UsageError(f"{path}: row {number}: expected {len(names)} cells, got {len(cells)}")
+        row = {name: cell.strip() for name, cell in zip(names, cells, strict=True)}
+        try:
+            drive = _drive(path.parent, row)
+        except ValueError as error:
+            raise UsageError(f"{path}: row {number}, column {error}") from None
+        if drive.name.casefold() in drives:
+            raise UsageError(
+                f"{path}: row {number}, column name: '{drive.name}' is there already; expected a "
+                "name for each drive, upper and lower case alike"
+            )
+        drives[drive.name.casefold()] = drive
+    if not drives:
+        raise UsageError(f"{path}: expected a row for each drive, got none")
+    return list(drives.values())
+
+
+def _rows(path: Path) -> Sequence[list[str]]:
+    try:
+        text = read_limited(path, MOST_TEXT).decode("utf-8-sig")
+        rows = list(csv.reader(io.StringIO(text, newline=""), strict=True))
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read ({error.strerror})") from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise UsageError(f"{path}: not a CSV file in UTF-8 ({error})") from None
+    if not rows or not any(rows[0]):
+        raise UsageError(f"{path}: expected columns {', '.join(COLUMNS)} in the first row")
+    return rows
+
+
+def _drive(folder: Path, cells: dict[str, str]) -> Drive:
+    """Return the drive of a row; errors begin with the name of the column."""
+    name, log, config, changes = (cells.get(column, "") for column in COLUMNS)
+    if not _NAME.fullmatch(name):
+        raise ValueError(f"name: expected letters, digits, '_', '-' and '.', got {_shown(name)}")
+    if bool(log) == bool(changes):
+        both = _shown(f"{log} and {changes}" if log else "")
+        raise ValueError(f"log: expected either a log or, in column set, a variant, got {both}")
+    if config and not log:
+        raise ValueError(f"config: expected nothing, because there is no log, got '{config}'")
+    row = {column: cell for column, cell in cells.items() if cell}
+    if log:
+        return Drive(name, LogSource(folder / log, folder / config if config else None), row)
+    try:
+        variant = Variant(drive_changes(shlex.split(changes)))
+        drive_truth(variant.changes)
+    except (ValueError, models.ModelError) as error:
+        raise ValueError(f"set: {str(error).removeprefix('--set ')}") from None
+    return Drive(name, variant, row)
+
+
+def _shown(text: str) -> str:
+    return f"'{text}'" if text else "nothing"

@@ -1,0 +1,1 @@
+"""``stickslip learn``: a compensator from a log, or on a rig."""

@@ -1,0 +1,223 @@
+"""``stickslip learn``: learn a drive's parameters from one log, with confidence intervals."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stickslip.catalog.parameters import unit_of
+from stickslip.commandline import (
+    FLAG,
+    SEVERAL,
+    add_old_spelling,
+    add_options,
+    at_least,
+    complete_with,
+    warn,
+)
+from stickslip.commandline.assignments import add_law_option
+from stickslip.commandline.execution import (
+    add_algorithm_option,
+    add_execution_options,
+    execution_of,
+)
+from stickslip.commandline.log_options import (
+    add_log_argument,
+    add_log_options,
+    description_of,
+    log_of,
+    print_findings,
+)
+from stickslip.commandline.progress import TerminalProgress, add_live_option
+from stickslip.commandline.rig_option import add_rig_option, rig_of
+from stickslip.compensators.names import part_names, require_parts
+from stickslip.errors import UsageError
+from stickslip.output import Answer
+from stickslip.storage import reserved
+
+if TYPE_CHECKING:
+    from stickslip.identification.estimation import CriterionName, Estimation
+    from stickslip.logs import Description
+    from stickslip.studies.learn.folder import Written
+
+
+CRITERIA: dict[str, CriterionName] = {
+    "auto": "auto",
+    "loop": "output error",
+    "inverse": "inverse model",
+}
+FIGURES = {
+    "force": "force, inverse model",
+    "force_unfiltered": "force, inverse model, recorded force unfiltered",
+    "position": "position, simulated in closed loop",
+    "velocity": "velocity, simulated in closed loop",
+    "closed_loop_force": "force, simulated in closed loop",
+}
+
+
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_log_argument(parser)
+    add_rig_option(parser, "instead of a log: the drive of this file runs one experiment")
+    add_options(parser, {"--out DIR": "folder for results and report"}, type=Path)
+    criterion = parser.add_argument(
+        "--criterion",
+        choices=sorted(CRITERIA),
+        default="auto",
+        help="loop: output error of the simulated closed loop; inverse: force predicted from the "
+        "motion; auto: the one that the log allows",
+    )
+    add_old_spelling(parser, "--judge", criterion)
+    seeds = {"--seeds N": "number of searches, each with its own seed"}
+    add_options(parser, seeds, type=at_least(1), default=1)
+    flags = {
+        "--check": "only check the log",
+        "--force": "write the whole force of the compensator even if it is not recommended",
+    }
+    add_options(parser, flags, **FLAG)
+    add_algorithm_option(parser)
+    add_execution_options(parser)
+    add_live_option(parser)
+    add_log_options(parser)
+    add_law_option(
+        parser, "auto", more="; auto: the one that predicts the force best where it is not fitted"
+    )
+    named = parser.add_argument(
+        "--compensator",
+        default="",
+        metavar="NAME",
+        help="what is written: a feedforward such as static or the name of the law, an observer "
+        "such as ekbf or amin, both as in static+ekbf, or auto for the best of them on the drives "
+        "that the log supports (default: the law, and ekbf where it helps)",
+    )
+    complete_with(named, lambda: ["auto", *part_names()])
+    absent = {"--without SIGNAL": "signals that the controller cannot give a compensator"}
+    add_options(parser, absent, choices=("encoder", "motor_force"), **SEVERAL)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> Answer:
+    """Check the log, learn, print the parameters, and write the results."""
+    description = description_of(options)
+    if options.rig is None:
+        options.log = log_of(options)
+    elif options.check or options.log or options.log_option or description != type(description)():
+        raise UsageError("--rig: expected no log, no description of one, and no --check")
+    if options.compensator not in ("", "auto"):
+        require_parts(options.compensator)
+    from stickslip.studies.learn.folder import FILES
+    from stickslip.trial.candidates import law_of
+
+    law_of(options.compensator, options.law, options.without)
+    if options.check:
+        from stickslip.logs import raise_errors
+        from stickslip.studies.learn.log_learning import read_and_check
+
+        findings = read_and_check(options.log, description)[1]
+        print_findings(findings)
+        raise_errors(options.log, findings)
+        return Answer({"findings": [str(finding) for finding in findings]})
+    with reserved(options.out, FILES):
+        return Answer(_learn(options, description))
+
+
+def _learn(options: argparse.Namespace, description: Description) -> dict[str, Any]:
+    from stickslip.identification.estimation import Search
+    from stickslip.studies.learn import terminal
+    from stickslip.studies.learn.document import log_document
+    from stickslip.studies.learn.folder import write_learned
+    from stickslip.studies.learn.log_learning import learn
+
+    checkpoint = options.out and options.out / "learning.checkpoint.json"
+    with (
+        TerminalProgress(live=options.live) as progress,
+        execution_of(options, checkpoint) as execution,
+        rig_of(options.rig, options.out, options.law) as (rig, limits),
+    ):
+        learned = learn(
+            rig or options.log,
+            description,
+            limits=limits,
+            law=options.law,
+            criterion=CRITERIA[options.criterion],
+            seed=options.seed,
+            seeds=options.seeds,
+            search=Search(options.algorithm, execution=execution),
+            compensator=options.compensator,
+            absent=options.without,
+            on_findings=print_findings,
+            on_stage=progress.stage,
+            on_generation=progress.generation,
+        )
+        print_estimation(learned.estimation)
+        if learned.tracking:
+            rotary = learned.estimation.recording.rotary
+            terminal.print_tracking(learned.tracking, rotary=rotary)
+        if learned.trial:
+            terminal.print_benefit(learned.benefit or learned.trial.benefit)
+            if learned.trial.compared:
+                terminal.print_compared(learned.trial.compared)
+            elif learned.trial.observed:
+                terminal.print_parts(learned.trial.observed)
+            if learned.trial.holds:
+                terminal.print_holds(learned.trial.holds)
+        for warning in learned.warnings:
+            warn(warning)
+        if options.out:
+            progress.stage("writing the results")
+            written = write_learned(learned, options.out, force=options.force)
+            _print_written(written, options.out)
+            return written.document() | {"folder": options.out}
+        if learned.refusal:
+            warn(f"the compensator is not recommended: {learned.refusal}")
+    return log_document(learned) | {"folder": None}
+
+
+def _print_written(written: Written, folder: Path) -> None:
+    """Print which FMUs are in the folder, and why others are not."""
+    from stickslip.studies.learn.folder import COMPENSATOR
+
+    learned, files = written.learned, written.files
+    for sentence in written.sentences:
+        warn(sentence)
+    benefit = learned.benefit
+    if benefit and benefit.share < 1.0 and not learned.refusal and COMPENSATOR in files:
+        share = "1, as --force asks for" if written.forced else f"{benefit.share:g}"
+        print(f"share of the force in {COMPENSATOR}: {share}; {benefit.reason}")
+    parts: str = learned.writes(force=written.forced)
+    if parts and learned.trial and learned.trial.compared:
+        parts += f" ({learned.trial.compared.chosen.name})"
+    print(f"written: {parts or 'no compensation'}")
+    print(f"all results are in {folder}; open report.html first")
+
+
+def print_estimation(estimation: Estimation) -> None:
+    """Print criterion, parameters with intervals, and relative errors."""
+    from stickslip.studies.learn.terminal import print_laws
+
+    print(f"\ncriterion: {estimation.criterion} ({estimation.reason})")
+    for remark in estimation.remarks:
+        print(f"note: {remark}")
+    for fault in estimation.faults:
+        print(f"{fault}; no parameter is reported as identifiable" if fault.spoils else fault)
+    print_laws(estimation)
+    rotary = estimation.recording.rotary
+    for name, known in estimation.known.items():
+        interval = f"[{known.low:.5g}, {known.high:.5g}]"
+        unit = unit_of(name, rotary=rotary)
+        print(f"{name:8} {known.value:12.6g} {unit:9} {interval:26} {known.sentence}")
+    for name, value in estimation.chosen.items():
+        one = estimation.law.parameters[name]
+        meant = "exponent of the Stribeck curve, 1 or 2" if name == "delta" else one.description
+        print(f"{name:8} {value:12.6g} {one.unit:9} {meant}")
+    force = unit_of("F_c", rotary=rotary)
+    print(f"{'offset':8} {estimation.F_0:12.6g} {force:9} constant force against the motor")
+    print(f"{'delay':8} {estimation.delay:12.6g} {'s':9} delay of the force beyond that of the log")
+    if len(estimation.searches) > 1:
+        spread = [f"{name} {100 * value:.2g} %" for name, value in estimation.spread().items()]
+        print(f"spread over {len(estimation.searches)} searches: {', '.join(spread)}")
+    for name, value in estimation.figures.errors().items():
+        if math.isfinite(value):
+            print(f"relative error {100 * value:9.4g} %  {FIGURES[name]}")

@@ -1,0 +1,210 @@
+"""The content of learned.json of a recording or log: what was learned, and how it was tried."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from stickslip.catalog.parameters import start_unit, unit_of
+from stickslip.evaluation.tracking import Tracking
+from stickslip.identification.estimation import Estimation
+from stickslip.identification.selection import law_table
+from stickslip.identification.sliding.friction_curve import FrictionCurve
+from stickslip.learned.writing import (
+    OBSERVER_MODEL,
+    SCHEMA,
+    component_entry,
+    datasheet_document,
+    law_entry,
+    loop_document,
+    validation_document,
+    versions,
+)
+from stickslip.servo.paper_commands import VALIDATION
+from stickslip.studies.learn.learned import LearnedFromRecording
+from stickslip.trial.guards import Hold
+
+IDENTIFIABILITY = ("standard_error", "low", "high", "identifiability", "sentence")
+
+
+def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
+    """Return the content of learned.json for what one recording gave, values in SI units."""
+    estimation, loop = learned.estimation, learned.known_loop
+    rotary = estimation.recording.rotary
+    known = estimation.known
+    parameters = {
+        name: {"value": value.value, "unit": unit_of(name, rotary=rotary)}
+        | {key: getattr(value, key) for key in IDENTIFIABILITY}
+        for name, value in known.items()
+    }
+    document: dict[str, Any] = {
+        "schema": SCHEMA,
+        "parameters": parameters,
+        "F_0": {"value": estimation.F_0, "unit": unit_of("F_c", rotary=rotary)},
+        "delay": {"value": estimation.delay, "unit": "s"},
+        "T_s": {"value": estimation.recording.T_s, "unit": "s"},
+        **{
+            name: {"value": value, "unit": unit_of(name, rotary=rotary)}
+            for name, value in estimation.chosen.items()
+        },
+        "log": estimation.recording.source,
+        "motion": estimation.recording.motion,
+        "criterion": estimation.criterion,
+        "reason": estimation.reason,
+        "relative_errors": {
+            name: _finite(value) for name, value in estimation.figures.errors().items()
+        },
+        "prediction": _prediction_document(estimation),
+        "evaluations": int(estimation.searches["evaluations"].sum()),
+        "seed": learned.seed,
+        "spread_over_searches": estimation.spread(),
+    }
+    if estimation.friction_curve is not None:
+        document["friction_curve"] = curve_document(estimation.friction_curve, rotary=rotary)
+    if loop is not None:
+        document |= {
+            "feed": "nominal",
+            "loop": loop_document(loop),
+            "validation": validation_document(VALIDATION, rotary=rotary),
+        }
+    return document | law_entry(estimation.law) | {"versions": versions()}
+
+
+def _prediction_document(estimation: Estimation) -> dict[str, Any]:
+    """Return the force error of each law that was tried where it was not fitted."""
+    unit = unit_of("F_c", rotary=estimation.recording.rotary)
+    laws = [
+        {
+            "law": row["law"],
+            "held_out_error": {"value": row["held_out_error"], "unit": unit},
+            "relative": {"value": row["relative"], "unit": "1"},
+            "explained": {"value": row["explained"], "unit": unit},
+        }
+        for row in law_table(estimation.predictions).to_dict("records")
+    ]
+    return {"laws": laws, "choice": estimation.choice and estimation.choice.reason}
+
+
+def curve_document(curve: FrictionCurve, *, rotary: bool) -> dict[str, Any]:
+    """Return friction at the speeds visited with its 95 % intervals, viscous friction with it."""
+    speed, force = unit_of("v_s", rotary=rotary), unit_of("F_c", rotary=rotary)
+    friction = {key: getattr(curve, key).tolist() for key in ("value", "low", "high")}
+    return {
+        "speed": {"value": curve.speed.tolist(), "unit": speed},
+        "friction": {**friction, "unit": force},
+        "offset": {**vars(curve.offset), "unit": force},
+    }
+
+
+def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
+    """Return the content of learned.json for a log, with how the compensator was tried.
+
+    Speeds and errors are in m/s, or rad/s for a rotary drive; an error that is not finite is null.
+    """
+    document = recording_document(learned) | {"refusal": learned.refusal}
+    rotary = learned.estimation.recording.rotary
+    if learned.tracking is not None:
+        document["tracking"] = _tracking_document(learned.tracking)
+    if learned.trial is None:
+        return document
+    trial, benefit = learned.trial, learned.of_law or learned.trial.benefit
+    if trial.holds:
+        document["hold"] = {name: _hold_document(one) for name, one in trial.holds.items()}
+    return document | {
+        "share": {"value": benefit.share, "unit": "1"},
+        "compensator": _with_units(benefit.variant.feedforward, rotary=rotary),
+        **_feedforward_entry(learned),
+        **_observer_entry(learned),
+        "validation": validation_document(trial.command, rotary=rotary),
+        "datasheet": datasheet_document(trial.datasheet, rotary=rotary),
+        "family": [
+            {
+                "drive": drive.name,
+                "law": drive.law,
+                "parameters": _with_units(drive.parameters, rotary=rotary),
+            }
+            for drive in trial.drives
+        ],
+        "tracking_error": _rows(trial.table()),
+    }
+
+
+def _hold_document(hold: Hold) -> dict[str, Any]:
+    """Return how a cascade holds its position."""
+    return {
+        "swing": {"value": _finite(hold.swing), "unit": hold.unit[1:]},
+        "reversals": hold.reversals,
+        "duration": {"value": hold.duration, "unit": "s"},
+        "drive": hold.drive,
+    }
+
+
+def _feedforward_entry(learned: LearnedFromRecording) -> dict[str, Any]:
+    """Return all compensators that were tried, and a feedforward that is not the law's."""
+    compared = learned.trial.compared if learned.trial else None
+    one, benefit = learned.feedforward, learned.benefit
+    if compared is None or benefit is None:
+        return {}
+    found: dict[str, Any] = {
+        "compensation": learned.choice,
+        "compared": {
+            "chosen": compared.chosen.name,
+            "sentence": compared.sentence,
+            "compensators": _rows(compared.table()),
+        },
+    }
+    if one.model != "compensator":
+        component = component_entry(one, rotary=learned.estimation.recording.rotary)
+        found["feedforward"] = component | {"share": {"value": benefit.share, "unit": "1"}}
+    return found
+
+
+def _observer_entry(learned: LearnedFromRecording) -> dict[str, Any]:
+    """Return the disturbance observer and what each part adds, where one was tried."""
+    observed = learned.trial.observed if learned.trial else None
+    if observed is None:
+        return {}
+    entry: dict[str, Any] = {"refusal": learned.observer_refusal}
+    if observed.designed is not None:
+        designed = observed.designed
+        rotary = learned.estimation.recording.rotary
+        component = component_entry(designed.observer, rotary=rotary)
+        if component["model"] == OBSERVER_MODEL:
+            del component["model"]
+        entry |= {
+            **component,
+            "peak_sensitivity": {"value": designed.sensitivity, "unit": "1"},
+            "peak_sensitivity_without": {"value": designed.without, "unit": "1"},
+        }
+    rows = _rows(observed.summary())
+    return {"compensation": learned.choice, "observer": entry, "error_ratio_of_parts": rows}
+
+
+def _rows(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return the rows of a table as plain data; a number that is not finite is None."""
+    return [
+        {str(key): _finite(x) if isinstance(x, float) else x for key, x in row.items()}
+        for row in table.to_dict("records")
+    ]
+
+
+def _with_units(values: Mapping[str, float], *, rotary: bool) -> dict[str, dict[str, Any]]:
+    """Return values of a law or of the drive FMU as plain data."""
+    return {
+        name: {"value": float(value), "unit": start_unit(name, rotary=rotary)}
+        for name, value in values.items()
+    }
+
+
+def _tracking_document(tracking: Tracking) -> dict[str, Any]:
+    errors = {name: dict(error.items()) for name, error in tracking.errors().items()}
+    measured = tracking.measured and dict(tracking.measured.items())
+    words = {"loop": tracking.loop, "command": tracking.command}
+    return words | {"measured": measured, "simulated": errors}
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

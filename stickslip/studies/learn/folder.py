@@ -1,0 +1,162 @@
+"""The folder that ``stickslip learn`` leaves behind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stickslip import models
+from stickslip.presentation.markup import paragraph
+from stickslip.presentation.page import Section, picture_files
+from stickslip.servo.deployment import deployed
+from stickslip.servo.systems import Compensator
+from stickslip.storage import staged
+from stickslip.storage.writing import write_json, write_tables
+from stickslip.studies.learn.document import log_document
+from stickslip.studies.learn.learned import LearnedFromRecording
+from stickslip.studies.learn.page import FILES as REPORT
+from stickslip.studies.learn.page import write_estimation_report
+from stickslip.studies.learn.page.content import compensation
+from stickslip.studies.learn.page.tracking import FIGURE as TRACKING
+from stickslip.studies.learn.page.tracking import tracking_section
+from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
+
+COMPENSATOR, OBSERVER_FMU = "compensator.fmu", "observer.fmu"
+FMUS = (COMPENSATOR, OBSERVER_FMU)
+TABLE = "tracking_error.csv"
+"""Errors on the family of simulated drives."""
+FILES = (
+    "learned.json",
+    *FMUS,
+    TABLE,
+    *picture_files([TRACKING]),
+    *REPORT,
+)
+"""What ``write_learned`` writes or removes."""
+
+
+@dataclass(frozen=True)
+class Written:
+    """What ``write_learned`` wrote.
+
+    Attributes
+    ----------
+    learned : as it is recommended
+    files : names of the FMUs in the folder
+    forced : whether what is refused was to be written, and the whole force
+    """
+
+    learned: LearnedFromRecording
+    files: tuple[str, ...]
+    forced: bool
+
+    def document(self) -> dict[str, Any]:
+        """Return the content of learned.json."""
+        one = self.learned
+        found = log_document(one.with_whole_force() if self.forced else one)
+        entry = {"files": list(self.files), "forced": self.forced}
+        return found | {"refusal": one.refusal, "written": entry}
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What is refused or reduced, and whether it was written nevertheless, a line each."""
+        one, found = self.learned, []
+        could = file_names(one.writes(force=True))
+        asked = one.asked != "" and one.choice in (OBSERVER, BOTH)
+        refusals = {COMPENSATOR: one.refusal, OBSERVER_FMU: one.observer_refusal if asked else ""}
+        for name, why in refusals.items():
+            how = "" if self.forced or name not in could else " (--force writes it)"
+            fate = "written, as --force asks for" if name in self.files else "not written"
+            if why:
+                found.append(f"{name} is {fate}: {why}{how}")
+        return tuple(found)
+
+
+def file_names(choice: Choice) -> tuple[str, ...]:
+    """Return the names of the FMUs of a choice."""
+    parts = {COMPENSATOR: (FEEDFORWARD, BOTH), OBSERVER_FMU: (OBSERVER, BOTH)}
+    return tuple(name for name, choices in parts.items() if choice in choices)
+
+
+def write_learned(
+    learned: LearnedFromRecording, folder: Path | str, *, force: bool = False
+) -> Written:
+    """Write learned.json, report and, if nothing speaks against it or it is forced, the FMUs.
+
+    Raises
+    ------
+    OSError
+        When a file cannot be written.
+    """
+    folder = Path(folder)
+    command = {"name": "learn", "log": learned.estimation.recording.source, "seed": learned.seed}
+    shown = learned.with_whole_force() if force else learned
+    names = file_names(learned.writes(force=force))
+    with staged(folder, command, without=[*FMUS, TABLE, *picture_files([TRACKING])]) as staging:
+        if shown.trial:
+            write_tables({TABLE.removesuffix(".csv"): shown.trial.table()}, staging)
+        if learned.observer and OBSERVER_FMU in names:
+            build_part(learned, learned.observer, "observer", staging, learned.observer_refusal)
+        if COMPENSATOR in names:
+            build_part(
+                learned, deployed_feedforward(shown), "compensator", staging, learned.refusal
+            )
+        files = tuple(name for name in FMUS if (staging / name).exists())
+        written = Written(learned, files, force)
+        write_json(written.document(), staging / "learned.json")
+        write_estimation_report(  # last: its page names the files beside it
+            learned.estimation,
+            learned.findings,
+            staging,
+            _trial_sections(shown),
+            [*map(_notice, written.sentences), *_tracking_sections(shown)],
+            forced=force,
+        )
+    return written
+
+
+def _notice(sentence: str) -> Section:
+    return Section("", paragraph(f"{sentence}."))
+
+
+def _trial_sections(learned: LearnedFromRecording) -> list[Section]:
+    if not (learned.trial and learned.benefit):
+        return []
+    return [compensation(learned.benefit, learned.trial.observed, learned.trial.compared)]
+
+
+def _tracking_sections(learned: LearnedFromRecording) -> list[Section]:
+    if not (learned.tracking and learned.trial):
+        return []
+    return [
+        tracking_section(
+            learned.tracking,
+            learned.estimation.recording.motion,
+            learned.trial.benefit.share,
+            observed=learned.observer is not None,
+            compared=learned.trial.compared is not None,
+        )
+    ]
+
+
+def deployed_feedforward(learned: LearnedFromRecording) -> Compensator:
+    """Return the feedforward as a controller takes it."""
+    T_s = learned.estimation.recording.T_s
+    return deployed(learned.feedforward, learned.known_loop, T_s)
+
+
+def build_part(
+    learned: LearnedFromRecording, one: Compensator, called: str, staging: Path, refusal: str = ""
+) -> None:
+    """Build the FMU of a part of the loop, in whose description is why it is not recommended."""
+    law = learned.estimation.law.name if models.load_model(one.model).law else None
+    models.build_fmu(
+        one.model,
+        staging,
+        start=one.values,
+        law=law,
+        called=called,
+        rotary=learned.estimation.recording.rotary,
+        note=f"Written with --force; learn does not recommend it: {refusal}" if refusal else "",
+    )

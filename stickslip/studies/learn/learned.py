@@ -1,0 +1,312 @@
+"""What was learned of a drive, in every mode, and the stages that recordings and logs share.
+
+    recording -> ``learn_recording``: estimation -> loops
+
+What a log gives is then tried in simulation; a reproduction validates it on the drive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import pandas as pd
+
+from stickslip.cosim.display import html_table
+from stickslip.evaluation.tracking import Tracking
+from stickslip.fmi.messages import escaped
+from stickslip.identification.estimation import (
+    CriterionName,
+    Estimation,
+    OnGeneration,
+    Search,
+    Task,
+    candidate_fmus,
+)
+from stickslip.identification.estimation import learn as estimate
+from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
+from stickslip.identification.selection import choose, predictions
+from stickslip.logs import Finding, Recording
+from stickslip.servo.axis import ControlError
+from stickslip.servo.systems import Compensator
+from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.trial.candidates import AUTO
+from stickslip.trial.guards import Benefit
+from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
+from stickslip.trial.simulated import Loops, SimulatedTrial
+
+
+@dataclass(frozen=True)
+class Learned:
+    """What was learned of a drive.
+
+    Attributes
+    ----------
+    friction : the compensator's parameters by name, in SI units
+    loops : of the drive, or why there are none
+    """
+
+    friction: Mapping[str, float]
+    loops: Loops | ControlError
+
+    @property
+    def refusal(self) -> str:
+        """Why the compensator should not be used; empty where there is no reason."""
+        return ""
+
+    @property
+    def designed(self) -> Loops:
+        """The loops of the drive.
+
+        Raises
+        ------
+        ControlError
+            Where none can be designed.
+        """
+        if isinstance(self.loops, ControlError):
+            raise self.loops
+        return self.loops
+
+    @property
+    def known_loop(self) -> VelocityLoop | None:
+        """The loop in which the compensator is to run, None where it is not known."""
+        known = not isinstance(self.loops, ControlError) and self.loops.known
+        return self.designed.compensated if known else None
+
+
+@dataclass(frozen=True)
+class LearnedFromRecording(Learned):
+    """What was learned from one recording.
+
+    Attributes
+    ----------
+    findings : of reading and checking it
+    trial : of the compensator in a loop; None where none was closed or the drive itself is there
+    implausible : why the learned mass or the loop of the log cannot be right, or empty
+    tracking : simulated in the loop of the log, without and with the compensator
+    asked : the compensator to be written, see ``candidates``; empty for what is recommended
+    """
+
+    estimation: Estimation
+    findings: tuple[Finding, ...]
+    seed: int
+    trial: SimulatedTrial | None = None
+    implausible: str = ""
+    tracking: Tracking | None = None
+    asked: str = ""
+
+    def table(self) -> pd.DataFrame:
+        """Return a row for each parameter in SI units, with its 95 % interval."""
+        return self.estimation.table()
+
+    def __repr__(self) -> str:
+        values = ", ".join(
+            f"{name} = {one.value:.5g}" for name, one in self.estimation.known.items()
+        )
+        refused = f"; not recommended: {self.refusal}" if self.refusal else ""
+        return f"LearnedFromRecording({self.estimation.law.name}: {values}{refused})"
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the parameters, what is written and what is warned of."""
+        rows = [
+            (
+                *(one["parameter"], one["unit"], one["sentence"]),
+                *(f"{one[key]:.5g}" for key in ("value", "low", "high")),
+            )
+            for one in self.table().to_dict("records")
+        ]
+        heads = ("parameter", "unit", "", "value", "low", "high")
+        refused = [f"compensator not written: {self.refusal}"] if self.refusal else []
+        lines = [f"written: {self.writes() or 'no compensation'}", *refused, *self.warnings]
+        caption = f"{self.estimation.law.title} in {self.estimation.recording.source}"
+        return html_table(heads, rows, caption, words=3) + "".join(
+            f"<p>{escaped(line)}</p>" for line in lines
+        )
+
+    @property
+    def choice(self) -> Choice:
+        """What is written, unless it is refused: by default what is recommended."""
+        if self.trial is None:
+            return FEEDFORWARD if self.asked in ("", AUTO, self.estimation.law.name) else ""
+        if self.trial.compared:
+            return self.trial.compared.chosen.choice
+        observed = self.trial.observed
+        return (observed.recommended if observed else "") or FEEDFORWARD
+
+    @property
+    def benefit(self) -> Benefit | None:
+        """What the feedforward does that is written, with the observer where that was asked for."""
+        if self.trial is None:
+            return None
+        chosen = self.trial.compared.chosen if self.trial.compared else None
+        if chosen and chosen.benefit and chosen.choice in (FEEDFORWARD, BOTH):
+            return chosen.benefit
+        return self.trial.benefit
+
+    @property
+    def compensator(self) -> dict[str, float]:
+        """Parameters of feedforward of the law, in SI units, at the share of its force tried."""
+        return self._shared(self.of_law) if self.of_law else dict(self.friction)
+
+    @property
+    def of_law(self) -> Benefit | None:
+        """What feedforward of the law does, with the observer where that was asked for."""
+        if self.trial is None or self.benefit is None:
+            return None
+        own = self.benefit.variant.feedforward_model == self.trial.benefit.variant.feedforward_model
+        return self.benefit if own else self.trial.benefit
+
+    @property
+    def feedforward(self) -> Compensator:
+        """The feedforward that is written, at the share of its force tried."""
+        if self.benefit is None:
+            return Compensator("compensator", "compensator", self.friction)
+        model = self.benefit.variant.feedforward_model
+        return Compensator("compensator", model, self._shared(self.benefit))
+
+    def _shared(self, benefit: Benefit) -> dict[str, float]:
+        return benefit.variant.share(self.estimation.law, benefit.share).feedforward
+
+    def with_whole_force(self) -> LearnedFromRecording:
+        """Return the same with the compensator at its whole force, whatever that does."""
+        if self.trial is None:
+            return self
+        observed, compared = self.trial.observed, self.trial.compared
+        if observed and observed.both:
+            observed = replace(observed, both=observed.both.whole())
+        trial = replace(self.trial, benefit=self.trial.benefit.whole(), observed=observed)
+        return replace(self, trial=replace(trial, compared=compared and compared.whole()))
+
+    @property
+    def refusal(self) -> str:
+        """Why the compensator should not be written; empty where there is no reason."""
+        benefit = self.benefit
+        return (
+            self._doubt
+            or self._untried
+            or (benefit.refusal if benefit and not benefit.acceptable else "")
+        )
+
+    @property
+    def _untried(self) -> str:
+        """Why the compensator was not tried; empty where it was."""
+        if not isinstance(self.loops, ControlError):
+            return ""
+        return (
+            f"it was not tried, because no velocity loop can be closed: {self.loops}; learn from a"
+            " log of position and motor force"
+        )
+
+    @property
+    def observer(self) -> Compensator | None:
+        """The observer that was designed; None for none."""
+        observed = self.trial.observed if self.trial else None
+        return observed.designed.observer if observed and observed.designed else None
+
+    @property
+    def observer_refusal(self) -> str:
+        """Why the observer should not be written; empty where there is no reason."""
+        if self.trial is None or self.trial.observed is None:
+            return self._untried or "no disturbance observer was tried"
+        return self._doubt or self.trial.observed.refusal(self.choice)
+
+    def writes(self, *, force: bool = False) -> Choice:
+        """Return what is written: the choice without what is refused, unless it is forced.
+
+        Forced, the feedforward that the default includes is written beside an observer, too.
+        """
+        feedforward = self.choice in (FEEDFORWARD, BOTH) and (force or not self.refusal)
+        feedforward |= force and self.choice == OBSERVER and not self.asked
+        if self.observer is None or self.choice not in (OBSERVER, BOTH):
+            return FEEDFORWARD if feedforward else ""
+        if self.observer_refusal and not force:
+            return FEEDFORWARD if feedforward else ""
+        return BOTH if feedforward else OBSERVER
+
+    @property
+    def _doubt(self) -> str:
+        """Why the estimated values should not be used."""
+        if self.implausible:
+            return self.implausible
+        for fault in self.estimation.faults:
+            if fault.spoils == "values":
+                return f"{fault.what}: {fault.figure}; {fault.advice}"
+        return ""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What should be known before the compensator is used, a line each."""
+        guesses = [
+            f"{name} is not identifiable in this log; the compensator takes {known.value:.4g}: "
+            f"{known.sentence}"
+            for name, known in self.estimation.known.items()
+            if name in self.estimation.law.parameters and known.identifiability == NOT_IDENTIFIABLE
+        ]
+        if self.trial is None:
+            return tuple(guesses)
+        loop = self.designed.compensated
+        if not self.designed.known:
+            guesses.append(
+                "no velocity loop of the log is known, so the compensator is tried in the one that "
+                "the log shows, or one designed for the learned mass if it shows none: "
+                f"K_p = {loop.K_p:.4g} and K_i = {loop.K_i:.4g}"
+            )
+        return (*guesses, *self.trial.warnings)
+
+
+def learn_recording(
+    recording: Recording,
+    gains: Mapping[str, float] | None,
+    design: Callable[[Estimation], Loops],
+    findings: tuple[Finding, ...],
+    *,
+    law: str = "lugre",
+    criterion: CriterionName = "auto",
+    seed: int = 0,
+    seeds: int = 1,
+    search: Search | None = None,
+    on_stage: Callable[[str], object] = lambda _: None,
+    on_generation: OnGeneration = lambda *_: None,
+) -> LearnedFromRecording:
+    """Estimate a drive from a recording and design its loops.
+
+    Parameters
+    ----------
+    gains : of the controller FMU by name; None when the controller is not known
+    design : gives the loops, or raises ControlError
+    findings : of reading and checking the recording
+    law : of the catalogue, or ``auto`` for the one that predicts best where it is not fitted
+    criterion, seed, seeds, search : see ``estimation.Task``
+
+    Raises
+    ------
+    IdentificationError
+        When the recording does not show a drive that slides.
+    """
+    faults = tuple(finding for finding in findings if finding.spoils)
+    choice = None
+    if law == AUTO:
+        on_stage("comparing friction laws")
+        workers = search.execution.workers if search else 1
+        tried = predictions(recording, gains, workers=workers)
+        choice = choose(tried, rotary=recording.rotary)
+        law = choice.chosen.candidate.law.name
+    with candidate_fmus(law) as fmus:
+        task = Task(
+            fmus,
+            recording,
+            gains,
+            criterion,
+            search or Search(),
+            seed,
+            seeds,
+            law,
+            faults,
+            choice,
+        )
+        estimation = estimate(task, on_stage, on_generation)
+    try:
+        loops: Loops | ControlError = design(estimation)
+    except ControlError as error:
+        loops = error
+    return LearnedFromRecording(estimation.compensator, loops, estimation, findings, seed)

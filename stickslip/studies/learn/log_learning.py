@@ -1,0 +1,182 @@
+"""What ``stickslip learn`` does with a log or a rig: read, check, learn, try the compensator."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+
+from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.criteria.candidate_fmus import candidate_fmus
+from stickslip.identification.criteria.motion import against_motion
+from stickslip.identification.criteria.scaling import recording_scale
+from stickslip.identification.estimation import CriterionName, OnGeneration, Search
+from stickslip.logs import (
+    Description,
+    Finding,
+    Reading,
+    aligned,
+    check_recording,
+    check_units,
+    implausible_mass,
+    raise_errors,
+    read_recording,
+    samples_late,
+)
+from stickslip.planning import LINEAR, Limits
+from stickslip.rigs.contract import Rig
+from stickslip.servo.axis import ControlError
+from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
+from stickslip.studies.learn.recorded import read_rig
+from stickslip.studies.learn.tracking import with_tracking
+from stickslip.trial.candidates import law_of
+from stickslip.trial.compensator_trial import loops_of_log, try_compensator
+
+FOREIGN = 0.3
+"""Relative error of the controller's force above which a rig's log is not of what it was sent.
+
+Noise of 3 N beside friction of 6 N makes 0.1, a position that is 10 % too large makes 10.
+"""
+
+
+def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
+    """Read a log and return it with its findings, errors included.
+
+    Raises
+    ------
+    RecordingError, UsageError
+        When it cannot be read.
+    """
+    reading = read_recording(path, description, strict=False)
+    checks = check_recording(reading.recording, reading.controller, reading.force_limit)
+    return reading, (*reading.findings, *check_units(reading), *checks)
+
+
+def check_rig(reading: Reading) -> Iterator[Finding]:
+    """Yield a finding if the force of a rig's log is not that of the loop that it was sent.
+
+    A force that is only out of scale is a finding of the estimation.
+    """
+    gains = reading.controller.parameters()
+    if gains is None:
+        return
+    scale = recording_scale(reading.recording)
+    scaled, _ = against_motion(scale.recording(reading.recording))
+    with candidate_fmus() as fmus:
+        check = check_controller(fmus, scaled, scale.values(gains))
+    if check.error > FOREIGN and check.factor == 1.0:
+        yield Finding(
+            "warning",
+            "the rig's log is not that of the loop and the command that it was sent",
+            f"the controller's force differs by {check.error:.2g} of the logged one; expected at "
+            f"most {FOREIGN:g}",
+            "check that move returns time in s, position in m and force in N with their signs, and "
+            "applies the gains",
+            spoils="values",
+        )
+
+
+def with_trial(
+    reading: Reading,
+    learned: LearnedFromRecording,
+    *,
+    compensator: str = "",
+    absent: Sequence[str] = (),
+    workers: int = 1,
+) -> LearnedFromRecording:
+    """Try a learned compensator where a loop can be closed; see ``try_compensator``."""
+    estimation = learned.estimation
+    mass = estimation.known.get("m")
+    question = implausible_mass(reading, mass.low, mass.high) if mass else None
+    doubt = str(question) if question and question.severity == "error" else ""
+    learned = replace(learned, asked=compensator, implausible=doubt)
+    if isinstance(learned.loops, ControlError):
+        return learned
+    loop = learned.loops.compensated
+    trial = try_compensator(
+        reading, estimation, loop, compensator=compensator, absent=absent, workers=workers
+    )
+    return replace(learned, trial=trial)
+
+
+def learn(
+    source: Path | str | Rig,
+    description: Description | None = None,
+    *,
+    limits: Limits = LINEAR,
+    law: str = "lugre",
+    criterion: CriterionName = "auto",
+    seed: int = 0,
+    seeds: int = 1,
+    search: Search | None = None,
+    compensator: str = "",
+    absent: Sequence[str] = (),
+    on_findings: Callable[[Iterable[Finding]], object] = lambda _: None,
+    on_stage: Callable[[str], object] = lambda _: None,
+    on_generation: OnGeneration = lambda *_: None,
+) -> LearnedFromRecording:
+    """Learn a drive from a log of it, or on a rig; options are those of ``estimation.Task``.
+
+    Parameters
+    ----------
+    source : CSV, Parquet or MAT file, or a rig, which then runs one experiment
+    description : of its columns and of the controller; by default the columns are detected
+    limits : of the experiment on a rig, see ``plan``
+    compensator : what is to be written: ``auto`` for the best on the drives that the log supports,
+        or a name such as ``static+ekbf``; by default feedforward of the law, and a disturbance
+        observer if it helps
+    absent : of ``encoder`` and ``motor_force``, what the controller cannot give a compensator
+
+    Raises
+    ------
+    RecordingError, UsageError
+        When the log cannot be read, or lacks a signal, or there is no such compensator.
+    IdentificationError
+        When it does not show a drive that slides.
+    RigError
+        When the experiment on the rig did not end as commanded.
+    """
+    law = law_of(compensator, law, absent)
+    # Threads of linear algebra would wait for those of other work on the same cores.
+    with threadpool_limits(limits=1, user_api="blas"):
+        if isinstance(source, Rig):
+            on_stage("recording the drive")
+            path, reading = Path(source.name), read_rig(source, limits)
+            findings = check_recording(reading.recording, reading.controller, reading.force_limit)
+        else:
+            on_stage("reading the log")
+            path = Path(source)
+            reading, findings = read_and_check(path, description or Description())
+        raise_errors(path, findings)
+        on_findings(findings)
+        recording = aligned(reading.recording, samples_late(reading.recording))
+        reading = replace(reading, recording=recording)
+        if isinstance(source, Rig):
+            found = tuple(check_rig(reading))
+            on_findings(found)
+            findings = (*findings, *found)
+        learned = learn_recording(
+            recording,
+            reading.controller.parameters(),
+            partial(loops_of_log, reading),
+            findings,
+            law=law,
+            criterion=criterion,
+            seed=seed,
+            seeds=seeds,
+            search=search,
+            on_stage=on_stage,
+            on_generation=on_generation,
+        )
+        on_stage("trying the compensator")
+        learned = with_trial(
+            reading,
+            learned,
+            compensator=compensator,
+            absent=absent,
+            workers=search.execution.workers if search else 1,
+        )
+        return with_tracking(reading, learned)

@@ -1,0 +1,73 @@
+"""The report on one recording: figures, a table, and one page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from stickslip.fmi.files import atomic_write
+from stickslip.identification.estimation import Estimation
+from stickslip.logs import Finding
+from stickslip.presentation.page import Section, picture_files, write_page
+from stickslip.studies.learn.page import content
+from stickslip.studies.learn.page.laws import laws
+
+__all__ = ["FIGURES", "FILES", "sections", "write_estimation_report"]
+
+FIGURES = ("recording", "force", "residual", "profiles", "correlations")
+FILES = ("parameters.csv", "report.html", *picture_files(FIGURES))
+"""What ``write_estimation_report`` writes."""
+
+
+def sections(
+    estimation: Estimation,
+    findings: Sequence[Finding],
+    beside: Sequence[str],
+    further: Sequence[Section] = (),
+    opening: Sequence[Section] = (),
+    *,
+    forced: bool = False,
+) -> list[Section]:
+    """Return the sections of the page.
+
+    Parameters
+    ----------
+    findings : of reading and checking the log
+    beside : names of the files in the page's folder
+    further, opening : sections that follow that of the parameters, and that precede it
+    forced : whether the compensator is written whatever its trial was
+    """
+    return [
+        content.head(estimation),
+        *opening,
+        content.learned(estimation),
+        *further,
+        *([laws(estimation)] if estimation.predictions else []),
+        content.criterion(estimation),
+        content.log(estimation, findings),
+        content.fit(estimation),
+        content.identifiability(estimation),
+        content.use(estimation, beside, forced=forced),
+    ]
+
+
+def write_estimation_report(
+    estimation: Estimation,
+    findings: Sequence[Finding],
+    folder: Path,
+    further: Sequence[Section] = (),
+    opening: Sequence[Section] = (),
+    *,
+    forced: bool = False,
+) -> list[Path]:
+    """Write parameters.csv, each figure as PNG and SVG, and report.html.
+
+    The page names learned.json and compensator.fmu if the folder contains them. Parameters are
+    those of ``sections``, and ``write_page`` tells what is returned and raised.
+    """
+    table = estimation.table().to_csv(index=False, lineterminator="\n")
+    written = [atomic_write(folder / "parameters.csv", table)]
+    beside = [path.name for path in folder.iterdir()]
+    title = f"Friction of a drive, learned from {estimation.recording.source}"
+    found = sections(estimation, findings, beside, further, opening, forced=forced)
+    return written + write_page(folder, title, found)

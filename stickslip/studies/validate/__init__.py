@@ -1,0 +1,1 @@
+"""``stickslip validate``: what was learned, held against another log or a drive."""

@@ -1,0 +1,203 @@
+"""``stickslip validate``: a learned drive against another log, on a rig, or on the simulated drive.
+
+With ``--log`` nothing is simulated but the log's own loop. Without it the parameters compensate the
+drive FMU, as in Table 4 of the paper, and the components of learned.json stand behind.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stickslip.commandline import FLAG, add_options, require_files, warn
+from stickslip.commandline.assignments import add_set_option, add_source_option, drive_changes
+from stickslip.commandline.log_options import (
+    add_log_options,
+    description_of,
+    one_of,
+    print_findings,
+)
+from stickslip.commandline.progress import TerminalProgress
+from stickslip.commandline.rig_option import add_rig_option, rig_of
+from stickslip.errors import HarmfulError, UsageError
+from stickslip.output import Answer
+from stickslip.storage import reserved
+
+if TYPE_CHECKING:
+    from stickslip.learned.file import LearnedFile
+
+
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "learned", nargs="?", type=Path, metavar="LEARNED", help="learned.json of the drive"
+    )
+    parser.add_argument("--parameters", dest="learned_option", type=Path, help=argparse.SUPPRESS)
+    logs = {"--log FILE": "another log of the drive, which is compared with what was learned"}
+    logs["--without FILE"] = (
+        "--log was recorded with the compensator running, and this log without it: what it brought "
+        "on the same command"
+    )
+    add_options(parser, logs, type=Path)
+    add_rig_option(
+        parser, "run a motion without and with the compensator on the drive of this file"
+    )
+    add_source_option(parser)
+    velocity_filter = (
+        "compensate with a Kalman filter for the velocity and feedforward of inertia, and print "
+        "the contribution of each"
+    )
+    add_options(parser, {"--velocity-filter": velocity_filter}, **FLAG)
+    add_options(parser, {"--out DIR": "folder for tables, figures and page"}, type=Path)
+    add_set_option(parser)
+    add_log_options(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> Answer:
+    """Compare with a log, or evaluate on the simulated drive."""
+    file = one_of("a learned.json", options.learned, options.learned_option)
+    require_files(options.log, options.without, options.rig)
+    from stickslip.learned.file import LearnedFile
+    from stickslip.studies.validate.folder import COMPARISON_FILES, LOG_FILES
+
+    learned = LearnedFile(file)
+    if options.rig:
+        if options.log or options.without or options.set or options.velocity_filter:
+            raise UsageError("--rig: expected none of --log, --without, --set, --velocity-filter")
+        return Answer(_on_rig(options, learned))
+    if options.log is None and options.without is None:
+        return Answer(_on_simulated_drive(options, learned))
+    if options.set or options.velocity_filter:
+        raise UsageError("--set and --velocity-filter are of the simulated drive; not with --log")
+    if options.log is None:
+        raise UsageError("--without: expected --log with a log of the same drive, compensated")
+    if options.without:
+        with reserved(options.out, COMPARISON_FILES):
+            return Answer(_on_two_logs(options, learned))
+    with reserved(options.out, LOG_FILES):
+        return Answer(_on_log(options, learned))
+
+
+def _on_log(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
+    from stickslip.studies.validate.folder import write_log_validation
+    from stickslip.studies.validate.log_validation import read_log, validate_log
+    from stickslip.studies.validate.log_verdict import verdict
+    from stickslip.studies.validate.terminal import print_prediction
+
+    log = read_log(options.log, description_of(options), learned, print_findings)
+    found, values = validate_log(log, learned), learned.drive
+    print_prediction(found, values)
+    if options.out:
+        command = {"name": "validate", "log": log.reading.recording.source}
+        write_log_validation(found, learned, log.controller, options.out, command)
+        print(f"all results are in {options.out}; open report.html first")
+    first, *reasons = verdict(found, values)
+    changes = {name: asdict(change) for name, change in found.changes.items()}
+    signals = {
+        name: asdict(error) | {"ratio": error.ratio} for name, error in found.signals.items()
+    }
+    return {"verdict": first, "reasons": reasons, "signals": signals, "changes": changes}
+
+
+def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
+    from stickslip.studies.validate.compared_logs import sentences
+    from stickslip.studies.validate.folder import write_comparison
+    from stickslip.studies.validate.log_validation import compare_logs, read_log
+    from stickslip.studies.validate.terminal import print_comparison
+
+    description = description_of(options)
+    compensated, without = (
+        read_log(path, description, learned) for path in (options.log, options.without)
+    )
+    found = compare_logs(compensated, without, learned)
+    recording = without.reading.recording
+    print_comparison(found, rotary=recording.rotary)
+    if options.out:
+        names = (recording.source, compensated.reading.recording.source)
+        write_comparison(found, recording.motion, names, learned, without.controller, options.out)
+        print(f"all results are in {options.out}; open report.html first")
+    compared = {"measured": found.measured, "simulated": found.simulated}
+    reductions = {
+        kind: {name: asdict(reduction) for name, reduction in one.reductions.items()}
+        for kind, one in compared.items()
+        if one
+    }
+    return {"sentences": sentences(found), "reductions": reductions}
+
+
+def _on_rig(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
+    """Run the trapezoid of the file without and with its compensator, in the loop of the rig."""
+    from stickslip.commandline.files import write_files
+    from stickslip.evaluation.validation import validate
+
+    document = learned.document
+    if refusal := document.get("refusal"):
+        raise HarmfulError(f"{learned.path}: learn does not recommend it: {refusal}; not run")
+    if learned.behind or {"observer", "feedforward"} & document.keys():
+        law = learned.law.title
+        warn(f"only the feedforward of the {law} law is tried, no other compensator of the file")
+    compensator, command = learned.compensator, learned.validation
+    with (
+        reserved(options.out, ["validation.csv"]),
+        rig_of(options.rig, options.out, learned.law.name) as (rig, _),
+        TerminalProgress() as progress,
+    ):
+        if rig is None:
+            raise UsageError("--rig: expected a file")
+        progress.stage("validating")
+        found = validate(rig, rig.loop, compensator, command, options.feed)
+    print(found)
+    table = found.errors()
+    about = {"name": "validate", "rig": str(options.rig), "parameters": compensator}
+    files = {"validation.csv": table.to_csv(index=False, lineterminator="\n")}
+    write_files(options.out, about, files)
+    return {"validation": table}
+
+
+def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
+    """Identify the axis for its loop, run the trapezoid without and with the compensator."""
+    from stickslip.commandline.files import write_files
+    from stickslip.evaluation.scatter import PHASES
+    from stickslip.evaluation.validation import validate
+    from stickslip.identification.stages import identify
+    from stickslip.papers.lugre.attribution import attribute
+    from stickslip.papers.lugre.reproduction import drive_truth
+    from stickslip.papers.lugre.terminal import print_table4
+    from stickslip.rigs.fmu import rig_of
+    from stickslip.servo.datasheet import LOOP
+    from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+    from stickslip.servo.paper_commands import VALIDATION
+
+    truth = drive_changes(options.set)
+    drive_truth(truth)
+    compensator, behind = learned.compensator, learned.behind
+    with (
+        reserved(options.out, ["table4.csv", "attribution.csv"]),
+        rig_of(truth, learned.law.name) as rig,
+        TerminalProgress() as progress,
+    ):
+        loop = plain = identify(rig, LOOP, progress.stage).loop
+        if options.velocity_filter:
+            loop = with_inertia(with_velocity_filter(plain, rig.datasheet, compensator["F_c"]))
+        progress.stage("validating")
+        validation = validate(
+            rig, loop, compensator, VALIDATION, options.feed, plain, behind, PHASES
+        )
+        tables = {"table4.csv": validation.table()}
+        print_table4(tables["table4.csv"])
+        if options.velocity_filter:
+            parts = attribute(rig, plain, compensator, VALIDATION, options.feed)
+            tables["attribution.csv"] = parts
+            print("Errors [mm/s] by what is on:", parts.round(3).to_string(index=False), sep="\n")
+        command = {
+            "name": "validate",
+            "set": {f"drive.{name}": value for name, value in truth.items()},
+            "parameters": compensator,
+            "feed": options.feed,
+        }
+        files = {n: t.to_csv(index=False, lineterminator="\n") for n, t in tables.items()}
+        write_files(options.out, command, files)
+    return {name.removesuffix(".csv"): table for name, table in tables.items()}

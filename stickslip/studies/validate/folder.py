@@ -1,0 +1,99 @@
+"""The folders that ``stickslip validate --log`` leaves behind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from stickslip.evaluation.tracking import FEEDFORWARD, NONE
+from stickslip.learned.file import LearnedFile
+from stickslip.logs import Motion
+from stickslip.models.export.units import motion_unit
+from stickslip.presentation.page import picture_files, write_page
+from stickslip.storage import staged
+from stickslip.storage.writing import write_tables
+from stickslip.studies.validate.compared_logs import LogComparison
+from stickslip.studies.validate.log_prediction import LogPrediction
+from stickslip.studies.validate.page import comparison, log
+
+LOG_FILES = (
+    "prediction.csv",
+    "changes.csv",
+    "spans.csv",
+    "report.html",
+    *picture_files(log.FIGURES),
+)
+"""What ``write_log_validation`` writes."""
+COMPARISON_FILES = ("tracking.csv", "report.html", *picture_files(comparison.FIGURES))
+"""What ``write_comparison`` writes."""
+
+
+def write_log_validation(
+    found: LogPrediction,
+    learned: LearnedFile,
+    controller: str,
+    folder: Path,
+    command: Mapping[str, object],
+) -> None:
+    """Write the errors of a log's signals, what has changed, errors over the log, and the page.
+
+    Raises
+    ------
+    OSError
+        When a file cannot be written.
+    """
+    tables = {
+        "prediction": pd.DataFrame(
+            {"signal": name, **vars(one), "ratio": one.ratio} for name, one in found.signals.items()
+        ),
+        "changes": pd.DataFrame(
+            {"parameter": name, **vars(one)} for name, one in found.changes.items()
+        ),
+        "spans": found.spans,
+    }
+    sections = log.log_sections(found, learned.drive, learned.path.name, controller)
+    with staged(folder, command) as staging:
+        write_tables(tables, staging)
+        title = f"{learned.path.name} against the log {found.recording.source}"
+        write_page(staging, title, sections)
+
+
+def write_comparison(
+    found: LogComparison,
+    motion: Motion,
+    logs: tuple[str, str],
+    learned: LearnedFile,
+    controller: str,
+    folder: Path,
+) -> None:
+    """Write the tracking errors of two logs, without and with the compensator, and the page.
+
+    Raises
+    ------
+    OSError
+        When a file cannot be written.
+    """
+    rows = [
+        {
+            "kind": kind,
+            "error": key,
+            "unit": motion_unit(
+                "m/s" if key.startswith("velocity") else "m", rotary=motion == "rotary"
+            ),
+            "without": one.errors[NONE].items()[key],
+            "with": one.errors[FEEDFORWARD].items()[key],
+            "reduction": reduction.value,
+            "low": reduction.low,
+            "high": reduction.high,
+        }
+        for kind, one in (("measured", found.measured), ("simulated", found.simulated))
+        if one is not None
+        for key, reduction in one.reductions.items()
+    ]
+    sections = comparison.comparison_sections(found, motion, logs, learned.path.name, controller)
+    command = {"name": "validate", "without": logs[0], "log": logs[1]}
+    with staged(folder, command) as staging:
+        write_tables({"tracking": pd.DataFrame(rows)}, staging)
+        write_page(staging, f"{logs[1]} against {logs[0]}: what the compensator brought", sections)

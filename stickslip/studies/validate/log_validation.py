@@ -1,0 +1,137 @@
+"""What ``stickslip validate LEARNED --log`` does: another log against a learned drive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from stickslip import cosim
+from stickslip.errors import UsageError
+from stickslip.evaluation.owner_loop import LearnedDrive, simulate
+from stickslip.evaluation.tracking import FEEDFORWARD, NONE
+from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.criteria.scaling import recording_scale
+from stickslip.identification.estimation import candidate_fmus
+from stickslip.learned.file import LearnedFile
+from stickslip.logs import Description, Finding, Reading, aligned, raise_errors, samples_late
+from stickslip.logs.controller import Controller
+from stickslip.logs.reading import with_velocity_command
+from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.studies.learn.log_learning import read_and_check
+from stickslip.studies.validate.compared_logs import LogComparison, common, compare, compared
+from stickslip.studies.validate.log_prediction import LogPrediction, predict_log
+
+
+@dataclass(frozen=True)
+class LogInLoop:
+    """A log that was read, and the controller with which it was recorded.
+
+    Attributes
+    ----------
+    gains : of the controller FMU by name; None where it is not known
+    controller : where it is known from, for people
+    """
+
+    reading: Reading
+    gains: Mapping[str, float] | None
+    controller: str
+
+
+def read_log(
+    path: Path,
+    description: Description,
+    learned: LearnedFile,
+    on_findings: Callable[[Iterable[Finding]], object] = lambda _: None,
+) -> LogInLoop:
+    """Read a log of a learned drive; its controller is the one given, or that of the file.
+
+    Raises
+    ------
+    RecordingError, UsageError
+        When it cannot be read, or is of another kind of drive.
+    """
+    reading, findings = read_and_check(path, description)
+    raise_errors(path, findings)
+    on_findings(findings)
+    recording = aligned(reading.recording, samples_late(reading.recording))
+    kinds = [("linear", "rotary")[rotary] for rotary in (recording.rotary, learned.rotary)]
+    if kinds[0] != kinds[1]:
+        raise UsageError(
+            f"{path}: a log of a {kinds[0]} drive, but {learned.path} has a {kinds[1]} one; give "
+            f"--motion {kinds[1]}, or the log of the drive that was learned"
+        )
+    if not learned.drive["m"] and recording.friction is None:
+        raise UsageError(
+            f"{learned.path}: has no mass, as it was learned from measured friction; expected a "
+            f"log of friction, got one of force in {path}"
+        )
+    reading = replace(reading, recording=recording)
+    gains = reading.controller.parameters()
+    name = f"the {reading.controller.kind} controller given"
+    if gains is None and learned.loop is not None:
+        own = controller_of(learned.loop)
+        if own.needs and getattr(recording, own.needs) is not None:
+            recording, own = with_velocity_command(recording, own)
+            reading, gains = replace(reading, recording=recording), own.parameters()
+            name = f"the {own.kind} controller of {learned.path.name}"
+    return LogInLoop(reading, gains, name if gains else "not known")
+
+
+def controller_of(loop: VelocityLoop) -> Controller:
+    """Return the controller of a loop."""
+    gains = {key: getattr(loop, key) for key in ("K_p", "K_i", "tau_f", "T_s")}
+    if not loop.K_x:
+        return Controller("PI", **gains)
+    outer = {key: getattr(loop, key) for key in ("K_x", "velocity_feedforward")}
+    return Controller("cascade", **gains, **outer)
+
+
+def validate_log(log: LogInLoop, learned: LearnedFile) -> LogPrediction:
+    """Return what the learned drive predicts of a log.
+
+    Raises
+    ------
+    UsageError
+        When the log lacks a motion or a force.
+    """
+    drive = drive_of(learned)
+    with candidate_fmus(drive.law) as fmus:
+        return predict_log(fmus, log.reading.recording, log.gains, drive, learned.drive_errors)
+
+
+def drive_of(learned: LearnedFile) -> LearnedDrive:
+    """Return the drive of a file, and the compensator as it is exported."""
+    reference = learned.loop if learned.feed == "nominal" else None
+    return LearnedDrive(learned.law.name, learned.drive, learned.compensator, reference)
+
+
+def compare_logs(compensated: LogInLoop, without: LogInLoop, learned: LearnedFile) -> LogComparison:
+    """Return what the compensator brought in one log against another without it.
+
+    The simulated prediction runs the learned drive along the log without compensator, in its loop.
+
+    Raises
+    ------
+    UsageError
+        When their commands differ, or were not logged.
+    """
+    plain = without.reading.recording
+    other, stretches = common(plain, compensated.reading.recording)
+    found = compare(plain, other, stretches)
+    if without.gains is None:
+        return found
+    drive, scale = drive_of(learned), recording_scale(plain)
+    with candidate_fmus(drive.law) as fmus:
+        scaled, gains = scale.recording(plain), scale.values(without.gains)
+        gains = scale.restored(check_controller(fmus, scaled, gains).gains)
+        try:
+            runs = simulate(fmus, plain, gains, drive, without.reading.force_limit)
+        except cosim.SimulationError as fault:
+            return replace(found, fault=f"{without.controller}: {fault}")
+    simulated = {name: replace(plain, position=run.encoder) for name, run in runs.items()}
+    samples = np.concatenate([np.arange(run.first, run.first + run.n) for run in stretches])
+    prediction = compared(simulated[NONE], simulated[FEEDFORWARD], samples, samples, found.part)
+    return replace(found, simulated=prediction)

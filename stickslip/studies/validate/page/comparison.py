@@ -1,0 +1,138 @@
+"""Sections on a log with the compensator running against one without."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from stickslip.evaluation.tracking import FEEDFORWARD, NONE, TRACKING_FIGURES
+from stickslip.logs import Motion
+from stickslip.presentation import style
+from stickslip.presentation.markup import element, paragraph, quiet, table
+from stickslip.presentation.page import Illustration, Section, made_with
+from stickslip.presentation.quantity import number, percentage
+from stickslip.studies.learn.page.signals import WORDS, position_scale, thinned, velocity_scale
+from stickslip.studies.validate.compared_logs import Compared, LogComparison, sentences
+
+FIGURES = ("comparison",)
+LOOKS = {NONE: style.WITHOUT, FEEDFORWARD: style.WITH}
+
+
+def comparison_sections(
+    found: LogComparison, motion: Motion, logs: tuple[str, str], learned: str, controller: str
+) -> list[Section]:
+    """Return the sections.
+
+    Parameters
+    ----------
+    logs : names of the files without and with the compensator
+    learned : name of the file of the learned drive
+    controller : that of the log, for people
+    """
+    without, compensated = logs
+    first, *rest = (f"{text[:1].upper()}{text[1:]}." for text in sentences(found))
+    seconds = number(sum(run.n for run in found.stretches) * float(found.t[1] - found.t[0]), 3)
+    head = Section(
+        "",
+        paragraph(
+            f"Tracking errors of {compensated}, recorded with the compensator running, and of "
+            f"{without}, recorded without it, where both had the same command: {seconds} s."
+        ),
+        element("div", paragraph(first), *map(paragraph, rest), class_="verdict"),
+    )
+    return [head, _errors(found, motion, learned, controller), Section("Made with", made_with())]
+
+
+def _kinds(found: LogComparison) -> Iterator[tuple[str, Compared]]:
+    yield "Measured", found.measured
+    if found.simulated:
+        yield "Simulated", found.simulated
+
+
+def _errors(found: LogComparison, motion: Motion, learned: str, controller: str) -> Section:
+    place = WORDS[motion][0].capitalize()
+    rows = []
+    for kind, one in _kinds(found):
+        for key in TRACKING_FIGURES:
+            what, size = key.split("_")
+            scaled = velocity_scale if what == "velocity" else position_scale
+            sizes = [one.errors[name].items()[key] for name in LOOKS]
+            scale, reduction = scaled(motion, np.array(sizes[:1])), one.reductions[key]
+            title = "Velocity" if what == "velocity" else place
+            rows.append(
+                (
+                    f"{kind}: {title}, {'RMS' if size == 'rms' else 'maximum'}",
+                    scale.unit,
+                    *(number(scale.factor * value, 3) for value in sizes),
+                    percentage(reduction.value),
+                    f"{percentage(reduction.low)} … {percentage(reduction.high)}",
+                )
+            )
+    n = int(found.part.max()) + 1
+    parts = f"{n} repetitions of the command" if found.repeated else f"{n} equal parts of the logs"
+    texts = [
+        f"Intervals: jackknife over {parts}. A maximum is the mean over these of the largest error "
+        "in each. Velocities are derivatives of the encoder’s position through a low-pass.",
+        f"Simulated: the drive of {learned} along the same command, in the loop of {controller}."
+        if found.simulated
+        else "There is no simulated prediction, as the controller is not known: --controller and "
+        "--gain give it.",
+    ]
+    return Section(
+        "Tracking errors without and with the compensator",
+        Illustration(
+            FIGURES[0],
+            partial(draw_comparison, found, motion),
+            "Errors of velocity and position over time, without and with the compensator",
+            "Errors of velocity and position, without and with the compensator, where both logs "
+            "had the same command; time is that of the log without.",
+        ),
+        table(
+            ("", "", "Without", "With", "Reduction", "95 % interval"),
+            rows,
+            "Tracking errors, measured in the logs and simulated",
+            (0, 1),
+        ),
+        quiet(" ".join(texts)),
+    )
+
+
+def draw_comparison(found: LogComparison, motion: Motion) -> Figure:
+    """Draw command and errors over time: measured on the left, simulated on the right."""
+    kinds = list(_kinds(found))
+    figure = style.new_figure(style.PAGE if len(kinds) > 1 else 1.3 * style.COLUMN, 120.0)
+    panels = figure.subplots(3, len(kinds), sharex=True, sharey="row", squeeze=False)
+    gaps = np.flatnonzero(np.diff(found.t) > 1.5 * (found.t[1] - found.t[0])) + 1
+    place = WORDS[motion][0].capitalize()
+    command = velocity_scale(motion, found.v_cmd)
+    without = found.measured.errors[NONE]
+    v_scale = velocity_scale(motion, np.array([without.velocity_rms]))
+    x_scale = position_scale(motion, np.array([without.position_rms]))
+    for column, (kind, one) in enumerate(kinds):
+        axes = panels[:, column]
+        style.zero_lines(*axes)
+        for part in np.split(np.arange(len(found.t)), gaps):
+            t = found.t[part]
+            axes[0].plot(*thinned(t, command.factor * found.v_cmd[part]), color=style.INK, lw=0.8)
+            for name, colour in LOOKS.items():
+                look = {"color": colour, "lw": 0.7, "label": name if part[0] == 0 else None}
+                axes[1].plot(*thinned(t, v_scale.factor * one.velocity[name][part]), **look)
+                axes[2].plot(*thinned(t, x_scale.factor * one.position[name][part]), **look)
+        titles = (
+            "Velocity command",
+            f"Velocity error, {kind.lower()}",
+            f"{place} error, {kind.lower()}",
+        )
+        for row, title in enumerate(titles):
+            style.name_panel(axes[row], "abcdef"[3 * column + row], title)
+        axes[2].set(xlabel="Time [s]", xlim=found.t[[0, -1]])
+    for row, (what, scale) in enumerate(
+        (("Velocity", command), ("Error", v_scale), ("Error", x_scale))
+    ):
+        panels[row, 0].set_ylabel(f"{what} [{scale.unit}]")
+    style.legend_below(panels[1, 0])
+    figure.align_ylabels(panels[:, 0])
+    return figure

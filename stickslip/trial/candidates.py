@@ -1,0 +1,497 @@
+"""Which compensator does best on the drives that a log supports: ``learn --compensator auto``.
+
+Candidates are the entrants of the arena that need no training on a drive: feedforward without a
+law and of the learned law, every observer, and an observer behind a feedforward. They take their
+values from what was learned, and an observer its gains from the peak sensitivity, instead of a
+search on the drive. Each is first run once on a few drives of the family; the best of each kind
+are then tried on all of it, each at the largest share of its force that is acceptable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import islice, product
+
+import numpy as np
+import pandas as pd
+
+from stickslip.catalog.parameters import friction_law, learnable_laws
+from stickslip.compensators.entrants import FEEDFORWARD as ANY_LAW
+from stickslip.compensators.entrants import Coarse, Part, entrant, parts
+from stickslip.errors import UsageError
+from stickslip.models import Law
+from stickslip.servo.axis import ControlError
+from stickslip.servo.chain_response import ChainResponse, frequencies
+from stickslip.servo.observer import (
+    FORCE_NOISE,
+    LIMIT,
+    DesignedObserver,
+    design_observer,
+    expected_errors,
+)
+from stickslip.servo.sensitivity import Opened, Response
+from stickslip.servo.systems import Compensator
+from stickslip.trial.family import LEVELS
+from stickslip.trial.guards import Bench, Benefit, Variant, feedforward
+from stickslip.trial.observed import (
+    BOTH,
+    FEEDFORWARD,
+    OBSERVER,
+    SHARES,
+    Choice,
+    Designed,
+    Observed,
+    strongest,
+)
+
+AUTO = "auto"
+"""Name that stands for the compensator that does best, and for the law that a log shows."""
+SAME = 0.05
+"""Relative difference of mean ratios up to which the simpler compensator is taken."""
+QUICK = 3
+"""Drives of the family on which candidates are compared first: as fitted, less, more friction."""
+TRIED = 2
+"""Observers, and combinations, that are then tried on all drives."""
+COARSELY = (1.0, 0.8, 0.6, 0.4, 0.2)
+"""Shares of the force of a feedforward without a law that are tried."""
+SLOWER = (0.1, 1e-2, 1e-3, 1e-4)
+"""Rates of the disturbance, over that of the fastest Kalman filter, for slower ones."""
+GRID = 8
+"""Values of a gene that are compared by sensitivity and expected error."""
+RAMPS = (0.1, 0.3, 1.0, 3.0)
+"""Velocities at which the ramp of a Coulomb force ends that are compared, over the start value."""
+SIGNALS = {"encoder": "x_enc", "motor_force": "F_motor"}
+"""Signals that a controller may lack, and their roles."""
+_RAMP = "v_t"
+_REFERENCE = {"v_ref", "F_added"}
+
+
+@dataclass(frozen=True)
+class Row:
+    """A compensator that was tried.
+
+    Attributes
+    ----------
+    name : of its parts, with a plus between them
+    simplicity : 0 for no compensator; more for one that is less simple
+    sensitivity : largest peak sensitivity for the masses that the log allows
+    benefit : what it does on the family of drives; None for no compensator
+    observed : its parts
+    """
+
+    name: str
+    simplicity: int
+    sensitivity: float
+    benefit: Benefit | None = None
+    observed: Observed | None = None
+
+    @property
+    def mean(self) -> float:
+        """Geometric mean of the ratios of the errors to those without compensation."""
+        return self.benefit.mean_ratio if self.benefit else 1.0
+
+    @property
+    def acceptable(self) -> bool:
+        """Whether it is nowhere worse than no compensation."""
+        return self.benefit is None or self.benefit.acceptable
+
+    @property
+    def choice(self) -> Choice:
+        """Which of feedforward and observer it is."""
+        observer = self.observed is not None and self.observed.designed is not None
+        if self.benefit is None:
+            return ""
+        if not self.benefit.variant.has_feedforward:
+            return OBSERVER
+        return BOTH if observer else FEEDFORWARD
+
+
+@dataclass(frozen=True)
+class Compared:
+    """Compensators that were tried on the same drives.
+
+    Attributes
+    ----------
+    rows : no compensator first, then by simplicity
+    asked : name of what was to be tried, or ``AUTO``
+    """
+
+    rows: tuple[Row, ...]
+    asked: str = AUTO
+
+    @property
+    def chosen(self) -> Row:
+        """What is written: what was asked for, or the simplest of the best that are acceptable."""
+        if self.asked != AUTO:
+            return next((row for row in self.rows if row.name == self.asked), self.rows[-1])
+        acceptable = [row for row in self.rows if row.acceptable]
+        least = min(row.mean for row in acceptable)
+        near = [row for row in acceptable if row.mean <= (1.0 + SAME) * least]
+        return min(near, key=lambda row: (row.simplicity, row.mean))
+
+    @property
+    def simpler(self) -> Row:
+        """The best one that is acceptable and simpler than the chosen one."""
+        simpler = [
+            row
+            for row in self.rows
+            if row.acceptable and row.simplicity < max(self.chosen.simplicity, 1)
+        ]
+        return min(simpler, key=lambda row: row.mean)
+
+    @property
+    def sentence(self) -> str:
+        """What the chosen one leaves of the error, and the next simpler one."""
+        one, other = self.chosen, self.simpler
+        if self.asked not in (AUTO, one.name):
+            return (
+                f"there is no {self.asked}: the loop is not robust with such an observer, or the"
+                " observer does not reduce the expected error"
+            )
+        if not one.acceptable:
+            return f"{one.name} is worse than no compensator on a drive that the log supports"
+        if one.benefit is None:
+            return (
+                f"no compensator that is nowhere worse than none leaves less than"
+                f" {1.0 / (1.0 + SAME):.2g} of the error"
+            )
+        return (
+            f"{one.name} leaves {one.mean:.3g} of the error without compensation, the next simpler,"
+            f" {other.name}, leaves {other.mean:.3g}"
+        )
+
+    def whole(self) -> Compared:
+        """Return the same with the whole force of each feedforward, as it is by itself."""
+        rows = (
+            replace(row, benefit=row.benefit.whole()) if row.benefit else row for row in self.rows
+        )
+        return replace(self, rows=tuple(rows))
+
+    def table(self) -> pd.DataFrame:
+        """Return a row for each compensator.
+
+        Columns: compensator, fitted (geometric mean of the ratios of the errors on the drive with
+        friction as fitted), mean (on all drives), worst, Ms, acceptable.
+        """
+        return pd.DataFrame(
+            [
+                {
+                    "compensator": row.name,
+                    "fitted": row.benefit.fitted_ratio if row.benefit else 1.0,
+                    "mean": row.mean,
+                    "worst": row.benefit.worst_ratio if row.benefit else 1.0,
+                    "Ms": row.sensitivity,
+                    "acceptable": row.acceptable,
+                }
+                for row in self.rows
+            ]
+        )
+
+
+def offered(law: Law, absent: Sequence[str] = ()) -> dict[str, Part]:
+    """Return the parts of compensators of a law by name, feedforward first.
+
+    Parameters
+    ----------
+    absent : signals of ``SIGNALS`` that the controller lacks
+    """
+    lacking = {SIGNALS[name] for name in absent}
+    found = {
+        name: part
+        for name, part in parts().items()
+        if part.ports is not None
+        and not part.learns
+        and set(part.friction) <= law.parameters.keys()
+        and (part.model != ANY_LAW or (part.law is not None and part.law.name == law.name))
+        and not lacking & set(part.ports.inputs.values())
+    }
+    return dict(sorted(found.items(), key=lambda item: not _is_feedforward(item[1])))
+
+
+def law_of(compensator: str, law: str, absent: Sequence[str] = ()) -> str:
+    """Return the law that is learned for a compensator: with ``auto``, that of its feedforward.
+
+    Raises
+    ------
+    UsageError
+        When the compensator is unknown, or needs what the controller lacks, or training.
+    """
+    words = compensator.split("+")
+    if law == AUTO and words[0] in learnable_laws():
+        law = words[0]
+    if compensator in ("", AUTO):
+        return law
+    known = offered(friction_law("lugre" if law == AUTO else law), absent)
+    chain = entrant(compensator).parts
+    for part in chain:
+        if part.name in known:
+            continue
+        why = "learn writes feedforward of the learned law, and observers"
+        if part.learns:
+            why = "it is trained on the drive; 'stickslip arena --drive learned.json' compares it"
+        elif part.model == ANY_LAW and part.law is not None:
+            why = f"--law is {law}"
+        elif part.ports and any(SIGNALS[one] in part.ports.inputs.values() for one in absent):
+            why = f"it takes a signal that the controller lacks: {', '.join(absent)}"
+        there = f"; there are {', '.join(known)}"
+        raise UsageError(f"--compensator {compensator}: '{part.name}': {why}{there}")
+    if [_is_feedforward(part) for part in chain] not in ([True], [False], [True, False]):
+        raise UsageError(
+            f"--compensator {compensator}: expected a feedforward, an observer, or both in this"
+            " order, such as static+ekbf"
+        )
+    return law
+
+
+def compare(
+    bench: Bench,
+    own: Benefit,
+    friction: Mapping[str, float],
+    masses: tuple[float, ...],
+    asked: str = AUTO,
+    absent: Sequence[str] = (),
+) -> Compared:
+    """Try compensators on the family of drives of a bench.
+
+    Parameters
+    ----------
+    own : what feedforward of the bench's law does
+    friction : as fitted, with the Coulomb friction ``F_c`` [N]
+    masses : true masses, relative to that of the axis, at which the limit of Ms holds
+    asked : ``AUTO``, or a name for which ``law_of`` raises nothing
+    absent : signals that the controller lacks
+    """
+    with _Candidates(bench, own, friction, masses, offered(bench.law, absent)) as candidates:
+        rows = [candidates.none()]
+        if asked == AUTO:
+            rows += candidates.best()
+        else:
+            rows += candidates.named(asked)
+    return Compared(tuple(sorted(rows, key=lambda row: row.simplicity)), asked)
+
+
+def _is_feedforward(part: Part) -> bool:
+    return part.ports is not None and set(part.ports.inputs.values()) <= _REFERENCE
+
+
+class _Candidates(ExitStack):
+    """Compensators with values from what was learned."""
+
+    def __init__(
+        self,
+        bench: Bench,
+        own: Benefit,
+        friction: Mapping[str, float],
+        masses: tuple[float, ...],
+        offered: Mapping[str, Part],
+    ) -> None:
+        super().__init__()
+        self.bench, self.own, self.friction, self.masses = bench, own, friction, masses
+        self.F_c, self.speed = friction["F_c"], max(one.speed for one in bench.commands)
+        self.offered = offered
+        self._responses: dict[str, ChainResponse] = {}
+        self._designed: dict[int, DesignedObserver] = {}
+        self._best: dict[str, int] = {}
+
+    def none(self) -> Row:
+        """Return the row of no compensation."""
+        return Row("none", 0, self._without)
+
+    def best(self) -> list[Row]:
+        """Return feedforwards, and the observers and combinations that do best on few drives."""
+        rows = [self._feedforward(part) for part in self.offered.values() if _is_feedforward(part)]
+        observers = [part for part in self.offered.values() if not _is_feedforward(part)]
+        acceptable = [row for row in rows if row.acceptable]
+        alone: list[tuple[Row | None, Part]] = [(None, part) for part in observers]
+        for pairs in (alone, list(product(acceptable, observers))):
+            quick = [(self._quick(*pair), k) for k, pair in enumerate(pairs)]
+            for _, k in sorted(quick)[:TRIED]:
+                rows += self._observer(*pairs[k])
+        return rows
+
+    def named(self, name: str) -> list[Row]:
+        """Return the rows of one compensator and of its feedforward."""
+        chain = [self.offered[word] for word in name.split("+")]
+        rows = [self._feedforward(part) for part in chain if _is_feedforward(part)]
+        for part in chain:
+            if not _is_feedforward(part):
+                rows += self._observer(rows[0] if rows else None, part)
+        return rows
+
+    def _feedforward(self, part: Part) -> Row:
+        if part.model == ANY_LAW:
+            return Row(part.name, 2, self._without, self.own)
+        one = Compensator(part.name, part.model, self._values(part))
+        whole = feedforward(one.parameters(self.bench.loop), part.name, part.model)
+        (benefit,) = self.bench.benefits([whole], COARSELY)
+        return Row(part.name, 1, self._without, benefit)
+
+    def _quick(self, behind: Row | None, part: Part) -> float:
+        """Return the mean ratio of an observer on few drives; infinite without one."""
+        designed = next(self._from_best(part, alone=behind is None), None)
+        if designed is None:
+            return np.inf
+        before: tuple[Compensator, ...] = ()
+        if behind and behind.benefit:
+            before = behind.benefit.variant.share(self.bench.law, behind.benefit.share).chain
+        return self.bench.quick_ratio(Variant(part.name, (*before, designed.observer)), QUICK)
+
+    def _from_best(self, part: Part, *, alone: bool) -> Iterator[Designed]:
+        """Yield observers from fast to weak, from the one on that alone is best on few drives."""
+        designs = self._designs(part, alone=alone)
+        with suppress(ControlError):
+            yield from islice(designs, self._best_alone(part), None)
+
+    def _best_alone(self, part: Part) -> int:
+        """Return the number of the first design, from fast to weak, better than the next one."""
+        if part.name not in self._best:
+            least, self._best[part.name] = np.inf, 0
+            for k, designed in enumerate(self._designs(part, alone=True)):
+                ratio = self.bench.quick_ratio(Variant(part.name, (designed.observer,)), QUICK)
+                if ratio >= least:
+                    break
+                least, self._best[part.name] = ratio, k
+        return self._best[part.name]
+
+    def _observer(self, behind: Row | None, part: Part) -> list[Row]:
+        """Return the row of an observer; none if there is no observer within the limit of Ms."""
+        first = behind.benefit if behind and behind.benefit else self.own
+        designs, together = self._from_best(part, alone=behind is None), behind is not None
+        try:
+            designed, benefit = strongest(self.bench, first, designs, together=together)
+        except ControlError:
+            return []
+        name = f"{behind.name}+{part.name}" if behind else part.name
+        if together and first.acceptable:
+            benefit = replace(benefit, full=first.full)
+        benefit = replace(benefit, variant=replace(benefit.variant, name=name))
+        alone, both = (None, benefit) if together else (benefit, None)
+        observed = Observed(first, designed, alone=alone, both=both)
+        return [Row(name, 4 if together else 3, designed.sensitivity, benefit, observed)]
+
+    def _designs(self, part: Part, *, alone: bool) -> Iterator[Designed]:
+        """Yield observers from fast to weak, all within the limit of Ms."""
+        values = self._values(part, alone=alone)
+        if part.design:
+            designed = self._kalman(2 if part.design == "kalman_2" else 1)
+            yield from self._within(part, {**values, **designed.observer.parameters()})
+            for factor in SLOWER:
+                gains = designed.slower(factor).parameters()
+                yield from self._within(part, {**values, **gains})
+            for share in SHARES:
+                yield from self._within(part, {**values, **gains, "share": share})
+            return
+        gene, *_ = part.ranges
+        best = self._searched(part, values)
+        slower = [value for value in self._grid(part) if value <= best]
+        for value in reversed(slower):
+            yield from self._within(part, {**values, gene: value})
+        for share in SHARES if slower else ():
+            whole = {**values, gene: slower[0]}
+            shared = {"share": share} if "share" in whole else self.bench.law.share(whole, share)
+            yield from self._within(part, {**whole, **shared})
+
+    def _kalman(self, order: int) -> DesignedObserver:
+        """Return a disturbance observer of an order.
+
+        Raises
+        ------
+        ControlError
+            When there is none.
+        """
+        if order not in self._designed:
+            step, masses = self.bench.datasheet.encoder_step, self.masses
+            designed = design_observer(self.bench.loop, step, self.F_c, masses=masses, order=order)
+            self._designed[order] = designed
+        return self._designed[order]
+
+    def _within(self, part: Part, values: Mapping[str, float]) -> Iterator[Designed]:
+        """Yield an observer if its peak sensitivity is within the limit."""
+        peaks = [response.peak for response in self._measured(part, values)]
+        if peaks and max(peaks) <= LIMIT:
+            observer = Compensator("observer", part.model, values)
+            observer = replace(observer, values=observer.parameters(self.bench.loop))
+            yield Designed(observer, max(peaks), self._without)
+
+    def _grid(self, part: Part) -> list[float]:
+        """Return values of the first gene of a part."""
+        low, _, high = next(iter(part.ranges.values()))
+        return [float(value) for value in np.geomspace(low, high, GRID)]
+
+    def _searched(self, part: Part, values: Mapping[str, float]) -> float:
+        """Return the first gene with the least product of peak sensitivity and expected error.
+
+        It is 0 where no value is better than no observer.
+        """
+        gene, *_ = part.ranges
+        weights = self.bench.datasheet.encoder_step, self.F_c, FORCE_NOISE * self.F_c
+
+        def cost(responses: Sequence[Response]) -> float:
+            both = zip(self._axes, responses, strict=True)
+            error = max(expected_errors(*one, *weights)[0] for one in both)
+            return error * max(response.peak for response in responses)
+
+        least, best = cost([axis.response() for axis in self._axes]), 0.0
+        for value in self._grid(part):
+            responses = self._measured(part, {**values, gene: value})
+            if not responses or max(one.peak for one in responses) > LIMIT:
+                continue
+            if (found := cost(responses)) < least:
+                least, best = found, value
+        return best
+
+    def _measured(self, part: Part, values: Mapping[str, float]) -> list[Response]:
+        """Return the responses of the loop with an observer at all masses; none if unstable."""
+        if part.model not in self._responses:
+            chain = [Compensator("observer", part.model, values)]
+            folder = self.bench.folder_of(self.bench.law.name)
+            response = ChainResponse(folder, self.bench.loop, chain, self.speed)
+            self._responses[part.model] = self.enter_context(response)
+        given = {f"observer.{name}": value for name, value in values.items()}
+        return self._responses[part.model].responses(self._axes, given, self.F_c)
+
+    def _values(self, part: Part, *, alone: bool = False) -> dict[str, float]:
+        """Return values of a part: those of the arena, scaled, and what was learned.
+
+        An observer of the amplitude of Coulomb friction starts, alone, with the least friction on
+        which it is tried, so that it never gives too much.
+        """
+        found = dict(part.values)
+        for gene in part.genes(Coarse(self.F_c, self.speed)):
+            found[gene.name.partition(".")[2]] = gene.start
+        found |= {name: self.friction[name] for name in part.friction}
+        if part.design:
+            found = {name: found[name] for name in found if name not in ("rate", "noise")}
+        if "share" in found:
+            found["share"] = 1.0
+        if _RAMP in found:
+            found[_RAMP] *= self._ramp
+            if alone and part.ports is not None and "a_0" in part.ports.learned:
+                found["a_0"] = min(LEVELS) * self.F_c
+        return found
+
+    @cached_property
+    def _ramp(self) -> float:
+        """Factor on the velocity at which the ramp of a Coulomb force ends, best on few drives."""
+        part = parts()["static"]
+        start = part.ranges[_RAMP][1] * Coarse(self.F_c, self.speed).scale("m/s")
+        fixed = {"F_c": self.F_c, "asymmetry": 0.0}
+        ratios = {
+            k: self.bench.quick_ratio(
+                feedforward({**fixed, _RAMP: k * start}, "", part.model), QUICK
+            )
+            for k in RAMPS
+        }
+        return min(RAMPS, key=lambda k: ratios[k])
+
+    @cached_property
+    def _axes(self) -> list[Opened]:
+        loop = self.bench.loop
+        return [Opened(loop, k * loop.axis.m, frequencies(loop)) for k in self.masses]
+
+    @cached_property
+    def _without(self) -> float:
+        return max(axis.response().peak for axis in self._axes)

@@ -1,0 +1,248 @@
+"""A learned compensator is tried on simulated drives before it is written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import lfilter
+
+from stickslip.catalog.space import ParameterSpace
+from stickslip.identification.controller.controller_check import AGREES
+from stickslip.identification.criteria.motion import encoder_noise, position_of
+from stickslip.identification.estimation import Estimation
+from stickslip.identification.fitting.conservative import bounded_by
+from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
+from stickslip.logs import Reading, Recording
+from stickslip.models import Law
+from stickslip.servo.axis import Axis, ControlError
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.measurement import smoothed
+from stickslip.servo.observer import MASSES
+from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.specification import LoopSpecification
+from stickslip.servo.velocity_loop import (
+    VelocityLoop,
+    close_velocity_loop,
+    design_velocity_loop,
+)
+from stickslip.trial.candidates import compare
+from stickslip.trial.family import RESERVE
+from stickslip.trial.guards import (
+    NONE,
+    Benefit,
+    Hold,
+    Known,
+    Variant,
+    bench_of,
+    best_of,
+    family,
+    feedforward,
+    findings_of,
+    holds,
+    hunting_at_rest,
+)
+from stickslip.trial.observed import FEEDFORWARD, kalman_designs, try_observer
+from stickslip.trial.simulated import Loops, SimulatedTrial
+
+RULED_OUT = 5.0
+"""Ratio to the least force error among the laws above which values of a law are ruled out."""
+CAUTIOUS = (0.4, 60.0)
+"""Bandwidth, over that of the paper's loop, and phase margin [degrees] of a velocity loop whose
+command and force do not show its gains: feedforward harms most in a slow loop."""
+SLOW = 50.0
+"""Cut-off [Hz] behind which velocity error and force show the controller's gains, or a part of the
+sampling rate."""
+SHOWN = 0.9
+"""Share of the force that gains must explain to be taken."""
+WIDE = 2.0
+"""Largest ratio to the value taken of one on which it is tried."""
+
+
+def try_compensator(
+    reading: Reading,
+    estimation: Estimation,
+    loop: VelocityLoop,
+    *,
+    compensator: str = "",
+    absent: Sequence[str] = (),
+    workers: int = 1,
+) -> SimulatedTrial:
+    """Try a learned compensator at the log's own speed.
+
+    Parameters
+    ----------
+    loop : in which it runs
+    compensator : what is tried, see ``candidates.compare``; empty for the feedforward, and a
+        disturbance observer beside it
+    absent : signals that the controller lacks, of ``candidates.SIGNALS``
+    workers : number of runs in parallel
+    """
+    top = float(np.quantile(np.abs(estimation.figures.velocity_recorded), 0.99))
+    scale = top / VALIDATION.height
+    command = replace(VALIDATION, height=top, slope=scale * VALIDATION.slope)
+    strongest = float(np.max(np.abs(estimation.figures.measured)))
+    recording = reading.recording
+    step = recording.encoder_step or 1e-6 * top
+    sheet = Datasheet(
+        peak_force=reading.force_limit or 1e3 * strongest,
+        tau_i=loop.axis.tau_i,
+        encoder_step=step,
+        encoder_noise=encoder_noise(position_of(recording), step) if compensator else 0.0,
+    )
+    law, rotary, friction = estimation.law, recording.rotary, estimation.compensator
+    drives = family(law, friction, command, known_friction(estimation), rotary=rotary)
+    errors = {
+        name: estimation.known[name].standard_error
+        for name in estimation.fit.space.friction
+        if estimation.known[name].identifiability != NOT_IDENTIFIABLE
+    }
+    with bench_of(law, loop, friction, drives, command, sheet, workers=workers) as bench:
+        benefits = bench.benefits(feedforwards(law, friction))
+        best = best_of(benefits)
+        found = findings_of(bench, friction, best, best.share, errors)
+        known, m = estimation.known["m"], loop.axis.m
+        masses = min(MASSES[0], known.low / m), 1.0, max(MASSES[-1], known.high / m)
+        observed = compared = None
+        if compensator:
+            compared = compare(bench, best, friction, masses, compensator, absent)
+            observed = compared.chosen.observed
+        elif not absent:
+            designs = kalman_designs(bench, friction["F_c"], masses)
+            observed = try_observer(bench, best, designs)
+        held: dict[str, Hold] = {}
+        if loop.K_x:
+            parts: dict[str, Benefit] = {FEEDFORWARD: best}
+            parts |= observed.parts.items() if observed else {}
+            wanted: str = (observed.recommended if observed else "") or FEEDFORWARD
+            if compared:
+                parts |= {row.name: row.benefit for row in compared.rows if row.benefit}
+                wanted = compared.chosen.name if compared.chosen.benefit else wanted
+            variants = {name: one.variant.share(law, one.share) for name, one in parts.items()}
+            held = holds(bench, [NONE, *variants.values()])
+            written = variants[wanted]
+            found += hunting_at_rest(held, written, sheet.encoder_step)
+    tried = [row.benefit for row in compared.rows if row.benefit] if compared else []
+    if observed is not None and not tried:
+        tried = [part for part in (observed.alone, observed.both) if part is not None]
+    others = tuple(one for one in (*benefits, *tried) if one is not best)
+    warnings = tuple(map(str, found))
+    return SimulatedTrial(command, sheet, best, warnings, drives, others, observed, held, compared)
+
+
+def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]:
+    """Return what may be written: feedforward of the friction, and of its level alone."""
+    bounded = ParameterSpace.of(law).bounded
+    level = {**friction, **{name: friction[bound] for name, bound in bounded.items()}}
+    names = ", ".join(f"{name} = {bound}" for name, bound in bounded.items())
+    whole = feedforward(friction)
+    return (whole,) if level == friction else (whole, feedforward(level, f"feedforward, {names}"))
+
+
+def known_friction(estimation: Estimation) -> Known:
+    """Return what a log tells of friction besides the estimate, for ``family``.
+
+    Static friction is bounded by the largest friction in the log, with a reserve. Other laws are
+    those that were fitted to the log because its own does not explain all of it, and that the log
+    does not rule out.
+    """
+    space, known = estimation.fit.space, estimation.known
+    taken = (known[name].value for name in space.bounded)
+    largest = RESERVE * max(estimation.largest_friction, *taken, 0.0)
+    ranges = {}
+    for name in space.friction:
+        one = known[name]
+        if one.identifiability != IDENTIFIABLE:
+            low, high = max(one.low, one.value / WIDE), min(one.high, one.value * WIDE)
+            if name in space.bounded:
+                high = min(one.high, largest)
+            ranges[name] = (low, high)
+    values = (bounded_by(one, space, largest) for one in estimation.plausible)
+    plausible = tuple(map(_of_drive, values))
+    rivals, better = {}, set()
+    found = estimation.predictions
+    least = min((one.force for one in found), default=0.0)
+    same = (one.force for one in found if one.candidate.law.name == estimation.law.name)
+    own = min(same, default=0.0)
+    for prediction in found:
+        law = prediction.candidate.law
+        is_rival = law.name != estimation.law.name and not prediction.candidate.is_level
+        if is_rival and prediction.force <= RULED_OUT * least:
+            bounded = bounded_by(prediction.parameters, ParameterSpace.of(law), largest)
+            rivals[law.name] = _of_drive(bounded)
+            if prediction.force < own:
+                better.add(law.name)
+    return Known(plausible, ranges, rivals, frozenset(better))
+
+
+def _of_drive(values: Mapping[str, float]) -> dict[str, float]:
+    """Return what a drive FMU takes of the values of an estimation."""
+    kept = {name: value for name, value in values.items() if name not in ("F_0", "delay")}
+    return {**kept, "b": max(kept["b"], 0.0)} if "b" in kept else kept
+
+
+def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
+    """Return the loop of the log's controller, the one that the log shows, or one like the paper's.
+
+    A controller that does not command the logged force is not that of the drive. Where a velocity
+    loop shows no gains, the one like the paper's is slower.
+
+    Raises
+    ------
+    ControlError
+        When the mass is not known, or no loop is stable.
+    """
+    known, controller = estimation.known, reading.controller
+    if "m" not in known:
+        raise ControlError("the mass is not known")
+    rotary = reading.recording.rotary
+    axis = Axis(known["m"].value, max(known["b"].value, 0.0), reading.tau_i or 0.0, rotary)
+    T_s = estimation.recording.T_s
+    rejected = estimation.controller is not None and estimation.controller.error > AGREES
+    if controller.K_p and not (controller.P_x or controller.I_x or rejected):
+        gains = (controller.T_s or T_s, controller.tau_f, controller.K_p, controller.K_i)
+        share = controller.velocity_feedforward
+        try:
+            loop = close_velocity_loop(
+                axis,
+                *gains,
+                K_x=controller.K_x,
+                velocity_feedforward=1.0 if share is None else share,
+            )
+        except ControlError:
+            pass
+        else:
+            return Loops(loop, loop)
+    if shown := shown_gains(reading.recording):
+        try:
+            loop = close_velocity_loop(axis, T_s, T_s, *shown)
+        except ControlError:
+            pass
+        else:
+            return Loops(loop, loop, known=False)
+    slower, margin = 1.0, LOOP.phase_margin
+    if reading.recording.velocity_command is not None:
+        slower, margin = CAUTIOUS
+    bandwidth = slower * LOOP.bandwidth * LOOP.T_s / T_s
+    loop = design_velocity_loop(axis, LoopSpecification(bandwidth, margin, T_s, T_s))
+    return Loops(loop, loop, known=False)
+
+
+def shown_gains(recording: Recording) -> tuple[float, float] | None:
+    """Return K_p and K_i of the PI controller that a recording looks like, None for no such one."""
+    v_cmd, force, T_s = recording.velocity_command, recording.force, recording.T_s
+    if v_cmd is None or force is None:
+        return None
+    x = position_of(recording)
+    keep = np.exp(-1.0)  # the controller's low-pass of the velocity, of one sample period
+    v = lfilter([1.0 - keep], [1.0, -keep], np.diff(x, prepend=x[0]) / T_s)
+    error = v_cmd - v
+    signals = (error, np.cumsum(error) * T_s, np.ones_like(error), force)
+    *columns, output = (smoothed(one, T_s, min(SLOW, 0.05 / T_s)) for one in signals)
+    regressors = np.column_stack(columns)
+    gains, *_ = np.linalg.lstsq(regressors, output, rcond=None)
+    rest = output - regressors @ gains
+    K_p, K_i, *_ = gains.tolist()
+    shown = K_p > 0.0 and K_i >= 0.0 and np.var(rest) < (1.0 - SHOWN) * np.var(output)
+    return (K_p, K_i) if shown else None

@@ -1,0 +1,160 @@
+"""Hunting: a cascade with integral action that does not come to rest where friction holds it.
+
+Held with a position error, the integral raises the force until the drive breaks away. With F_s
+above F_c it slips past the target and is held again, on the other side. In the linear loop a force
+meets the stiffness K_p K_x + K_i, so a slow slip is at most about (F_s - F_c) / (K_p K_x + K_i)
+long; the integral then needs (F_s + F_c) / (K_i K_x e) for the way back, with e half of that. The
+drive is held for ``PERIODS`` of that cycle after each motion. Targets lie between two encoder
+steps, where the integral never rests.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stickslip import cosim
+from stickslip.servo.divergence import require_bounded
+from stickslip.servo.measurement import Array
+from stickslip.servo.systems import build_loop
+from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.trial.benefit import Bench, Variant
+from stickslip.trial.family import Drive
+from stickslip.trial.single_run import Finding, axis_values, in_loop
+
+SHORTEST, LONGEST, PERIODS = 1.0, 20.0, 8.0
+"""Of a hold [s], and how many periods of the limit cycle to be expected it has."""
+MOVES = (3.5, 25.5, 250.5)
+"""Lengths of small moves before a hold, in encoder steps."""
+RISE = 20
+"""Samples of such a move."""
+RESOLVED = 2.0
+"""Encoder steps that a drive at rest may swing: one less is not seen by the controller."""
+
+
+@dataclass(frozen=True)
+class Hold:
+    """How far a drive swings at rest, at worst of several motions and drives.
+
+    Attributes
+    ----------
+    swing : of the true position in the second half of the hold, peak to peak [m]
+    reversals : changes of direction there, by more than half of the swing and half an encoder step
+    duration : of that half [s]
+    drive : on which
+    unit : of a millionth of a position, for people
+    """
+
+    swing: float
+    reversals: int
+    duration: float
+    drive: str = ""
+    unit: str = "um"
+
+    def hunts(self, limit: float) -> bool:
+        """Tell whether it goes to and fro, farther than a limit [m]."""
+        return self.swing > limit and self.reversals >= 2
+
+
+def hold_time(loop: VelocityLoop, friction: Mapping[str, float], step: float) -> float:
+    """Return for how long a drive is held: periods of the limit cycle to be expected [s].
+
+    Parameters
+    ----------
+    step : of the encoder [m], below which there is no position error
+    """
+    integral, F_c = loop.K_i * loop.K_x, friction["F_c"]
+    if not integral:
+        return SHORTEST
+    F_s = max(friction.get("F_s", F_c), F_c)
+    slip = max((F_s - F_c) / (loop.K_p * loop.K_x + loop.K_i), step)
+    period = 2.0 * (F_s + F_c) / (integral * 0.5 * slip)
+    return float(np.clip(PERIODS * period, SHORTEST, LONGEST))
+
+
+def holds(bench: Bench, variants: Iterable[Variant]) -> dict[str, Hold]:
+    """Return how a cascade holds its position with each variant, by its name.
+
+    It runs on the drive as fitted and on those of other laws, after the bench's first command and
+    after small moves.
+    """
+    drives = [one for one in bench.drives if one.law != bench.law.name]
+    return {
+        variant.name: max(
+            (_held(bench, drive, variant) for drive in [bench.drives[0], *drives]),
+            key=lambda hold: (hold.reversals >= 2, hold.swing),
+        )
+        for variant in variants
+    }
+
+
+def hunting_at_rest(found: Mapping[str, Hold], compensated: Variant, step: float) -> list[Finding]:
+    """Return a finding where a drive hunts with a variant; ``found`` has that of none as well."""
+    hold, limit = found[compensated.name], RESOLVED * step
+    if not hold.hunts(limit):
+        return []
+    message = (
+        f"{described(hold)} with the compensator on a drive with {hold.drive}, and"
+        f" {described(found['none'])} without; expected at most {1e6 * limit:.3g} {hold.unit};"
+        " switch the integral off at rest, lower K_i, or raise K_p"
+    )
+    return [Finding("hunting", hold.swing, limit, hold.unit[1:], message)]
+
+
+def described(hold: Hold) -> str:
+    """Return what a hold showed."""
+    if not np.isfinite(hold.swing):
+        return "at rest the position runs away"
+    return (
+        f"at rest the position swings by {1e6 * hold.swing:.3g} {hold.unit} with"
+        f" {hold.reversals} reversals in {hold.duration:.3g} s"
+    )
+
+
+def _held(bench: Bench, drive: Drive, variant: Variant) -> Hold:
+    loop, step = bench.loop, bench.datasheet.encoder_step
+    n = round(hold_time(loop, drive.parameters, step) / loop.T_s)
+    v_cmd, begins = _motions(bench.commands[0].v_cmd, step, n, loop.T_s)
+    system = build_loop(bench.folder_of(drive.law), loop, variant.chain, bench.feed)
+    values = {**axis_values(loop, bench.datasheet), **drive.parameters}
+    system.parameters |= in_loop(values)
+    stop = (len(v_cmd) - 1) * loop.T_s
+    with system.prepare(step=loop.T_s, stop=stop, record=("drive.x", "drive.v")) as simulation:
+        try:
+            run = simulation.run(variant.parameters, loop.commands(v_cmd))
+            require_bounded(run["drive.v"], float(np.max(np.abs(v_cmd))))
+        except cosim.SimulationError:
+            return Hold(np.inf, 2, 0.5 * n * loop.T_s, drive.name)
+    halves = [run["drive.x"][begin + n // 2 : begin + n] for begin in begins]
+    found = [
+        Hold(float(np.ptp(half)), reversals(half, 0.5 * step), 0.5 * n * loop.T_s)
+        for half in halves
+    ]
+    worst = max(found, key=lambda hold: (hold.reversals >= 2, hold.swing))
+    return replace(worst, drive=drive.name, unit=loop.axis.unit("um"))
+
+
+def _motions(v_cmd: Array, step: float, n: int, T_s: float) -> tuple[Array, list[int]]:
+    """Return a command and small moves (m,), n samples of rest after each, and where they begin."""
+    rest = np.zeros(n)
+    shape = (1.0 - np.cos(2.0 * np.pi * np.arange(RISE) / RISE)) / (RISE * T_s)
+    pieces, begins = [v_cmd, rest], [len(v_cmd)]
+    for length in MOVES:
+        begins.append(begins[-1] + n + RISE)
+        pieces += [length * step * shape, rest]
+    return np.concatenate(pieces), begins
+
+
+def reversals(x: Array, least: float) -> int:
+    """Return how often a position (n,) turns back by half of its range and ``least`` [m]."""
+    least, count, way = max(0.5 * float(np.ptp(x)), least), 0, 0
+    low = high = float(x[0])
+    for value in x.tolist():
+        low, high = min(low, value), max(high, value)
+        if way >= 0 and high - value > least:
+            count, way, low = count + way, -1, value
+        elif way <= 0 and value - low > least:
+            count, way, high = count - way, 1, value
+    return count

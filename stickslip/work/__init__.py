@@ -1,0 +1,1 @@
+"""Jobs on workers, and what is kept of them."""
