@@ -24,6 +24,7 @@ from stickslip.cosim import Simulation
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import aligned, samples_late
 from stickslip.servo.systems import Compensator, build_fmus, build_loop
+from stickslip.studies.learn import tables
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
 from stickslip.studies.learn.log_learning import read_and_check, with_trial
 from stickslip.trial.compensator_trial import loops_of_log
@@ -93,7 +94,7 @@ def tried(name: str, drive: Drive, law: str, out: Path) -> Iterator[dict[str, ob
                 one.writes(), 1.0
             )
         if compared and way == "auto":
-            print(compared.table().round(3).to_string(index=False), flush=True)
+            print(tables.compensators(compared).frame().round(3).to_string(index=False), flush=True)
         ratios = on_drive(drive, written(one), one.estimation.law.name)
         for level, of in ratios.items():
             mean = float(np.exp(np.mean(np.log(list(of.values())))))

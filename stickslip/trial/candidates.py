@@ -16,7 +16,6 @@ from functools import cached_property
 from itertools import islice, product
 
 import numpy as np
-import pandas as pd
 
 from stickslip.catalog.parameters import friction_law, learnable_laws
 from stickslip.compensators.entrants import FEEDFORWARD as ANY_LAW
@@ -169,26 +168,6 @@ class Compared:
             replace(row, benefit=row.benefit.whole()) if row.benefit else row for row in self.rows
         )
         return replace(self, rows=tuple(rows))
-
-    def table(self) -> pd.DataFrame:
-        """Return a row for each compensator.
-
-        Columns: compensator, fitted (geometric mean of the ratios of the errors on the drive with
-        friction as fitted), mean (on all drives), worst, Ms, acceptable.
-        """
-        return pd.DataFrame(
-            [
-                {
-                    "compensator": row.name,
-                    "fitted": row.benefit.fitted_ratio if row.benefit else 1.0,
-                    "mean": row.mean,
-                    "worst": row.benefit.worst_ratio if row.benefit else 1.0,
-                    "Ms": row.sensitivity,
-                    "acceptable": row.acceptable,
-                }
-                for row in self.rows
-            ]
-        )
 
 
 def offered(law: Law, absent: Sequence[str] = ()) -> dict[str, Part]:

@@ -13,9 +13,6 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-import numpy as np
-import pandas as pd
-
 from stickslip.servo.axis import ControlError
 from stickslip.servo.observer import LIMIT, DesignedObserver, design_observer
 from stickslip.servo.sensitivity import peak_sensitivity
@@ -98,26 +95,6 @@ class Observed:
         if not benefit.acceptable:
             return benefit.reason.replace("with the whole force ", f"with {benefit.variant.name} ")
         return "" if choice in (OBSERVER, BOTH) else "it does not reduce the mean tracking error"
-
-    def summary(self) -> pd.DataFrame:
-        """Return how many times the error of none each part leaves.
-
-        Columns: part, share (of the feedforward), fitted (geometric mean over the commands on the
-        first drive), mean (over all drives and commands), worst, acceptable.
-        """
-        rows = []
-        for name, benefit in self.parts.items():
-            rows.append(
-                {
-                    "part": name,
-                    "share": benefit.share if benefit.variant.has_feedforward else np.nan,
-                    "fitted": benefit.fitted_ratio,
-                    "mean": benefit.mean_ratio,
-                    "worst": benefit.worst_ratio,
-                    "acceptable": benefit.acceptable,
-                }
-            )
-        return pd.DataFrame(rows)
 
 
 def try_observer(bench: Bench, feedforward: Benefit, designs: Iterable[Designed]) -> Observed:

@@ -12,6 +12,7 @@ from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.observer import LIMIT
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
+from stickslip.studies.learn import tables
 from stickslip.trial.guards import Known, bench_of, family, feedforward
 from stickslip.trial.observed import BOTH, OBSERVER, Observed, kalman_designs, try_observer
 
@@ -48,7 +49,7 @@ def test_an_observer_takes_the_place_of_a_feedforward_that_harms(observed):
 
 
 def test_both_are_better_than_the_feedforward(observed):
-    parts = observed.summary().set_index("part")
+    parts = tables.parts(observed).frame().set_index("part")
     assert parts["mean"][BOTH] < parts["mean"]["feedforward"]
     assert parts["worst"][BOTH] < parts["worst"]["feedforward"]
     assert not parts["acceptable"]["feedforward"]

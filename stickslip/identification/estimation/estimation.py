@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip import ga
-from stickslip.catalog.parameters import DRIVE, unit_of
+from stickslip.catalog.parameters import DRIVE
 from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
 from stickslip.identification.criteria.scaling import SI, Scale
@@ -116,23 +116,6 @@ class Estimation:
     predictions: tuple[Prediction, ...] = ()
     choice: Choice | None = None
     friction_curve: FrictionCurve | None = None
-
-    def table(self) -> pd.DataFrame:
-        """Return a row for each parameter, in SI units.
-
-        Returns
-        -------
-        DataFrame
-            parameter, unit, value, standard_error, low, high (95 %), identifiability, sentence
-        """
-        rotary = self.recording.rotary
-        columns = ("value", "standard_error", "low", "high", "identifiability", "sentence")
-        rows = [
-            {"parameter": name, "unit": unit_of(name, rotary=rotary)}
-            | {column: getattr(known, column) for column in columns}
-            for name, known in self.known.items()
-        ]
-        return pd.DataFrame(rows)
 
     def spread(self) -> dict[str, float]:
         """Return the largest relative difference between searches by parameter; 0 for one search.

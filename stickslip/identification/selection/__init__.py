@@ -1,7 +1,7 @@
 """Which friction law explains a recording: each predicts the parts that it was not fitted to."""
 
 from stickslip.identification.selection.candidates import Candidate, candidates
-from stickslip.identification.selection.choice import Choice, choose, law_table
+from stickslip.identification.selection.choice import Choice, choose
 from stickslip.identification.selection.prediction import Prediction, predict, predictions
 
 __all__ = [
@@ -10,7 +10,6 @@ __all__ = [
     "Prediction",
     "candidates",
     "choose",
-    "law_table",
     "predict",
     "predictions",
 ]

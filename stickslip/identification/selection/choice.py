@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import pandas as pd
-
 from stickslip.catalog.parameters import unit_of
 from stickslip.identification.selection.folds import is_less
 from stickslip.identification.selection.prediction import Prediction
@@ -62,25 +60,3 @@ def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice
 def is_better(one: Prediction, other: Prediction) -> bool:
     """Tell whether one predicts better, by the standard error over blocks."""
     return is_less(one.squares, other.squares)
-
-
-def law_table(predictions: Sequence[Prediction]) -> pd.DataFrame:
-    """Return a row for each law, in SI units.
-
-    Returns
-    -------
-    DataFrame
-        law, held_out_error, relative, explained, shown: the parameters beyond Coulomb friction
-        that the recording identifies
-    """
-    rows = [
-        {
-            "law": one.candidate.title,
-            "held_out_error": one.force,
-            "relative": one.relative,
-            "explained": one.explained,
-            "shown": ", ".join(one.shown),
-        }
-        for one in predictions
-    ]
-    return pd.DataFrame(rows)

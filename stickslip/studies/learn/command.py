@@ -195,6 +195,7 @@ def _print_written(written: Written, folder: Path) -> None:
 
 def print_estimation(estimation: Estimation) -> None:
     """Print criterion, parameters with intervals, and relative errors."""
+    from stickslip.studies.learn import tables
     from stickslip.studies.learn.terminal import print_laws
 
     print(f"\ncriterion: {estimation.criterion} ({estimation.reason})")
@@ -204,10 +205,7 @@ def print_estimation(estimation: Estimation) -> None:
         print(f"{fault}; no parameter is reported as identifiable" if fault.spoils else fault)
     print_laws(estimation)
     rotary = estimation.recording.rotary
-    for name, known in estimation.known.items():
-        interval = f"[{known.low:.5g}, {known.high:.5g}]"
-        unit = unit_of(name, rotary=rotary)
-        print(f"{name:8} {known.value:12.6g} {unit:9} {interval:26} {known.sentence}")
+    print(tables.parameters(estimation).text())
     for name, value in estimation.chosen.items():
         one = estimation.law.parameters[name]
         meant = "exponent of the Stribeck curve, 1 or 2" if name == "delta" else one.description

@@ -10,8 +10,6 @@ import pandas as pd
 
 from stickslip.catalog.parameters import start_unit, unit_of
 from stickslip.evaluation.tracking import Tracking
-from stickslip.identification.estimation import Estimation
-from stickslip.identification.selection import law_table
 from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.learned.writing import (
     OBSERVER_MODEL,
@@ -24,25 +22,18 @@ from stickslip.learned.writing import (
     versions,
 )
 from stickslip.servo.paper_commands import VALIDATION
+from stickslip.studies.learn import tables
 from stickslip.studies.learn.learned import LearnedFromRecording
 from stickslip.trial.guards import Hold
-
-IDENTIFIABILITY = ("standard_error", "low", "high", "identifiability", "sentence")
 
 
 def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
     """Return the content of learned.json for what one recording gave, values in SI units."""
     estimation, loop = learned.estimation, learned.known_loop
     rotary = estimation.recording.rotary
-    known = estimation.known
-    parameters = {
-        name: {"value": value.value, "unit": unit_of(name, rotary=rotary)}
-        | {key: getattr(value, key) for key in IDENTIFIABILITY}
-        for name, value in known.items()
-    }
     document: dict[str, Any] = {
         "schema": SCHEMA,
-        "parameters": parameters,
+        "parameters": tables.parameters(estimation).by_key(),
         "F_0": {"value": estimation.F_0, "unit": unit_of("F_c", rotary=rotary)},
         "delay": {"value": estimation.delay, "unit": "s"},
         "T_s": {"value": estimation.recording.T_s, "unit": "s"},
@@ -57,7 +48,10 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         "relative_errors": {
             name: _finite(value) for name, value in estimation.figures.errors().items()
         },
-        "prediction": _prediction_document(estimation),
+        "prediction": {
+            "laws": tables.laws(estimation).records(),
+            "choice": estimation.choice and estimation.choice.reason,
+        },
         "evaluations": int(estimation.searches["evaluations"].sum()),
         "seed": learned.seed,
         "spread_over_searches": estimation.spread(),
@@ -71,21 +65,6 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
             "validation": validation_document(VALIDATION, rotary=rotary),
         }
     return document | law_entry(estimation.law) | {"versions": versions()}
-
-
-def _prediction_document(estimation: Estimation) -> dict[str, Any]:
-    """Return the force error of each law that was tried where it was not fitted."""
-    unit = unit_of("F_c", rotary=estimation.recording.rotary)
-    laws = [
-        {
-            "law": row["law"],
-            "held_out_error": {"value": row["held_out_error"], "unit": unit},
-            "relative": {"value": row["relative"], "unit": "1"},
-            "explained": {"value": row["explained"], "unit": unit},
-        }
-        for row in law_table(estimation.predictions).to_dict("records")
-    ]
-    return {"laws": laws, "choice": estimation.choice and estimation.choice.reason}
 
 
 def curve_document(curve: FrictionCurve, *, rotary: bool) -> dict[str, Any]:
@@ -153,7 +132,7 @@ def _feedforward_entry(learned: LearnedFromRecording) -> dict[str, Any]:
         "compared": {
             "chosen": compared.chosen.name,
             "sentence": compared.sentence,
-            "compensators": _rows(compared.table()),
+            "compensators": tables.compensators(compared).records(),
         },
     }
     if one.model != "compensator":
@@ -179,7 +158,7 @@ def _observer_entry(learned: LearnedFromRecording) -> dict[str, Any]:
             "peak_sensitivity": {"value": designed.sensitivity, "unit": "1"},
             "peak_sensitivity_without": {"value": designed.without, "unit": "1"},
         }
-    rows = _rows(observed.summary())
+    rows = tables.parts(observed).records()
     return {"compensation": learned.choice, "observer": entry, "error_ratio_of_parts": rows}
 
 

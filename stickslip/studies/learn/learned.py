@@ -30,6 +30,7 @@ from stickslip.logs import Finding, Recording
 from stickslip.servo.axis import ControlError
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.studies.learn import tables
 from stickslip.trial.candidates import AUTO
 from stickslip.trial.guards import Benefit
 from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
@@ -97,7 +98,7 @@ class LearnedFromRecording(Learned):
 
     def table(self) -> pd.DataFrame:
         """Return a row for each parameter in SI units, with its 95 % interval."""
-        return self.estimation.table()
+        return tables.parameters(self.estimation).frame()
 
     def __repr__(self) -> str:
         values = ", ".join(

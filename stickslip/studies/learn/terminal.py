@@ -2,33 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping
 from itertools import groupby
 from typing import TextIO
 
 import numpy as np
 
-from stickslip.catalog.parameters import unit_of
 from stickslip.evaluation.tracking import TRACKING_FIGURES, Tracking
 from stickslip.identification.estimation import Estimation
-from stickslip.identification.selection import law_table
 from stickslip.presentation.quantity import size_or_dash
+from stickslip.studies.learn import tables
 from stickslip.trial.candidates import Compared
 from stickslip.trial.guards import Benefit, Hold
 from stickslip.trial.observed import Observed
 
 TRACKING = "\ntracking error relative to none, on the same simulated drives and commands:"
-SHARES = f"{'fitted drive':>14}{'mean':>8}{'worst':>8}"
 WIDTHS = (9, 9, 9, 13)
 
 
 def print_laws(estimation: Estimation) -> None:
     """Print the error of each law that was tried where it was not fitted."""
-    unit = unit_of("F_c", rotary=estimation.recording.rotary)
-    print(f"\nforce error where the law was not fitted [{unit}]        noise and steps explain")
-    for row in law_table(estimation.predictions).to_dict("records"):
-        error = f"{row['held_out_error']:9.3g} {100.0 * row['relative']:8.3g} %"
-        print(f"{row['law']:18}{error} {row['explained']:20.3g}")
+    print("\nforce error where the law was not fitted")
+    print(tables.laws(estimation).text())
     if estimation.choice:
         print(f"law: {estimation.choice.reason}")
     print()
@@ -72,10 +67,7 @@ def print_parts(observed: Observed) -> None:
     if observed.designed is None:
         print(f"\n{observed.reason}")
         return
-    print(TRACKING, f"{'compensation':24}{SHARES}", sep="\n")
-    for one in observed.summary().to_dict("records"):
-        note = "" if one["acceptable"] else "  worse than none"
-        print(f"{one['part']:24}{_ratios(one)}{note}")
+    print(TRACKING, tables.parts(observed).text(), sep="\n")
     designed = observed.designed
     print(
         f"peak sensitivity {designed.sensitivity:.3g} with the observer, {designed.without:.3g} "
@@ -85,17 +77,8 @@ def print_parts(observed: Observed) -> None:
 
 def print_compared(compared: Compared) -> None:
     """Print what each compensator leaves of the error of none, and which one is chosen."""
-    print(TRACKING, f"{'compensator':24}{SHARES}{'Ms':>8}", sep="\n")
-    for one in compared.table().to_dict("records"):
-        note = "" if one["acceptable"] else "  worse than none"
-        print(f"{one['compensator']:24}{_ratios(one)}{one['Ms']:8.3g}{note}")
+    print(TRACKING, tables.compensators(compared).text(), sep="\n")
     print(compared.sentence)
-
-
-def _ratios(one: Mapping[Hashable, float]) -> str:
-    """Return the ratios of the errors to those of none, of a row of a summary."""
-    widths = {"fitted": "14.3g", "mean": "8.3g", "worst": "8.4g"}
-    return "".join(size_or_dash(one[name], spec) for name, spec in widths.items())
 
 
 def print_tracking(tracking: Tracking, *, rotary: bool = False) -> None:

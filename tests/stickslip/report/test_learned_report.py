@@ -20,9 +20,10 @@ from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
 from stickslip.presentation.page import Picture
 from stickslip.presentation.quantity import interval, number
+from stickslip.presentation.scale import Scale, thinned
 from stickslip.presentation.style import house_style, new_figure
 from stickslip.studies.learn.page import FIGURES, content, sections, write_estimation_report
-from stickslip.studies.learn.page.signals import Scale, residual, thinned
+from stickslip.studies.learn.page.signals import residual
 
 pytestmark = pytest.mark.slow
 

@@ -9,6 +9,7 @@ from stickslip.fmi.files import atomic_write
 from stickslip.identification.estimation import Estimation
 from stickslip.logs import Finding
 from stickslip.presentation.page import Section, picture_files, write_page
+from stickslip.studies.learn import tables
 from stickslip.studies.learn.page import content
 from stickslip.studies.learn.page.laws import laws
 
@@ -65,7 +66,7 @@ def write_estimation_report(
     The page names learned.json and compensator.fmu if the folder contains them. Parameters are
     those of ``sections``, and ``write_page`` tells what is returned and raised.
     """
-    table = estimation.table().to_csv(index=False, lineterminator="\n")
+    table = tables.parameters(estimation).frame().to_csv(index=False, lineterminator="\n")
     written = [atomic_write(folder / "parameters.csv", table)]
     beside = [path.name for path in folder.iterdir()]
     title = f"Friction of a drive, learned from {estimation.recording.source}"

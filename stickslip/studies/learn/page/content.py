@@ -11,20 +11,20 @@ import numpy as np
 
 from stickslip.identification.controller.initial_state import is_running
 from stickslip.identification.criteria.output_error import OutputError
-from stickslip.identification.estimation import Estimation, Identifiability
+from stickslip.identification.estimation import Estimation
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, LEVELS, NOT_IDENTIFIABLE
 from stickslip.logs import Finding
 from stickslip.presentation.markup import Html, element, join, paragraph, prose, table, tile
 from stickslip.presentation.page import Illustration, Section, commands, file_list, made_with
 from stickslip.presentation.quantity import (
-    interval,
-    meaning,
     number,
     percentage,
     symbol,
     with_error,
 )
+from stickslip.presentation.scale import WORDS, force_scale, velocity_scale
 from stickslip.servo.observer import LIMIT
+from stickslip.studies.learn import tables
 from stickslip.studies.learn.page.figures import (
     draw_correlations,
     draw_force,
@@ -34,15 +34,10 @@ from stickslip.studies.learn.page.figures import (
     unresolved,
 )
 from stickslip.studies.learn.page.signals import (
-    WORDS,
-    Scale,
-    force_scale,
     measures_friction,
-    parameter_scale,
     residual,
     simulated_position,
     steady_name,
-    velocity_scale,
 )
 from stickslip.studies.learn.page.stretches import stretches
 from stickslip.trial.candidates import Compared
@@ -55,6 +50,7 @@ ERRORS = {
     "velocity": "Velocity, loop simulated",
     "closed_loop_force": "{0}, loop simulated",
 }
+RELATIVE = "Tracking error of the simulated drives relative to that without compensation"
 
 
 def head(estimation: Estimation) -> Section:
@@ -65,7 +61,8 @@ def head(estimation: Estimation) -> Section:
 def learned(estimation: Estimation) -> Section:
     """Return what was learned: verdict, relative errors, and the table of parameters."""
     title = "Learned parameters"
-    return Section(title, _verdict(estimation), _table(estimation), _rest(estimation))
+    table_of = tables.parameters(estimation).html(f"{title} (value ± standard error)")
+    return Section(title, _verdict(estimation), table_of, _rest(estimation))
 
 
 def _what(estimation: Estimation) -> Html:
@@ -104,36 +101,6 @@ def _verdict(estimation: Estimation) -> Html:
     )
 
 
-def _table(estimation: Estimation) -> Html:
-    motion = estimation.recording.motion
-    rows = [
-        (
-            symbol(name),
-            meaning(name, estimation.law),
-            *cells(known, parameter_scale(name, known.value, motion)),
-            prose(known.sentence),
-        )
-        for name, known in estimation.known.items()
-    ]
-    return table(
-        ("", "", "Learned", "95 % interval", "Unit", "How well"),
-        rows,
-        "Learned parameters (value ± standard error)",
-        (0, 1, 4, 5),
-    )
-
-
-def cells(known: Identifiability, scale: Scale) -> tuple[str, str, str]:
-    """Return value with error, interval, and unit; what is not identifiable has no error."""
-    value, error = scale.factor * known.value, scale.factor * known.standard_error
-    sentences = (
-        f"≈ {number(value, 2)}"
-        if known.identifiability == NOT_IDENTIFIABLE
-        else with_error(value, error)
-    )
-    return sentences, interval(scale.factor * known.low, scale.factor * known.high), scale.unit
-
-
 def _rest(estimation: Estimation) -> Html:
     """Return the constant force, the delay and the exponent."""
     error = estimation.errors["F_0"]
@@ -170,7 +137,7 @@ def compensation(
         verdict = f"The compensator increases the tracking error: {benefit.reason}."
     elif benefit.share < 1.0:
         verdict = f"It gives {percentage(benefit.share)} of the learned force: {benefit.reason}."
-    tables = []
+    shown_tables = []
     for figure, shown in benefit.tables().items():
         factor, unit = benefit.shown(shown[0])
         what = "tracking" if len(shown) == len(benefit.rows) else figure
@@ -186,7 +153,7 @@ def compensation(
             for drive, of in groupby(shown, key=lambda row: row.drive)
         ]
         title = f"RMS {what} error without → with the compensator, in {unit.replace('um', 'µm')}"
-        tables.append(table(("Simulated drive", *commands), rows, title, (0,)))
+        shown_tables.append(table(("Simulated drive", *commands), rows, title, (0,)))
     return Section(
         "Whether compensation helps",
         paragraph(
@@ -197,34 +164,20 @@ def compensation(
             "Commands are the paper’s trapezoid at the log’s speed, a tenth and a hundredth of it, "
             f"moves of a few presliding deflections, and short moves. {verdict}"
         ),
-        *tables,
+        *shown_tables,
         *(_compared(compared) if compared else _observer(observed) if observed else ()),
     )
 
 
 def _compared(compared: Compared) -> list[Html]:
     """Return what each compensator leaves of the error of none."""
-    sizes = ("fitted", "mean", "worst", "Ms")
-    rows = [
-        (
-            one["compensator"],
-            *(number(one[name], 4) for name in sizes),
-            "yes" if one["acceptable"] else "no",
-        )
-        for one in compared.table().to_dict("records")
-    ]
     return [
         paragraph(
             f"Compensators that were tried on the same drives: {compared.sentence}. The peak"
             f" sensitivity $M_s$ of the loop is the largest for all masses that the log"
             f" allows; with an observer, at most {LIMIT:g}."
         ),
-        table(
-            ("Compensator", "Fitted drive", "Mean", "Worst", "$M_s$", "Never worse"),
-            rows,
-            "Tracking error of the simulated drives relative to that without compensation",
-            (0, 5),
-        ),
+        tables.compensators(compared).html(RELATIVE),
     ]
 
 
@@ -234,14 +187,6 @@ def _observer(observed: Observed) -> list[Html]:
         return [paragraph(f"There is {observed.reason}.")]
     designed = observed.designed
     share = dict(designed.observer.values)["share"]
-    rows = [
-        (
-            one["part"],
-            *(number(one[name], 4) for name in ("fitted", "mean", "worst")),
-            "yes" if one["acceptable"] else "no",
-        )
-        for one in observed.summary().to_dict("records")
-    ]
     return [
         paragraph(
             "A disturbance observer estimates from encoder and motor force what the feedforward "
@@ -251,12 +196,7 @@ def _observer(observed: Observed) -> list[Html]:
             f"{number(designed.without, 3)}, at most {LIMIT:g} for all masses that the log allows. "
             f"Recommended: {observed.recommended or 'none of them'}."
         ),
-        table(
-            ("Compensation", "Fitted drive", "Mean", "Worst", "Never worse"),
-            rows,
-            "Tracking error of the simulated drives relative to that without compensation",
-            (0, 4),
-        ),
+        tables.parts(observed).html(RELATIVE),
     ]
 
 

@@ -28,26 +28,28 @@ from stickslip.identification.estimation import Estimation
 from stickslip.presentation import style
 from stickslip.presentation.interactive import keep
 from stickslip.presentation.quantity import meaning, number, percent, symbol
-from stickslip.presentation.style import GREY, SHADE, WITH, WITHOUT
-from stickslip.servo.measurement import Array
-from stickslip.studies.learn.page.signals import (
+from stickslip.presentation.scale import (
     WORDS,
-    Parts,
     Scale,
     force_scale,
     from_start,
-    measures_friction,
     parameter_scale,
-    parts,
     position_scale,
+    spread,
+    thinned,
+    velocity_scale,
+)
+from stickslip.presentation.style import GREY, SHADE, WITH, WITHOUT
+from stickslip.servo.measurement import Array
+from stickslip.studies.learn.page.signals import (
+    Parts,
+    measures_friction,
+    parts,
     residual,
     simulated_position,
     sliding,
-    spread,
     steady_friction,
     steady_name,
-    thinned,
-    velocity_scale,
 )
 
 

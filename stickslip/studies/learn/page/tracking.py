@@ -14,14 +14,8 @@ from stickslip.presentation import style
 from stickslip.presentation.markup import paragraph, quiet, table
 from stickslip.presentation.page import Illustration, Section
 from stickslip.presentation.quantity import number, percentage
+from stickslip.presentation.scale import WORDS, Scale, position_scale, thinned, velocity_scale
 from stickslip.servo.measurement import Array
-from stickslip.studies.learn.page.signals import (
-    WORDS,
-    Scale,
-    position_scale,
-    thinned,
-    velocity_scale,
-)
 
 FIGURE = "tracking"
 ZOOM = 0.04

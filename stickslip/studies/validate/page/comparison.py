@@ -14,7 +14,7 @@ from stickslip.presentation import style
 from stickslip.presentation.markup import element, paragraph, quiet, table
 from stickslip.presentation.page import Illustration, Section, made_with
 from stickslip.presentation.quantity import number, percentage
-from stickslip.studies.learn.page.signals import WORDS, position_scale, thinned, velocity_scale
+from stickslip.presentation.scale import WORDS, position_scale, thinned, velocity_scale
 from stickslip.studies.validate.compared_logs import Compared, LogComparison, sentences
 
 FIGURES = ("comparison",)

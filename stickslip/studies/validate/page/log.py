@@ -16,15 +16,9 @@ from stickslip.presentation.markup import element, join, paragraph, quiet, table
 from stickslip.presentation.page import Illustration, Section, made_with
 from stickslip.presentation.quantity import interval, number, percentage
 from stickslip.presentation.quantity import unit as printed
+from stickslip.presentation.scale import WORDS as PLACES
+from stickslip.presentation.scale import Scale, force_scale, position_scale, thinned, velocity_scale
 from stickslip.servo.measurement import Array
-from stickslip.studies.learn.page.signals import WORDS as PLACES
-from stickslip.studies.learn.page.signals import (
-    Scale,
-    force_scale,
-    position_scale,
-    thinned,
-    velocity_scale,
-)
 from stickslip.studies.validate.log_prediction import FRICTION, LogPrediction
 from stickslip.studies.validate.log_verdict import WORDS, verdict
 

@@ -1,0 +1,123 @@
+"""Tables of results: columns are described once, and shown on a terminal, on pages and in files.
+
+    table = Table(
+        (
+            Column("law", title="law", head="Friction law"),
+            Column("error", text=".3g", title="error [N]", head="Error", unit="N", digits=3),
+        ),
+        rows,
+    )
+    print(table.text()); table.html(caption); table.records(); table.frame()
+
+A row has values in SI units by the name of their column. A column is not shown where it lacks a
+description: without ``text`` not on a terminal, without ``head`` not on a page.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from stickslip.presentation.markup import Html
+from stickslip.presentation.markup import table as table_markup
+from stickslip.presentation.quantity import number
+
+Row = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table.
+
+    Attributes
+    ----------
+    name : of its values in a row, and its key in files
+    text : how a terminal shows it: a format of its value, or a function of the row
+    title : its head on a terminal
+    head : its head on a page
+    cell : what a page shows of a row; by default the number, or the text as it is
+    digits : significant ones of a number on a page
+    unit : with which files state its values
+    stored : whether files have it
+    """
+
+    name: str
+    text: str | Callable[[Row], str] | None = None
+    title: str = ""
+    head: str | None = None
+    cell: Callable[[Row], str] | None = None
+    digits: int = 4
+    unit: str = ""
+    stored: bool = True
+
+    def on_terminal(self, row: Row) -> str:
+        """Return the value of a row as a terminal shows it; a dash where it is not finite."""
+        if callable(self.text):
+            return self.text(row)
+        value = row[self.name]
+        return "-" if _plain(value) is None else format(value, self.text or "")
+
+    def on_page(self, row: Row) -> str:
+        """Return the value of a row as a page shows it."""
+        value = row[self.name] if self.cell is None else self.cell(row)
+        return number(value, self.digits) if isinstance(value, float) else str(value)
+
+    def in_file(self, row: Row) -> object:
+        """Return the value of a row as plain data, with its unit where that is stated."""
+        value = _plain(row[self.name])
+        return {"value": value, "unit": self.unit} if self.unit else value
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns and rows."""
+
+    columns: Sequence[Column]
+    rows: Sequence[Row]
+
+    def text(self) -> str:
+        """Return the lines of a terminal; words are set to the left, numbers to the right."""
+        shown = [column for column in self.columns if column.text is not None]
+        lines = [[column.on_terminal(row) for column in shown] for row in self.rows]
+        if any(column.title for column in shown):
+            lines.insert(0, [column.title for column in shown])
+        widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
+        marks = [">" if self._is_number(column) else "<" for column in shown]
+        return "\n".join(
+            "  ".join(map("{:{}{}}".format, line, marks, widths)).rstrip() for line in lines
+        )
+
+    def html(self, caption: str) -> Html:
+        """Return the table of a page."""
+        shown = [column for column in self.columns if column.head is not None]
+        words = [i for i, column in enumerate(shown) if not self._is_number(column)]
+        cells = [[column.on_page(row) for column in shown] for row in self.rows]
+        return table_markup([column.head or "" for column in shown], cells, caption, words)
+
+    def records(self) -> list[dict[str, object]]:
+        """Return the rows as plain data; a number that is not finite is None."""
+        return [
+            {column.name: column.in_file(row) for column in self.columns if column.stored}
+            for row in self.rows
+        ]
+
+    def by_key(self) -> dict[str, dict[str, object]]:
+        """Return the rows as plain data, by the value of the first column."""
+        key = self.columns[0].name
+        return {str(row.pop(key)): row for row in self.records()}
+
+    def frame(self) -> pd.DataFrame:
+        """Return the rows as a DataFrame."""
+        names = [column.name for column in self.columns if column.stored]
+        return pd.DataFrame([{name: row[name] for name in names} for row in self.rows])
+
+    def _is_number(self, column: Column) -> bool:
+        return any(isinstance(row[column.name], float) for row in self.rows)
+
+
+def _plain(value: object) -> object:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
