@@ -90,13 +90,13 @@ def print_tracking(tracking: Tracking, *, rotary: bool = False) -> None:
     )
     errors = [tracking.measured, *tracking.errors().values()]
     for key in TRACKING_FIGURES:
-        factor, unit, title = tracking_figure(key, rotary=rotary)
+        factor, unit, title = _tracking_figure(key, rotary=rotary)
         cells = [f"{factor * error.items()[key]:.3g}" if error else "-" for error in errors]
         shown = "".join(f"{cell:>{width}}" for cell, width in zip(cells, WIDTHS, strict=True))
         print(f"{title:13}{unit:8}{shown} {100.0 * tracking.reduction(key):8.1f} %")
 
 
-def tracking_figure(key: str, *, rotary: bool) -> tuple[float, str, str]:
+def _tracking_figure(key: str, *, rotary: bool) -> tuple[float, str, str]:
     """Return factor, unit and title of a figure of tracking errors."""
     length, (what, size) = "rad" if rotary else "m", key.split("_")
     title = f"{what} {size.upper() if size == 'rms' else size}"

@@ -114,7 +114,7 @@ def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str,
     )
     found = compare_logs(compensated, without, learned)
     recording = without.reading.recording
-    print_comparison(found, rotary=recording.rotary)
+    print_comparison(found, recording.motion)
     if options.out:
         names = (recording.source, compensated.reading.recording.source)
         write_comparison(found, recording.motion, names, learned, without.controller, options.out)

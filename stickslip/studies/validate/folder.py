@@ -7,13 +7,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import Motion
-from stickslip.models.export.units import motion_unit
 from stickslip.presentation.page import picture_files, write_page
 from stickslip.storage import staged
 from stickslip.storage.writing import write_tables
+from stickslip.studies.validate import tables
 from stickslip.studies.validate.compared_logs import LogComparison
 from stickslip.studies.validate.log_prediction import LogPrediction
 from stickslip.studies.validate.page import comparison, log
@@ -44,10 +43,8 @@ def write_log_validation(
     OSError
         When a file cannot be written.
     """
-    tables = {
-        "prediction": pd.DataFrame(
-            {"signal": name, **vars(one), "ratio": one.ratio} for name, one in found.signals.items()
-        ),
+    frames = {
+        "prediction": tables.signals(found).frame(),
         "changes": pd.DataFrame(
             {"parameter": name, **vars(one)} for name, one in found.changes.items()
         ),
@@ -55,7 +52,7 @@ def write_log_validation(
     }
     sections = log.log_sections(found, learned.drive, learned.path.name, controller)
     with staged(folder, command) as staging:
-        write_tables(tables, staging)
+        write_tables(frames, staging)
         title = f"{learned.path.name} against the log {found.recording.source}"
         write_page(staging, title, sections)
 
@@ -75,25 +72,8 @@ def write_comparison(
     OSError
         When a file cannot be written.
     """
-    rows = [
-        {
-            "kind": kind,
-            "error": key,
-            "unit": motion_unit(
-                "m/s" if key.startswith("velocity") else "m", rotary=motion == "rotary"
-            ),
-            "without": one.errors[NONE].items()[key],
-            "with": one.errors[FEEDFORWARD].items()[key],
-            "reduction": reduction.value,
-            "low": reduction.low,
-            "high": reduction.high,
-        }
-        for kind, one in (("measured", found.measured), ("simulated", found.simulated))
-        if one is not None
-        for key, reduction in one.reductions.items()
-    ]
     sections = comparison.comparison_sections(found, motion, logs, learned.path.name, controller)
     command = {"name": "validate", "without": logs[0], "log": logs[1]}
     with staged(folder, command) as staging:
-        write_tables({"tracking": pd.DataFrame(rows)}, staging)
+        write_tables({"tracking": tables.tracking(found, motion).frame()}, staging)
         write_page(staging, f"{logs[1]} against {logs[0]}: what the compensator brought", sections)

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from stickslip.evaluation.tracking import FEEDFORWARD, NONE, TRACKING_FIGURES
+from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.logs import Motion
 from stickslip.presentation import style
-from stickslip.presentation.markup import element, paragraph, quiet, table
+from stickslip.presentation.markup import element, paragraph, quiet
 from stickslip.presentation.page import Illustration, Section, made_with
-from stickslip.presentation.quantity import number, percentage
+from stickslip.presentation.quantity import number
 from stickslip.presentation.scale import WORDS, position_scale, thinned, velocity_scale
-from stickslip.studies.validate.compared_logs import Compared, LogComparison, sentences
+from stickslip.studies.validate import tables
+from stickslip.studies.validate.compared_logs import LogComparison, sentences
 
 FIGURES = ("comparison",)
 LOOKS = {NONE: style.WITHOUT, FEEDFORWARD: style.WITH}
@@ -46,31 +46,7 @@ def comparison_sections(
     return [head, _errors(found, motion, learned, controller), Section("Made with", made_with())]
 
 
-def _kinds(found: LogComparison) -> Iterator[tuple[str, Compared]]:
-    yield "Measured", found.measured
-    if found.simulated:
-        yield "Simulated", found.simulated
-
-
 def _errors(found: LogComparison, motion: Motion, learned: str, controller: str) -> Section:
-    place = WORDS[motion][0].capitalize()
-    rows = []
-    for kind, one in _kinds(found):
-        for key in TRACKING_FIGURES:
-            what, size = key.split("_")
-            scaled = velocity_scale if what == "velocity" else position_scale
-            sizes = [one.errors[name].items()[key] for name in LOOKS]
-            scale, reduction = scaled(motion, np.array(sizes[:1])), one.reductions[key]
-            title = "Velocity" if what == "velocity" else place
-            rows.append(
-                (
-                    f"{kind}: {title}, {'RMS' if size == 'rms' else 'maximum'}",
-                    scale.unit,
-                    *(number(scale.factor * value, 3) for value in sizes),
-                    percentage(reduction.value),
-                    f"{percentage(reduction.low)} … {percentage(reduction.high)}",
-                )
-            )
     n = int(found.part.max()) + 1
     parts = f"{n} repetitions of the command" if found.repeated else f"{n} equal parts of the logs"
     texts = [
@@ -90,19 +66,14 @@ def _errors(found: LogComparison, motion: Motion, learned: str, controller: str)
             "Errors of velocity and position, without and with the compensator, where both logs "
             "had the same command; time is that of the log without.",
         ),
-        table(
-            ("", "", "Without", "With", "Reduction", "95 % interval"),
-            rows,
-            "Tracking errors, measured in the logs and simulated",
-            (0, 1),
-        ),
+        tables.tracking(found, motion).html("Tracking errors, measured in the logs and simulated"),
         quiet(" ".join(texts)),
     )
 
 
 def draw_comparison(found: LogComparison, motion: Motion) -> Figure:
     """Draw command and errors over time: measured on the left, simulated on the right."""
-    kinds = list(_kinds(found))
+    kinds = list(tables.kinds(found))
     figure = style.new_figure(style.PAGE if len(kinds) > 1 else 1.3 * style.COLUMN, 120.0)
     panels = figure.subplots(3, len(kinds), sharex=True, sharey="row", squeeze=False)
     gaps = np.flatnonzero(np.diff(found.t) > 1.5 * (found.t[1] - found.t[0])) + 1
@@ -123,8 +94,8 @@ def draw_comparison(found: LogComparison, motion: Motion) -> Figure:
                 axes[2].plot(*thinned(t, x_scale.factor * one.position[name][part]), **look)
         titles = (
             "Velocity command",
-            f"Velocity error, {kind.lower()}",
-            f"{place} error, {kind.lower()}",
+            f"Velocity error, {kind}",
+            f"{place} error, {kind}",
         )
         for row, title in enumerate(titles):
             style.name_panel(axes[row], "abcdef"[3 * column + row], title)

@@ -4,31 +4,25 @@ from __future__ import annotations
 
 from functools import partial
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from stickslip.catalog.parameters import unit_of
 from stickslip.catalog.space import Values
 from stickslip.identification.criteria.motion import position_of
-from stickslip.logs import Motion
 from stickslip.presentation import style
 from stickslip.presentation.markup import element, join, paragraph, quiet, table, tile
 from stickslip.presentation.page import Illustration, Section, made_with
 from stickslip.presentation.quantity import interval, number, percentage
 from stickslip.presentation.quantity import unit as printed
 from stickslip.presentation.scale import WORDS as PLACES
-from stickslip.presentation.scale import Scale, force_scale, position_scale, thinned, velocity_scale
+from stickslip.presentation.scale import Scale, force_scale, position_scale, thinned
 from stickslip.servo.measurement import Array
+from stickslip.studies.validate import tables
 from stickslip.studies.validate.log_prediction import FRICTION, LogPrediction
 from stickslip.studies.validate.log_verdict import WORDS, verdict
+from stickslip.studies.validate.tables import signal_scale, signal_title
 
 FIGURES = ("prediction",)
-TITLES = {
-    "force": "{0}, inverse model",
-    "position": "{1}, loop simulated",
-    "velocity": "Velocity, loop simulated",
-    "closed_loop_force": "{0}, loop simulated",
-}
 
 
 def log_sections(
@@ -54,7 +48,7 @@ def log_sections(
 def _head(found: LogPrediction, values: Values, learned: str, controller: str) -> Section:
     first, *reasons = (f"{text[:1].upper()}{text[1:]}." for text in verdict(found, values))
     tiles = [
-        tile(_title(found, name), percentage(one.relative), "relative error")
+        tile(signal_title(name, found.recording.motion), percentage(one.relative), "relative error")
         for name, one in found.signals.items()
     ]
     recording = found.recording
@@ -74,33 +68,7 @@ def _head(found: LogPrediction, values: Values, learned: str, controller: str) -
     )
 
 
-def _title(found: LogPrediction, name: str) -> str:
-    place, push = (word.capitalize() for word in PLACES[found.recording.motion])
-    return TITLES[name].format(push, place)
-
-
-def _scale(motion: Motion, name: str, size: float) -> Scale:
-    """Return the unit of a signal by the first word of its name."""
-    kinds = {"position": position_scale, "velocity": velocity_scale}
-    return kinds.get(name.split("_")[0], force_scale)(motion, np.array([size]))
-
-
 def _signals(found: LogPrediction) -> Section:
-    motion, rows = found.recording.motion, []
-    for name, one in found.signals.items():
-        scale = _scale(motion, name, one.error)
-        sizes = (one.error, one.noise, one.intervals)
-        cells = (number(scale.factor * size, 3) for size in sizes)
-        rows.append(
-            (
-                _title(found, name),
-                *cells,
-                scale.unit,
-                percentage(one.relative),
-                number(one.ratio, 2),
-            )
-        )
-    head = ("Signal", "Error", "Noise", "Intervals", "Unit", "Relative", "Ratio")
     return Section(
         "Recorded and predicted",
         Illustration(
@@ -115,7 +83,7 @@ def _signals(found: LogPrediction) -> Section:
                 else "."
             ),
         ),
-        table(head, rows, "Root mean square of recorded less predicted", (0, 4)),
+        tables.signals(found).html("Root mean square of recorded less predicted"),
         quiet(
             "Noise: what noise and the steps of encoder and force make, from simulated logs. "
             "Intervals: at most what the standard errors of the parameters make. Ratio: of the "
@@ -155,7 +123,7 @@ def _spans(found: LogPrediction) -> Section:
         "force_error": "Force, RMS error",
         "position_error": f"{PLACES[motion][0].capitalize()}, RMS error",
     }
-    scales = {name: _scale(motion, name, float(table_of[name].abs().max())) for name in names}
+    scales = {name: signal_scale(motion, name, float(table_of[name].abs().max())) for name in names}
     rows = [
         (
             f"{number(row['begin'], 3)} to {number(row['end'], 3)}",

@@ -1,0 +1,59 @@
+"""A column that is described once is on the terminal, on the page and in files."""
+
+import math
+from dataclasses import replace
+
+from stickslip.presentation.table import Column, Table
+
+TABLE = Table(
+    (
+        Column("law", text="", title="law", head="Friction law"),
+        Column("error", text=".3g", title="error [N]", head="Error", unit="N", digits=2),
+        Column("kept"),
+        Column("known", text=lambda row: "yes" if row["known"] else "no", stored=False),
+    ),
+    [
+        {"law": "LuGre", "error": 0.123456, "kept": 1, "known": True},
+        {"law": "Dahl", "error": math.inf, "kept": 2, "known": False},
+    ],
+)
+
+
+def test_words_are_set_to_the_left_and_numbers_to_the_right():
+    assert TABLE.text().splitlines() == [
+        "law    error [N]",
+        "LuGre      0.123  yes",
+        "Dahl           -  no",
+    ]
+
+
+def test_a_page_has_the_columns_with_a_head():
+    page = TABLE.html("What was found")
+    assert page.count("<th ") == 2 + 2
+    assert "Friction law" in page
+    assert ">0.12<" in page
+    assert "0.1235" not in page
+
+
+def test_files_have_units_and_no_number_that_is_not_finite():
+    first, second = TABLE.records()
+    assert first == {"law": "LuGre", "error": {"value": 0.123456, "unit": "N"}, "kept": 1}
+    assert second["error"] == {"value": None, "unit": "N"}
+    assert TABLE.by_key()["Dahl"] == {"error": {"value": None, "unit": "N"}, "kept": 2}
+    assert list(TABLE.frame().columns) == ["law", "error", "kept"]
+    assert TABLE.frame()["error"].tolist() == [0.123456, math.inf]
+
+
+def test_a_further_column_is_everywhere():
+    further = Column("samples", text="d", title="samples", head="Samples")
+    rows = [{**row, "samples": 10 * k} for k, row in enumerate(TABLE.rows, 1)]
+    table = replace(TABLE, columns=(*TABLE.columns, further), rows=rows)
+    assert "samples" in table.text()
+    assert "20" in table.text()
+    assert "Samples" in table.html("")
+    assert table.records()[1]["samples"] == 20
+    assert "samples" in table.frame()
+
+
+def test_without_rows_there_are_titles():
+    assert replace(TABLE, rows=[]).text() == "law  error [N]"
