@@ -22,27 +22,41 @@ WHOLE = {"Boolean", "integer", "enumeration"}
 def sample_inputs(
     system: System, starts: Mapping[str, Value], inputs: Mapping[str, Input], time: Array
 ) -> Array:
-    """Return the exposed inputs over time, (n, number of exposed inputs)."""
-    for name in inputs:
-        if name not in system.inputs:
-            raise SignalError(
-                f"{system.name} has no exposed input {name!r}{suggestion(name, system.inputs)}"
-            )
+    """Return the exposed inputs over time, (n, number of exposed inputs).
+
+    Raises
+    ------
+    SignalError
+        When there is no such input, or it cannot have such values.
+    """
     table = np.empty((len(time), len(system.inputs)))
     for i, (name, targets) in enumerate(system.inputs.items()):
-        if name in inputs:
-            signal = inputs[name]
-            if isinstance(signal, Table) and system.variable(targets[0]).is_discrete:
-                signal = signal.hold(time)
-            table[:, i] = sampled(name, signal, time)
-            for target in targets:
-                variable = system.variable(target)
-                if variable.family in WHOLE and system.scaling(name, target) == IDENTITY:
-                    _require_whole(name, variable, table[:, i], time)
-        else:
+        if name not in inputs:
             start = _start(system, starts, targets[0])
             table[:, i] = system.scaling(name, targets[0]).inverse(start)
+    put_inputs(system, inputs, time, table)
     return table
+
+
+def put_inputs(system: System, inputs: Mapping[str, Input], time: Array, table: Array) -> None:
+    """Put inputs over time into the columns of a table that they have there.
+
+    The arguments are those of ``sample_inputs``, and so are the errors.
+    """
+    places = {name: i for i, name in enumerate(system.inputs)}
+    for name, signal in inputs.items():
+        if name not in places:
+            raise SignalError(
+                f"{system.name} has no exposed input {name!r}{suggestion(name, places)}"
+            )
+        targets, column = system.inputs[name], table[:, places[name]]
+        if isinstance(signal, Table) and system.variable(targets[0]).is_discrete:
+            signal = signal.hold(time)
+        column[:] = sampled(name, signal, time)
+        for target in targets:
+            variable = system.variable(target)
+            if variable.family in WHOLE and system.scaling(name, target) == IDENTITY:
+                _require_whole(name, variable, column, time)
 
 
 def sample_ends(system: System, inputs: Mapping[str, Input], time: Array, external: Array) -> Array:

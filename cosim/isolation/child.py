@@ -112,12 +112,18 @@ class _Served:
 
     def prepare(self) -> dict[str, object]:
         self._simulation = Simulation(self._specification, self._room)
-        self._simulation.before_repetition = lambda: self._reply(repeats=True)
+        self._simulation.before_repetition(lambda: self._reply(repeats=True))
         return {"accuracy": self._simulation.accuracy}
 
     def call(self, function: Callable[..., object], arguments: Sequence[Any]) -> dict[str, object]:
         """Call a function of ours, which takes the specification before its arguments."""
         return {"result": function(self._specification, *arguments)}
+
+    def start(self, **arguments: Any) -> dict[str, object]:
+        return {"outputs": self._prepared.start(**arguments)}
+
+    def step(self, **arguments: Any) -> dict[str, object]:
+        return {"outputs": self._prepared.step(**arguments)}
 
     def save(self, path: str) -> dict[str, object]:
         self._prepared.save(path)

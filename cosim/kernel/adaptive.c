@@ -58,7 +58,7 @@ static void interpolate(const Run *run, const double *before, const double *afte
 
 bool step_adaptively(Run *run, const double *inputs, double t, double h) {
     Coupling *k = run->coupling;
-    const double *before = run->external + run->done * run->n_external;
+    const double *before = row_of(run, run->done);
     const double end = t + h;
     bool tried_again = false;
     for (double now = t;;) {

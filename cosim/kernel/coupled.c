@@ -231,7 +231,7 @@ bool begin_coupled(Run *run) {
 
 static bool step_coupled(Run *run, double *row, double t, double h) {
     Coupling *k = run->coupling;
-    const double *inputs = k->ends + (run->done + 1) * run->n_external;
+    const double *inputs = k->ends ? k->ends + (run->done + 1) * run->n_external : row;
     memcpy(k->next, inputs, (size_t)run->n_external * sizeof *row);
     const bool stepped =
         k->tolerance > 0.0 ? step_adaptively(run, inputs, t, h) : attempt(run, t, h);

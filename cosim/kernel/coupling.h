@@ -76,7 +76,8 @@ typedef struct Coupling {
     double *given; /* (2, width): outputs before a scenario changed them, of components with a rate
                       of their own: those that hold now, and those of the step they are in */
     const double *ends; /* (n_steps + 1, n_external): inputs from outside at the end of the step
-                           before each point in time; others than there where they jump */
+                           before each point in time; others than there where they jump;
+                           NULL: the same */
 } Coupling;
 
 /* What an input does between communication points: a0 + a1 s + a2 s^2, s seconds after the begin of
