@@ -34,7 +34,8 @@ from stickslip.fmi.standard import standard_files
 
 _KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "record.h", "steps.h"]
 _KERNEL += ["instance.c", "general_path.h", "cvode.h"]
-_GENERAL = ["general_path.c", "values.c", "clocks.c", "step_retry.c", "saving.c", "exchange.c"]
+_GENERAL = ["general_path.c", "general_calls.c", "values.c", "events.c", "step_retry.c", "saving.c"]
+_GENERAL += ["exchange.c"]
 
 
 def write_fmu(

@@ -98,14 +98,12 @@ EXPORT void forget(Run *run); /* free what was saved */
 typedef bool Sweep(Run *run, Loop *loop);
 bool solve(Run *run, Loop *loop, double *values, Sweep *sweep);
 
-/* coupled.c */
+/* coupled.c, which uses the two above */
 bool begin_coupled(Run *run);
-bool couple_until(Run *run, int64_t end);         /* as many steps as lead there */
 bool attempt(Run *run, double t, double h);       /* from t over h, to Coupling.next */
 void keep(Run *run, const double *row, double t); /* as the latest of the past */
 
-/* adaptive.c: from t over h, in steps of its own, to Coupling.next; inputs from outside end there
- */
-bool step_adaptively(Run *run, const double *inputs, double t, double h);
+/* adaptive.c, which uses all above */
+bool couple_until(Run *run, int64_t end); /* as many steps as lead there */
 
 #endif

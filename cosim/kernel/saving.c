@@ -14,15 +14,6 @@ typedef struct {
 static size_t inputs_size(const GeneralComponent *f) { return f->n_inputs * sizeof(double); }
 static size_t clocks_size(const GeneralComponent *f) { return f->n_clocks * sizeof(Clock); }
 
-fmi2Status get_state(GeneralComponent *f, void **state) {
-    TRY_STATUS(checked(f, GET_STATE, ((StateCall *)calling(f, GET_STATE))(f->instance, state)));
-    return *state ? fmi2OK : failed_by(f, GET_STATE, NO_STATE);
-}
-
-fmi2Status set_state(GeneralComponent *f, void *state) {
-    return checked(f, SET_STATE, ((RestoreCall *)calling(f, SET_STATE))(f->instance, state));
-}
-
 /* As the standard wants it, *state is NULL or an earlier one, which is overwritten. */
 fmi2Status general_GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     GeneralComponent *f = c;

@@ -4,6 +4,15 @@
 
 enum { MOST_PARTS = 1024 };
 
+fmi2Status get_state(GeneralComponent *f, void **state) {
+    TRY_STATUS(checked(f, GET_STATE, ((StateCall *)calling(f, GET_STATE))(f->instance, state)));
+    return *state ? fmi2OK : failed_by(f, GET_STATE, NO_STATE);
+}
+
+fmi2Status set_state(GeneralComponent *f, void *state) {
+    return checked(f, SET_STATE, ((RestoreCall *)calling(f, SET_STATE))(f->instance, state));
+}
+
 static int do_step(GeneralComponent *f, double t, double h) {
     AnyCall *call = calling(f, DO_STEP);
     Answers *answers = &f->answers;
