@@ -1,6 +1,6 @@
 /* The general path as the kernel sees it: the functions of a plain FMI 2.0 FMU. They call what lies
- * in the other files: calls <- values <- events <- exchange, and step retry <- saving; each may use
- * those before it. */
+ * in the other files: calls <- values <- events <- exchange <- saving; each may use those before
+ * it. */
 #include "general_path.h"
 #include <math.h>
 

@@ -200,13 +200,9 @@ fmi2Status restart_exchange(GeneralComponent *f);
 void seek_jump(GeneralComponent *f); /* find the next jump after those that were passed */
 void end_exchange(GeneralComponent *f);
 
-/* step_retry.c */
-fmi2Status get_state(GeneralComponent *f, void **state);
-fmi2Status set_state(GeneralComponent *f, void *state);
+/* saving.c, and below those that the kernel calls */
 fmi2Status step_once(GeneralComponent *f, double t, double h); /* its answers are in answers */
-
-/* saving.c, and below those that the kernel calls. After the FMU was brought into a saved state,
- * and the fields of the general path with it: */
+/* After the FMU was brought into a saved state, and the fields of the general path with it: */
 EXPORT fmi2Status general_go_on(GeneralComponent *f);
 
 /* Whether an input of a group is an event: a clock that ticks, a discrete one that changes. */

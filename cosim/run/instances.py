@@ -14,12 +14,17 @@ from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.memory import Memory, Room
 from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.assembly.settings import Settings
-from stickslip.cosim.assembly.wiring import library_of, wire
+from stickslip.cosim.assembly.wiring import wire
 from stickslip.cosim.component import Component
 from stickslip.cosim.errors import SimulationError
-from stickslip.cosim.fmu import fatal
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.single_instance import claim, release
+from stickslip.cosim.fmu.single_instance import (
+    claim,
+    none_fatal,
+    note_fatal,
+    release,
+    times_fatal,
+)
 from stickslip.cosim.fmu.state import StateAccess
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.kernel.unrolled import unroll
@@ -74,7 +79,7 @@ class Instances:
         self.ready = False
         for fmu in {fmu.binary: fmu for fmu in self._components.values()}.values():
             fmu.restore()
-        self.libraries = {name: library_of(fmu) for name, fmu in self._components.items()}
+        self.libraries = {name: fmu.table() for name, fmu in self._components.items()}
         for name, library in self.libraries.items():
             if library.lacks_reset:
                 resets.declare_unresettable(
@@ -154,7 +159,7 @@ class Instances:
             if not slot.instance:
                 fmu = self._components[name]
                 claim(fmu, name, self, self.plan.spec.system.name)
-                self._epochs[name] = fatal.times(fmu.binary)
+                self._epochs[name] = times_fatal(fmu.binary)
                 arguments = (name, fmu.token, self.libraries[name].resources)
                 self.kernel.instantiate(slot, *(text.encode() for text in arguments))
                 if not slot.instance:
@@ -183,10 +188,10 @@ class Instances:
 
     def _drop_invalidated(self) -> None:
         """Let go of instances whose FMU answered fatal, here or elsewhere, without a call."""
-        if fatal.none():
+        if none_fatal():
             return
         for name, slot in self.slots.items():
-            if self._epochs.get(name, 0) < fatal.times(self._components[name].binary):
+            if self._epochs.get(name, 0) < times_fatal(self._components[name].binary):
                 self._lose(name, slot)
 
     def _lose(self, name: str, slot: structures.Component) -> None:
@@ -198,7 +203,7 @@ class Instances:
 
     def _mark_fatal(self, name: str) -> None:
         """Take note that an FMU answered fatal."""
-        fatal.declare(self._components[name].binary)
+        note_fatal(self._components[name].binary)
         self._drop_invalidated()
 
     def warn(self) -> None:

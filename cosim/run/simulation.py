@@ -6,7 +6,6 @@ import logging
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import NoReturn, Self, TypeVar
 
 import numpy as np
@@ -17,13 +16,12 @@ from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationEr
 from stickslip.cosim.fmu.batch import Batch
 from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.run import resets
-from stickslip.cosim.run.checkpoint import Checkpoint, differences
+from stickslip.cosim.run.checkpoint import Checkpoint, differences, identity, put_back, taken
 from stickslip.cosim.run.exclusive import Exclusive
 from stickslip.cosim.run.instances import Instances
 from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.reuse import Reuse
-from stickslip.cosim.run.saved_state import identity, put_back, taken
 from stickslip.cosim.run.stepping import Discarded, NotReset, Stepper
 from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Array, Table
@@ -361,12 +359,7 @@ class Simulation:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, error: object, traceback: object) -> None:
         self.close()
 
     def __del__(self) -> None:

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from stickslip.cosim import kernel
-from stickslip.cosim.assembly.disturbances import disturb
-from stickslip.cosim.assembly.external_inputs import put_inputs, sample_ends, sample_inputs
-from stickslip.cosim.assembly.input_events import InputEvents, courses, joined
-from stickslip.cosim.assembly.tuning import split, tune
+from stickslip.cosim.assembly.disturbances import disturb, split, tune
+from stickslip.cosim.assembly.inputs import (
+    InputEvents,
+    courses,
+    joined,
+    put_inputs,
+    sample_ends,
+    sample_inputs,
+)
 from stickslip.cosim.errors import ExperimentError, SimulationError
 from stickslip.cosim.fmu.batch import Batch
 from stickslip.cosim.fmu.library import Library
@@ -22,7 +27,6 @@ from stickslip.cosim.kernel import structures
 from stickslip.cosim.run.instances import Instances
 from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
-from stickslip.cosim.run.texts import Texts
 from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Array, Input, Table
 from stickslip.fmi.description.variables import Value
@@ -334,3 +338,47 @@ def _status(library: Library, instance: int, name: str, kind: int, answer: Any) 
     prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
     status = prototype(library.address(name))(instance, kind, ctypes.byref(answer))
     return answer.value if status in {0, 1} else None
+
+
+_MOST = 10_000_000  # characters of a run
+
+
+class Texts:
+    """Reads strings at points in time and keeps those that differ from the ones before.
+
+    Parameters
+    ----------
+    batches : names of the variables, room for them and the function that reads it
+    """
+
+    def __init__(
+        self, batches: Sequence[tuple[Sequence[str], Batch, Callable[[Batch], None]]]
+    ) -> None:
+        self._batches = batches
+        self._size = 0
+        self.changes: dict[str, list[tuple[float, str]]] = {
+            name: [] for names, _, _ in batches for name in names
+        }
+
+    def note(self, time: float) -> None:
+        """Read all strings at a point in time (s).
+
+        Raises
+        ------
+        SimulationError
+            When an FMU refuses, or the strings of the run are too long to be kept.
+        """
+        for names, batch, read in self._batches:
+            read(batch)
+            for name, value in zip(names, batch.values, strict=True):
+                text = (value or b"").decode(errors="replace")
+                changes = self.changes[name]
+                if changes and changes[-1][1] == text:
+                    continue
+                changes.append((float(time), text))
+                self._size += len(text)
+                if self._size > _MOST:
+                    raise SimulationError(
+                        f"{name}: the strings recorded up to t = {time:.9g} s have more than"
+                        f" {_MOST:,} characters; record without them (--record)"
+                    )
