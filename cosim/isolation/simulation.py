@@ -87,9 +87,8 @@ class IsolatedSimulation(Simulation):
         """Begin a run by steps, see Simulation; starts a child where there is none."""
         starts = by_name("parameters", parameters, ParameterError)
         with self._exclusive:
-            self._renew_if_crashed()
-            reply = self._ask("start", {"parameters": starts, "inputs": _numbers(inputs)})
-            self._living().runs += 1
+            arguments = {"parameters": starts, "inputs": _numbers(inputs)}
+            reply = self._first_or_again(lambda: self._ask("start", arguments))
             return dict(reply["outputs"])
 
     def step(self, inputs: Mapping[str, float] | None = None) -> dict[str, float]:
@@ -155,27 +154,28 @@ class IsolatedSimulation(Simulation):
             "how": how,
         }
         with self._exclusive:
-            self._renew_if_crashed()
-            process = self._living()
-            try:
-                reply = self._ask_to_run(arguments, progress, slack)
-            except FmuCrashed as crash:
-                if not self._ended_by_reuse(process, crash):
-                    raise
-                reply = self._ask_to_run(arguments, progress, slack)
-            self._used_again |= process is self._process and process.runs > 0
-            self._living().runs += 1
+            reply = self._first_or_again(lambda: self._ask_to_run(arguments, progress, slack))
             self._effort = reply["effort"]
             if pacing and reply["pacing"]:
                 looks, overruns, worst = reply["pacing"]
                 self.pacing = replace(pacing, looks=looks, overruns=overruns, worst=worst)
             return self._result_of(reply)
 
-    def _renew_if_crashed(self) -> None:
-        """Let a further run have a new child where the FMUs are known to need one."""
+    def _first_or_again(self, ask: Callable[[], Reply]) -> Reply:
+        """Ask for a run; where the FMUs do not bear to be used again, in another child."""
         binaries = {fmu.binary for fmu in self.spec.system.components.values()}
         if self._process and self._process.runs and binaries & resets.crashed:
             self._give_up()
+        process = self._living()
+        try:
+            reply = ask()
+        except FmuCrashed as crash:
+            if not self._ended_by_reuse(process, crash):
+                raise
+            reply = ask()
+        self._used_again |= process is self._process and process.runs > 0
+        self._living().runs += 1
+        return reply
 
     def _ask_to_run(
         self, arguments: dict[str, Any], progress: Callable[[float], object] | None, slack: float

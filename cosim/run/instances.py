@@ -128,7 +128,7 @@ class Instances:
     def free(self) -> None:
         """Free all instances; they are made again when a run begins."""
         self.ready = False
-        self._drop_invalidated()
+        self.drop_invalidated()
         self.kernel.forget(self.run)
         for slot in self.slots.values():
             self.kernel.release(slot)
@@ -151,7 +151,7 @@ class Instances:
 
     def _instantiate(self) -> None:
         """Make sure that all FMUs have an instance; a run that failed may have lost some."""
-        self._drop_invalidated()
+        self.drop_invalidated()
         if self.ready:
             return
         given = {slot.instance for slot in self.slots.values()}
@@ -178,7 +178,7 @@ class Instances:
 
     def renew(self, names: Iterable[str]) -> None:
         """Free the used instances of components; the next run has new ones."""
-        self._drop_invalidated()
+        self.drop_invalidated()
         used = [slot for slot in map(self.slots.__getitem__, names) if slot.used and slot.instance]
         if used:
             self.ready = False
@@ -186,7 +186,7 @@ class Instances:
         for slot in used:
             self.kernel.release(slot)
 
-    def _drop_invalidated(self) -> None:
+    def drop_invalidated(self) -> None:
         """Let go of instances whose FMU answered fatal, here or elsewhere, without a call."""
         if none_fatal():
             return
@@ -204,7 +204,7 @@ class Instances:
     def _mark_fatal(self, name: str) -> None:
         """Take note that an FMU answered fatal."""
         note_fatal(self._components[name].binary)
-        self._drop_invalidated()
+        self.drop_invalidated()
 
     def warn(self) -> None:
         """Log the warnings of a run, once for each component and call."""

@@ -189,7 +189,8 @@ class Stepper:
             When there is no such run, or an FMU fails or ends it.
         """
         done = self.fmus.run.done
-        if not self._by_steps:
+        self.fmus.drop_invalidated()
+        if not (self._by_steps and self.fmus.ready):
             raise SimulationError(
                 f"{self._system.name}: expected a run by steps; begin one with start()"
             )

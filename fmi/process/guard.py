@@ -28,7 +28,6 @@ from stickslip.fmi.process.sandbox import (
     interpreter_folders,
     is_below,
     system_paths,
-    unavailable,
 )
 
 _MOST_AT_ONCE = 256  # processes and threads
@@ -124,15 +123,13 @@ class Guard:
         allow: Permissions,
         memory: float,
         where: Callable[[], str] = str,
-    ) -> Self | None:
-        """Return the guard of a child that runs Python; None where there is no sandbox.
+    ) -> Self:
+        """Return the guard of a child that runs Python, where there is a sandbox.
 
         Parameters
         ----------
         packages : that are imported here, and may be there
         """
-        if unavailable():
-            return None
         paths = [Path(path) for name in packages for path in sys.modules[name].__path__]
         return cls([*interpreter_folders(paths), *readable], writable, allow, memory, where)
 

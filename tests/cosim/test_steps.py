@@ -109,3 +109,7 @@ def test_what_is_wrong_is_said(system, isolation):
             simulation.step()
         with pytest.raises(cosim.SimulationError, match="expected a run by steps"):
             simulation.step()
+        simulation.start()
+        simulation.close()
+        with pytest.raises(cosim.SimulationError, match="expected a run by steps"):
+            simulation.step()
