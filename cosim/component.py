@@ -1,26 +1,20 @@
-"""The contract of what the master can step: an FMU, or a Python function.
-
-The master calls a component in this order, by functions of one table with the semantics of FMI:
-instantiate; then for each run reset (not before the first), set up the experiment, set start
-values, enter and exit initialisation, and for each step set inputs, step, get outputs; at the end
-terminate; free once. In the initialisation, inputs are set and outputs read as often as loops
-need it. Where a component declares ``restores_state``, its state is saved and restored between
-steps. A call that fails ends the run with a ``SimulationError`` that names the component; the
-component is then instantiated again before the next run. After ``fatal`` nothing more is called.
-"""
+"""The contract of what the master can step: an FMU, or a Python function."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from stickslip.cosim.fmu.values import resized
 from stickslip.fmi.description.learned import Learned
 from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable, parse_element
+
+if TYPE_CHECKING:  # it reads the structures of the kernel, which those who only read do not need
+    from stickslip.cosim.fmu.library import Library
 
 Interface = Literal["co_simulation", "model_exchange"]
 
@@ -61,6 +55,23 @@ class Component:
     learned = Learned()
     event_mode = has_arrays = needs_tool = once_per_process = False
     serializes = restores_state = interpolates_inputs = varies_step = False
+
+    def table(self) -> Library:
+        """Return the functions by which the master steps it, under their names in FMI.
+
+        They are called in this order: ``Instantiate``; in each run ``Reset`` (not in the first one
+        of an instance), ``SetupExperiment``, setters of start values, ``EnterInitializationMode``,
+        setters of inputs and getters of outputs as often as loops need them, and
+        ``ExitInitializationMode``; in each step setters of inputs, ``DoStep``, getters of outputs;
+        ``Terminate`` at the end of the run; ``FreeInstance`` once. Where it declares
+        ``restores_state``, its state is saved and restored between steps.
+
+        A status beyond a warning ends the run with a ``SimulationError`` that names the component
+        and the call; the component is then instantiated again before the next run. After ``fatal``
+        nothing more is called on any of its instances. A step that is discarded is tried in parts
+        where it declares ``restores_state`` and ``varies_step``.
+        """
+        raise NotImplementedError
 
     def restore(self) -> None:
         """Bring changed files of the component back before it is prepared."""

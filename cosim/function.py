@@ -114,6 +114,10 @@ class Function(Component):
     def __repr__(self) -> str:
         return f"Function({self.label})"
 
+    def table(self) -> Library:
+        """Return the functions behind which it is called, see Component."""
+        return FunctionLibrary(self)
+
     def evaluate(self, t: float, h: float, x: Array, u: Mapping[str, float]) -> tuple[Array, Array]:
         """Return the state and the outputs (n,) at the end t [s] of a step of h [s].
 

@@ -11,16 +11,14 @@ import numpy as np
 from numpy.ctypeslib import as_array
 
 from stickslip.cosim.assembly.general_path import GeneralComponent
-from stickslip.cosim.assembly.layout import Layout
+from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.assembly.wiring import connected_inputs
 from stickslip.cosim.errors import ConnectionFault, ExperimentError
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.kernel import structures as tables
 from stickslip.cosim.signals.signals import Array
-from stickslip.cosim.system.coupling import Coupling
 from stickslip.cosim.system.loops import Group
-from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Variable
 from stickslip.fmi.messages import suggestion
 
@@ -39,25 +37,21 @@ class Coupled:
 
     def __init__(
         self,
-        system: System,
-        layout: Layout,
-        groups: Sequence[Group],
+        plan: Plan,
         libraries: Mapping[str, Library],
-        coupling: Coupling,
         general_components: Mapping[str, GeneralComponent],
         averages: Collection[str] = (),
     ) -> None:
-        self._system, self._libraries, self._coupling = system, libraries, coupling
+        self._system, self._layout, self._coupling = plan.spec.system, plan.layout, plan.coupling
+        self._libraries, self._groups = libraries, plan.groups
         self._general_components, self._averages = general_components, averages
-        self._names = list(layout.columns)
-        self._layout = layout
-        self._place = {name: i for i, name in enumerate(c for g in groups for c in g.components)}
-        self._group = {name: g for g in groups for name in g.components}
-        self._groups = groups
-        jacobi = coupling.method == "jacobi"
-        self._inputs = connected_inputs(system, layout, list(self._place), jacobi=jacobi)
-        self.accuracy = coupling.order
-        self._sees = coupling.degree + 1  # the order to which the FMUs follow their inputs
+        self._names = list(plan.layout.columns)
+        self._place = {name: i for i, name in enumerate(plan.order)}
+        self._group = {name: g for g in plan.groups for name in g.components}
+        jacobi = plan.coupling.method == "jacobi"
+        self._inputs = connected_inputs(self._system, plan.layout, plan.order, jacobi=jacobi)
+        self.accuracy = plan.coupling.order
+        self._sees = plan.coupling.degree + 1  # the order to which the FMUs follow their inputs
         self._check()
 
     def attach(self, run: Any) -> None:
@@ -100,11 +94,20 @@ class Coupled:
         run.jacobi = False
         run.coupling = ctypes.pointer(self._table)
 
-    def follow(self, ends: Array) -> None:
-        """Let the next run have the exposed inputs, (n, number of inputs), at the ends of steps."""
+    def follow(self, ends: Array | None) -> None:
+        """Let the next run have the exposed inputs, (n, number of inputs), at the ends of steps.
+
+        None stands for a run by steps, in which they hold.
+        """
         if hasattr(self, "_table"):
             self._ends = ends
-            self._table.ends = tables.doubles(ends)
+            self._table.ends = None if ends is None else tables.doubles(ends)
+
+    def jump(self, inputs: Array) -> None:
+        """Let exposed inputs have other values (n,) from now on: no polynomial sees the jump."""
+        if hasattr(self, "_table"):
+            past = self._places()["past"].reshape(tables.MAX_PAST, -1)[:, : len(inputs)]
+            past[:] = inputs + (past - past[0].copy())
 
     @property
     def effort(self) -> dict[str, int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any
@@ -160,6 +161,12 @@ class GeneralComponent:
                 if table
                 else structures.Course()
             )
+
+    def jump(self, tables: Mapping[str, Table], t: float) -> None:
+        """Let inputs follow tables that jump, if at all, at the present time (s)."""
+        self.follow(tables)
+        if any(table.values[0] != table.values[-1] for table in tables.values()):
+            self.c.passed, self.c.next_jump = -math.inf, t
 
     def hold(self, values: Mapping[str, tuple[Variable, Value]]) -> None:
         """Give the unconnected elements of connected arrays their start values."""

@@ -7,12 +7,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from stickslip.cosim.assembly.layout import Layout
+from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.errors import ExperimentError
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.signals.span import Span
-from stickslip.cosim.system.record import Deviation, Record
+from stickslip.cosim.system.record import Deviation
 
 Room = Callable[[tuple[int, int]], Array]
 _MOST_APART = 2**23  # numbers of the rows of a repetition
@@ -27,31 +27,22 @@ class Memory:
     Parameters
     ----------
     run : of the kernel, wired
-    layout : of a row
-    record : what to keep
-    time : (n_steps + 1,) s
     room : makes arrays of a shape, for what is kept
     """
 
-    def __init__(
-        self,
-        run: structures.Run,
-        layout: Layout,
-        record: Record,
-        time: Array,
-        room: Room = np.empty,
-    ) -> None:
-        self._run, self._room = run, room
-        self._time = time
+    def __init__(self, run: structures.Run, plan: Plan, room: Room = np.empty) -> None:
+        layout, record = plan.layout, plan.record
+        self._run, self._room, self._plan = run, room, plan
         self._only_last = record.keep == "last"
         self._columns = [layout.columns[name] for name in layout.recorded]
         self._recorded = 0 if layout.whole or self._only_last else len(self._columns)
         self._every = record.every
-        self._record: Array = np.empty((len(time[:: record.every]), 0))
+        self._points = plan.n_steps // record.every + 1
+        self._record: Array = np.empty((self._points, 0))
         run.selected = (ctypes.c_int64 * len(self._columns))(*self._columns)
         run.n_selected = self._recorded
         run.every = record.every
-        entries = [_entry(label, d, layout, time) for label, d in layout.summed.items()]
+        entries = [_entry(label, d, plan) for label, d in layout.summed.items()]
         sums = (structures.SumOfSquares * len(entries))(*entries)
         run.sums, run.n_sums = sums, len(entries)
         self._sums = dict(zip(layout.summed, sums, strict=True))
@@ -78,8 +69,25 @@ class Memory:
         elif self._rows is not self._block:
             self._take(self._block, used_again=True)
         if self._recorded:
-            self._record = room((len(self._time[:: self._every]), self._recorded))
+            self._record = room((self._points, self._recorded))
             run.record = structures.doubles(self._record)
+
+    def prepare_steps(self, inputs: Array) -> None:
+        """Make room for steps of which nothing is kept, with the exposed inputs (n,) at first."""
+        if not len(self._block):
+            self._block = np.empty((self._run.block + 1, self._run.width))
+        self._take(self._block, used_again=True)
+        self._run.external = self._run.record = None
+        self.give(inputs)
+
+    def give(self, inputs: Array) -> None:
+        """Let exposed inputs have these values (n,) in the next step, of a run by steps."""
+        self._block[:2, : len(inputs)] = inputs  # the present row is one of them
+
+    def last(self) -> Array:
+        """Return the signals to record at the end of the last step done."""
+        values: Array = self._row(self._run.done)[self._columns]
+        return values
 
     def rows(self) -> Array:
         """Return the rows of all signals up to the last step done; none where they are not kept."""
@@ -116,13 +124,13 @@ class Memory:
         values : (n, number of recorded signals)
         """
         if self._only_last:
-            return self._time[last : last + 1], self._row(last)[self._columns][None]
+            return self._plan.time[last : last + 1], self.last()[None]
         begin, end = -(-first // self._every), last // self._every + 1
         record = self._rows if self._whole else self._record
-        time = self._time[begin * self._every : last + 1 : self._every]
+        time = self._plan.time[begin * self._every : last + 1 : self._every]
         values: Array = record[begin:end]
         if ended and last % self._every:
-            time = np.append(time, self._time[last])
+            time = np.append(time, self._plan.time[last])
             values = np.vstack([values, self._row(last)[self._columns]])
         return time, values
 
@@ -140,15 +148,16 @@ class Memory:
         return row
 
 
-def _entry(label: str, what: Deviation, layout: Layout, time: Array) -> structures.SumOfSquares:
-    steps = np.flatnonzero(Span(what.begin, what.end).covers(time))
+def _entry(label: str, what: Deviation, plan: Plan) -> structures.SumOfSquares:
+    columns = plan.layout.columns
+    steps = np.flatnonzero(Span(what.begin, what.end).covers(plan.time))
     if not len(steps):
         raise ExperimentError(
             f"cannot sum up {label!r}: no point in time lies in {what.begin} to {what.end} s"
         )
-    entry = structures.SumOfSquares(layout.columns[what.signal], -1, 0.0, steps[0], steps[-1] + 1)
+    entry = structures.SumOfSquares(columns[what.signal], -1, 0.0, steps[0], steps[-1] + 1)
     if isinstance(what.reference, str):
-        entry.reference = layout.columns[what.reference]
+        entry.reference = columns[what.reference]
     else:
         entry.constant = what.reference
     return entry

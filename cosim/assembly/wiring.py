@@ -10,11 +10,9 @@ from functools import lru_cache
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.general_path import GeneralComponent, needs_general_path
 from stickslip.cosim.assembly.layout import Layout
-from stickslip.cosim.component import Component
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.function import Function, FunctionLibrary
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.system.scaling import IDENTITY, Scaling, Transform, ValueMap
 from stickslip.cosim.system.system import System
@@ -22,15 +20,6 @@ from stickslip.cosim.system.system import System
 # The kernel looks at values and clock once a block: as many steps as stay in the processor's cache.
 _BLOCK_STEPS = 256
 _BLOCK_VALUES = 2**14
-
-
-def library_of(component: Component) -> Library:
-    """Return the table of functions of a component, loaded."""
-    if isinstance(component, Fmu):
-        return Library(component)
-    if isinstance(component, Function):
-        return FunctionLibrary(component)
-    raise TypeError(f"{component!r} is neither an Fmu nor a Function")
 
 
 def wire(

@@ -7,15 +7,14 @@ import math
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from importlib import metadata
 from pathlib import Path
 from typing import Literal
 
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.assembly.wiring import wire
-from stickslip.cosim.container.description import model_description
-from stickslip.cosim.container.documentation import index, licences
-from stickslip.cosim.container.solver import solver_members
+from stickslip.cosim.container.description import index, licences, model_description
 from stickslip.cosim.container.tables import system_header
 from stickslip.cosim.container.variables import shown_variables
 from stickslip.cosim.errors import ConnectionFault, ExperimentError, FmuError
@@ -31,10 +30,12 @@ from stickslip.fmi import toolchain
 from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.files import atomic_write
 from stickslip.fmi.standard import standard_files
+from stickslip.fmi.toolchain import Platform
 
 _KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "record.h", "steps.h"]
 _KERNEL += ["instance.c", "general_path.h", "cvode.h"]
-_GENERAL = ["general_path.c", "values.c", "clocks.c", "step_retry.c", "saving.c", "exchange.c"]
+_GENERAL = ["general_path.c", "general_calls.c", "values.c", "events.c", "exchange.c"]
+_GENERAL += ["saving.c"]
 
 
 def write_fmu(
@@ -211,3 +212,40 @@ def _sources(fmi: int, wanted: Iterable[str]) -> dict[str, str]:
     }
     files |= {f"system/{file.name}": file for file in headers}
     return {name: file.read_text(encoding="utf-8") for name, file in sorted(files.items())}
+
+
+# Those of macOS are for both processors.
+_FOLDERS = {
+    "x86_64-linux": "x86_64-linux",
+    "x86_64-windows": "x86_64-windows",
+    "x86_64-darwin": "aarch64-darwin",
+    "aarch64-darwin": "aarch64-darwin",
+}
+_LICENCE = "licenses/LICENSE.txt"  # FMPy's own and that of SUNDIALS, of which CVode is a part
+
+
+def solver_members(targets: Iterable[Platform]) -> dict[str, bytes]:
+    """Return the files, by path in the container.
+
+    Raises
+    ------
+    FmuError
+        When there is no solver for a platform.
+    """
+    import fmpy  # large, and not needed before
+
+    members = {}
+    for target in targets:
+        folder = Path(fmpy.__file__).parent / "sundials" / _FOLDERS.get(target.tuple, "-")
+        if not folder.is_dir():
+            raise FmuError(
+                f"Model Exchange needs the solver CVode, which FMPy has for {', '.join(_FOLDERS)},"
+                f" not for {target.tuple}; use Co-Simulation, or leave the platform out"
+            )
+        for file in sorted(folder.iterdir()):
+            members[f"resources/cvode/{target.tuple}/{file.name}"] = file.read_bytes()
+    licence = metadata.distribution("fmpy").read_text(_LICENCE)
+    if licence is None:
+        raise FmuError(f"FMPy is installed without {_LICENCE}; install it again")
+    members["documentation/licenses/sundials.txt"] = licence.encode()
+    return members

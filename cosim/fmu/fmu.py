@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from stickslip.cosim.component import Component, Interface
 from stickslip.cosim.display import html_table
@@ -23,6 +23,9 @@ from stickslip.fmi.description.attributes import flag
 from stickslip.fmi.description.clocks import Clock
 from stickslip.fmi.messages import shown
 from stickslip.fmi.xml import Malformed, parse_xml
+
+if TYPE_CHECKING:
+    from stickslip.cosim.fmu.library import Library
 
 _log = logging.getLogger(__name__)
 _DESCRIPTION = "modelDescription.xml"
@@ -157,6 +160,12 @@ class Fmu(Component):
         more = f", {len(own) - _SHOWN} more" if len(own) > _SHOWN else ""
         caption = f"{self.label}: {self.name}, FMI {self.description.standard}{more}"
         return html_table(("name", "", "unit", "start", "description"), rows, caption, words=5)
+
+    def table(self) -> Library:
+        """Return the functions of its binary, see Component."""
+        from stickslip.cosim.fmu.library import Library  # late: for those who only read FMUs
+
+        return Library(self)
 
     def restore(self) -> None:
         """Unpack the FMU again where its unpacked files were changed, as by a run of it.

@@ -8,15 +8,15 @@ import re
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from stickslip.cosim.errors import FmuError
-from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.kernel import marks
 from stickslip.cosim.kernel.arithmetic import plain_arithmetic
 from stickslip.cosim.kernel.structures import step_calls
 from stickslip.fmi import toolchain
 from stickslip.fmi.binary import NotALibrary, read_library
+from stickslip.fmi.description import Description
 from stickslip.fmi.description.variables import SETTERS
 from stickslip.fmi.files import atomic_write
 from stickslip.fmi.standard import standard_files
@@ -26,6 +26,21 @@ _WRAPPER = Path(__file__).with_name("fmi1.c")
 # On Windows, also look beside the binary for the libraries it brings along:
 # LOAD_LIBRARY_SEARCH_DEFAULT_DIRS | LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR.
 _LOAD_WITH_NEIGHBOURS = 0x1100
+
+
+class Loadable(Protocol):
+    """What is read of an FMU to load its binary."""
+
+    path: Path
+    folder: Path
+    binary: Path
+    version: int
+    identifier: str
+    description: Description
+
+    @property
+    def interface(self) -> str:
+        """By which it is run."""
 
 
 class Library:
@@ -41,7 +56,7 @@ class Library:
 
     fault: BaseException | None = None
 
-    def __init__(self, fmu: Fmu) -> None:
+    def __init__(self, fmu: Loadable) -> None:
         self._fmu, self._version = fmu, fmu.version
         marks.note(fmu.path.name, "loading its binary")
         self._library: Any = _load(str(fmu.binary))
@@ -120,7 +135,7 @@ class Library:
 class UnloadedLibrary(Library):
     """The functions of a binary that is only read; none has an address."""
 
-    def __init__(self, fmu: Fmu) -> None:
+    def __init__(self, fmu: Loadable) -> None:
         self._fmu, self._version = fmu, fmu.version
         self.resources = ""
         try:
@@ -137,7 +152,7 @@ class UnloadedLibrary(Library):
         return 0
 
 
-def prepare_library(fmu: Fmu) -> None:
+def prepare_library(fmu: Loadable) -> None:
     """Compile what a process that must not compile needs for an FMU."""
     if fmu.description.standard == 1:
         _fmi1(fmu.folder.name)

@@ -1,8 +1,9 @@
-"""FMUs that can be instantiated once per process only: who has the instance."""
+"""What simulations of one process share: the only instance of an FMU, and fatal answers."""
 
 from __future__ import annotations
 
 import threading
+from collections import Counter
 from pathlib import Path
 from weakref import ref
 
@@ -11,6 +12,7 @@ from stickslip.cosim.errors import SimulationError
 
 # Anywhere here a simulation may be collected, which then gives up what it has, in this very thread.
 _lock = threading.RLock()
+_times: Counter[Path] = Counter()  # fatal answers
 _holders: dict[tuple[Path, str], tuple[ref[object], str]] = {}
 
 
@@ -52,3 +54,22 @@ def _present() -> list[tuple[tuple[Path, str], object, str]]:
         else:
             found.append((key, holder, system))
     return found
+
+
+def note_fatal(binary: Path) -> None:
+    """Note that an FMU answered fatal: none of its instances, whoever has it, is called again.
+
+    Source: FMI 2.0 section 2.1.3, FMI 3.0 section 2.2.3 (fatal corrupts all instances).
+    """
+    with _lock:
+        _times[binary] += 1
+
+
+def none_fatal() -> bool:
+    """Return whether no FMU did."""
+    return not _times
+
+
+def times_fatal(binary: Path) -> int:
+    """Return how often an FMU did; an instance made when it was less may not be called."""
+    return _times[binary]

@@ -27,6 +27,7 @@ from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.signals import Array
 from stickslip.fmi.process import sandbox
+from stickslip.fmi.process.child import limit
 
 
 def main(name: str, size: int, token: bytes) -> None:
@@ -51,7 +52,7 @@ def main(name: str, size: int, token: bytes) -> None:
 
     order = _receive(requests, token)
     marks.use(shared.mark, Path(order["kernel"]))
-    _limit(order["memory"])
+    limit(order["memory"])
     resets.lines.update(order["resets"])
     for module in order["modules"]:
         with suppress(ImportError, OSError):
@@ -112,12 +113,18 @@ class _Served:
 
     def prepare(self) -> dict[str, object]:
         self._simulation = Simulation(self._specification, self._room)
-        self._simulation.before_repetition = lambda: self._reply(repeats=True)
+        self._simulation.before_repetition(lambda: self._reply(repeats=True))
         return {"accuracy": self._simulation.accuracy}
 
     def call(self, function: Callable[..., object], arguments: Sequence[Any]) -> dict[str, object]:
         """Call a function of ours, which takes the specification before its arguments."""
         return {"result": function(self._specification, *arguments)}
+
+    def start(self, **arguments: Any) -> dict[str, object]:
+        return {"outputs": self._prepared.start(**arguments)}
+
+    def step(self, **arguments: Any) -> dict[str, object]:
+        return {"outputs": self._prepared.step(**arguments)}
 
     def save(self, path: str) -> dict[str, object]:
         self._prepared.save(path)
@@ -186,23 +193,3 @@ def _watch(requests: int) -> None:
         poll.register(requests, 0)  # still reports that the other end is closed
         poll.poll()
         os.killpg(0, signal.SIGKILL)
-
-
-def _limit(memory: float) -> None:
-    """Limit memory taken from now on, and files (MB), and the stack; leave no core files."""
-    if sys.platform == "win32":
-        return
-    import resource
-
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    if sys.platform == "linux":
-        _, most = resource.getrlimit(resource.RLIMIT_STACK)
-        stack = 2**26 if most == resource.RLIM_INFINITY else min(2**26, most)
-        resource.setrlimit(resource.RLIMIT_STACK, (stack, most))
-        status = Path("/proc/self/status").read_text()
-        used = 1024 * int(status.split("VmData:")[1].split()[0])
-        limit = used + int(memory * 1e6)
-        resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
-        _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
-        size = int(memory * 1e6) if most == resource.RLIM_INFINITY else most
-        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))

@@ -8,7 +8,6 @@ import math
 import os
 import pickle
 import secrets
-import signal
 import subprocess
 import sys
 import threading
@@ -32,6 +31,7 @@ from stickslip.cosim.run import resets
 from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.system import Specification
 from stickslip.fmi.process import check_interruption, held, sandbox, temporary_folder
+from stickslip.fmi.process.child import close_pipes, kill, start_python
 from stickslip.fmi.process.guard import Guard
 from stickslip.fmi.process.sandbox import Permissions
 
@@ -125,26 +125,15 @@ class Process:
         allow = Permissions.of(limits.allow)
         self._guard = self._guarded(specification, allow, library)
         token = secrets.token_bytes(TOKEN_SIZE)
-        search = os.pathsep.join(str(Path(path).absolute()) for path in sys.path if path)
-        own = {"PYTHONPATH": search, "OPENBLAS_NUM_THREADS": "1"}
-        files, environment = shared.files, dict(os.environ)
-        if self._guard:
-            files = (*files, self._guard.file)
-            own["TMPDIR"] = str(self._room)
-            environment = allow.environment()
-        stays = not self._guard or allow.folders
         try:
             with held():
-                self._process = subprocess.Popen(
-                    [sys.executable, "-P", str(_START), shared.name, str(shared.size), token.hex()],
-                    stdin=subprocess.PIPE,
-                    stdout=subprocess.PIPE,
-                    stderr=subprocess.PIPE,
-                    bufsize=0,
-                    pass_fds=files,
-                    start_new_session=True,
-                    cwd=None if stays else self._room,
-                    env=environment | own,
+                self._process = start_python(
+                    ["-P", str(_START), shared.name, str(shared.size), token.hex()],
+                    self._room,
+                    self._guard,
+                    allow,
+                    {"OPENBLAS_NUM_THREADS": "1"},
+                    shared.files,
                 )
                 pipes = self._process.stdin, self._process.stdout, self._process.stderr
                 requests, replies, printed = (pipe for pipe in pipes if pipe)
@@ -153,8 +142,6 @@ class Process:
                 undone.callback(self.end)
         finally:
             shared.close_files()
-            if self._guard:
-                self._guard.close_file()
         parcel = pack(  # while the child begins
             specification,
             kernel=str(library),
@@ -182,20 +169,17 @@ class Process:
         for fmu in fmus:
             fmu.restore()
             prepare_library(fmu)
-        packages = [path for name in _PACKAGES for path in sys.modules[name].__path__]
         readable = [
-            *sandbox.interpreter_folders(map(Path, packages)),
             *(str(fmu.folder) for fmu in fmus),
             *(str(fmu.folder.with_suffix(".json")) for fmu in fmus),
             str(library.parents[1]),
         ]
-        return Guard(
-            readable,
-            [str(self._room)],
-            allow,
-            self._limits.memory,
-            lambda: present(self.shared.mark, self._system, self._order),
-        )
+
+        def where() -> str:
+            return present(self.shared.mark, self._system, self._order)
+
+        room, memory = [str(self._room)], self._limits.memory
+        return Guard.of_python(_PACKAGES, readable, room, allow, memory, where)
 
     def denied(self) -> list[str]:
         """Return what the sandbox has denied since the last call, one line each."""
@@ -270,7 +254,7 @@ class Process:
         """End the child with all that it started; a forked process leaves it alone."""
         if self._parent != os.getpid() or self._process.returncode is not None:
             return
-        self._kill()
+        kill(self._process)
         self._ended(_GRACE)
         self._let_go()
 
@@ -286,7 +270,7 @@ class Process:
         status = self._ended(max(_LOOK, patience - self._clock.passed()))
         if status is None:
             self._die(_hung(patience))
-        self._kill()
+        kill(self._process)
         self._let_go()
         if status:
             raise self._crashed(status)
@@ -328,7 +312,7 @@ class Process:
     def _die(self, what: str | None) -> NoReturn:
         """End the child and raise the error; without a reason, the exit status gives it."""
         status = None if what else self._ended(_GRACE)
-        self._kill()
+        kill(self._process)
         self._ended(_GRACE)
         self._let_go()
         if what is None:
@@ -376,18 +360,9 @@ class Process:
         text = next((line for line in reversed(lines) if line.strip()), "")
         return "".join(c if c.isprintable() else " " for c in text).strip()[:200]
 
-    def _kill(self) -> None:
-        if sys.platform == "win32":
-            self._process.kill()
-        else:
-            with suppress(ProcessLookupError, PermissionError):
-                os.killpg(self._process.pid, signal.SIGKILL)
-
     def _let_go(self) -> None:
         self._drain.join(_GRACE)
-        for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
-            if pipe:
-                pipe.close()
+        close_pipes(self._process)
         if self._guard:
             self._guard.end(_GRACE)
         self._folders.close()

@@ -14,6 +14,7 @@ from weakref import finalize
 
 import numpy as np
 
+from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.errors import FmuCrashed, ParameterError
 from stickslip.cosim.isolation.answers import Reply
 from stickslip.cosim.isolation.parcel import Tabulated, portable_inputs
@@ -24,9 +25,9 @@ from stickslip.cosim.run.exclusive import Exclusive
 from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
+from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import signals_of
 from stickslip.cosim.system.isolation import Isolation
-from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.system import Specification
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
@@ -45,7 +46,7 @@ class IsolatedSimulation(Simulation):
 
     def __init__(self, spec: Specification, limits: Isolation) -> None:
         self.spec, self._limits = spec, limits
-        self._plan()
+        self._plan = Plan(spec)
         self.pacing = None
         self._accuracy, self._effort = 0, dict[str, int]()
         self._process: Process | None = None
@@ -77,6 +78,23 @@ class IsolatedSimulation(Simulation):
     def resume(self, *arguments: Any, **named: Any) -> Result:
         """Continue from a saved state, see Simulation; the errors are those of ``run``."""
         return self._run_there("resume", _BIND_RESUME(self, *arguments, **named))
+
+    def start(
+        self,
+        parameters: Mapping[str, object] | None = None,
+        inputs: Mapping[str, float] | None = None,
+    ) -> dict[str, float]:
+        """Begin a run by steps, see Simulation; starts a child where there is none."""
+        starts = by_name("parameters", parameters, ParameterError)
+        with self._exclusive:
+            arguments = {"parameters": starts, "inputs": _numbers(inputs)}
+            reply = self._first_or_again(lambda: self._ask("start", arguments))
+            return dict(reply["outputs"])
+
+    def step(self, inputs: Mapping[str, float] | None = None) -> dict[str, float]:
+        """Do one step of a run that ``start`` has begun, see Simulation."""
+        with self._exclusive:
+            return dict(self._ask("step", {"inputs": _numbers(inputs)})["outputs"])
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the state that the last run halted in to a file, see Simulation."""
@@ -136,23 +154,28 @@ class IsolatedSimulation(Simulation):
             "how": how,
         }
         with self._exclusive:
-            binaries = {fmu.binary for fmu in self.spec.system.components.values()}
-            if self._process and self._process.runs and binaries & resets.crashed:
-                self._give_up()
-            process = self._living()
-            try:
-                reply = self._ask_to_run(arguments, progress, slack)
-            except FmuCrashed as crash:
-                if not self._ended_by_reuse(process, crash):
-                    raise
-                reply = self._ask_to_run(arguments, progress, slack)
-            self._used_again |= process is self._process and process.runs > 0
-            self._living().runs += 1
+            reply = self._first_or_again(lambda: self._ask_to_run(arguments, progress, slack))
             self._effort = reply["effort"]
             if pacing and reply["pacing"]:
                 looks, overruns, worst = reply["pacing"]
                 self.pacing = replace(pacing, looks=looks, overruns=overruns, worst=worst)
             return self._result_of(reply)
+
+    def _first_or_again(self, ask: Callable[[], Reply]) -> Reply:
+        """Ask for a run; where the FMUs do not bear to be used again, in another child."""
+        binaries = {fmu.binary for fmu in self.spec.system.components.values()}
+        if self._process and self._process.runs and binaries & resets.crashed:
+            self._give_up()
+        process = self._living()
+        try:
+            reply = ask()
+        except FmuCrashed as crash:
+            if not self._ended_by_reuse(process, crash):
+                raise
+            reply = ask()
+        self._used_again |= process is self._process and process.runs > 0
+        self._living().runs += 1
+        return reply
 
     def _ask_to_run(
         self, arguments: dict[str, Any], progress: Callable[[float], object] | None, slack: float
@@ -169,7 +192,7 @@ class IsolatedSimulation(Simulation):
         name = called(mark, self.order)
         names = [name] if name else self.order
         if process.repeats:
-            self._declare_unresettable(names, str(crash))
+            resets.declare_unresettable(self.spec.system, names, str(crash))
         binaries = {components[name].binary for name in names}
         second = process.runs > 0 and not self._used_again
         reused = process.repeats or second or mark.call.endswith((b"Reset", b"FreeInstance"))
@@ -180,12 +203,12 @@ class IsolatedSimulation(Simulation):
     def _result_of(self, reply: Reply) -> Result:
         """Copy a result from the shared memory, which the next run overwrites."""
         n, width = reply["shape"]
-        every = Record.of(self.spec.record).every
+        every = self._plan.record.every
         time = self.time[reply["first"] :: every][:n]
         if len(time) < n or time[-1] != reply["end"]:  # an FMU has ended the run
             time = np.append(time[: n - 1], reply["end"])
         values = self._living().shared.numbers[: n * width].reshape(n, width).copy()
-        names, system = self._layout.recorded, self.spec.system
+        names, system = self._plan.layout.recorded, self.spec.system
         texts = reply["texts"]
         return Result(time, values, names, system, reply["stopped"], reply["sums"], texts)
 
@@ -208,7 +231,7 @@ class IsolatedSimulation(Simulation):
     def _living(self) -> Process:
         """Return the child; start one and prepare the simulation in it where there is none."""
         if self._process is None:
-            n = (len(self.time) + 1) * len(self._layout.recorded)
+            n = self._plan.rows * len(self._plan.layout.recorded)
             components = self.spec.system.components.values()
             solver = any(fmu.interface == "model_exchange" for fmu in components)
             modules = ("fmpy.sundials.libraries",) if solver else ()
@@ -224,3 +247,7 @@ class IsolatedSimulation(Simulation):
     def _give_up(self) -> None:
         self._process = None
         self._end()
+
+
+def _numbers(inputs: Mapping[str, float] | None) -> dict[str, Input]:
+    return portable_inputs(inputs or {}, np.zeros(1))

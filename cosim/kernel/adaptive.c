@@ -1,10 +1,13 @@
-/* Steps as long as the prediction of the coupling signals holds.
+/* From one point in time to the next: in one attempt, or in steps as long as the prediction of the
+ * coupling signals holds.
  *
  * The inputs of a step were extrapolated, or could have been. How far the extrapolation misses what
  * came out in the end measures the error that the coupling makes, whatever the method. Where it
  * misses by more than the tolerance, the FMUs go back and try a shorter step. */
 #include "calls.h"
 #include "coupling.h"
+#include "disturbance.h"
+#include "record.h"
 #include <math.h>
 #include <string.h>
 
@@ -56,9 +59,9 @@ static void interpolate(const Run *run, const double *before, const double *afte
     }
 }
 
-bool step_adaptively(Run *run, const double *inputs, double t, double h) {
+static bool step_adaptively(Run *run, const double *inputs, double t, double h) {
     Coupling *k = run->coupling;
-    const double *before = run->external + run->done * run->n_external;
+    const double *before = row_of(run, run->done);
     const double end = t + h;
     bool tried_again = false;
     for (double now = t;;) {
@@ -84,4 +87,44 @@ bool step_adaptively(Run *run, const double *inputs, double t, double h) {
         now = reached;
         keep(run, k->next, now);
     }
+}
+
+static bool step_coupled(Run *run, double *row, double t, double h) {
+    Coupling *k = run->coupling;
+    const double *inputs = k->ends ? k->ends + (run->done + 1) * run->n_external : row;
+    memcpy(k->next, inputs, (size_t)run->n_external * sizeof *row);
+    const bool stepped =
+        k->tolerance > 0.0 ? step_adaptively(run, inputs, t, h) : attempt(run, t, h);
+    for (int64_t i = 0; i < k->n_members; i++) {
+        const Component *c = &run->components[i];
+        const bool reached = (run->done + 1) % k->members[i].every == 0;
+        const size_t size = c->n_outputs * sizeof *row;
+        if (!run->disturbed) {
+            memcpy(row + c->column, (reached ? k->next : k->past) + c->column, size);
+            continue;
+        }
+        if (reached) {
+            memcpy(k->given + c->column, k->given + run->width + c->column, size);
+        }
+        memcpy(row + c->column, k->given + c->column, size);
+        disturb(run, c, row, run->done + 1);
+    }
+    if (stepped) {
+        keep(run, row, t + h);
+    }
+    return stepped;
+}
+
+bool couple_until(Run *run, int64_t end) {
+    while (run->done < end) {
+        const int64_t next = run->done + 1;
+        const double t = run->start + (double)run->done * run->step;
+        const double t_next = run->start + (double)next * run->step;
+        run->t = t;
+        run->h = run->constant_step ? run->step : t_next - t;
+        TRY(step_coupled(run, row_of(run, next), t, run->h));
+        run->done = next;
+        add_squares(run, next, row_of(run, next));
+    }
+    return true;
 }

@@ -2,7 +2,6 @@
 #include "calls.h"
 #include "coupling.h"
 #include "disturbance.h"
-#include "record.h"
 #include <string.h>
 
 Polynomial hold(const Run *run, int64_t column, bool fresh, double t, double h, int64_t degree) {
@@ -225,46 +224,6 @@ bool begin_coupled(Run *run) {
     for (int64_t i = 0; run->disturbed && i < k->n_members; i++) {
         const Component *c = &run->components[i];
         TRY(get_outputs(run, c, c->n_outputs, k->given));
-    }
-    return true;
-}
-
-static bool step_coupled(Run *run, double *row, double t, double h) {
-    Coupling *k = run->coupling;
-    const double *inputs = k->ends + (run->done + 1) * run->n_external;
-    memcpy(k->next, inputs, (size_t)run->n_external * sizeof *row);
-    const bool stepped =
-        k->tolerance > 0.0 ? step_adaptively(run, inputs, t, h) : attempt(run, t, h);
-    for (int64_t i = 0; i < k->n_members; i++) {
-        const Component *c = &run->components[i];
-        const bool reached = (run->done + 1) % k->members[i].every == 0;
-        const size_t size = c->n_outputs * sizeof *row;
-        if (!run->disturbed) {
-            memcpy(row + c->column, (reached ? k->next : k->past) + c->column, size);
-            continue;
-        }
-        if (reached) {
-            memcpy(k->given + c->column, k->given + run->width + c->column, size);
-        }
-        memcpy(row + c->column, k->given + c->column, size);
-        disturb(run, c, row, run->done + 1);
-    }
-    if (stepped) {
-        keep(run, row, t + h);
-    }
-    return stepped;
-}
-
-bool couple_until(Run *run, int64_t end) {
-    while (run->done < end) {
-        const int64_t next = run->done + 1;
-        const double t = run->start + (double)run->done * run->step;
-        const double t_next = run->start + (double)next * run->step;
-        run->t = t;
-        run->h = run->constant_step ? run->step : t_next - t;
-        TRY(step_coupled(run, row_of(run, next), t, run->h));
-        run->done = next;
-        add_squares(run, next, row_of(run, next));
     }
     return true;
 }

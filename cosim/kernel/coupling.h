@@ -76,7 +76,8 @@ typedef struct Coupling {
     double *given; /* (2, width): outputs before a scenario changed them, of components with a rate
                       of their own: those that hold now, and those of the step they are in */
     const double *ends; /* (n_steps + 1, n_external): inputs from outside at the end of the step
-                           before each point in time; others than there where they jump */
+                           before each point in time; others than there where they jump;
+                           NULL: the same */
 } Coupling;
 
 /* What an input does between communication points: a0 + a1 s + a2 s^2, s seconds after the begin of
@@ -97,14 +98,12 @@ EXPORT void forget(Run *run); /* free what was saved */
 typedef bool Sweep(Run *run, Loop *loop);
 bool solve(Run *run, Loop *loop, double *values, Sweep *sweep);
 
-/* coupled.c */
+/* coupled.c, which uses the two above */
 bool begin_coupled(Run *run);
-bool couple_until(Run *run, int64_t end);         /* as many steps as lead there */
 bool attempt(Run *run, double t, double h);       /* from t over h, to Coupling.next */
 void keep(Run *run, const double *row, double t); /* as the latest of the past */
 
-/* adaptive.c: from t over h, in steps of its own, to Coupling.next; inputs from outside end there
- */
-bool step_adaptively(Run *run, const double *inputs, double t, double h);
+/* adaptive.c, which uses all above */
+bool couple_until(Run *run, int64_t end); /* as many steps as lead there */
 
 #endif

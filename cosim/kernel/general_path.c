@@ -1,55 +1,8 @@
-/* The life of an FMU on the general path, from instantiation to its end, with its events. */
+/* The general path as the kernel sees it: the functions of a plain FMI 2.0 FMU. They call what lies
+ * in the other files: calls <- values <- events <- exchange <- saving; each may use those before
+ * it. */
 #include "general_path.h"
 #include <math.h>
-
-/* More in a row mean that events never come to an end. */
-enum { MAX_ITERATIONS = 10000 };
-
-#define FMI2(place, fmi2, fmi3, interfaces) fmi2,
-#define FMI3(place, fmi2, fmi3, interfaces) fmi3,
-static const char *const NAMES[][N_CALLS] = {{GENERAL_CALLS(FMI2)}, {GENERAL_CALLS(FMI3)}};
-
-#ifdef MARKED
-AnyCall *calling(const GeneralComponent *f, enum Call place) {
-    MARK_CALL(NAMES[f->version - 2][place]);
-    return f->call[place];
-}
-#endif
-
-/* A warning is checked here and OK for the kernel. */
-fmi2Status noted(GeneralComponent *f, const char *call, int status) {
-    restore_sums();
-    if (status == fmi2OK) {
-        return fmi2OK;
-    }
-    if (status == fmi2Warning) {
-        note_warning(&f->log, call, f->time);
-        return fmi2OK;
-    }
-    f->called = call;
-    if (status == fmi2Fatal) {
-        f->instance = NULL;
-    }
-    if ((unsigned)status > (f->version == 2 ? (unsigned)fmi2Pending : (unsigned)fmi3Fatal)) {
-        f->log.unknown = status;
-        f->log.reason = status = UNKNOWN_STATUS;
-    }
-    return (fmi2Status)status;
-}
-
-fmi2Status checked(GeneralComponent *f, enum Call place, int status) {
-    return noted(f, NAMES[f->version - 2][place], status);
-}
-
-fmi2Status failed_by(GeneralComponent *f, enum Call place, int reason) {
-    f->called = NAMES[f->version - 2][place];
-    f->log.reason = reason;
-    return (fmi2Status)reason;
-}
-
-fmi2Status simple_call(GeneralComponent *f, enum Call place) {
-    return checked(f, place, ((int (*)(void *))calling(f, place))(f->instance));
-}
 
 fmi2Component general_Instantiate(fmi2String name, fmi2Type type, fmi2String token,
                                   fmi2String resources, const fmi2CallbackFunctions *callbacks,
@@ -148,61 +101,34 @@ fmi2Status general_ExitInitializationMode(fmi2Component c) {
 
 fmi2Status general_Terminate(fmi2Component c) { return simple_call(c, TERMINATE); }
 
-/* Once: whether another call is due, and whether the FMU wants to end. */
-static fmi2Status update_once(GeneralComponent *f, bool *again, bool *terminate) {
-    AnyCall *call = calling(f, UPDATE_DISCRETE_STATES);
-    bool nominals, states, defined;
-    double next;
-    int status;
-    if (f->version == 2) {
-        fmi2EventInfo info = {0};
-        status = (int)((fmi2NewDiscreteStatesTYPE *)call)(f->instance, &info);
-        *again = info.newDiscreteStatesNeeded;
-        *terminate = info.terminateSimulation;
-        nominals = info.nominalsOfContinuousStatesChanged;
-        states = info.valuesOfContinuousStatesChanged;
-        defined = info.nextEventTimeDefined;
-        next = info.nextEventTime;
-    } else {
-        nominals = states = defined = *again = *terminate = false;
-        next = INFINITY;
-        status = (int)((fmi3UpdateDiscreteStatesTYPE *)call)(f->instance, again, terminate,
-                                                             &nominals, &states, &defined, &next);
+/* While a run goes on, a discrete input that changed is an event where the FMU knows events; Model
+ * Exchange keeps the values until it steps. */
+fmi2Status general_SetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                           const fmi2Real values[]) {
+    GeneralComponent *f = c;
+    const bool event = take_values(f, r, n, values);
+    if (f->running && f->model_exchange) {
+        return fmi2OK;
     }
-    f->states_changed = f->states_changed || nominals || states;
-    f->next_event = defined ? next : INFINITY;
-    TRY_STATUS(checked(f, UPDATE_DISCRETE_STATES, status));
-    return isnan(f->next_event) ? failed_by(f, UPDATE_DISCRETE_STATES, NO_SUCH_TIME) : fmi2OK;
+    return f->running && f->event_mode && event ? handle_event(f, true) : set_taken(f);
 }
 
-/* Until nothing is due any more. */
-fmi2Status update_discrete_states(GeneralComponent *f) {
-    f->states_changed = 0;
-    forget_ticks(f);
-    bool again = false, terminate;
-    for (int i = 0; i < MAX_ITERATIONS; i++) {
-        TRY_STATUS(again ? fmi2OK : tick_clocks(f));
-        TRY_STATUS(note_ticks(f));
-        TRY_STATUS(update_once(f, &again, &terminate));
-        if (terminate) {
-            return failed_by(f, UPDATE_DISCRETE_STATES, TERMINATED);
-        }
-        TRY_STATUS(again ? fmi2OK : after_ticks(f));
-        if (!again && !is_due(f, f->next_tick, f->time)) {
-            return fmi2OK;
-        }
+/* Of Model Exchange, which follows the polynomials of a coupling in its next step. */
+fmi2Status general_SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                                           const fmi2Integer orders[], const fmi2Real values[]) {
+    GeneralComponent *f = c;
+    for (size_t i = 0; i < n; i++) {
+        f->rates[(size_t)(orders[i] - 1) * f->n_inputs + r[i]] = values[i];
     }
-    return failed_by(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
+    return fmi2OK;
 }
 
-fmi2Status handle_event(GeneralComponent *f, bool with_inputs) {
-    TRY_STATUS(simple_call(f, ENTER_EVENT_MODE));
-    if (with_inputs) {
-        TRY_STATUS(trigger_clocks(f));
-        TRY_STATUS(set_groups(f, &f->inputs));
-    }
-    TRY_STATUS(update_discrete_states(f));
-    return simple_call(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE);
+fmi2Status general_GetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                           fmi2Real values[]) {
+    GeneralComponent *f = c;
+    TRY_STATUS(get_values(f, r, n, values));
+    f->ticks_read = 1;
+    return fmi2OK;
 }
 
 fmi2Status general_tune(fmi2Component c, const fmi2ValueReference references[], size_t n,

@@ -163,7 +163,10 @@ typedef struct {
 /* Beside TERMINATED and the others of enum Reason. */
 enum { TOO_MANY_EVENTS = 110, SOLVER_FAILED, OUT_OF_MEMORY, NO_SUCH_TIME };
 
-/* Each returns an FMI status or a Reason. */
+/* What the files of the general path offer; each uses those above it only. What returns a
+ * fmi2Status returns an FMI status or a Reason. */
+
+/* general_calls.c */
 #ifdef MARKED
 AnyCall *calling(const GeneralComponent *f, enum Call place);
 #else
@@ -173,33 +176,42 @@ fmi2Status simple_call(GeneralComponent *f, enum Call place);
 fmi2Status checked(GeneralComponent *f, enum Call place, int status);   /* what the FMU returned */
 fmi2Status noted(GeneralComponent *f, const char *call, int status);    /* likewise */
 fmi2Status failed_by(GeneralComponent *f, enum Call place, int reason); /* a Reason */
-fmi2Status step_once(GeneralComponent *f, double t,
-                     double h); /* DoStep; its answers are in answers */
-fmi2Status get_state(GeneralComponent *f, void **state);
-fmi2Status set_state(GeneralComponent *f, void *state);
+
+/* values.c */
 fmi2Status transfer(GeneralComponent *f, const Group *group);
 fmi2Status set_groups(GeneralComponent *f, const Groups *groups);
-fmi2Status handle_event(GeneralComponent *f, bool with_inputs);
-fmi2Status update_discrete_states(GeneralComponent *f);
-/* Whether an input of a group is an event: a clock that ticks, a discrete one that changes. */
-static inline bool is_event(const Group *g, double before, double value) {
-    return g->clock ? value != 0.0 : g->discrete && value != before;
-}
 void store(const Group *group, int64_t place, double value);
+bool take_values(GeneralComponent *f, const uint32_t ports[], size_t n, const double values[]);
+fmi2Status set_taken(GeneralComponent *f); /* give the FMU what was taken, but for events */
+fmi2Status get_values(GeneralComponent *f, const uint32_t ports[], size_t n, double values[]);
 
+/* events.c */
 fmi2Status begin_clocks(GeneralComponent *f);
 void schedule_ticks(GeneralComponent *f);       /* find the next tick of all clocks */
 fmi2Status trigger_clocks(GeneralComponent *f); /* of the inputs, those that tick */
-fmi2Status note_ticks(GeneralComponent *f);     /* of the outputs, until they are forgotten */
-void forget_ticks(GeneralComponent *f);         /* which the kernel was given */
-fmi2Status tick_clocks(GeneralComponent *f);
-fmi2Status after_ticks(GeneralComponent *f);
+void forget_ticks(GeneralComponent *f);         /* of the outputs, which the kernel was given */
+fmi2Status update_discrete_states(GeneralComponent *f);
+fmi2Status handle_event(GeneralComponent *f, bool with_inputs);
 
+/* exchange.c */
 fmi2Status begin_exchange(GeneralComponent *f);
 fmi2Status step_exchange(GeneralComponent *f, double t, double h);
 fmi2Status restart_exchange(GeneralComponent *f);
 void seek_jump(GeneralComponent *f); /* find the next jump after those that were passed */
 void end_exchange(GeneralComponent *f);
+
+/* saving.c, and below those that the kernel calls */
+fmi2Status step_once(GeneralComponent *f, double t, double h); /* its answers are in answers */
+/* After the FMU was brought into a saved state, and the fields of the general path with it: */
+EXPORT fmi2Status general_go_on(GeneralComponent *f);
+
+/* Whether an input of a group is an event: a clock that ticks, a discrete one that changes. */
+static inline bool is_event(const Group *g, double before, double value) {
+    return g->clock ? value != 0.0 : g->discrete && value != before;
+}
+
+/* More in a row mean that events never come to an end. */
+enum { MAX_ITERATIONS = 10000 };
 
 /* An event that is not due lies at infinity. */
 static inline bool is_due(const GeneralComponent *f, double event, double t) {
@@ -221,9 +233,6 @@ static inline double rounding_of(double t) { return 4.0 * DBL_EPSILON * fabs(t);
 /* Set tunable parameters between two steps, as an event where the FMU knows events. */
 EXPORT fmi2Status general_tune(fmi2Component c, const fmi2ValueReference references[], size_t n,
                                const void *group);
-
-/* After the FMU was brought into a saved state, and the fields of the general path with it. */
-EXPORT fmi2Status general_go_on(GeneralComponent *f);
 
 /* Under these names the kernel's table of FMI 2.0 calls finds them. */
 EXPORT fmi2InstantiateTYPE general_Instantiate;

@@ -183,7 +183,8 @@ typedef struct {
     int64_t constant_step; /* not 0: the FMUs are given step, else the distance of the two times */
     int64_t n_steps;
     double start, stop, step; /* s */
-    const double *external;   /* (n_steps + 1, n_external), or NULL where n_external is 0 */
+    const double *external; /* (n_steps + 1, n_external); NULL where n_external is 0, and where the
+                               caller writes the inputs into the rows, step by step */
     int64_t n_external;
     double *rows;       /* (n_steps + 1, width), or (block + 1, width) where they are used again */
     int64_t width;      /* of a row */

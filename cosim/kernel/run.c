@@ -75,7 +75,7 @@ static bool get_initial(Run *run, const Component *c) {
 
 static bool initialise(Run *run) {
     MARK_TIME(NAN);
-    if (run->n_external) {
+    if (run->external) {
         const size_t size = (size_t)run->n_external * sizeof *run->rows;
         memcpy(run->rows, run->external, size);
         memcpy(run->rows + run->width, run->external, size);
@@ -187,7 +187,7 @@ static bool step_block(Run *run, int64_t end) {
         memmove(run->rows, row_of(run, first), (size_t)run->width * sizeof(double));
         run->block_start = first;
     }
-    for (int64_t n = first; run->n_external && n <= end; n++) {
+    for (int64_t n = first; run->external && n <= end; n++) {
         memcpy(row_of(run, n), run->external + n * run->n_external,
                (size_t)run->n_external * sizeof(double));
     }

@@ -58,11 +58,9 @@ static double load(const Group *g, int64_t place) {
     return NAN;
 }
 
-/* While a run goes on, a discrete input that changed is an event where the FMU knows events; Model
- * Exchange keeps the values until it steps. */
-fmi2Status general_SetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                           const fmi2Real values[]) {
-    GeneralComponent *f = c;
+/* Take values for the next step; where the FMU is given them at once, they lie ready in the groups.
+ * Whether one is an event. */
+bool take_values(GeneralComponent *f, const uint32_t r[], size_t n, const double values[]) {
     bool event = false;
     for (size_t i = 0; i < n; i++) {
         const Port *port = &f->input_ports[r[i]];
@@ -76,36 +74,21 @@ fmi2Status general_SetReal(fmi2Component c, const fmi2ValueReference r[], size_t
             store(group, port->place, later ? 0.0 : values[i]);
         }
     }
-    if (f->running && f->model_exchange) {
-        return fmi2OK;
-    }
-    if (f->running && f->event_mode && event) {
-        return handle_event(f, true);
-    }
+    return event;
+}
+
+fmi2Status set_taken(GeneralComponent *f) {
     for (size_t i = 0; i < f->inputs.n; i++) {
         const Group *group = &f->inputs.groups[i];
         if (!group->clock && !(f->running && f->event_mode && group->discrete)) {
-            TRY_STATUS(transfer(f, &f->inputs.groups[i]));
+            TRY_STATUS(transfer(f, group));
         }
     }
     return fmi2OK;
 }
 
-/* Of Model Exchange, which follows the polynomials of a coupling in its next step. */
-fmi2Status general_SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                                           const fmi2Integer orders[], const fmi2Real values[]) {
-    GeneralComponent *f = c;
-    for (size_t i = 0; i < n; i++) {
-        f->rates[(size_t)(orders[i] - 1) * f->n_inputs + r[i]] = values[i];
-    }
-    return fmi2OK;
-}
-
-fmi2Status general_GetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                           fmi2Real values[]) {
-    GeneralComponent *f = c;
+fmi2Status get_values(GeneralComponent *f, const uint32_t r[], size_t n, double values[]) {
     TRY_STATUS(set_groups(f, &f->outputs));
-    f->ticks_read = 1;
     for (size_t i = 0; i < n; i++) {
         const Port *port = &f->output_ports[r[i]];
         values[i] = load(&f->outputs.groups[port->group], port->place);

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+
+from stickslip.cosim.system.system import System
 
 _log = logging.getLogger(__name__)
 _lock = threading.Lock()
@@ -24,3 +26,31 @@ def declare(binaries: Iterable[Path], line: str) -> None:
         lines.update(dict.fromkeys(new, line))
     if new:
         _log.warning("%s", line)
+
+
+def declare_unresettable(system: System, names: Sequence[str], what: str) -> None:
+    """Note that components cannot be used again after a reset, and what shows it."""
+    _declare(
+        system,
+        names,
+        f"cannot be used again after a reset: {what}; each run has a new instance of it",
+    )
+
+
+def declare_erratic(system: System, names: Sequence[str], what: str) -> None:
+    """Note that new instances of components do not do the same, and what shows it."""
+    _declare(
+        system,
+        names,
+        f"gives other results in the same run with another new instance: {what}; it cannot be seen"
+        " whether a reset works, so each run has new instances; if the FMU keeps something in"
+        " static variables, each run needs a process of its own (isolation='process', and close()"
+        " after each run)",
+    )
+
+
+def _declare(system: System, names: Sequence[str], what: str) -> None:
+    fmus = [system.components[name] for name in names]
+    each = [f"{name} ({fmu.label})" for name, fmu in zip(names, fmus, strict=True)]
+    who = each[0] if len(each) == 1 else f"one of {', '.join(each)}"
+    declare([fmu.binary for fmu in fmus], f"{who} {what}")

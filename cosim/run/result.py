@@ -6,26 +6,36 @@ import csv
 import io
 import operator
 import os
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
+from importlib import import_module
+from math import isclose
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.cosim.run.display import draw, summary
-from stickslip.cosim.run.labelled import to_xarray, with_pint
-from stickslip.cosim.run.texts import Changes
+from stickslip.cosim.display import html_table
+from stickslip.cosim.errors import CosimError
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.system import System
+from stickslip.fmi.description.units import BASE_UNITS, Unit
 from stickslip.fmi.files import atomic_write
-from stickslip.fmi.messages import suggestion
+from stickslip.fmi.messages import scaled_unit, shown, suggestion
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
 
+Changes = Mapping[str, Sequence[tuple[float, str]]]
+"""Name of a variable -> times (s) and what it holds from each on."""
+_HEIGHT, _WIDTH, _PANEL = 1.0, 7.0, 2.0
+"""Of a figure without panels, its width, and the height of a panel [inch]."""
+_EXPONENT = re.compile(r"(?<=[A-Za-z])(-?\d+)")
+_OTHER_NAMES = {"Nm": "N*m", "Ohm": "ohm"}  # Pint takes Nm for a number of metres
+_OTHER_NAME = re.compile(r"\b(Nm|Ohm)\b")
 _ROWS = 10_000  # of a CSV file, as numbers of Python at the same time
 
 
@@ -107,7 +117,7 @@ class Result:
 
     def _repr_html_(self) -> str:
         """Return the table that a notebook shows."""
-        return summary(self.time, self._all(), self.units, self.stopped)
+        return _summary(self.time, self._all(), self.units, self.stopped)
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self.names)
@@ -139,7 +149,7 @@ class Result:
             if column is None:
                 raise self._unknown(name)
             chosen[self.names[column]] = self.values[:, column]
-        return draw(self.time, chosen, self.units, axes)
+        return _draw(self.time, chosen, self.units, axes)
 
     def _all(self) -> dict[str, Array]:
         return dict(zip(self.names, self.values.T, strict=True))
@@ -193,7 +203,7 @@ class Result:
         CosimError
             When xarray is not installed.
         """
-        return to_xarray(self.frame())
+        return _to_xarray(self.frame())
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
@@ -250,3 +260,119 @@ class Result:
         for name, column in self._columns.items():
             found.setdefault(name.partition(".")[2], []).append(column)
         return {name: columns[0] for name, columns in found.items() if name and len(columns) == 1}
+
+
+def _draw(
+    time: Array,
+    signals: Mapping[str, Array],
+    units: Mapping[str, str | None],
+    axes: Axes | Sequence[Axes] | None,
+) -> list[Axes]:
+    """Draw signals over time, those of one unit in one panel; see ``Result.plot``."""
+    panels: dict[str | None, list[str]] = {}
+    for name in signals:
+        panels.setdefault(units[name], []).append(name)
+    if axes is None:
+        from matplotlib import pyplot as plt  # late, for those who only simulate
+
+        size = (_WIDTH, _HEIGHT + _PANEL * len(panels))
+        figure, grid = plt.subplots(
+            len(panels), sharex=True, squeeze=False, figsize=size, layout="constrained"
+        )
+        figure.align_ylabels()
+    else:
+        grid = np.atleast_1d(np.asarray(axes, dtype=object))
+    given: list[Axes] = list(grid.ravel())
+    if len(given) != len(panels):
+        raise ValueError(f"expected axes for {len(panels)} units, got {len(given)}")
+    seconds, of_time = scaled_unit("s", float(np.abs(time).max(initial=0.0)))
+    for panel, (unit, names) in zip(given, panels.items(), strict=True):
+        sizes = [np.abs(signals[name][np.isfinite(signals[name])]) for name in names]
+        factor, shown = scaled_unit(unit, max(float(size.max(initial=0.0)) for size in sizes))
+        for name in names:
+            panel.plot(seconds * time, factor * signals[name], label=name, linewidth=1.2)
+        if len(names) > 1:
+            panel.legend()
+        panel.set_ylabel(f"{names[0]} [{shown}]" if len(names) == 1 else f"[{shown}]")
+        panel.grid(visible=True, alpha=0.3)
+    given[-1].set_xlabel(f"time [{of_time}]")
+    return given
+
+
+def _summary(
+    time: Array, signals: Mapping[str, Array], units: Mapping[str, str | None], stopped: str | None
+) -> str:
+    """Return a table of the signals with unit, range and last value, as HTML."""
+    rows = []
+    for name, values in signals.items():
+        ends = (f"{x:.6g}" for x in (values.min(), values.max(), values[-1])) if len(time) else ()
+        rows.append((name, units[name] or "", *ends))
+    over = f"{len(time)} points" + (f", {time[0]:g} to {time[-1]:g} s" if len(time) else "")
+    caption = over + (f"; ended by {stopped}" if stopped else "")
+    return html_table(("signal", "unit", "least", "greatest", "last"), rows, caption, words=2)
+
+
+def _to_xarray(frame: pd.DataFrame) -> xr.Dataset:
+    """Return a data set along the index; ``frame.attrs["units"]`` are attributes of its variables.
+
+    Raises
+    ------
+    CosimError
+        When xarray is not installed.
+    """
+    _library("xarray", "xarray")
+    data: xr.Dataset = frame.to_xarray()
+    for name, unit in {frame.index.name: "s", **frame.attrs["units"]}.items():
+        if unit:
+            data[name].attrs["units"] = unit
+    return data
+
+
+def with_pint(frame: pd.DataFrame, units: dict[str, Unit | None]) -> pd.DataFrame:
+    """Return a frame with columns of Pint, dimensionless where a signal has no unit.
+
+    Raises
+    ------
+    CosimError
+        When pint-pandas is not installed, or Pint does not know a unit that its FMU does not
+        define either.
+    """
+    pint = _library("pint", "pint-pandas")
+    _library("pint_pandas", "pint-pandas")
+    registry = pint.get_application_registry()
+    kinds = {
+        str(name): f"pint[{_pint_unit(registry, str(name), unit):~}]" if unit else "pint[]"
+        for name, unit in units.items()
+    }
+    return frame.astype(kinds)
+
+
+def _pint_unit(registry: Any, name: str, unit: Unit) -> Any:
+    """Return a unit by its name where Pint means the same by it, else by its definition."""
+    base, offset = None, 0.0 if unit.relative else unit.offset
+    if unit.exponents is not None:
+        powers = zip(BASE_UNITS, unit.exponents, strict=True)
+        base = registry.parse_units(" * ".join(f"{one}**{power}" for one, power in powers))
+    try:
+        text = _OTHER_NAME.sub(lambda found: _OTHER_NAMES[found[0]], unit.name.replace(".", "*"))
+        found = registry.parse_units(_EXPONENT.sub(r"**\1", text))
+        if base is None:
+            return found
+        zero, one = (registry.Quantity(x, found).to(base).magnitude for x in (0.0, 1.0))
+        if isclose(zero, offset, abs_tol=1e-12) and isclose(one, unit.factor + offset):
+            return found
+    except (ValueError, TypeError, AttributeError):  # Pint's own are of these kinds
+        pass
+    if base is None or unit.factor != 1.0 or offset:
+        raise CosimError(
+            f"{name}: Pint knows no unit {shown(unit.name)}; define it in Pint's registry"
+            " (pint.get_application_registry().define), or take the frame without Pint"
+        )
+    return base
+
+
+def _library(module: str, package: str) -> Any:
+    try:
+        return import_module(module)
+    except ImportError:
+        raise CosimError(f"{package} is needed: pip install 'stickslip[units]'") from None

@@ -2,30 +2,41 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import NoReturn, Self, TypeVar
 
 import numpy as np
 
-from stickslip.cosim.assembly.disturbances import held_values, hold_values
+from stickslip.cosim.assembly.memory import Room
+from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationError
 from stickslip.cosim.fmu.batch import Batch
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.run.checkpoint import Checkpoint, differences
+from stickslip.cosim.run import resets
+from stickslip.cosim.run.checkpoint import Checkpoint, differences, identity, put_back, taken
+from stickslip.cosim.run.exclusive import Exclusive
+from stickslip.cosim.run.instances import Instances
 from stickslip.cosim.run.real_time import RealTimePacing
-from stickslip.cosim.run.repeated import RESUMED, Repeated
 from stickslip.cosim.run.result import Result
-from stickslip.cosim.run.termination import last_outputs
+from stickslip.cosim.run.reuse import Reuse
+from stickslip.cosim.run.stepping import Discarded, NotReset, Stepper
 from stickslip.cosim.signals.scenario import Scenario
-from stickslip.cosim.signals.signals import Table
+from stickslip.cosim.signals.signals import Array, Table
 from stickslip.cosim.signals.tables import Inputs, signals_of
-from stickslip.cosim.system.coupling import Coupling
+from stickslip.cosim.system.system import Specification
 from stickslip.fmi.by_name import by_name
 
+T = TypeVar("T")
+_log = logging.getLogger(__name__)
 
-class Simulation(Repeated):
+
+class Simulation:
     """Runs a system. Life: ``prepare`` -> any number of ``run`` -> ``close`` (or ``with``).
+
+    In place of ``run``, ``start`` and then ``step`` as often as needed lead through a run by steps.
 
     One thread at a time; other threads, and forked processes, prepare their own from ``spec``. A
     run leaves the interpreter lock, so their runs go on side by side.
@@ -33,10 +44,45 @@ class Simulation(Repeated):
     Attributes
     ----------
     spec : Specification
-    time : (n_steps + 1,) float64, s
-    order : names of the components as they step
     pacing : how well the last run kept real time, None when it did not have to
     """
+
+    def __init__(self, spec: Specification, room: Room = np.empty) -> None:
+        self.spec = spec
+        self.pacing: RealTimePacing | None = None
+        tools = any(fmu.needs_tool for fmu in spec.system.components.values())
+        self._exclusive = Exclusive(spec.system.name, outlives_fork=not tools)
+        self._plan = Plan(spec)
+        self._fmus = Instances(self._plan, room)
+        self._stepper = Stepper(self._fmus)
+        self._reuse = Reuse(self._stepper)
+
+    @property
+    def time(self) -> Array:
+        """The points in time, (n_steps + 1,) s."""
+        return self._plan.time
+
+    @property
+    def order(self) -> list[str]:
+        """Names of the components as they step."""
+        return self._plan.order
+
+    @property
+    def accuracy(self) -> int:
+        """The declared order: the coupling's error falls with step^accuracy."""
+        return self._fmus.coupled.accuracy
+
+    @property
+    def effort(self) -> Mapping[str, int]:
+        """What the last run took: steps, sweeps through loops or single components, rejected steps.
+
+        Empty where every component does every step once.
+        """
+        return self._fmus.coupled.effort
+
+    def before_repetition(self, call: Callable[[], object]) -> None:
+        """Let something be called before a run is repeated to see what a reset does."""
+        self._reuse.before_repetition = call
 
     def __repr__(self) -> str:
         spec = self.spec
@@ -85,23 +131,115 @@ class Simulation(Repeated):
 
         An FMU may ask to end a run: the result is then shorter, and its ``stopped`` says so.
         """
-        values = self._values(by_name("parameters", parameters, ParameterError))
-        last = self._place(until)
+        values = self._plan.start_values(by_name("parameters", parameters, ParameterError))
+        last = self._plan.step_at(until)
         signals = signals_of(inputs)
         jumps = any(isinstance(signal, Table) for signal in signals.values())
         same_as = None if scenario or jumps else last
 
+        def go(repeated: bool) -> Result:
+            self.pacing = None if real_time is None else RealTimePacing.of(real_time)
+            return self._stepper.go(0, last, self.pacing, None if repeated else progress)
+
         def attempt() -> Result:
-            external = self._set_inputs(values, signals, scenario)
-
-            def go(repeated: bool) -> Result:
-                return self._step(0, last, real_time, None if repeated else progress)
-
+            external = self._stepper.follow(values, signals, scenario)
             repeats = real_time is None
-            return self._repeatable(values, external, go, repeats=repeats, same_as=same_as)
+            return self._reuse.run(values, external, go, repeats=repeats, same_as=same_as)
 
         with self._exclusive:
             return self._with_retries(attempt)
+
+    def start(
+        self,
+        parameters: Mapping[str, object] | None = None,
+        inputs: Mapping[str, float] | None = None,
+    ) -> dict[str, float]:
+        """Begin a run by steps: reset, set start values and inputs, initialise.
+
+        Parameters
+        ----------
+        parameters : ``component.variable`` -> start value for this run only
+        inputs : exposed input -> value; one left out has the start value of its first target
+
+        Returns
+        -------
+        name -> value at the start, of the signals to record but for exposed inputs
+
+        Raises
+        ------
+        ParameterError, SignalError, SharedSimulation, SimulationError
+            As ``run``.
+        """
+        values = self._plan.start_values(by_name("parameters", parameters, ParameterError))
+
+        def attempt() -> dict[str, float]:
+            self._reuse.renew(values)
+            return self._stepper.start(values, inputs or {})
+
+        with self._exclusive:
+            return self._with_retries(attempt)
+
+    def step(self, inputs: Mapping[str, float] | None = None) -> dict[str, float]:
+        """Do one communication step of a run that ``start`` has begun.
+
+        Nothing of it is kept, so that ``stop`` may be far away with ``Record(keep="last")``. The
+        results are those of a whole run, bit for bit, whose inputs hold over each step.
+
+        Parameters
+        ----------
+        inputs : exposed input -> value over this step; one left out keeps the value it has
+
+        Returns
+        -------
+        name -> value at the end of the step, of the signals to record but for exposed inputs
+
+        Raises
+        ------
+        ExperimentError
+            When the run is at its stop.
+        SignalError
+            When there is no such input, or it cannot have such a value; the run can go on.
+        SimulationError
+            When ``start`` was not called, or an FMU fails or asks to end the run.
+        """
+        with self._exclusive:
+            try:
+                return self._stepper.step(inputs or {})
+            except Discarded as discarded:
+                self._heed(discarded)
+                raise SimulationError(
+                    f"{discarded.component} discarded a step; begin the run again with start(): its"
+                    " steps are then tried in parts, or without derivatives of its inputs"
+                ) from None
+
+    def _with_retries(self, attempt: Callable[[], T]) -> T:
+        """Run; again, and with more care, where an FMU discards a step that it can take back.
+
+        Where a reset fails, the run is done with a new instance.
+        """
+        while True:
+            try:
+                return attempt()
+            except NotReset as fault:
+                resets.declare_unresettable(self.spec.system, [fault.component], str(fault))
+            except Discarded as discarded:
+                self._heed(discarded)
+
+    def _heed(self, discarded: Discarded) -> None:
+        """Let a component be stepped with more care from now on."""
+        name = discarded.component
+        if discarded.derivatives:
+            _log.warning(
+                "%s refuses derivatives of its inputs, though it declares canInterpolateInputs: it"
+                " is given their mean over each step",
+                name,
+            )
+            self._fmus.averages.add(name)
+        else:
+            _log.info("%s discards steps: they are tried in parts", name)
+            self._fmus.retries.add(name)
+        self._reuse.free()
+        self._fmus.build()
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the state that the last run halted in to a file, for ``resume``; return the path.
@@ -115,28 +253,9 @@ class Simulation(Repeated):
         is initialised again, so that the two agree within its tolerance.
         """
         with self._exclusive:
-            return self._save(Path(path))
-
-    def _save(self, path: Path) -> Path:
-        if not self._halted:
-            raise SimulationError("there is no state to save: halt a run with run(until=...)")
-        components = self.spec.system.components
-        if mute := [name for name, fmu in components.items() if not fmu.serializes]:
-            raise SimulationError(
-                f"the state cannot be saved: {', '.join(mute)} cannot serialise it"
-                " (canSerializeFMUstate)"
-            )
-        states = {name: self._state_of(name).save() for name in self.order}
-        row = self._memory.state()
-        memory = {f"/{name}": values for name, values in self._coupled.memory().items()}
-        memory["/held"] = held_values(self._slots, row[: self._run.width], self._run.done)
-        for owner, general in self._general_components.items():
-            memory |= {f"{owner}/{name}": values for name, values in general.memory().items()}
-        for name, slot in self._slots.items():
-            memory[f"{name}/outputs"] = last_outputs(slot)
-        starts = {n: float(v) for n, v in self._starts.items() if isinstance(v, int | float)}
-        identity, done = self._identity(), self._run.done
-        return Checkpoint(identity, done, row, states, starts, memory).write(path)
+            if not self._stepper.halted:
+                raise SimulationError("there is no state to save: halt a run with run(until=...)")
+            return taken(self._stepper).write(path)
 
     def resume(
         self,
@@ -159,12 +278,12 @@ class Simulation(Repeated):
             start, coupling or record; the first differences are named.
         """
         checkpoint = Checkpoint.read(path)
-        if difference := differences(checkpoint.identity, self._identity()):
+        if difference := differences(checkpoint.identity, identity(self._plan)):
             raise SimulationError(
                 f"{path} was saved by another system or run: {difference}; make them equal, or run"
                 " from the start"
             )
-        last = self._place(until)
+        last = self._plan.step_at(until)
         if checkpoint.step < 0:
             raise SimulationError(f"{path}: the saved state is damaged: step {checkpoint.step}")
         if last <= checkpoint.step:
@@ -176,24 +295,13 @@ class Simulation(Repeated):
         signals = signals_of(inputs)
 
         def go(_: bool) -> Result:
-            self._advance(0)  # initialised, the FMUs are in a mode that takes a state
-            try:
-                for name in self.order:
-                    self._state_of(name).restore(checkpoint.states[name])
-                    self._recall(name, checkpoint)
-                self._coupled.recall(checkpoint.memory_of(""))
-                self._memory.go_on(checkpoint.step, checkpoint.row)
-                hold_values(self._slots, checkpoint.memory["/held"])
-            except (KeyError, ValueError, IndexError, TypeError, OverflowError) as fault:
-                raise SimulationError(f"{path}: the saved state is damaged: {fault!r}") from fault
-            self._compare(path, checkpoint)
-            return self._step(checkpoint.step, last, real_time, progress)
+            put_back(self._stepper, checkpoint, path)
+            self.pacing = None if real_time is None else RealTimePacing.of(real_time)
+            return self._stepper.go(checkpoint.step, last, self.pacing, progress)
 
         def attempt() -> Result:
-            external = self._set_inputs({**parameters, **checkpoint.starts}, signals, scenario)
-            result = self._repeatable(parameters, external, go, repeats=False)
-            self._traces.add(RESUMED)
-            return result
+            external = self._stepper.follow({**parameters, **checkpoint.starts}, signals, scenario)
+            return self._reuse.run(parameters, external, go, repeats=False, resumed=True)
 
         with self._exclusive:
             return self._with_retries(attempt)
@@ -235,59 +343,44 @@ class Simulation(Repeated):
         with self._exclusive:
             return [self._value(name) for name in names]
 
+    def close(self) -> None:
+        """Free the FMUs. A closed simulation instantiates them again when it runs.
+
+        Raises
+        ------
+        SharedSimulation
+            When it runs.
+        """
+        if self._exclusive.is_ours:
+            with self._exclusive:
+                self._reuse.free()
+                self._stepper.halted = False
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: object, error: object, traceback: object) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if hasattr(self, "_reuse") and self._exclusive.is_ours:
+            self._reuse.free()
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(
+            f"{self.spec.system.name}: a prepared simulation cannot be pickled or copied, for it"
+            " holds instances of FMUs; pickle simulation.spec, and prepare() it where it arrives"
+        )
+
     def _value(self, name: str) -> float:
         variable = self.spec.system.variable(name, ParameterError)
         if variable.type in ("String", "Binary", "Clock") or variable.dimensions:
             raise ParameterError(f"{name} is a {variable.type}, expected a scalar number")
         component = component_of(name)
-        slot = self._slots[component]
+        slot = self._fmus.slots[component]
         if not (slot.used and slot.instance):
             raise SimulationError(f"{name} has no value yet: run first")
         owner = self.spec.system.components[component].variables[variable.owner]
-        batch = Batch(self._libraries[component], [owner], "Get")
-        self._state_of(component).read(batch)
+        batch = Batch(self._fmus.libraries[component], [owner], "Get")
+        self._fmus.state_of(component).read(batch)
         return float(batch.values[batch.place(variable)])
-
-    def _compare(self, path: str | os.PathLike[str], checkpoint: Checkpoint) -> None:
-        """Check that the FMUs give the outputs again that they gave when their state was saved."""
-        for name, slot in self._slots.items():
-            now = last_outputs(slot)
-            then = checkpoint.memory_of(name).get("outputs", now)
-            wrong = ~np.isclose(now, then, rtol=1e-6, atol=1e-9, equal_nan=True)
-            if wrong.any():
-                place = int(np.argmax(wrong))
-                self._ready = False
-                raise SimulationError(
-                    f"{self._layout.outputs[name][place]}: is {now[place]:.9g} after its FMU took"
-                    f" the state from {path}, but was {then[place]:.9g} when that was saved: the"
-                    " FMU does not bring back its state, though it declares that it can"
-                )
-
-    def _recall(self, name: str, checkpoint: Checkpoint) -> None:
-        general = self._general_components.get(name)
-        memory = checkpoint.memory_of(name)
-        if general and "times" in memory and general.recall(memory) not in {0, 1}:
-            raise SimulationError(
-                f"{name}: {(general.c.called or b'').decode()} failed on resuming"
-            )
-
-    def _identity(self) -> dict[str, str]:
-        """Return what must be the same for a saved state to be this simulation's, by what it is."""
-        spec, system = self.spec, self.spec.system
-        how = {
-            "step": float(spec.step),
-            "start": float(spec.start),
-            "coupling": Coupling.of(spec.coupling),
-            "constant_step": spec.constant_step,
-            "tolerance": spec.tolerance,
-            "order of the components": ", ".join(self.order),
-            "signals": ", ".join(self._layout.columns),
-            "sums of squares": self._layout.summed,
-        }
-        fmus = {f"component {name}": fmu.identity for name, fmu in system.components.items()}
-        wiring = {
-            f"input {target}": f"{source}, {system.scaling(source, target)}"
-            for target, source in system.sources().items()
-        }
-        starts = {f"start value of {name}": value for name, value in system.parameters.items()}
-        return {what: str(value) for what, value in {**fmus, **wiring, **starts, **how}.items()}

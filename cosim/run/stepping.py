@@ -1,39 +1,40 @@
-"""A run from its begin to its end, or to the point where it halts."""
+"""A run from its begin to its end, to the point where it halts, or step by step."""
 
 from __future__ import annotations
 
-import logging
-import math
-from collections.abc import Callable, Collection, Mapping
+import ctypes
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from stickslip.cosim import kernel
-from stickslip.cosim.assembly.disturbances import disturb
-from stickslip.cosim.assembly.external_inputs import sample_ends, sample_inputs
-from stickslip.cosim.assembly.input_events import InputEvents, courses, joined
-from stickslip.cosim.assembly.tuning import split, tune
-from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationError
+from stickslip.cosim.assembly.disturbances import disturb, split, tune
+from stickslip.cosim.assembly.inputs import (
+    InputEvents,
+    courses,
+    joined,
+    put_inputs,
+    sample_ends,
+    sample_inputs,
+)
+from stickslip.cosim.errors import ExperimentError, SimulationError
 from stickslip.cosim.fmu.batch import Batch
+from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.state import StateAccess
-from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.kernel import structures
-from stickslip.cosim.run.prepared import Prepared
+from stickslip.cosim.run.instances import Instances
 from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
-from stickslip.cosim.run.termination import last_outputs, terminated
-from stickslip.cosim.run.texts import Texts
 from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Array, Input, Table
-from stickslip.cosim.signals.span import slack
-from stickslip.cosim.system.experiment import check_memory
-from stickslip.cosim.system.record import Record
 from stickslip.fmi.description.variables import Value
 from stickslip.fmi.process import check_interruption
 
-_log = logging.getLogger(__name__)
 _PER_SIGNAL = 6  # numbers at each point for what a scenario does to a signal, and to make them
+_LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3  # of ``fmi2StatusKind``
+_GETTERS = {2: "fmi2GetReal", 3: "fmi3GetFloat64"}
 
 
 class Discarded(Exception):
@@ -52,177 +53,239 @@ class NotReset(SimulationError):
         self.component = component
 
 
-class Stepping(Prepared):
-    """Takes prepared FMUs through a run."""
+class Stepper:
+    """Takes FMUs through a run.
 
-    def _values(self, parameters: Mapping[str, object]) -> dict[str, Value]:
-        """Return the start values of a run, checked."""
-        system = self.spec.system
-        values = dict(system.parameters)
-        for name, value in parameters.items():
-            if name not in self._variables:
-                self._variables[name] = system.variable(name, ParameterError)
-            variable = self._variables[name]
-            values[name] = converted(variable, value, name)
-            present = system.parameters.get(name, variable.start)
-            if variable.causality == "structuralParameter" and values[name] != present:
-                raise ParameterError(
-                    f"{name} = {values[name]!r} would change the dimensions of arrays; set it in"
-                    " the system, before the simulation is prepared"
-                )
-        return values
+    The order of calls is `follow` and `begin`, then `go` and `advance` to points in time; or
+    `start`, then `step` for each step.
 
-    def _set_inputs(
+    Attributes
+    ----------
+    fmus : Instances
+    halted : whether the run can go on
+    starts : start values of the run
+    changed : parameters that its scenario changes
+    """
+
+    def __init__(self, fmus: Instances) -> None:
+        self.fmus, self.plan, self._system = fmus, fmus.plan, fmus.plan.spec.system
+        self.halted = self._by_steps = False
+        self.starts: Mapping[str, Value] = {}
+        self.changed: frozenset[str] = frozenset()
+        self._varies_step = all(fmu.varies_step for fmu in self._system.components.values())
+        recorded = self.plan.layout.recorded
+        self._first_output = sum(name in self._system.inputs for name in recorded)
+
+    def follow(
         self, values: Mapping[str, Value], inputs: Mapping[str, Input], scenario: Scenario | None
     ) -> Array:
         """Return the exposed inputs at the points in time; between them they are attached."""
-        system, run = self.spec.system, self._run
-        external = sample_inputs(system, values, inputs, self.time)
+        system, run, time = self._system, self.fmus.run, self.plan.time
+        external = sample_inputs(system, values, inputs, time)
         ends = external
         if scenario or run.coupling:
-            ends = sample_ends(system, inputs, self.time, external)
+            ends = sample_ends(system, inputs, time, external)
         touched = self._disturb(scenario, external, ends, values)
         free = {name: signal for name, signal in inputs.items() if name not in touched}
         tables = {name: signal for name, signal in free.items() if isinstance(signal, Table)}
         run.n_events = run.event_end = 0
         if tables and not (run.coupling or run.constant_step) and self._varies_step:
-            self._events = InputEvents(system, free, tables, self.time, external)
+            self._events = InputEvents(system, free, tables, time, external)
             self._events.attach(run)
         for i, name in enumerate(system.inputs):
             if name in touched:
-                tables[name] = joined(self.time, ends[:, i], external[:, i])
-        for name, general in self._general_components.items():
+                tables[name] = joined(time, ends[:, i], external[:, i])
+        for name, general in self.fmus.general.items():
             general.follow(courses(system, name, tables))
-        self._coupled.follow(ends)
+        self.fmus.coupled.follow(ends)
         return external
 
     def _disturb(
         self, scenario: Scenario | None, external: Array, ends: Array, values: Mapping[str, Value]
     ) -> Collection[str]:
         """Prepare what a scenario does; return the names of the signals that it touches."""
-        run, system = self._run, self.spec.system
-        self._starts = values
-        self._changed: frozenset[str] = frozenset()
+        fmus, run, layout = self.fmus, self.fmus.run, self.plan.layout
+        self.starts = values
+        self.changed = frozenset()
         if not (scenario or run.disturbed or run.n_changes):
             return ()
-        disturbed = len({name for name, _ in scenario.events}) if scenario else 0
-        check_memory(len(self.time), self._kept + _PER_SIGNAL * disturbed)
-        tables = scenario.tables(self.time) if scenario else {}
-        self._disturbances, changed = split(tables, self._layout, system)
-        disturb(self._disturbances, self._layout, run, self._slots, external, ends)
+        if scenario:
+            self.plan.check_memory(_PER_SIGNAL * len({name for name, _ in scenario.events}))
+        tables = scenario.tables(self.plan.time) if scenario else {}
+        self._disturbances, changed = split(tables, layout, self._system)
+        disturb(self._disturbances, layout, run, fmus.slots, external, ends)
         self._changes = tune(
-            changed, values, system, self._libraries, self._general_components, self.order
+            changed, values, self._system, fmus.libraries, fmus.general, self.plan.order
         )
         run.n_changes = len(self._changes)
         run.changes = (structures.Change * run.n_changes)(*(c for _, c, _ in self._changes))
-        self._changed = frozenset(changed)
+        self.changed = frozenset(changed)
         return self._disturbances.keys()
 
-    def _begin(self, values: Mapping[str, Value], external: Array, *, apart: bool = False) -> None:
+    def begin(self, values: Mapping[str, Value], external: Array, *, apart: bool = False) -> None:
         """Make FMUs, start values and memory, apart for a repetition, ready for a new run."""
-        if values.keys() != self._settings.names:
-            self._attach(self._new_settings(values))
-        self._settings.fill(values)
-        self._instantiate()
-        self._memory.prepare(external, apart=apart)
-        self._run.next_change = 0
-        self._halted = False
-        self._run.done = -1
+        self.fmus.begin(values)
+        self.fmus.memory.prepare(external, apart=apart)
+        self.halted = self._by_steps = False
 
-    def _step(
+    def go(
         self,
         first: int,
         last: int,
-        real_time: RealTimePacing | float | None,
+        pacing: RealTimePacing | None,
         progress: Callable[[float], object] | None,
     ) -> Result:
         """Step to the last of the points in time, and look up on the way if asked to."""
+        fmus, time = self.fmus, self.plan.time
         self._texts = Texts([])
-        self.pacing = None if real_time is None else RealTimePacing.of(real_time)
         look = last - first
-        if self.pacing:
-            look = max(1, round(self.pacing.interval / self.spec.step))
-            self.pacing.begin(self.time[first])
+        if pacing:
+            look = max(1, round(pacing.interval / self.plan.spec.step))
+            pacing.begin(time[first])
         elif progress:
             look = max(1, look // 100)
         halt = first
         try:
-            if self._layout.texts:
-                look = 1 if Record.of(self.spec.record).keep == "all" else look
-                self._advance(first)
+            if self.plan.layout.texts:
+                look = 1 if self.plan.record.keep == "all" else look
+                self.advance(first)
             self._texts = self._new_texts()
-            self._texts.note(self.time[first])
+            self._texts.note(time[first])
             while halt < last:
                 halt = min(halt + look, last)
-                if end := self._advance(halt):
+                if end := self.advance(halt):
                     return self._ended(end, first)
-                self._texts.note(self.time[halt])
-                if self.pacing:
-                    self.pacing.keep(self.time[halt])
+                self._texts.note(time[halt])
+                if pacing:
+                    pacing.keep(time[halt])
                 if progress:
-                    progress(float(self.time[halt]))
+                    progress(float(time[halt]))
         finally:
-            self._warn()
-        return self._result(*self._memory.kept(first, last))
+            fmus.warn()
+        return self._result(*fmus.memory.kept(first, last))
 
-    def _with_retries(self, attempt: Callable[[], Result]) -> Result:
-        """Run; again, and with more care, where an FMU discards a step that it can take back.
+    def start(self, values: Mapping[str, Value], inputs: Mapping[str, float]) -> dict[str, float]:
+        """Begin a run by steps; return the outputs at its start."""
+        fmus, run, spec = self.fmus, self.fmus.run, self.plan.spec
+        self._given = sample_inputs(self._system, values, inputs, np.array([spec.start]))
+        self._disturb(None, self._given, self._given, values)
+        run.n_events = run.event_end = 0
+        fmus.begin(values)
+        fmus.memory.prepare_steps(self._given[0])
+        fmus.coupled.follow(None)
+        for general in fmus.general.values():
+            general.follow({})
+        self.halted = self._by_steps = False
+        return self._stepped(0)
 
-        Where a reset fails, the run is done with a new instance.
+    def step(self, inputs: Mapping[str, float]) -> dict[str, float]:
+        """Do one step of a run by steps; return the outputs at its end.
+
+        Raises
+        ------
+        ExperimentError
+            When the run is at its end.
+        SimulationError
+            When there is no such run, or an FMU fails or ends it.
         """
-        while True:
-            try:
-                return attempt()
-            except NotReset as fault:
-                self._declare_unresettable([fault.component], str(fault))
-            except Discarded as discarded:
-                name = discarded.component
-                if discarded.derivatives:
-                    _log.warning(
-                        "%s refuses derivatives of its inputs, though it declares"
-                        " canInterpolateInputs: it is given their mean over each step",
-                        name,
-                    )
-                    self._averages.add(name)
-                else:
-                    _log.info("%s discards steps: they are tried in parts", name)
-                    self._retries.add(name)
-                self._free()
-                self._build()
+        done = self.fmus.run.done
+        self.fmus.drop_invalidated()
+        if not (self._by_steps and self.fmus.ready):
+            raise SimulationError(
+                f"{self._system.name}: expected a run by steps; begin one with start()"
+            )
+        if done == self.plan.n_steps:
+            raise ExperimentError(
+                f"{self._system.name}: the run is at its stop, {self.plan.spec.stop:.9g} s; begin"
+                " another one with start(), or prepare with a later stop"
+            )
+        if inputs:
+            self._give(inputs)
+        self._by_steps = False  # unless it comes to its end
+        return self._stepped(done + 1)
 
-    def _advance(self, halt: int) -> tuple[float, str] | None:
-        self._halted = False
-        self._run.halt = halt
+    def _give(self, inputs: Mapping[str, float]) -> None:
+        """Let exposed inputs have other values from now on."""
+        system, run, table = self._system, self.fmus.run, self._given.copy()
+        t = run.start + run.done * run.step
+        put_inputs(system, inputs, np.array([t]), table)
+        before, given, self._given = self._given[0], table[0], table
+        if np.array_equal(given, before):
+            return
+        self.fmus.memory.give(given)
+        self.fmus.coupled.jump(given)
+        if self.fmus.general:
+            jump = np.array([t - 1.0, t])
+            tables = {
+                name: Table(jump, np.array(values), held=True)
+                for name, *values in zip(system.inputs, before, given, strict=True)
+            }
+            for name, general in self.fmus.general.items():
+                general.jump(courses(system, name, tables), t)
+
+    def _stepped(self, halt: int) -> dict[str, float]:
+        try:
+            end = self.advance(halt)
+        finally:
+            self.fmus.warn()
+        if end:
+            reached, reason = end
+            name = self.plan.order[self.fmus.run.failed]
+            raise SimulationError(
+                f"{name}: {reason} at t = {reached:.9g} s; begin another run with start()"
+            )
+        self._by_steps = True
+        names = self.plan.layout.recorded[self._first_output :]
+        values = self.fmus.memory.last()[self._first_output :].tolist()
+        return dict(zip(names, values, strict=True))
+
+    def advance(self, halt: int) -> tuple[float, str] | None:
+        """Step to a point in time; where an FMU ended the run, return when [s] and its reason."""
+        fmus, run = self.fmus, self.fmus.run
+        self.halted = False
+        run.halt = halt
         outcome = kernel.PAUSED
         while outcome == kernel.PAUSED:  # once a second, so that Ctrl-C is served
             check_interruption()
-            outcome = self._kernel.advance(self._run)
-        if outcome == kernel.FAILED:
-            self._ready = False
-            name = self.order[self._run.failed]
-            general = self._general_components.get(name)
-            end = terminated(self._run, self._slots[name], general, self._libraries[name])
-            if end is None:
-                if self._can_take_back(name):
-                    raise Discarded(name)
-                call = self._run.call
-                refuses = call == b"fmi2SetRealInputDerivatives"
-                if refuses and self._run.status != kernel.FATAL:
-                    raise Discarded(name, derivatives=True)
-                error = self._failure()
-                raise NotReset(name, str(error)) if call.endswith(b"Reset") else error
+            outcome = fmus.kernel.advance(run)
+        self.halted = outcome == kernel.HALTED
+        if outcome != kernel.FAILED:
+            return None
+        fmus.ready = False
+        name = self.plan.order[run.failed]
+        if end := self._end_by(name):
             return end
-        if outcome == kernel.HALTED:
-            self._halted = True
-        return None
+        if self._can_take_back(name):
+            raise Discarded(name)
+        if run.call == b"fmi2SetRealInputDerivatives" and run.status != kernel.FATAL:
+            raise Discarded(name, derivatives=True)
+        call, error = run.call, fmus.failure()
+        raise NotReset(name, str(error)) if call.endswith(b"Reset") else error
 
     def _can_take_back(self, name: str) -> bool:
         """Whether the failure is a step that was discarded and has not been tried in parts."""
-        fmu, general = self.spec.system.components[name], self._general_components.get(name)
-        call = (general.c.called if general else None) or self._run.call
+        fmu, general = self._system.components[name], self.fmus.general.get(name)
+        call = (general.c.called if general else None) or self.fmus.run.call
         able = fmu.interface == "co_simulation" and fmu.restores_state and fmu.varies_step
-        discarded = self._run.status == kernel.DISCARD and call.endswith(b"DoStep")
-        return able and discarded and name not in self._retries
+        discarded = self.fmus.run.status == kernel.DISCARD and call.endswith(b"DoStep")
+        return able and discarded and name not in self.fmus.retries
+
+    def _end_by(self, name: str) -> tuple[float, str] | None:
+        """Return when (s) a component that stopped the kernel ended the run; None if it failed."""
+        run, slot, general = self.fmus.run, self.fmus.slots[name], self.fmus.general.get(name)
+        if run.done < 0 or run.done >= run.n_steps or not slot.instance:
+            return None
+        if run.status == kernel.TERMINATED:
+            reached = general.c.time if general else run.t + run.h
+            return reached, "asked to terminate the simulation"
+        if run.status == kernel.DISCARD and slot.version == 2:
+            instance = general.c.instance if general else slot.instance
+            ask = partial(_status, self.fmus.libraries[name], instance)
+            if ask("fmi2GetBooleanStatus", _TERMINATED, ctypes.c_int32()):
+                last = ask("fmi2GetRealStatus", _LAST_SUCCESSFUL_TIME, ctypes.c_double())
+                reached = run.start + run.done * run.step if last is None else last
+                return reached, "discarded a step, as it had terminated"
+        return None
 
     def _ended(self, end: tuple[float, str], first: int) -> Result:
         """Return what there is of a run from a step on that an FMU ended.
@@ -230,53 +293,93 @@ class Stepping(Prepared):
         In the last row it has its last outputs, and all others have those of the row before. That
         row is left out where the FMU did not come further.
         """
-        run = self._run
-        name = self.order[run.failed]
+        fmus, run = self.fmus, self.fmus.run
+        name = self.plan.order[run.failed]
         time_reached, reason = end
         further = time_reached > run.start + run.done * run.step
         if further:
-            slot = self._slots[name]
-            self._memory.append(slot.column, last_outputs(slot))
-        if not self._kernel.end_early(run, further):
-            raise self._failure()
-        time, values = self._memory.kept(first, run.done, ended=True)
+            slot = fmus.slots[name]
+            fmus.memory.append(slot.column, last_outputs(slot))
+        if not fmus.kernel.end_early(run, further):
+            raise fmus.failure()
+        time, values = fmus.memory.kept(first, run.done, ended=True)
         if further:
             time = np.append(time[:-1], time_reached)
         return self._result(time, values, f"{name}: {reason} at t = {time_reached:.9g} s")
 
-    def _state_of(self, name: str) -> StateAccess:
-        general = self._general_components.get(name)
-        instance = general.c.instance if general else self._slots[name].instance
-        version = self.spec.system.components[name].version
-        return StateAccess(name, version, self._libraries[name], instance, self._mark_fatal)
-
     def _new_texts(self) -> Texts:
         """Return what reads the strings to record."""
         names: dict[str, list[str]] = {}
-        for name in self._layout.texts:
+        for name in self.plan.layout.texts:
             names.setdefault(component_of(name), []).append(name)
-        return Texts(
-            [
-                (
-                    own,
-                    Batch(self._libraries[one], [self.spec.system.variable(n) for n in own], "Get"),
-                    self._state_of(one).read,
-                )
-                for one, own in names.items()
-            ]
-        )
+        batches = []
+        for one, own in names.items():
+            variables = [self._system.variable(name) for name in own]
+            batch = Batch(self.fmus.libraries[one], variables, "Get")
+            batches.append((own, batch, self.fmus.state_of(one).read))
+        return Texts(batches)
 
     def _result(self, time: Array, values: Array, stopped: str | None = None) -> Result:
-        names, sums = self._layout.recorded, self._memory.sums
-        texts = self._texts.changes
-        return Result(time, values, names, self.spec.system, stopped, sums, texts)
+        names, sums = self.plan.layout.recorded, self.fmus.memory.sums
+        return Result(time, values, names, self._system, stopped, sums, self._texts.changes)
 
-    def _place(self, until: float | None) -> int:
-        """Return the number of the step that ends at a time."""
-        if until is None:
-            return len(self.time) - 1
-        steps = (until - self.spec.start) / self.spec.step
-        n = round(steps) if math.isfinite(steps) else 0
-        if not 0 < n < len(self.time) or abs(self.time[n] - until) > slack(until, self.spec.step):
-            raise ExperimentError(f"until = {until} s is not a point in time of the run")
-        return n
+
+def last_outputs(slot: structures.Component) -> Array:
+    """Return the outputs (n_outputs,) of an FMU at the end of its last step."""
+    outputs = np.empty(slot.n_outputs)
+    n = ctypes.c_size_t(len(outputs))
+    arguments = [ctypes.c_void_p(slot.instance), slot.output_references, n, outputs.ctypes]
+    get = structures.step_calls(slot.version).index(_GETTERS[slot.version])
+    ctypes.CFUNCTYPE(ctypes.c_int)(slot.call[get])(*arguments, *[n] * (slot.version == 3))
+    return outputs
+
+
+def _status(library: Library, instance: int, name: str, kind: int, answer: Any) -> Any:
+    """Return what an FMU says about its last step; None when it says nothing."""
+    prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
+    status = prototype(library.address(name))(instance, kind, ctypes.byref(answer))
+    return answer.value if status in {0, 1} else None
+
+
+_MOST = 10_000_000  # characters of a run
+
+
+class Texts:
+    """Reads strings at points in time and keeps those that differ from the ones before.
+
+    Parameters
+    ----------
+    batches : names of the variables, room for them and the function that reads it
+    """
+
+    def __init__(
+        self, batches: Sequence[tuple[Sequence[str], Batch, Callable[[Batch], None]]]
+    ) -> None:
+        self._batches = batches
+        self._size = 0
+        self.changes: dict[str, list[tuple[float, str]]] = {
+            name: [] for names, _, _ in batches for name in names
+        }
+
+    def note(self, time: float) -> None:
+        """Read all strings at a point in time (s).
+
+        Raises
+        ------
+        SimulationError
+            When an FMU refuses, or the strings of the run are too long to be kept.
+        """
+        for names, batch, read in self._batches:
+            read(batch)
+            for name, value in zip(names, batch.values, strict=True):
+                text = (value or b"").decode(errors="replace")
+                changes = self.changes[name]
+                if changes and changes[-1][1] == text:
+                    continue
+                changes.append((float(time), text))
+                self._size += len(text)
+                if self._size > _MOST:
+                    raise SimulationError(
+                        f"{name}: the strings recorded up to t = {time:.9g} s have more than"
+                        f" {_MOST:,} characters; record without them (--record)"
+                    )

@@ -1,4 +1,4 @@
-"""Child processes that end with the block that started them."""
+"""Child processes: started in a session of their own, limited, and ended with all they started."""
 
 from __future__ import annotations
 
@@ -6,11 +6,16 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from stickslip.fmi.process.interruption import held
+
+if TYPE_CHECKING:  # the table of system calls is for parents only
+    from stickslip.fmi.process.guard import Guard
+    from stickslip.fmi.process.sandbox import Permissions
 
 
 @contextmanager
@@ -36,16 +41,91 @@ def child_process(command: Sequence[str], **options: Any) -> Iterator[subprocess
     finally:
         if process is not None:
             with held():
-                _end(process)
+                kill(process)
+                process.wait()
+                close_pipes(process)
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
+def start_python(
+    arguments: Sequence[str],
+    room: Path,
+    guard: Guard | None,
+    allow: Permissions,
+    variables: Mapping[str, str],
+    files: Sequence[int] = (),
+) -> subprocess.Popen[bytes]:
+    """Start Python in a session of its own, for code that is not trusted; all streams are pipes.
+
+    Parameters
+    ----------
+    arguments : of Python
+    room : folder that it may write
+    guard : of its sandbox; without one it has the environment and the folder of this process
+    allow : what its sandbox allows besides
+    variables : of its environment, besides
+    files : descriptors that it inherits
+
+    Raises
+    ------
+    OSError
+        When it cannot be started.
+    """
+    search = os.pathsep.join(str(Path(path).absolute()) for path in sys.path if path)
+    environment = dict(os.environ)
+    if guard:
+        files = (*files, guard.file)
+        environment = allow.environment() | {"TMPDIR": str(room)}
+    try:
+        return subprocess.Popen(
+            [sys.executable, *arguments],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            bufsize=0,
+            pass_fds=files,
+            start_new_session=True,
+            cwd=room if guard and not allow.folders else None,
+            env=environment | {"PYTHONPATH": search} | dict(variables),
+        )
+    finally:
+        if guard:
+            guard.close_file()
+
+
+def kill(process: subprocess.Popen[bytes]) -> None:
+    """End a process, which may be gone already, and all others of its session."""
     if sys.platform == "win32":
         process.kill()
     else:
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+
+
+def close_pipes(process: subprocess.Popen[bytes]) -> None:
+    """Close the ends of its pipes that this process has."""
     for pipe in (process.stdin, process.stdout, process.stderr):
         if pipe is not None:
             pipe.close()
+
+
+def limit(memory: float) -> None:
+    """Limit what this process takes from now on: memory and each file (MB), its stack, core files.
+
+    On Windows nothing is limited, elsewhere than on Linux core files only.
+    """
+    if sys.platform == "win32":
+        return
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    if sys.platform == "linux":
+        _, most = resource.getrlimit(resource.RLIMIT_STACK)
+        stack = 2**26 if most == resource.RLIM_INFINITY else min(2**26, most)
+        resource.setrlimit(resource.RLIMIT_STACK, (stack, most))
+        status = Path("/proc/self/status").read_text()
+        used = 1024 * int(status.split("VmData:")[1].split()[0])
+        most_data = used + int(memory * 1e6)
+        resource.setrlimit(resource.RLIMIT_DATA, (most_data, most_data))
+        _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
+        size = int(memory * 1e6) if most == resource.RLIM_INFINITY else most
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))

@@ -10,6 +10,7 @@ import select
 import signal
 import socket
 import struct
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterable
@@ -17,11 +18,17 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from stat import S_ISREG
-from typing import Any
+from typing import Any, Self
 
 from stickslip.fmi.process.calls import numbers, processor
 from stickslip.fmi.process.permitted import HUGE, program
-from stickslip.fmi.process.sandbox import NETWORK, Permissions, is_below, system_paths
+from stickslip.fmi.process.sandbox import (
+    NETWORK,
+    Permissions,
+    interpreter_folders,
+    is_below,
+    system_paths,
+)
 
 _MOST_AT_ONCE = 256  # processes and threads
 _MOST_NOTED = 200
@@ -106,6 +113,25 @@ class Guard:
         self._names: dict[int, str] = {}
         self._thread = threading.Thread(target=self._serve, args=(ours,), daemon=True)
         self._thread.start()
+
+    @classmethod
+    def of_python(
+        cls,
+        packages: Iterable[str],
+        readable: Iterable[str],
+        writable: Iterable[str],
+        allow: Permissions,
+        memory: float,
+        where: Callable[[], str] = str,
+    ) -> Self:
+        """Return the guard of a child that runs Python, where there is a sandbox.
+
+        Parameters
+        ----------
+        packages : that are imported here, and may be there
+        """
+        paths = [Path(path) for name in packages for path in sys.modules[name].__path__]
+        return cls([*interpreter_folders(paths), *readable], writable, allow, memory, where)
 
     def entry(self) -> dict[str, Any]:
         """Return the arguments of ``sandbox.enter``; the child can have been started before."""

@@ -11,10 +11,6 @@ from pathlib import Path
 from stickslip import cosim
 from stickslip.cosim.signals.signals import Array
 from stickslip.errors import UsageError
-from stickslip.fmucheck.description.reading import read_description
-from stickslip.fmucheck.document import read_document
-from stickslip.fmucheck.running.bench import Bench
-from stickslip.fmucheck.running.calls import CallFailed
 from stickslip.rigs.limits import RigLimits, Watch
 
 DECELERATION = 2.0
@@ -23,63 +19,32 @@ SETTLE, LONGEST_STOP = 0.1, 3.0
 """Time at rest before the brake holds, and after which it does in any case [s]."""
 AT_REST = 1e-3
 """Speed that counts as rest [m/s]."""
+MOST_SAMPLES = 10**9
+"""Of all motions until the server is started again; a week at 2 kHz is more."""
+COMPONENT = "fmu"
+"""Its name in the system of one FMU."""
 
 
-class Stepper:
-    """One FMU for Co-Simulation, stepped a sample at a time.
+def stepped(
+    path: Path, T_s: float, inputs: Sequence[str], outputs: Sequence[str]
+) -> cosim.Simulation:
+    """Return a simulation of one FMU for Co-Simulation, to be stepped a sample at a time.
 
     Raises
     ------
     UsageError
         When it has no such inputs or outputs.
     """
-
-    def __init__(self, path: Path, T_s: float, inputs: Sequence[str], outputs: Sequence[str]):
-        fmu = cosim.Fmu(path, interface="co_simulation")
-        content = (fmu.folder / "modelDescription.xml").read_bytes()
-        root = read_document(path.name, content).root
-        description = read_description(root, fmu.version) if root is not None else None
-        interface = description.interface("CoSimulation") if description else None
-        if description is None or interface is None:
-            raise UsageError(f"{path}: expected an FMU for Co-Simulation")
-        self._bench = Bench(description, interface, fmu.binary, fmu.folder / "resources", [])
-        self._variables = {variable.name: variable for variable in description.variables}
-        for name, kind in (*((n, "input") for n in inputs), *((n, "output") for n in outputs)):
-            if name not in fmu.variables or fmu.variables[name].causality != kind:
-                raise UsageError(f"{path}: has no {kind} '{name}'")
-        self._outputs = [self._variables[name] for name in outputs]
-        self._T_s = T_s
-
-    def begin(self, **values: float) -> list[float]:
-        """Take a new instance with start values; return the outputs."""
-        self._bench.close()
-        self._instance, self._n = self._bench.new(), 0
-        self._set(values)
-        self._instance.enter_initialisation(0.0)
-        self._set({n: v for n, v in values.items() if self._variables[n].causality == "input"})
-        self._instance.exit_initialisation()
-        if self._instance.event_mode:
-            self._instance.leave_event_mode()
-        return self._get()
-
-    def step(self, **inputs: float) -> list[float]:
-        """Set inputs, step over one sample period, and return the outputs."""
-        self._set(inputs)
-        begin, end = self._n * self._T_s, (self._n + 1) * self._T_s
-        self._instance.step(begin, end - begin)
-        self._n += 1
-        return self._get()
-
-    def close(self) -> None:
-        """Free the instance."""
-        self._bench.close()
-
-    def _set(self, values: Mapping[str, float]) -> None:
-        for name, value in values.items():
-            self._instance.set(self._variables[name], (value,))
-
-    def _get(self) -> list[float]:
-        return [float(value) for (value,) in self._instance.get(self._outputs)]
+    fmu = cosim.Fmu(path, interface="co_simulation")
+    for name, kind in (*((n, "input") for n in inputs), *((n, "output") for n in outputs)):
+        if name not in fmu.variables or fmu.variables[name].causality != kind:
+            raise UsageError(f"{path}: has no {kind} '{name}'")
+    system = cosim.System(path.name)
+    system.add(COMPONENT, fmu)
+    for name in inputs:
+        system.expose(name, f"{COMPONENT}.{name}")
+    record = cosim.Record([f"{COMPONENT}.{name}" for name in outputs], keep="last")
+    return system.prepare(step=T_s, stop=T_s * MOST_SAMPLES, record=record)
 
 
 @dataclass(frozen=True)
@@ -108,10 +73,10 @@ class ServedDrive:
 
     def __init__(self, drive: Path, controller: Path, T_s: float, ports: Ports) -> None:
         self.T_s, self._ports = T_s, ports
-        self._drive = Stepper(drive, T_s, [ports.u], [ports.x_enc, ports.F_m])
+        self._drive = stepped(drive, T_s, [ports.u], [ports.x_enc, ports.F_m])
         signals = ("v_cmd", "a_cmd", "x_cmd", "F_ff", "x_enc")
-        self._controller = Stepper(controller, T_s, signals, ["u"])
-        self._measured = self._drive.begin()
+        self._controller = stepped(controller, T_s, signals, ["u"])
+        self._measured = self._measure(self._drive.start())
         self.state, self.motion, self.reason, self.at_limit = "idle", 0, "", False
         self.failed = ""
         self.x: list[float] = []
@@ -133,10 +98,10 @@ class ServedDrive:
 
         Raises
         ------
-        CallFailed
+        CosimError
             When the controller does not take its parameters; then nothing has begun.
         """
-        self._controller.begin(T_s=self.T_s, x_enc=self.position, **loop)
+        self._start_controller(loop)
         self._signals = {name: values.tolist() for name, values in signals.items()}
         self._n = len(next(iter(self._signals.values())))
         self._begin = self.position
@@ -162,9 +127,9 @@ class ServedDrive:
         try:
             u = values.get("F")
             if u is None:
-                (u,) = self._controller.step(x_enc=self.position, **values)
-            measured = self._drive.step(**{self._ports.u: u})
-        except CallFailed as fault:
+                (u,) = self._controller.step({"x_enc": self.position, **values}).values()
+            measured = self._measure(self._drive.step({self._ports.u: u}))
+        except cosim.CosimError as fault:
             self._fail(str(fault))
             return
         if not all(map(math.isfinite, measured)):
@@ -176,6 +141,15 @@ class ServedDrive:
         """Free the FMUs."""
         self._drive.close()
         self._controller.close()
+
+    def _start_controller(self, loop: Mapping[str, float]) -> None:
+        parameters = {f"{COMPONENT}.{name}": x for name, x in {**loop, "T_s": self.T_s}.items()}
+        self._controller.start(parameters, {"x_enc": self.position})
+
+    def _measure(self, outputs: Mapping[str, float]) -> tuple[float, float]:
+        """Return position and force."""
+        x_enc, F_m = (outputs[f"{COMPONENT}.{n}"] for n in (self._ports.x_enc, self._ports.F_m))
+        return x_enc, F_m
 
     def _fail(self, what: str) -> None:
         self.failed = self.reason = f"the drive FMU failed: {what}"
@@ -201,7 +175,7 @@ class ServedDrive:
     def _stop(self) -> None:
         self.state, self._stopping, self._resting = "stopping", 0, 0
         if "F" in self._signals:
-            self._controller.begin(T_s=self.T_s, x_enc=self.position, **self._loop)
+            self._start_controller(self._loop)
         self._v, self._x_cmd = self._velocity(), self.position
 
     def _velocity(self) -> float:

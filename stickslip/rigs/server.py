@@ -13,9 +13,9 @@ from typing import Any, cast
 
 import numpy as np
 
+from stickslip.cosim import CosimError
 from stickslip.errors import UsageError
 from stickslip.fmi.process import check_interruption
-from stickslip.fmucheck.running.calls import CallFailed
 from stickslip.rigs.lines import CHUNK, LOOP, PROTOCOL, Lines, crc_of, line_of, received_limits
 from stickslip.rigs.served_drive import ServedDrive
 
@@ -232,7 +232,7 @@ class Server:
             raise Refusal(str(fault)) from None
         try:
             drive.start(motion, signals, loop, checked)
-        except CallFailed as fault:
+        except CosimError as fault:
             raise Refusal(f"motion {motion}: the controller refuses its loop: {fault}") from None
         self._loaded, self._due, self.late = {}, time.monotonic(), 0.0
         return {"state": self._state}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim.system.experiment import check_memory, count_steps
+from stickslip.cosim.assembly.plan import check_memory, count_steps
 
 
 @pytest.mark.parametrize(

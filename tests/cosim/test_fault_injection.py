@@ -213,6 +213,12 @@ def test_discarded_steps_are_tried_in_parts(rigs, version, step, longest, parts)
             result = simulation.run({"a.u": 1.0})
             assert result.stopped is None
             np.testing.assert_allclose(result["a.y"], expected[:, 1], rtol=1e-12)
+    with rig.system.prepare(step=step, stop=1.0) as simulation:
+        simulation.start({"a.u": 1.0})
+        with pytest.raises(cosim.SimulationError, match=r"a discarded a step; begin the run again"):
+            simulation.step()
+        simulation.start({"a.u": 1.0})
+        assert simulation.step()["a.y"] == pytest.approx(expected[1, 1], rel=1e-12)
     rig.arm()
 
 
@@ -236,10 +242,13 @@ def test_fatal_buries_the_instances_of_other_simulations_too(rigs):
     with rig.prepare() as one, rig.prepare() as other:
         before = drive(other)
         drive(one)
+        other.start()
         rig.arm("DoStep 3 4")
         with pytest.raises(cosim.SimulationError, match="fatal"):
             drive(one)
         rig.arm()
+        with pytest.raises(cosim.SimulationError, match="expected a run by steps"):
+            other.step()
         np.testing.assert_array_equal(drive(other), before)
         np.testing.assert_array_equal(drive(one), before)
     assert rig.counts()[2] == abused

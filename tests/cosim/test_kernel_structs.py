@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ctypes
+import re
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import fmpy
@@ -45,3 +47,21 @@ def test_structures_have_the_layout_of_the_headers():
     for name, field in places:
         mirror = mirrors[name][field]
         assert (next(found), next(found)) == (mirror.offset, mirror.size), f"{name}.{field}"
+
+
+def test_no_files_of_the_kernel_call_each_other_in_a_circle():
+    """Each may call what lies below it, as the headers say."""
+    files = {path.stem: path.read_text() for path in Path(kernel.__file__).parent.glob("*.c")}
+    defined = {
+        name: stem
+        for stem, text in files.items()
+        for name in re.findall(r"^(?!static|typedef)\w[\w *]*?\b(\w+)\([^;]*?\) \{", text, re.M)
+    }
+    calls = {
+        stem: {defined[name] for name in re.findall(r"\b\w+(?=\()", text) if name in defined}
+        for stem, text in files.items()
+    }
+    order = [*TopologicalSorter({stem: calls[stem] - {stem} for stem in calls}).static_order()]
+    general = ["general_calls", "values", "events", "exchange", "saving", "general_path"]
+    assert [stem for stem in order if stem in general] == general
+    assert order.index("coupled") < order.index("adaptive") < order.index("run")

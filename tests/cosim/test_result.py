@@ -11,7 +11,7 @@ from matplotlib import pyplot as plt
 
 from stickslip import cosim
 from stickslip.cosim import CosimError, Unit
-from stickslip.cosim.run.labelled import with_pint
+from stickslip.cosim.run.result import with_pint
 from stickslip.fmi.messages import scaled_unit
 
 

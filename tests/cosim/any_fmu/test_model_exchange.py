@@ -81,6 +81,23 @@ def test_inputs_move_within_the_step_as_in_fmpy(export, version):
     assert error < max(of_fmpy, 3e-4)
 
 
+@pytest.mark.parametrize("degree", [0, 1])
+def test_an_input_holds_over_each_of_the_steps(export, version, degree):
+    system = one(export("oscillator", version, "ME"), u="force")
+    force = np.repeat(np.sin(np.arange(11)), 4)[:41]
+    how = {"step": 0.05, "stop": 2.0, "coupling": cosim.Coupling(degree=degree)}
+    with system.prepare(**how) as simulation:
+        held = cosim.Table(simulation.time, force, held=True)
+        whole = simulation.run(inputs={"u": held})["a.position"]
+        found = [simulation.start(inputs={"u": force[0]})["a.position"]]
+        found += [simulation.step({"u": u})["a.position"] for u in force[:-1]]
+    np.testing.assert_array_equal(found, whole)
+    with system.prepare(**how) as simulation:  # the first step may begin with a jump
+        simulation.start(inputs={"u": -1.0})
+        found = [simulation.step({"u": u})["a.position"] for u in force[:-1]]
+    np.testing.assert_allclose(found, whole[1:], atol=1e-12)
+
+
 @pytest.mark.parametrize("coupling", ["jacobi", "gauss_seidel"])
 def test_both_interfaces_couple(export, version, coupling):
     system = cosim.System()

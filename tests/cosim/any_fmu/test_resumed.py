@@ -150,9 +150,9 @@ def test_restored_steps_equal_the_saved(export, version, interface):
     simulation.run()
     save, restore, free = (
         ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(address)
-        for address in simulation._general_components["a"].state_calls()
+        for address in simulation._fmus.general["a"].state_calls()
     )
-    instance = simulation._slots["a"].instance
+    instance = simulation._fmus.slots["a"].instance
     step, get = kernel.load().general_DoStep, kernel.load().general_GetReal
     state, value = ctypes.c_void_p(), ctypes.c_double()
 

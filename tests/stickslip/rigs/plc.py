@@ -15,7 +15,7 @@ from pyads.testserver import AdsTestServer, AdvancedHandler
 from pyads.testserver.handler import AmsResponseData
 
 from stickslip.rigs.ads_rig import CODE
-from stickslip.rigs.served_drive import Stepper
+from stickslip.rigs.served_drive import stepped
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "models" / "firmware"))  # structured_text
 import structured_text
@@ -64,8 +64,8 @@ class Controller(AdvancedHandler):
         super().__init__()
         code = CODE.read_text().replace("0..499", "0..19").replace("200000", "8000")
         self.block = structured_text.load(code)["StickslipRig"]
-        self.drive = Stepper(fmus / "drive.fmu", T_s, ["u"], ["x_enc", "F_m"])
-        self.measured = self.drive.begin()
+        self.drive = stepped(fmus / "drive.fmu", T_s, ["u"], ["x_enc", "F_m"])
+        self.measured = list(self.drive.start().values())
         self.inputs = {"T_s": T_s, "F_max": F_MAX, "heartbeat": heartbeat, "ready": True}
         self.running, self.period = True, T_s
         self.silent_from = math.inf  # samples of a motion
@@ -79,7 +79,7 @@ class Controller(AdvancedHandler):
             x, F = self.measured
             self.block(x_enc=x, F_m=F, **self.inputs)
             if self["enable"]:
-                self.measured = self.drive.step(u=self["F"])
+                self.measured = list(self.drive.step({"u": self["F"]}).values())
 
     def run(self, end):
         due = time.monotonic()

@@ -254,9 +254,8 @@ def test_a_server_that_is_killed_is_one_error(fmus):
 def test_a_drive_that_fails_says_so_and_moves_no_more(fmus, monkeypatch):
     with served(fmus) as (drive, port), rig_at(port) as rig:
         step, calls = drive._drive.step, itertools.count()
-        monkeypatch.setattr(
-            drive._drive, "step", lambda **u: step(**u) if next(calls) < 100 else [np.nan, 0.0]
-        )
+        lost = {"fmu.x_enc": np.nan, "fmu.F_m": 0.0}
+        monkeypatch.setattr(drive._drive, "step", lambda u: step(u) if next(calls) < 100 else lost)
         with pytest.raises(RigError, match=r"motion 1 of .* failed: position nan m, force 0\.0 N"):
             rig.run(command_of(rig))
         with pytest.raises(RigError, match="refuses to start: the drive FMU failed"):

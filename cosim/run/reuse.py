@@ -12,44 +12,61 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from stickslip.cosim.assembly.memory import Room
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.result import Result
-from stickslip.cosim.run.stepping import Discarded, Stepping
+from stickslip.cosim.run.stepping import Discarded, Stepper
 from stickslip.cosim.signals.signals import Array
-from stickslip.cosim.system.system import Specification
 from stickslip.fmi.description.variables import Value
 
 _Trace = tuple[str, str]
 _ENDED = {how: {("ended", how)} for how in ("stopped", "halted", "finished")}
-RESUMED = ("begun", "from a state")  # is never known to be removed
+_RESUMED = ("begun", "from a state")  # is never known to be removed
 
 
-class Repeated(Stepping):
-    """Takes prepared FMUs through one run after the other.
+class Reuse:
+    """Takes FMUs through one run after the other.
 
     Attributes
     ----------
     before_repetition : is called before a run is repeated to see what a reset does
     """
 
-    def __init__(self, spec: Specification, room: Room = np.empty) -> None:
+    def __init__(self, stepper: Stepper) -> None:
         self.before_repetition: Callable[[], object] = lambda: None
+        self._stepper, self._fmus = stepper, stepper.fmus
+        self._plan, self._system = stepper.plan, stepper.plan.spec.system
         self._removed: set[_Trace] = set()  # by a reset
         self._traces: set[_Trace] = set()  # of the runs since all instances were new
         self._set: dict[str, Value] = {}  # by them, the last value of each
         self._failed = False  # the last of them
         self._first: tuple[object, int] | None = None  # settings and result of the first run
         self._deterministic = self._watched = True
-        super().__init__(spec, room)
-        self._proven = np.zeros_like(self._moved)
+        self._proven = np.zeros_like(self._fmus.moved)
 
-    def _free(self) -> None:
+    def free(self) -> None:
+        """Free all instances, and with them what runs have left."""
         self._traces, self._set = set(), {}
-        super()._free()
+        self._fmus.free()
 
-    def _repeatable(
+    def renew(self, values: Mapping[str, Value]) -> set[_Trace]:
+        """Make sure that a run with these start values has instances as good as new.
+
+        Until it comes to its end it counts as failed, so that all are new for the next one.
+
+        Returns
+        -------
+        traces of start values that earlier runs set and this one does not
+        """
+        unset: set[_Trace] = set()
+        if not self._set.keys() <= values.keys():
+            unset = {("set", name) for name in self._set.keys() - values.keys()} - self._removed
+        removed = self._traces <= self._removed and not (unset or self._failed)
+        self._renew_for(values, everything=not (removed and self._deterministic))
+        self._failed = True
+        return unset
+
+    def run(
         self,
         values: Mapping[str, Value],
         external: Array,
@@ -57,6 +74,7 @@ class Repeated(Stepping):
         *,
         repeats: bool,
         same_as: object = None,
+        resumed: bool = False,
     ) -> Result:
         """Run with instances that are new, or as good as new.
 
@@ -68,17 +86,13 @@ class Repeated(Stepping):
         repeats : whether the run may be repeated, which takes its time once more
         same_as : equal for runs that are the same where ``values`` and ``external`` are; None
             where that is not known
+        resumed : whether ``go`` begins with a saved state
         """
         again, before = bool(self._traces), self._set
-        unset: set[_Trace] = set()
-        if not before.keys() <= values.keys():
-            unset = {("set", name) for name in before.keys() - values.keys()} - self._removed
-        removed = self._traces <= self._removed and not (unset or self._failed)
-        self._renew_for(values, everything=not (removed and self._deterministic))
-        self._failed = True  # unless it comes to its end
+        unset = self.renew(values)
         if self._watched:
-            self._moved[:] = self._proven
-        self._begin(values, external)
+            self._fmus.moved[:] = self._proven
+        self._stepper.begin(values, external)
         result = go(False)
         self._failed = False
         left = self._left_by(result)
@@ -91,35 +105,39 @@ class Repeated(Stepping):
                 self._compare_with_first((same_as, values, _digest(external)), result)
         elif self._first is None and same_as is not None:
             self._first = (same_as, dict(values), _digest(external)), _digest_of(result)
+        if resumed:
+            self._traces.add(_RESUMED)
         return result
 
     def _compare_with_first(self, settings: object, result: Result) -> None:
         """Say so where the first instances of all gave something else in the same run."""
         if self._first and self._first[0] == settings and self._first[1] != _digest_of(result):
             self._deterministic = False
-            self._declare_erratic(self.order, "this run is not the first one again")
+            resets.declare_erratic(
+                self._system, self._plan.order, "this run is not the first one again"
+            )
 
     def _renew_for(self, values: Mapping[str, Value], *, everything: bool) -> None:
         """Make sure that no used instance is left but those that a reset serves."""
         if everything:
-            self._renew(self.order)
+            self._fmus.renew(self._plan.order)
             self._traces, self._set = set(), {}
         elif resets.lines:
-            self._renew(name for name in self.order if not self._can_be_reset(name))
+            self._fmus.renew(name for name in self._plan.order if not self._can_be_reset(name))
         self._set = {**self._set, **values} if self._set else dict(values)
 
     def _can_be_reset(self, name: str) -> bool:
-        return self.spec.system.components[name].binary not in resets.lines
+        return self._system.components[name].binary not in resets.lines
 
     def _left_by(self, result: Result) -> set[_Trace]:
         """Return the traces of the run that was done last."""
-        how = "stopped" if result.stopped else "halted" if self._halted else "finished"
+        how = "stopped" if result.stopped else "halted" if self._stepper.halted else "finished"
         left = _ENDED[how].copy()
-        if self._changed:
-            left.update(("changed", name) for name in self._changed)
+        if self._stepper.changed:
+            left.update(("changed", name) for name in self._stepper.changed)
         if self._watched:
-            moved = np.flatnonzero(self._moved != self._proven)
-            left.update(("moved", self.order[i]) for i in moved)
+            moved = np.flatnonzero(self._fmus.moved != self._proven)
+            left.update(("moved", self._plan.order[i]) for i in moved)
         return left
 
     def _repeat(
@@ -139,7 +157,7 @@ class Repeated(Stepping):
         result : of the run, with new instances
         left : its traces
         """
-        able = [name for name in self.order if self._can_be_reset(name)]
+        able = [name for name in self._plan.order if self._can_be_reset(name)]
         if not able:
             return
         self.before_repetition()
@@ -148,22 +166,22 @@ class Repeated(Stepping):
         try:
             if earlier:
                 self._renew_for(values, everything=False)
-                self._begin(earlier, external, apart=True)
-                self._advance(0)
+                self._stepper.begin(earlier, external, apart=True)
+                self._stepper.advance(0)
             self._renew_for(values, everything=False)
-            self._begin(values, external, apart=True)
+            self._stepper.begin(values, external, apart=True)
             if _same(go(True), result):
                 self._removed |= left
-                self._proven |= self._moved
+                self._proven |= self._fmus.moved
                 self._watched = not self._proven.all()
                 self._failed = False
                 return
         except (SimulationError, Discarded) as fault:
-            failed = [self.order[self._run.failed]], str(fault)
-        after_reset = self._memory.rows().copy()
+            failed = [self._plan.order[self._fmus.run.failed]], str(fault)
+        after_reset = self._fmus.memory.rows().copy()
         traces = self._traces
         self._renew_for(values, everything=True)
-        self._begin(values, external, apart=True)
+        self._stepper.begin(values, external, apart=True)
         try:
             same = _same(go(True), result)
             self._failed = False
@@ -189,26 +207,29 @@ class Repeated(Stepping):
         able : components that were reset
         same : whether two runs with new instances were the same
         """
-        found = self._first_difference(after_reset, self._memory.rows())
+        found = self._first_difference(after_reset, self._fmus.memory.rows())
         names, what = found or failed or (able, "the results differ")
         if same and set(names) <= set(able):
-            self._declare_unresettable(names, what)
+            resets.declare_unresettable(self._system, names, what)
             return
         self._deterministic = False
         if not same:
-            self._declare_erratic(names, what)
+            resets.declare_erratic(self._system, names, what)
 
     def _first_difference(self, after_reset: Array, new: Array) -> tuple[list[str], str] | None:
         """Return which component differs first, and how; None where none is seen to."""
         n = min(len(after_reset), len(new))
         differs = ~np.isclose(after_reset[:n], new[:n], rtol=0.0, atol=0.0, equal_nan=True)
         rows = np.flatnonzero(differs.any(axis=1))
-        for name in self.order if len(rows) else ():
-            slot, row = self._slots[name], rows[0]
+        for name in self._plan.order if len(rows) else ():
+            slot, row = self._fmus.slots[name], rows[0]
             columns = range(slot.column, slot.column + slot.n_outputs)
             for place, column in enumerate(columns):
                 if differs[row, column]:
-                    signal, t = self._layout.outputs[name][place], self.time[row]
+                    signal, t = (
+                        self._plan.layout.outputs[name][place],
+                        self._plan.time[row],
+                    )
                     values = f"{after_reset[row, column]:.9g} instead of {new[row, column]:.9g}"
                     return [name], f"{signal} is {values} at t = {t:.9g} s"
         return None

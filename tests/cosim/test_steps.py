@@ -1,0 +1,115 @@
+"""A run by steps is the whole run, bit for bit, and says what is wrong with a step in one line."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stickslip import cosim
+
+STEP, N = 0.01, 40
+STOP = N * STEP
+
+
+@pytest.fixture
+def system(make):
+    """Return a ring of a gain and two integrators of both versions, with one input."""
+    system = cosim.System("ring")
+    system.add("gain", make("gain", 2), {"k": -2.0})
+    system.add("speed", make("integrator", 3))
+    system.add("place", make("integrator", 2))
+    system.connect("speed.y", "place.u")
+    system.connect("place.y", "gain.u")
+    system.expose("u", "speed.u")
+    return system
+
+
+def courses():
+    """Return an input that changes at some points in time."""
+    return np.repeat(np.sin(np.arange(N // 4 + 1)), 4)[: N + 1]
+
+
+def by_steps(simulation, u, parameters=None):
+    """Return the rows of a run by steps."""
+    rows = [simulation.start(parameters, {"u": u[0]})]
+    return rows + [simulation.step({"u": x}) for x in u[:-1]]
+
+
+HOW = {
+    "plain": {},
+    "jacobi": {"coupling": "jacobi"},
+    "some": {"record": cosim.Record(["place.y", "u"])},
+    "last": {"record": cosim.Record(keep="last")},
+    "compiled": {"compiled": True, "constant_step": True},
+    "line": {"coupling": cosim.Coupling(degree=1)},
+    "parabola": {"coupling": cosim.Coupling("jacobi", degree=2)},
+    "rates": {"coupling": cosim.Coupling(every={"place": 4})},
+    "apart": {"isolation": "process"},
+}
+
+
+@pytest.mark.parametrize("how", HOW)
+def test_steps_are_the_whole_run(system, how):
+    u = courses()
+    held = cosim.Table(STEP * np.arange(N + 1), u, held=True)
+    more = {k: v for k, v in HOW[how].items() if k != "record"}
+    with system.prepare(step=STEP, stop=STOP, **more) as simulation:
+        whole = simulation.run({"gain.k": 3.0}, {"u": held})
+    with system.prepare(step=STEP, stop=STOP, **HOW[how]) as simulation:
+        rows = by_steps(simulation, u, {"gain.k": 3.0})
+        assert by_steps(simulation, u, {"gain.k": 3.0}) == rows
+        assert simulation.run({"gain.k": 3.0}, {"u": held})["place.y"][-1] == rows[-1]["place.y"]
+    assert "u" not in rows[0]
+    for name in rows[0]:
+        assert [row[name] for row in rows] == whole[name].tolist(), name
+    assert len(set(whole["place.y"])) > N // 8
+
+
+def test_an_input_that_is_not_given_holds(system):
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        whole = simulation.run(inputs={"u": 2.0})
+        simulation.start(inputs={"u": 2.0})
+        assert [simulation.step()["place.y"] for _ in range(N)] == whole["place.y"][1:].tolist()
+
+
+def test_a_run_by_steps_needs_no_memory_for_its_points(system):
+    last = cosim.Record(keep="last")
+    with system.prepare(step=STEP, stop=1e7, record=last) as simulation:
+        simulation.start()
+        assert simulation.step({"u": 1.0})["speed.y"] == pytest.approx(1.0 + STEP)
+
+
+def test_a_halt_of_a_run_by_steps_has_values(system):
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        simulation.start({"gain.k": 5.0})
+        outputs = simulation.step({"u": 1.0})
+        assert simulation.values(["gain.k", "speed.y"]) == [5.0, outputs["speed.y"]]
+
+
+@pytest.mark.parametrize("isolation", [None, "process"])
+def test_what_is_wrong_is_said(system, isolation):
+    with system.prepare(step=STEP, stop=2 * STEP, isolation=isolation) as simulation:
+        with pytest.raises(cosim.SimulationError, match=r"ring: .* begin one with start\(\)"):
+            simulation.step()
+        simulation.start()
+        with pytest.raises(cosim.SignalError, match="no exposed input 'v'"):
+            simulation.step({"v": 1.0})
+        with pytest.raises(cosim.SignalError, match="not finite at t = 0 s"):
+            simulation.step({"u": float("nan")})
+        assert simulation.step({"u": 1.0})["speed.y"] == pytest.approx(1.0 + STEP)
+        simulation.step()
+        with pytest.raises(cosim.ExperimentError, match=r"at its stop, 0\.02 s"):
+            simulation.step()
+        simulation.run()
+        with pytest.raises(cosim.SimulationError, match="expected a run by steps"):
+            simulation.step()
+        simulation.start({"gain.fault": 3, "gain.fault_time": STEP})
+        simulation.step()
+        with pytest.raises(cosim.SimulationError, match="gain: fmi2"):
+            simulation.step()
+        with pytest.raises(cosim.SimulationError, match="expected a run by steps"):
+            simulation.step()
+        simulation.start()
+        simulation.close()
+        with pytest.raises(cosim.SimulationError, match="expected a run by steps"):
+            simulation.step()
