@@ -62,6 +62,23 @@ SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
 MAX_ELEMENTS = 1_000_000  # of all arrays together; each is a signal of its own
 FLOATS = {"Real", "Float64", "Float32"}
 NOT_NUMBERS = {"String", "Binary", "Clock"}
+_PARAMETERS = ("parameter", "calculatedParameter", "structuralParameter")
+_COMPUTED = ("calculated", "exact", "approx")
+INITIALS: dict[tuple[str, str], tuple[str, ...]] = {
+    (causality, variability): initials
+    for causalities, variabilities, initials in (
+        (("structuralParameter", "parameter"), ("fixed", "tunable"), ("exact",)),
+        (("calculatedParameter", "local"), ("fixed", "tunable"), ("calculated", "approx")),
+        (("input",), ("discrete", "continuous"), ()),
+        (("output", "local"), ("constant",), ("exact",)),
+        (("output", "local"), ("discrete", "continuous"), _COMPUTED),
+        (("independent",), ("continuous",), ()),
+    )
+    for causality in causalities
+    for variability in variabilities
+}
+"""Causality and variability -> values of ``initial``, the default first; what is not here, the
+standard does not allow. Inputs have none in FMI 2.0, and only ``exact`` in FMI 3.0."""
 _ELEMENT = re.compile(r"(?P<array>.+)\[(?P<indices>[0-9]+(, ?[0-9]+)*)\]")
 _FAMILIES = {
     "number": ("Real", "Float64", "Float32"),
@@ -186,6 +203,13 @@ class Variable:
             element=place,
             start=self.start[place] if isinstance(self.start, tuple) else None,
         )
+
+
+def default_variability(version: int, kind: str, causality: str) -> str:
+    """Return the variability of a variable that does not state it."""
+    if version == 3 and causality in _PARAMETERS:
+        return "fixed"
+    return "continuous" if version == 2 or kind in FLOATS else "discrete"
 
 
 def converts(family: str, wanted: str) -> bool:

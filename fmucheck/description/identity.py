@@ -7,7 +7,8 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 
-from stickslip.fmucheck.description.model import Attributes, Description, Unit, boolean, number
+from stickslip.fmi.description.attributes import flag
+from stickslip.fmucheck.description.model import Attributes, Description, Unit, number
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
 _C_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -146,7 +147,7 @@ def inverse_with_offset(description: Description) -> Claims:
     """An inverse display unit has an offset."""
     for unit in description.units:
         for each in unit.display:
-            if boolean(each.get("inverse")) and number(each.get("offset", "0")) != 0:
+            if flag(each, "inverse") and number(each.get("offset", "0")) != 0:
                 yield unit.place, f"DisplayUnit {each.get('name')} is inverse and has an offset"
 
 

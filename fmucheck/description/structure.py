@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 
-from stickslip.fmucheck.description.model import FLOATS, Description, Unknown, Variable, listed
+from stickslip.fmi.description.variables import FLOATS
+from stickslip.fmucheck.description.model import Description, Unknown, Variable, listed
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
 _ORDERS = 20  # of derivatives
@@ -16,7 +17,7 @@ def bad_derivative(description: Description) -> Claims:
     for v in description.variables:
         if "derivative" not in v.given:
             continue
-        state = None if v.derivative is None else description.by_key.get(v.derivative)
+        state = description.variable(v.derivative)
         what = f"derivative={v.given['derivative']}"
         if state is None:
             yield v.place, f"{what} is not a variable"
@@ -34,7 +35,7 @@ def _is_circular(v: Variable, description: Description) -> bool:
     """Tell whether a variable is its own derivative of an order that occurs."""
     at: Variable | None = v
     for _ in range(_ORDERS):
-        at = None if at is None or at.derivative is None else description.by_key.get(at.derivative)
+        at = description.variable(at.derivative) if at else None
         if at is v:
             return True
     return False

@@ -7,19 +7,15 @@ import re
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 
+from stickslip.fmi.description.variables import FLOATS, INITIALS
 from stickslip.fmucheck.description.model import (
-    FLOATS,
-    INITIALS,
     RANGES,
     Description,
     Number,
     Variable,
     is_number,
-    items_of,
-    length,
     listed,
     number,
-    size,
 )
 from stickslip.fmucheck.rules import Claims, error, warning
 
@@ -215,7 +211,7 @@ def start_outside_range(description: Description) -> Claims:
     """A start value lies outside [min, max], or is not an item of its enumeration."""
     for v in description.variables:
         low, high = v.number("min"), v.number("max")
-        items = items_of(v)
+        items = v.items
         for start in v.start_numbers:
             if (low is not None and start < low) or (high is not None and start > high):
                 yield v.place, f"start {start} is outside {_range(low, high)}"
@@ -282,7 +278,7 @@ def start_not_of_type(description: Description) -> Claims:
 def start_count(description: Description) -> Claims:
     """An array has neither one start value nor one for each element; or a scalar has several."""
     for v in description.variables:
-        expected = size(v, description)
+        expected = description.size(v)
         count = _starts(v)
         if count is not None and expected is not None and count not in (1, expected):
             yield v.place, f"{count} start values for {expected} elements"
@@ -302,9 +298,9 @@ def bad_dimension(description: Description) -> Claims:
         for d in v.dimensions:
             if (d.start is None) == (d.reference is None):
                 yield v.place, "a Dimension needs either start or valueReference"
-            elif length(d, description) == 0:
+            elif description.length(d) == 0:
                 yield v.place, "a dimension has length 0"
-        if (elements := size(v, description)) is not None and elements > _MOST:
+        if (elements := description.size(v)) is not None and elements > _MOST:
             yield v.place, f"the array has {elements} elements"
 
 
@@ -315,7 +311,7 @@ def bad_dimension_reference(description: Description) -> Claims:
         for d in v.dimensions:
             if d.reference is None:
                 continue
-            source = description.by_key.get(d.reference)
+            source = description.variable(d.reference)
             if source is None:
                 yield v.place, f"a Dimension refers to {d.reference}, which does not exist"
             elif source.kind != "UInt64" or not (

@@ -8,7 +8,7 @@ from ctypes import Structure, byref, c_bool, c_double, c_int, c_size_t, c_void_p
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.fmucheck.description.model import Description, Variable, size
+from stickslip.fmucheck.description.model import Description, Variable
 from stickslip.fmucheck.running.calls import (
     DISCARD,
     OK,
@@ -95,7 +95,7 @@ class Instance:
         found: dict[int, Values] = {}
         for kind in dict.fromkeys(v.kind for v in variables):
             group = [v for v in variables if v.kind == kind]
-            sizes = [size(v, self.description) or 1 for v in group]
+            sizes = [self.description.size(v) or 1 for v in group]
             flat = self._get(kind, [v.reference or 0 for v in group], sum(sizes))
             place = 0
             for v, count in zip(group, sizes, strict=True):

@@ -11,7 +11,7 @@ from pathlib import Path
 from stickslip import cosim
 from stickslip.cosim.signals.signals import Array
 from stickslip.errors import UsageError
-from stickslip.fmucheck.description.reading import read_description
+from stickslip.fmucheck.description.model import Description
 from stickslip.fmucheck.document import read_document
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed
@@ -38,7 +38,7 @@ class Stepper:
         fmu = cosim.Fmu(path, interface="co_simulation")
         content = (fmu.folder / "modelDescription.xml").read_bytes()
         root = read_document(path.name, content).root
-        description = read_description(root, fmu.version) if root is not None else None
+        description = Description(root, fmu.version) if root is not None else None
         interface = description.interface("CoSimulation") if description else None
         if description is None or interface is None:
             raise UsageError(f"{path}: expected an FMU for Co-Simulation")
