@@ -24,9 +24,8 @@ from ctypes import (
 )
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import Any
-
-import numpy as np
 
 Scalar = float | int | bool | str | bytes
 Value = Scalar | tuple[Scalar, ...]  # arrays row by row
@@ -181,7 +180,7 @@ class Variable:
         if not self.dimensions:
             yield self
             return
-        for place, indices in enumerate(np.ndindex(self.dimensions)):
+        for place, indices in enumerate(product(*map(range, self.dimensions))):
             yield self._element(place, [i + 1 for i in indices])
 
     def at(self, indices: tuple[int, ...]) -> Variable | None:
@@ -190,8 +189,10 @@ class Variable:
             1 <= i <= length for i, length in zip(indices, self.dimensions, strict=True)
         ):
             return None
-        place = np.ravel_multi_index([i - 1 for i in indices], self.dimensions)
-        return self._element(int(place), indices)
+        place = 0
+        for i, length in zip(indices, self.dimensions, strict=True):
+            place = place * length + i - 1
+        return self._element(place, indices)
 
     def _element(self, place: int, indices: Sequence[int]) -> Variable:
         return replace(
