@@ -16,12 +16,7 @@ from stickslip.fmucheck.rules import Report, grouped, stage
 from stickslip.fmucheck.running.parent import TIMEOUT, Limits, findings_of_runs
 
 _DESCRIPTION = "modelDescription.xml"
-_BLOCKING = {
-    "schema-violation",
-    "bad-model-identifier",
-    "bad-dimension",
-    "unknown-version",
-}
+_BLOCKING = {"schema-violation", "bad-model-identifier", "bad-dimension", "unknown-version"}
 """Rules whose findings make running pointless or dangerous."""
 _UNLOADABLE = {"not-a-library", "wrong-architecture"}
 """Rules whose findings do so for the binary that they name, whatever the others are."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from stickslip.fmi.description.attributes import flag
 from stickslip.fmucheck.description.model import (
     Description,
+    Interface,
     Variable,
     number,
 )
@@ -69,22 +71,20 @@ def no_default_experiment(description: Description) -> Claims:
         yield "modelDescription.xml", f"there is no {_PLACE}"
 
 
-@error("3.3.1", "2.4.2", "declare both, or neither")
-def serialise_without_state(description: Description) -> Claims:
+@error("3.3.1", "2.4.2", "declare both, or neither", "interfaces")
+def serialise_without_state(interface: Interface) -> Iterator[str]:
     """The state can be serialised, but not got and set."""
-    for interface in description.interfaces:
-        if interface.flag("canSerializeFMUState") and not interface.flag("canGetAndSetFMUState"):
-            yield interface.place, "canSerializeFMUState without canGetAndSetFMUState"
+    if interface.flag("canSerializeFMUState") and not interface.flag("canGetAndSetFMUState"):
+        yield "canSerializeFMUState without canGetAndSetFMUState"
 
 
-@error(None, "4.3", "declare providesIntermediateUpdate too")
-def early_return_without_update(description: Description) -> Claims:
+@error(None, "4.3", "declare providesIntermediateUpdate too", "interfaces")
+def early_return_without_update(interface: Interface) -> Iterator[str]:
     """It can return early after an intermediate update, but has no intermediate update."""
-    for interface in description.interfaces:
-        if interface.flag("canReturnEarlyAfterIntermediateUpdate") and not interface.flag(
-            "providesIntermediateUpdate"
-        ):
-            yield interface.place, "canReturnEarlyAfterIntermediateUpdate alone"
+    if interface.flag("canReturnEarlyAfterIntermediateUpdate") and not interface.flag(
+        "providesIntermediateUpdate"
+    ):
+        yield "canReturnEarlyAfterIntermediateUpdate alone"
 
 
 @warning(None, "4.3", "declare hasEventMode")
@@ -104,62 +104,57 @@ def intermediate_update_without_variables(description: Description) -> Claims:
         yield marked[0].place, "intermediateUpdate, but providesIntermediateUpdate is false"
 
 
-@warning("4.3.1", "4.3", "declare the order it really reaches")
-def absurd_derivative_order(description: Description) -> Claims:
+@warning("4.3.1", "4.3", "declare the order it really reaches", "interfaces")
+def absurd_derivative_order(interface: Interface) -> Iterator[str]:
     """The declared order of output derivatives is beyond what anything computes."""
-    for interface in description.interfaces:
-        order = number(interface.given.get("maxOutputDerivativeOrder"), "UInt32")
-        if order is not None and order > 10:
-            yield interface.place, f"maxOutputDerivativeOrder {order}"
+    order = number(interface.given.get("maxOutputDerivativeOrder"), "UInt32")
+    if order is not None and order > 10:
+        yield f"maxOutputDerivativeOrder {order}"
 
 
-@note("4.3.1", "2.4.2", "tell the receiver which tool it needs")
-def needs_a_tool(description: Description) -> Claims:
+@note("4.3.1", "2.4.2", "tell the receiver which tool it needs", "interfaces")
+def needs_a_tool(interface: Interface) -> Iterator[str]:
     """The FMU only talks to a tool that must be installed."""
-    for interface in description.interfaces:
-        if interface.flag("needsExecutionTool"):
-            yield interface.place, "needsExecutionTool"
+    if interface.flag("needsExecutionTool"):
+        yield "needsExecutionTool"
 
 
 _PERIODIC = ("constant", "fixed", "tunable")
 _TIMES = ("intervalDecimal", "shiftDecimal", "resolution", "intervalCounter", "shiftCounter")
 
 
-@error(None, "2.4.7.4", "make it input, output or local")
-def clock_causality(description: Description) -> Claims:
+@error(None, "2.4.7.4", "make it input, output or local", "clocks")
+def clock_causality(v: Variable) -> Iterator[str]:
     """A clock is neither input nor output nor local, or is an output that is not triggered."""
-    for v in description.clocks:
-        if v.causality not in ("input", "output", "local"):
-            yield v.place, f"causality {v.causality}"
-        elif v.causality != "input" and v.get("intervalVariability") != "triggered":
-            kind = v.get("intervalVariability")
-            yield v.place, f"is {v.causality}, but {kind}; expected intervalVariability triggered"
-
-
-@error(None, "2.4.4", "give a period above 0 and a shift of at least 0")
-def clock_interval(description: Description) -> Claims:
-    """A clock's period is missing, not above 0, or given to a clock that is not periodic."""
-    for v in description.clocks:
+    if v.causality not in ("input", "output", "local"):
+        yield f"causality {v.causality}"
+    elif v.causality != "input" and v.get("intervalVariability") != "triggered":
         kind = v.get("intervalVariability")
-        interval, shift = number(v.get("intervalDecimal")), number(v.get("shiftDecimal"))
-        if kind not in _PERIODIC:
-            if given := [name for name in _TIMES if v.get(name) is not None]:
-                yield v.place, f"{given[0]}, but intervalVariability {kind}"
-        elif interval is None and kind == "constant":
-            yield v.place, "is constant, but has no intervalDecimal"
-        elif (interval is not None and interval <= 0) or (shift is not None and shift < 0):
-            yield v.place, f"intervalDecimal {interval}, shiftDecimal {shift or 0}"
+        yield f"is {v.causality}, but {kind}; expected intervalVariability triggered"
 
 
-@error(None, "2.4.4", "give supportsFraction, resolution and counters")
-def clock_fraction(description: Description) -> Claims:
+@error(None, "2.4.4", "give a period above 0 and a shift of at least 0", "clocks")
+def clock_interval(v: Variable) -> Iterator[str]:
+    """A clock's period is missing, not above 0, or given to a clock that is not periodic."""
+    kind = v.get("intervalVariability")
+    interval, shift = number(v.get("intervalDecimal")), number(v.get("shiftDecimal"))
+    if kind not in _PERIODIC:
+        if given := [name for name in _TIMES if v.get(name) is not None]:
+            yield f"{given[0]}, but intervalVariability {kind}"
+    elif interval is None and kind == "constant":
+        yield "is constant, but has no intervalDecimal"
+    elif (interval is not None and interval <= 0) or (shift is not None and shift < 0):
+        yield f"intervalDecimal {interval}, shiftDecimal {shift or 0}"
+
+
+@error(None, "2.4.4", "give supportsFraction, resolution and counters", "clocks")
+def clock_fraction(v: Variable) -> Iterator[str]:
     """Counters of a clock come without supportsFraction or without a resolution."""
-    for v in description.clocks:
-        counters = [n for n in ("intervalCounter", "shiftCounter") if v.get(n) is not None]
-        if counters and v.get("supportsFraction") not in ("true", "1"):
-            yield v.place, f"{counters[0]} without supportsFraction"
-        elif counters and number(v.get("resolution"), "UInt64") in (None, 0):
-            yield v.place, f"{counters[0]} without a resolution"
+    counters = [n for n in ("intervalCounter", "shiftCounter") if v.get(n) is not None]
+    if counters and v.get("supportsFraction") not in ("true", "1"):
+        yield f"{counters[0]} without supportsFraction"
+    elif counters and number(v.get("resolution"), "UInt64") in (None, 0):
+        yield f"{counters[0]} without a resolution"
 
 
 @error(None, "2.4.4", "give a priority")

@@ -8,7 +8,15 @@ from collections import Counter
 from collections.abc import Iterator
 
 from stickslip.fmi.description.attributes import flag
-from stickslip.fmucheck.description.model import Attributes, Description, Unit, number
+from stickslip.fmucheck.description.model import (
+    Attributes,
+    Description,
+    Interface,
+    TypeDefinition,
+    Unit,
+    Variable,
+    number,
+)
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
 _C_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -23,12 +31,11 @@ def no_interface(description: Description) -> Claims:
         yield _FILE, "no interface is declared"
 
 
-@error("2.1.1", "2.2", "use letters, digits and _, no digit first")
-def bad_model_identifier(description: Description) -> Claims:
+@error("2.1.1", "2.2", "use letters, digits and _, no digit first", "interfaces")
+def bad_model_identifier(interface: Interface) -> Iterator[str]:
     """The modelIdentifier is not a C name; with path separators it points outside the FMU."""
-    for interface in description.interfaces:
-        if not _C_NAME.fullmatch(interface.identifier):
-            yield interface.place, f'modelIdentifier="{interface.identifier}" is not a C name'
+    if not _C_NAME.fullmatch(interface.identifier):
+        yield f'modelIdentifier="{interface.identifier}" is not a C name'
 
 
 @warning("2.2.1", "2.4.1", "write a hash of the interface")
@@ -123,16 +130,13 @@ def duplicate_unit(description: Description) -> Claims:
             yield unit.place, f"display unit {name} is defined more than once"
 
 
-@error("2.2.2", "2.4.3", "write a factor other than 0")
-def bad_unit_factor(description: Description) -> Claims:
+@error("2.2.2", "2.4.3", "write a factor other than 0", "units")
+def bad_unit_factor(unit: Unit) -> Iterator[str]:
     """The factor of a unit is 0, or factor or offset are not finite."""
-    for unit in description.units:
-        for name, given in _conversions(unit):
-            factor, offset = number(given.get("factor", "1")), number(given.get("offset", "0"))
-            if factor == 0.0 or not all(
-                math.isfinite(n) for n in (factor, offset) if n is not None
-            ):
-                yield unit.place, f"{name}: factor {factor}, offset {offset}"
+    for name, given in _conversions(unit):
+        factor, offset = number(given.get("factor", "1")), number(given.get("offset", "0"))
+        if factor == 0.0 or not all(math.isfinite(n) for n in (factor, offset) if n is not None):
+            yield f"{name}: factor {factor}, offset {offset}"
 
 
 def _conversions(unit: Unit) -> Iterator[tuple[str, Attributes]]:
@@ -142,13 +146,12 @@ def _conversions(unit: Unit) -> Iterator[tuple[str, Attributes]]:
         yield f"DisplayUnit {each.get('name')}", each
 
 
-@error(None, "2.4.3", "drop offset or inverse")
-def inverse_with_offset(description: Description) -> Claims:
+@error(None, "2.4.3", "drop offset or inverse", "units")
+def inverse_with_offset(unit: Unit) -> Iterator[str]:
     """An inverse display unit has an offset."""
-    for unit in description.units:
-        for each in unit.display:
-            if flag(each, "inverse") and number(each.get("offset", "0")) != 0:
-                yield unit.place, f"DisplayUnit {each.get('name')} is inverse and has an offset"
+    for each in unit.display:
+        if flag(each, "inverse") and number(each.get("offset", "0")) != 0:
+            yield f"DisplayUnit {each.get('name')} is inverse and has an offset"
 
 
 @note("2.2.2", "2.4.3", "give the exponents of the SI units")
@@ -170,26 +173,24 @@ def duplicate_type(description: Description) -> Claims:
             yield each.place, f"has the name of {variables[each.name].place}"
 
 
-@error("2.2.3", "2.4.4", "define it in TypeDefinitions")
-def undefined_type(description: Description) -> Claims:
+@error("2.2.3", "2.4.4", "define it in TypeDefinitions", "variables")
+def undefined_type(v: Variable) -> Iterator[str]:
     """A variable declares a type that is not defined, or one of another kind."""
-    for v in description.variables:
-        declared = v.given.get("declaredType")
-        if declared is None:
-            continue
-        if v.type is None:
-            yield v.place, f"declaredType '{declared}' is not defined"
-        elif v.type.kind != v.kind:
-            yield v.place, f"is {v.kind}, but its declaredType '{declared}' is {v.type.kind}"
+    declared = v.given.get("declaredType")
+    if declared is None:
+        return
+    if v.type is None:
+        yield f"declaredType '{declared}' is not defined"
+    elif v.type.kind != v.kind:
+        yield f"is {v.kind}, but its declaredType '{declared}' is {v.type.kind}"
 
 
-@error("2.2.3", "2.4.4", "give each item its own name and value")
-def duplicate_item(description: Description) -> Claims:
+@error("2.2.3", "2.4.4", "give each item its own name and value", "types")
+def duplicate_item(each: TypeDefinition) -> Iterator[str]:
     """Two items of an enumeration share a name or a value."""
-    for each in description.types:
-        for what, column in (("name", 0), ("value", 1)):
-            for text in _repeated([item[column] for item in each.items]):
-                yield each.place, f"several items have the {what} {text}"
+    for what, column in (("name", 0), ("value", 1)):
+        for text in _repeated([item[column] for item in each.items]):
+            yield f"several items have the {what} {text}"
 
 
 @error("2.2.4", "2.4.5", "list each category once, by name")

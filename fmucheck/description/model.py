@@ -153,7 +153,7 @@ class Variable(Entry):
             inner = next((e for e in _inside(element) if e.tag != "Annotations"), element)
         super().__init__(element, inner)
         given = self.given = _attributes(element) | self.given
-        self.index = index
+        self.index, self.version = index, version
         self.name = given.get("name", "")
         self.reference = whole(given.get("valueReference"))
         self.causality = given.get("causality", "local")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 
 from stickslip.fmi.description.variables import FLOATS
 from stickslip.fmucheck.description.model import Description, Unknown, Variable, listed
@@ -186,48 +187,44 @@ def bad_clocked_state(description: Description) -> Claims:
             )
 
 
-@error("2.2.8", "2.4.8", "refer to a variable that exists")
-def unknown_dependency(description: Description) -> Claims:
+@error("2.2.8", "2.4.8", "refer to a variable that exists", "unknowns")
+def unknown_dependency(unknown: Unknown) -> Iterator[str]:
     """A dependency refers to a variable that does not exist."""
-    for unknown in description.unknowns:
-        for key, variable in unknown.dependencies or ():
-            if variable is None:
-                yield unknown.place, f"depends on {key}, which does not exist"
+    for key, variable in unknown.dependencies or ():
+        if variable is None:
+            yield f"depends on {key}, which does not exist"
 
 
-@error("2.2.8", "2.4.8", "list it once")
-def repeated_dependency(description: Description) -> Claims:
+@error("2.2.8", "2.4.8", "list it once", "unknowns")
+def repeated_dependency(unknown: Unknown) -> Iterator[str]:
     """A dependency is listed twice."""
-    for unknown in description.unknowns:
-        keys = [key for key, _ in unknown.dependencies or ()]
-        if len(set(keys)) < len(keys):
-            yield unknown.place, "lists a dependency twice"
+    keys = [key for key, _ in unknown.dependencies or ()]
+    if len(set(keys)) < len(keys):
+        yield "lists a dependency twice"
 
 
-@error("2.2.8", "2.4.8", "give one kind for each dependency")
-def kinds_do_not_match(description: Description) -> Claims:
+@error("2.2.8", "2.4.8", "give one kind for each dependency", "unknowns")
+def kinds_do_not_match(unknown: Unknown) -> Iterator[str]:
     """The dependenciesKind are not as many as the dependencies, or stand alone."""
-    for unknown in description.unknowns:
-        if unknown.kinds is None:
-            continue
-        if unknown.dependencies is None:
-            yield unknown.place, "dependenciesKind without dependencies"
-        elif len(unknown.kinds) != len(unknown.dependencies):
-            count = f"{len(unknown.kinds)} kinds for {len(unknown.dependencies)} dependencies"
-            yield unknown.place, count
+    if unknown.kinds is None:
+        return
+    if unknown.dependencies is None:
+        yield "dependenciesKind without dependencies"
+    elif len(unknown.kinds) != len(unknown.dependencies):
+        count = f"{len(unknown.kinds)} kinds for {len(unknown.dependencies)} dependencies"
+        yield count
 
 
-@error("2.2.8", "2.4.8", "write dependent")
-def illegal_kind(description: Description) -> Claims:
+@error("2.2.8", "2.4.8", "write dependent", "unknowns")
+def illegal_kind(unknown: Unknown) -> Iterator[str]:
     """A kind is not allowed here: of a variable that is not real, or of an initial unknown."""
-    for unknown in description.unknowns:
-        for kind in unknown.kinds or ():
-            if kind == "dependent":
-                continue
-            if unknown.variable and unknown.variable.kind not in FLOATS:
-                yield unknown.place, f"kind {kind} of a variable that is {unknown.variable.kind}"
-            elif unknown.group == "InitialUnknown" and kind != "constant":
-                yield unknown.place, f"kind {kind}; of initial unknowns only dependent or constant"
+    for kind in unknown.kinds or ():
+        if kind == "dependent":
+            continue
+        if unknown.variable and unknown.variable.kind not in FLOATS:
+            yield f"kind {kind} of a variable that is {unknown.variable.kind}"
+        elif unknown.group == "InitialUnknown" and kind != "constant":
+            yield f"kind {kind}; of initial unknowns only dependent or constant"
 
 
 @warning("2.2.8", "2.4.8", "list only what counts as known")
