@@ -24,8 +24,9 @@ ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "stickslip" / "logs")]
 
 import format_writers as writers  # noqa: E402 - of the tests
-from tests.corpus.hostile import CASES, GROUPS  # noqa: E402
 from vendor_texts import FILES, F, T, V, X  # noqa: E402 - of the tests
+
+from tests.corpus.hostile import CASES, GROUPS  # noqa: E402
 
 HEADINGS = {
     "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),
