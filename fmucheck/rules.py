@@ -184,7 +184,7 @@ def _rule(severity: Severity) -> Callable[..., Callable[[Check], Check]]:
     does not apply to this version), and what to do, in a few words. The function is given what its
     stage checks, by default that of its module, and yields claims; where ``each`` names an
     attribute of that, it is given one of the things in it and yields messages, whose place is that
-    of the thing.
+    of the thing, of a member of an archive its name.
     """
 
     def decorator(
@@ -193,8 +193,9 @@ def _rule(severity: Severity) -> Callable[..., Callable[[Check], Check]]:
         def register(check: Check) -> Check:
             def claims(subject: Any) -> Claims:
                 for thing in getattr(subject, each):
+                    place = getattr(thing, "place", None) or thing.orig_filename
                     for message in check(thing):
-                        yield thing.place, message
+                        yield place, message
 
             sections = {2: fmi2, 3: fmi3}
             rule = Rule(

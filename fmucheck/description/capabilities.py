@@ -190,10 +190,8 @@ def bad_previous(description: Description) -> Claims:
             what = "itself" if other else "nothing that exists"
             yield v.place, f"previous={v.previous} is {what}"
         elif other.kind != v.kind or other.variability != "discrete" or other.causality == "input":
-            yield (
-                v.place,
-                f"previous is {other.name}: {other.kind}, {other.variability}, {other.causality}",
-            )
+            what = f"{other.kind}, {other.variability}, {other.causality}"
+            yield v.place, f"previous is {other.name}: {what}"
         if v.clocks is None or v.variability != "discrete":
             yield v.place, "has previous, but is not clocked and discrete"
         if users.setdefault(v.previous, v) is not v:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections import Counter
 from collections.abc import Iterator
 
 from stickslip.fmi.description.attributes import flag
@@ -16,6 +15,7 @@ from stickslip.fmucheck.description.model import (
     Unit,
     Variable,
     number,
+    repeated,
 )
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
@@ -116,17 +116,13 @@ def undefined_display_unit(description: Description) -> Claims:
             yield place, f"displayUnit '{shown}' is not defined under unit '{unit}'"
 
 
-def _repeated(names: list[str]) -> list[str]:
-    return [name for name, count in Counter(names).items() if count > 1]
-
-
 @error("2.2.2", "2.4.3", "keep one definition")
 def duplicate_unit(description: Description) -> Claims:
     """A unit is defined twice, or a display unit twice in one unit."""
-    for name in _repeated([unit.name for unit in description.units]):
+    for name, _ in repeated([unit.name for unit in description.units]):
         yield f"unit {name}", "is defined more than once"
     for unit in description.units:
-        for name in _repeated([d.get("name", "") for d in unit.display]):
+        for name, _ in repeated([d.get("name", "") for d in unit.display]):
             yield unit.place, f"display unit {name} is defined more than once"
 
 
@@ -165,7 +161,7 @@ def unit_without_base(description: Description) -> Claims:
 @error("2.2.3", "2.4.4", "rename one of them")
 def duplicate_type(description: Description) -> Claims:
     """Two types have the same name, or a type and a variable."""
-    for name in _repeated([each.name for each in description.types]):
+    for name, _ in repeated([each.name for each in description.types]):
         yield f"type {name}", "is defined more than once"
     variables = {v.name: v for v in description.variables}
     for each in description.types:
@@ -189,14 +185,14 @@ def undefined_type(v: Variable) -> Iterator[str]:
 def duplicate_item(each: TypeDefinition) -> Iterator[str]:
     """Two items of an enumeration share a name or a value."""
     for what, column in (("name", 0), ("value", 1)):
-        for text in _repeated([item[column] for item in each.items]):
+        for text, _ in repeated([item[column] for item in each.items]):
             yield f"several items have the {what} {text}"
 
 
 @error("2.2.4", "2.4.5", "list each category once, by name")
 def bad_log_category(description: Description) -> Claims:
     """A log category is listed twice or has no name."""
-    for name in _repeated(description.categories):
+    for name, _ in repeated(description.categories):
         yield "LogCategories", f"'{name}' is listed more than once"
     if "" in description.categories:
         yield "LogCategories", "a category has no name"

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from stickslip.fmi.description.attributes import flag
 from stickslip.fmi.description.variables import FLOATS, INITIALS, default_variability
@@ -64,6 +65,11 @@ def listed(names: Iterable[str], most: int = 5) -> str:
     every = list(names)
     more = f" and {len(every) - most} more" if len(every) > most else ""
     return ", ".join(every[:most]) + more
+
+
+def repeated(names: Iterable[Any]) -> list[tuple[Any, int]]:
+    """Return what occurs more than once, and how often; None does not count."""
+    return [(name, n) for name, n in Counter(names).items() if n > 1 and name is not None]
 
 
 def _inside(element: Element | None) -> list[Element]:

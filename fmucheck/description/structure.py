@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 
 from stickslip.fmi.description.variables import FLOATS
-from stickslip.fmucheck.description.model import Description, Unknown, Variable, listed
+from stickslip.fmucheck.description.model import Description, Unknown, Variable, listed, repeated
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
 _ORDERS = 20  # of derivatives
@@ -113,10 +112,9 @@ def _key(description: Description) -> str:
 @error("2.2.8", "2.4.8", "list it once")
 def listed_twice(description: Description) -> Claims:
     """ModelStructure lists a variable twice in one list."""
-    for (group, key), count in Counter((u.group, u.key) for u in description.unknowns).items():
-        if count > 1:
-            name = next(u.place for u in description.unknowns if (u.group, u.key) == (group, key))
-            yield name, f"is listed {count} times"
+    for entry, count in repeated((u.group, u.key) for u in description.unknowns):
+        place = next(u.place for u in description.unknowns if (u.group, u.key) == entry)
+        yield place, f"is listed {count} times"
 
 
 @error("2.2.8", "2.4.8", "list exactly the outputs")
@@ -175,16 +173,10 @@ def bad_clocked_state(description: Description) -> Claims:
         v = unknown.variable
         if v is None:
             continue
-        if (
-            v.clocks is None
-            or v.previous is None
-            or v.variability != "discrete"
-            or v.kind == "Clock"
-        ):
-            yield (
-                unknown.place,
-                f"{v.name}: clocks {v.clocks}, previous {v.previous}, {v.variability}",
-            )
+        clocked = v.clocks is not None and v.previous is not None and v.kind != "Clock"
+        if not clocked or v.variability != "discrete":
+            what = f"{v.name}: clocks {v.clocks}, previous {v.previous}, {v.variability}"
+            yield unknown.place, what
 
 
 @error("2.2.8", "2.4.8", "refer to a variable that exists", "unknowns")

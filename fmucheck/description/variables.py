@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterator
 
 from stickslip.fmi.description.variables import FLOATS, INITIALS
@@ -16,6 +16,7 @@ from stickslip.fmucheck.description.model import (
     is_number,
     listed,
     number,
+    repeated,
 )
 from stickslip.fmucheck.rules import Claims, error, warning
 
@@ -32,9 +33,8 @@ def duplicate_name(description: Description) -> Claims:
     """Two variables, or a variable and an alias, have the same name."""
     names = [v.name for v in description.variables]
     names += [a.get("name", "") for v in description.variables for a in v.aliases]
-    for name, count in Counter(names).items():
-        if count > 1:
-            yield f"variable {name}", f"{count} variables have this name"
+    for name, count in repeated(names):
+        yield f"variable {name}", f"{count} variables have this name"
 
 
 @error("2.2.7", "2.4.7", "name it", "variables")
@@ -125,7 +125,7 @@ def illegal_initial(v: Variable) -> Iterator[str]:
     if given and allowed is not None and given not in allowed:
         expected = " or ".join(allowed) or "none"
         combination = f"{v.causality}, {v.variability}"
-        yield (f"initial={given} for a variable that is {combination}; expected {expected}")
+        yield f"initial={given} for a variable that is {combination}; expected {expected}"
 
 
 @error("2.2.7", "2.4.7.4", "make it discrete", "variables")

@@ -70,10 +70,8 @@ def reset_forgets_something(bench: Bench) -> Claims:
     instance = run.instance
     instance.do("Reset")
     if where := difference(expected, finished(bench, instance).rows):
-        yield (
-            f"{bench.binary.prefix}Reset",
-            f"the run after it is not that of a new instance: {where}",
-        )
+        what = f"the run after it is not that of a new instance: {where}"
+        yield f"{bench.binary.prefix}Reset", what
 
 
 @warning("4.2.2", "4.2", "allow it, or declare the flag false")
