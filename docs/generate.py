@@ -1,4 +1,4 @@
-"""Pages that follow from the code: public names, commands, samples of logs, pictures."""
+"""Pages that follow from the code: public names, commands, rules, malformed inputs, samples."""
 
 from __future__ import annotations
 
@@ -17,13 +17,16 @@ import pandas as pd
 
 import stickslip
 from stickslip import cli
+from stickslip.fmucheck import rules
 from stickslip.logs import read_recording
 
 ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "stickslip" / "logs"))
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "stickslip" / "logs")]
 
 import format_writers as writers  # noqa: E402 - of the tests
 from vendor_texts import FILES, F, T, V, X  # noqa: E402 - of the tests
+
+from tests.corpus.hostile import CASES, GROUPS  # noqa: E402
 
 HEADINGS = {
     "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),
@@ -40,6 +43,7 @@ def write(folder: Path) -> None:
     """Write all pages; what is equal keeps its time, so that only changes are built again."""
     _samples(folder / "samples")
     pages: dict[str, str | bytes] = {"api.rst": _api(), "cli.rst": _commands()}
+    pages |= {"check-rules.inc": rules.table(), "hostile-cases.inc": _hostile()}
     for path in sorted((ROOT / "notebooks").glob("*.ipynb")):
         pages[f"{path.stem}.png"] = _picture(path)
     spec = find_spec("sphinx-mathjax-offline")
@@ -123,6 +127,20 @@ def _options(parser: argparse.ArgumentParser) -> list[str]:
         text = formatter._expand_help(action) if action.help else ""  # noqa: SLF001
         lines += [f"``{words}``", f"   {_plain(text) or 'see the usage.'}", ""]
     return lines
+
+
+def _hostile() -> str:
+    """Return the malformed inputs by group, with what is said of each."""
+    lines: list[str] = []
+    for number, group in GROUPS.items():
+        lines += [f"### {number}. {group}", "", "| case | line |", "|---|---|"]
+        for case in CASES:
+            if case.group == number:
+                about = re.sub(r"([\\|`*_<>\[\]])", r"\\\1", case.about)
+                says = case.says.replace("|", "\\|").replace("`", "'")
+                lines.append(f"| {about} | `{says}` |")
+        lines.append("")
+    return "\n".join(lines)
 
 
 def _samples(folder: Path) -> None:

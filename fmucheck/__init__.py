@@ -15,9 +15,9 @@ _THEMES = (
     *("archive", "document"),
     *(f"description.{name}" for name in ("identity", "variables", "structure", "capabilities")),
     *("files", "binaries"),
-    *(f"running.{name}" for name in ("loading", "values", "repeating", "saving", "sensitivity")),
+    *(f"running.{name}" for name in ("loading", "values", "repeating", "sensitivity")),
     *(f"running.{name}" for name in ("dependencies", "refusals", "logging", "process")),
-    *("running.continuous", "rerunning", "ending"),
+    *("running.continuous", "ending"),
 )
 for _theme in _THEMES:  # importing a theme registers its rules
     import_module(f"stickslip.fmucheck.{_theme}")

@@ -6,6 +6,7 @@ import re
 import unicodedata
 import zipfile
 from collections import Counter
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -148,10 +149,8 @@ def damaged_archive(archive: Archive) -> Claims:
 def zip_bomb(archive: Archive) -> Claims:
     """Unpacking would fill the disk: too many members, too many bytes, or packed too tightly."""
     if len(archive.members) > MAX_MEMBERS:
-        yield (
-            str(archive.path),
-            f"{len(archive.members)} members; at most {MAX_MEMBERS} are unpacked",
-        )
+        count = len(archive.members)
+        yield str(archive.path), f"{count} members; at most {MAX_MEMBERS} are unpacked"
     if archive.bytes > MAX_BYTES:
         yield str(archive.path), f"{archive.bytes} bytes when unpacked; at most {MAX_BYTES} are"
     everything = (str(archive.path), archive.packed, archive.bytes)
@@ -209,51 +208,43 @@ def unportable_path(archive: Archive) -> Claims:
             yield name, f"has {len(name)} characters; with its folder, Windows takes 260"
 
 
-@error("2.3", "2.5", "pack the file itself")
-def link_in_archive(archive: Archive) -> Claims:
+@error("2.3", "2.5", "pack the file itself", "members")
+def link_in_archive(member: zipfile.ZipInfo) -> Iterator[str]:
     """A member is a symbolic link, a pipe or a device."""
-    for member in archive.members:
-        if is_link(member):
-            yield member.orig_filename, "is a symbolic link; it is not unpacked"
-        elif is_special(member):
-            yield member.orig_filename, "is a pipe or a device; it is not unpacked"
+    if is_link(member):
+        yield "is a symbolic link; it is not unpacked"
+    elif is_special(member):
+        yield "is a pipe or a device; it is not unpacked"
 
 
-@error("2.3", "2.5", "pack without a password")
-def encrypted_member(archive: Archive) -> Claims:
+@error("2.3", "2.5", "pack without a password", "members")
+def encrypted_member(member: zipfile.ZipInfo) -> Iterator[str]:
     """A member is encrypted."""
-    for member in archive.members:
-        if is_encrypted(member):
-            yield member.orig_filename, "is encrypted"
+    if is_encrypted(member):
+        yield "is encrypted"
 
 
-@error("2.3", "2.5", "pack with deflate, or without compression")
-def compression_method(archive: Archive) -> Claims:
+@error("2.3", "2.5", "pack with deflate, or without compression", "members")
+def compression_method(member: zipfile.ZipInfo) -> Iterator[str]:
     """A member is packed with something other than deflate."""
-    for member in archive.members:
-        if member.compress_type not in METHODS:
-            method = _METHODS.get(member.compress_type, f"method {member.compress_type}")
-            yield member.orig_filename, f"is packed with {method}; expected deflate or stored"
+    if member.compress_type not in METHODS:
+        method = _METHODS.get(member.compress_type, f"method {member.compress_type}")
+        yield f"is packed with {method}; expected deflate or stored"
 
 
-@error(None, "2.5", "pack without zip64 and other new features")
-def zip_version(archive: Archive) -> Claims:
+@error(None, "2.5", "pack without zip64 and other new features", "members")
+def zip_version(member: zipfile.ZipInfo) -> Iterator[str]:
     """A member needs a newer zip than version 2.0 to unpack."""
-    for member in archive.members:
-        if member.extract_version > 20 and member.compress_type in METHODS:
-            version = f"{member.extract_version / 10:.1f}"
-            yield (
-                member.orig_filename,
-                f"needs version {version} to extract; at most 2.0 is allowed",
-            )
+    if member.extract_version > 20 and member.compress_type in METHODS:
+        version = f"{member.extract_version / 10:.1f}"
+        yield f"needs version {version} to extract; at most 2.0 is allowed"
 
 
-@error(None, "2.5", "write sizes into the local header")
-def stored_with_data_descriptor(archive: Archive) -> Claims:
+@error(None, "2.5", "write sizes into the local header", "files")
+def stored_with_data_descriptor(member: zipfile.ZipInfo) -> Iterator[str]:
     """A stored member has its size behind its data (general purpose bit 3)."""
-    for member in archive.files:
-        if member.compress_type == 0 and member.flag_bits & 8:
-            yield member.orig_filename, "is stored, and has general purpose bit 3 set"
+    if member.compress_type == 0 and member.flag_bits & 8:
+        yield "is stored, and has general purpose bit 3 set"
 
 
 @error("2.3", "2.5", "export or copy the FMU again")
@@ -280,9 +271,8 @@ def not_named_fmu(archive: Archive) -> Claims:
         yield str(archive.path), f"ends with '{archive.path.suffix}'; importers look for .fmu"
 
 
-@note("2.3", "2.5", "use ASCII names")
-def foreign_letters(archive: Archive) -> Claims:
+@note("2.3", "2.5", "use ASCII names", "members")
+def foreign_letters(member: zipfile.ZipInfo) -> Iterator[str]:
     """A path has letters outside ASCII, which some systems unpack under another name."""
-    for member in archive.members:
-        if not member.orig_filename.isascii():
-            yield member.orig_filename, "has letters outside ASCII"
+    if not member.orig_filename.isascii():
+        yield "has letters outside ASCII"

@@ -5,60 +5,47 @@ from __future__ import annotations
 import posixpath
 import re
 from collections.abc import Iterator
+from functools import cache
 
 from stickslip.fmi.binary import Library, NotALibrary, read_library
+from stickslip.fmi.standard import standard_files
 from stickslip.fmucheck.description.model import Fmu, listed
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
-_TYPES3 = [f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")]
-_TYPES3 += ["Float32", "Float64", "Boolean", "String", "Binary", "Clock"]
-
-_COMMON2 = """
-    GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment
-    EnterInitializationMode ExitInitializationMode Terminate Reset
-    GetReal GetInteger GetBoolean GetString SetReal SetInteger SetBoolean SetString
-    GetFMUstate SetFMUstate FreeFMUstate SerializedFMUstateSize SerializeFMUstate
-    DeSerializeFMUstate GetDirectionalDerivative
-"""
-_ONLY2 = {
-    "ModelExchange": """
-        EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime
-        SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates
-        GetNominalsOfContinuousStates
-    """,
-    "CoSimulation": """
-        SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep GetStatus GetRealStatus
-        GetIntegerStatus GetBooleanStatus GetStringStatus
-    """,
-}
-_COMMON3 = """
-    GetVersion SetDebugLogging FreeInstance EnterInitializationMode ExitInitializationMode
-    EnterEventMode Terminate Reset GetNumberOfVariableDependencies GetVariableDependencies
-    GetFMUState SetFMUState FreeFMUState SerializedFMUStateSize SerializeFMUState
-    DeserializeFMUState GetDirectionalDerivative GetAdjointDerivative EnterConfigurationMode
-    ExitConfigurationMode GetIntervalDecimal GetIntervalFraction GetShiftDecimal GetShiftFraction
-    SetIntervalDecimal SetIntervalFraction SetShiftDecimal SetShiftFraction
-    EvaluateDiscreteStates UpdateDiscreteStates
-"""
-_ONLY3 = {
-    "ModelExchange": """
-        InstantiateModelExchange EnterContinuousTimeMode CompletedIntegratorStep SetTime
-        SetContinuousStates GetContinuousStateDerivatives GetEventIndicators GetContinuousStates
-        GetNominalsOfContinuousStates GetNumberOfEventIndicators GetNumberOfContinuousStates
-    """,
-    "CoSimulation": "InstantiateCoSimulation EnterStepMode GetOutputDerivatives DoStep",
-    "ScheduledExecution": "InstantiateScheduledExecution ActivateModelPartition",
+# What only one interface must have; all others that the headers declare, each must.
+_ONLY = {
+    2: {
+        "ModelExchange": """
+            EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep
+            SetTime SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates
+            GetNominalsOfContinuousStates
+        """,
+        "CoSimulation": """
+            SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep GetStatus
+            GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus
+        """,
+    },
+    3: {
+        "ModelExchange": """
+            InstantiateModelExchange EnterContinuousTimeMode CompletedIntegratorStep SetTime
+            SetContinuousStates GetContinuousStateDerivatives GetEventIndicators
+            GetContinuousStates GetNominalsOfContinuousStates GetNumberOfEventIndicators
+            GetNumberOfContinuousStates
+        """,
+        "CoSimulation": "InstantiateCoSimulation EnterStepMode GetOutputDerivatives DoStep",
+        "ScheduledExecution": "InstantiateScheduledExecution ActivateModelPartition",
+    },
 }
 
 
+@cache
 def required(version: int, interface: str) -> list[str]:
     """Return the names of all functions of an interface, those of optional abilities included."""
-    if version == 2:
-        words = f"{_COMMON2} {_ONLY2.get(interface, '')}".split()
-    else:
-        words = f"{_COMMON3} {_ONLY3[interface]}".split()
-        words += [verb + kind for kind in _TYPES3 for verb in ("Get", "Set")]
-    return [f"fmi{version}{word}" for word in words]
+    header = standard_files("c-code") / f"fmi{version}Functions.h"
+    names = re.findall(r"^ *FMI._Export +\w+ +fmi.(\w+);", header.read_text("utf-8"), re.MULTILINE)
+    only = {kind: set(words.split()) for kind, words in _ONLY[version].items()}
+    foreign = set().union(*only.values()) - only.get(interface, set())
+    return [f"fmi{version}{name}" for name in names if name not in foreign]
 
 
 _FMI2 = {

@@ -10,19 +10,13 @@ from pathlib import Path
 from stickslip.fmi.process import temporary_folder
 from stickslip.fmi.process.sandbox import Permissions
 from stickslip.fmucheck.archive import read_archive, unpack
-from stickslip.fmucheck.description.model import Fmu
-from stickslip.fmucheck.description.reading import read_description
+from stickslip.fmucheck.description.model import Description, Fmu
 from stickslip.fmucheck.document import checked_version, claimed_version, read_document
 from stickslip.fmucheck.rules import Report, grouped, stage
 from stickslip.fmucheck.running.parent import TIMEOUT, Limits, findings_of_runs
 
 _DESCRIPTION = "modelDescription.xml"
-_BLOCKING = {
-    "schema-violation",
-    "bad-model-identifier",
-    "bad-dimension",
-    "unknown-version",
-}
+_BLOCKING = {"schema-violation", "bad-model-identifier", "bad-dimension", "unknown-version"}
 """Rules whose findings make running pointless or dangerous."""
 _UNLOADABLE = {"not-a-library", "wrong-architecture"}
 """Rules whose findings do so for the binary that they name, whatever the others are."""
@@ -90,7 +84,7 @@ def _check_content(report: Report, members: frozenset[str], folder: Path) -> Fmu
     _apply(report, "document", document, version)
     if document.root is None or version is None:
         return None
-    description = read_description(document.root, version)
+    description = Description(document.root, version)
     _apply(report, "description", description, version)
     fmu = Fmu(report.path, folder, members, description)
     _apply(report, "files", fmu, version)

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import posixpath
 import re
-from collections import Counter
-from collections.abc import Iterable, Iterator
-from typing import Any
+from collections.abc import Iterator
 
-from stickslip.fmucheck.description.model import Fmu
+from stickslip.fmucheck.description.model import Fmu, repeated
 from stickslip.fmucheck.document import Document, Element, read_document, violations
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
@@ -32,10 +30,6 @@ def _faults(fmu: Fmu, name: str, schema: str) -> Claims:
     if document := _document(fmu, name):
         fault = [(name, document.fault)] if document.root is None else []
         yield from fault or violations(document, f"fmi3/{schema}.xsd")
-
-
-def _repeated(names: Iterable[Any]) -> list[tuple[Any, int]]:
-    return [(name, n) for name, n in Counter(names).items() if n > 1 and name is not None]
 
 
 def _listed(fmu: Fmu) -> Iterator[tuple[str, str]]:
@@ -69,7 +63,7 @@ def bad_build_configuration(fmu: Fmu) -> Claims:
     for identifier in dict.fromkeys(name for name, _ in made):
         if identifier not in fmu.identifiers:
             yield BUILD, f"modelIdentifier={identifier} is not in modelDescription.xml"
-    for (identifier, platform), count in _repeated(made):
+    for (identifier, platform), count in repeated(made):
         yield BUILD, f"{count} configurations of {identifier} for {platform or 'any platform'}"
 
 
@@ -148,11 +142,11 @@ def terminal_of_unknown_variable(fmu: Fmu) -> Claims:
 def terminal_names(fmu: Fmu) -> Claims:
     """Terminals of one level, or members of one terminal, share a name; or a plug's has none."""
     for level in _all(fmu, TERMINALS, "Terminals", "Terminal"):
-        for name, count in _repeated(t.get("name") for t in level.iterfind("Terminal")):
+        for name, count in repeated(t.get("name") for t in level.iterfind("Terminal")):
             yield _place(level), f"{count} terminals are named {name}"
     for terminal in _all(fmu, TERMINALS, "Terminal"):
         names = [m.get("memberName") for m in terminal.iterfind("TerminalMemberVariable")]
-        for name, count in _repeated(names):
+        for name, count in repeated(names):
             yield _place(terminal), f"{count} members are named {name}"
         rule = terminal.get("matchingRule")
         if rule in ("plug", "bus") and None in names:

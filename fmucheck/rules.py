@@ -6,9 +6,9 @@ import enum
 import itertools
 import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 
 class Severity(enum.IntEnum):
@@ -50,16 +50,7 @@ class Finding:
 
     def as_json(self) -> dict[str, object]:
         """Return plain data."""
-        return {
-            "severity": str(self.severity),
-            "rule": self.rule,
-            "place": self.place,
-            "message": self.message,
-            "section": self.section,
-            "advice": self.advice,
-            "count": self.count,
-            "others": list(self.others),
-        }
+        return asdict(self) | {"severity": str(self.severity), "others": list(self.others)}
 
     @property
     def cause(self) -> tuple[str, str]:
@@ -135,16 +126,10 @@ Claim = tuple[str, str]
 Claims = Iterable[Claim]
 
 _STANDARDS = {2: "FMI 2.0.5", 3: "FMI 3.0.2"}
-_STAGES = [
-    "archive",
-    "document",
-    "description",
-    "files",
-    "binaries",
-    "running",
-    "rerunning",
-    "ending",
-]
+STAGES = (
+    *("archive", "document", "description", "files", "binaries"),
+    *("running", "rerunning", "ending"),
+)
 _MOST = 10_000  # claims of one rule about one file that are counted
 
 
@@ -189,27 +174,38 @@ class Rule:
 RULES: dict[str, Rule] = {}
 
 
-Check = Callable[[Any], Claims]
+Check = TypeVar("Check", bound=Callable[[Any], Iterable[Any]])
 
 
-def _rule(severity: Severity) -> Callable[[str | None, str | None, str], Callable[[Check], Check]]:
+def _rule(severity: Severity) -> Callable[..., Callable[[Check], Check]]:
     """Return a decorator that registers a function as a rule of this severity.
 
     Its arguments are the sections of FMI 2.0.5 and 3.0.2 ("" when none applies, None when the rule
-    does not apply to this version), and what to do, in a few words.
+    does not apply to this version), and what to do, in a few words. The function is given what its
+    stage checks, by default that of its module, and yields claims; where ``each`` names an
+    attribute of that, it is given one of the things in it and yields messages, whose place is that
+    of the thing, of a member of an archive its name.
     """
 
-    def decorator(fmi2: str | None, fmi3: str | None, advice: str) -> Callable[[Check], Check]:
+    def decorator(
+        fmi2: str | None, fmi3: str | None, advice: str, each: str = "", *, stage: str = ""
+    ) -> Callable[[Check], Check]:
         def register(check: Check) -> Check:
+            def claims(subject: Any) -> Claims:
+                for thing in getattr(subject, each):
+                    place = getattr(thing, "place", None) or thing.orig_filename
+                    for message in check(thing):
+                        yield place, message
+
             sections = {2: fmi2, 3: fmi3}
             rule = Rule(
                 id=check.__name__.replace("_", "-"),
                 severity=severity,
-                stage=check.__module__.split(".")[2],
+                stage=stage or check.__module__.split(".")[2],
                 sections={v: s for v, s in sections.items() if s is not None},
                 summary=(check.__doc__ or "").split("\n")[0],
                 advice=advice,
-                check=check,
+                check=claims if each else check,
             )
             RULES[rule.id] = rule
             return check
@@ -230,7 +226,7 @@ def stage(name: str) -> list[Rule]:
 def table() -> str:
     """Return all rules as a table in Markdown."""
     rows = ["| rule | severity | FMI 2.0.5 | FMI 3.0.2 | finds |", "|---|---|---|---|---|"]
-    for each in sorted(RULES.values(), key=lambda each: _STAGES.index(each.stage)):
+    for each in sorted(RULES.values(), key=lambda each: STAGES.index(each.stage)):
         sections = " | ".join(each.sections.get(v, "–") for v in (2, 3))
         rows.append(f"| `{each.id}` | {each.severity} | {sections} | {each.summary} |")
     return "\n".join(rows)

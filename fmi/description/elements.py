@@ -22,52 +22,27 @@ from stickslip.fmi.description.attributes import (
 from stickslip.fmi.description.types import TypeDefinition
 from stickslip.fmi.description.variables import (
     FLOATS,
+    INITIALS,
     MAX_ELEMENTS,
     NOT_NUMBERS,
     SETTERS,
     Scalar,
     Value,
     Variable,
+    default_variability,
 )
 from stickslip.fmi.messages import shown
 
 MAX_REFERENCE = 2**32 - 1
 
 _TYPES = {2: frozenset(SETTERS[2]), 3: frozenset(SETTERS[3])}
-_PARAMETERS = {"parameter", "calculatedParameter", "structuralParameter"}
 _INITIALS = {None, "exact", "approx", "calculated"}
-# What ``initial`` is where it is not given; combinations that are not here are not lawful.
-_INITIAL = {
-    ("constant", "output"): "exact",
-    ("constant", "local"): "exact",
-    **{
-        (variability, causality): initial
-        for variability in ("fixed", "tunable")
-        for causality, initial in (
-            ("structuralParameter", "exact"),
-            ("parameter", "exact"),
-            ("calculatedParameter", "calculated"),
-            ("local", "calculated"),
-        )
-    },
-    **{
-        (variability, causality): initial
-        for variability in ("discrete", "continuous")
-        for causality, initial in (
-            ("input", "exact"),
-            ("output", "calculated"),
-            ("local", "calculated"),
-        )
-    },
-    ("continuous", "independent"): None,
-}
 _LAWFUL = {
     **dict.fromkeys(("input", "output", "local"), "discrete"),
     "independent": "continuous",
 }
 """The variability that is taken where the one that is given does not go with the causality."""
-_VARIABILITIES = {variability for variability, _ in _INITIAL}
-_CAUSALITIES = {causality for _, causality in _INITIAL}
+_CAUSALITIES, _VARIABILITIES = map(set, zip(*INITIALS, strict=True))
 
 Lengths = Mapping[int, tuple[str, int]]
 """Value reference of what can be a length -> its name and start value."""
@@ -182,27 +157,26 @@ def _roles(
     element: Any, version: int, kind: str, name: str, remarks: Remarks
 ) -> tuple[str, str, str | None]:
     causality = element.get("causality", "local")
-    variability = element.get("variability") or _variability(version, kind, causality)
+    variability = element.get("variability") or default_variability(version, kind, causality)
     initial = element.get("initial")
     known = causality in _CAUSALITIES and variability in _VARIABILITIES and initial in _INITIALS
-    if known and (initial or (variability, causality) in _INITIAL):
-        return causality, variability, initial or _INITIAL[variability, causality]
+    if known and (initial or (causality, variability) in INITIALS):
+        return causality, variability, initial or _initial(causality, variability)
     words = ", ".join(shown(word) for word in (causality, variability, initial) if word)
     causality = causality if causality in _CAUSALITIES else "local"
-    if (variability, causality) not in _INITIAL:
+    if (causality, variability) not in INITIALS:
         variability = _LAWFUL.get(causality, "fixed")
     remarks.add(
         element,
         f"{shown(name)} has a combination of causality, variability and initial that the standard"
         f" does not allow: {words}; it is read as a {variability} {causality}",
     )
-    return causality, variability, _INITIAL[variability, causality]
+    return causality, variability, _initial(causality, variability)
 
 
-def _variability(version: int, kind: str, causality: str) -> str:
-    if version == 3 and causality in _PARAMETERS:
-        return "fixed"
-    return "continuous" if version == 2 or kind in FLOATS else "discrete"
+def _initial(causality: str, variability: str) -> str | None:
+    allowed = INITIALS[causality, variability]
+    return "exact" if causality == "input" else next(iter(allowed), None)
 
 
 def _dimensions(

@@ -24,9 +24,8 @@ from ctypes import (
 )
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import Any
-
-import numpy as np
 
 Scalar = float | int | bool | str | bytes
 Value = Scalar | tuple[Scalar, ...]  # arrays row by row
@@ -62,6 +61,23 @@ SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
 MAX_ELEMENTS = 1_000_000  # of all arrays together; each is a signal of its own
 FLOATS = {"Real", "Float64", "Float32"}
 NOT_NUMBERS = {"String", "Binary", "Clock"}
+_PARAMETERS = ("parameter", "calculatedParameter", "structuralParameter")
+_COMPUTED = ("calculated", "exact", "approx")
+INITIALS: dict[tuple[str, str], tuple[str, ...]] = {
+    (causality, variability): initials
+    for causalities, variabilities, initials in (
+        (("structuralParameter", "parameter"), ("fixed", "tunable"), ("exact",)),
+        (("calculatedParameter", "local"), ("fixed", "tunable"), ("calculated", "approx")),
+        (("input",), ("discrete", "continuous"), ()),
+        (("output", "local"), ("constant",), ("exact",)),
+        (("output", "local"), ("discrete", "continuous"), _COMPUTED),
+        (("independent",), ("continuous",), ()),
+    )
+    for causality in causalities
+    for variability in variabilities
+}
+"""Causality and variability -> values of ``initial``, the default first; what is not here, the
+standard does not allow. Inputs have none in FMI 2.0, and only ``exact`` in FMI 3.0."""
 _ELEMENT = re.compile(r"(?P<array>.+)\[(?P<indices>[0-9]+(, ?[0-9]+)*)\]")
 _FAMILIES = {
     "number": ("Real", "Float64", "Float32"),
@@ -164,7 +180,7 @@ class Variable:
         if not self.dimensions:
             yield self
             return
-        for place, indices in enumerate(np.ndindex(self.dimensions)):
+        for place, indices in enumerate(product(*map(range, self.dimensions))):
             yield self._element(place, [i + 1 for i in indices])
 
     def at(self, indices: tuple[int, ...]) -> Variable | None:
@@ -173,8 +189,10 @@ class Variable:
             1 <= i <= length for i, length in zip(indices, self.dimensions, strict=True)
         ):
             return None
-        place = np.ravel_multi_index([i - 1 for i in indices], self.dimensions)
-        return self._element(int(place), indices)
+        place = 0
+        for i, length in zip(indices, self.dimensions, strict=True):
+            place = place * length + i - 1
+        return self._element(place, indices)
 
     def _element(self, place: int, indices: Sequence[int]) -> Variable:
         return replace(
@@ -186,6 +204,13 @@ class Variable:
             element=place,
             start=self.start[place] if isinstance(self.start, tuple) else None,
         )
+
+
+def default_variability(version: int, kind: str, causality: str) -> str:
+    """Return the variability of a variable that does not state it."""
+    if version == 3 and causality in _PARAMETERS:
+        return "fixed"
+    return "continuous" if version == 2 or kind in FLOATS else "discrete"
 
 
 def converts(family: str, wanted: str) -> bool:

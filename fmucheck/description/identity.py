@@ -4,10 +4,19 @@ from __future__ import annotations
 
 import math
 import re
-from collections import Counter
 from collections.abc import Iterator
 
-from stickslip.fmucheck.description.model import Attributes, Description, Unit, boolean, number
+from stickslip.fmi.description.attributes import flag
+from stickslip.fmucheck.description.model import (
+    Attributes,
+    Description,
+    Interface,
+    TypeDefinition,
+    Unit,
+    Variable,
+    number,
+    repeated,
+)
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
 _C_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -22,12 +31,11 @@ def no_interface(description: Description) -> Claims:
         yield _FILE, "no interface is declared"
 
 
-@error("2.1.1", "2.2", "use letters, digits and _, no digit first")
-def bad_model_identifier(description: Description) -> Claims:
+@error("2.1.1", "2.2", "use letters, digits and _, no digit first", "interfaces")
+def bad_model_identifier(interface: Interface) -> Iterator[str]:
     """The modelIdentifier is not a C name; with path separators it points outside the FMU."""
-    for interface in description.interfaces:
-        if not _C_NAME.fullmatch(interface.identifier):
-            yield interface.place, f'modelIdentifier="{interface.identifier}" is not a C name'
+    if not _C_NAME.fullmatch(interface.identifier):
+        yield f'modelIdentifier="{interface.identifier}" is not a C name'
 
 
 @warning("2.2.1", "2.4.1", "write a hash of the interface")
@@ -108,30 +116,23 @@ def undefined_display_unit(description: Description) -> Claims:
             yield place, f"displayUnit '{shown}' is not defined under unit '{unit}'"
 
 
-def _repeated(names: list[str]) -> list[str]:
-    return [name for name, count in Counter(names).items() if count > 1]
-
-
 @error("2.2.2", "2.4.3", "keep one definition")
 def duplicate_unit(description: Description) -> Claims:
     """A unit is defined twice, or a display unit twice in one unit."""
-    for name in _repeated([unit.name for unit in description.units]):
+    for name, _ in repeated([unit.name for unit in description.units]):
         yield f"unit {name}", "is defined more than once"
     for unit in description.units:
-        for name in _repeated([d.get("name", "") for d in unit.display]):
+        for name, _ in repeated([d.get("name", "") for d in unit.display]):
             yield unit.place, f"display unit {name} is defined more than once"
 
 
-@error("2.2.2", "2.4.3", "write a factor other than 0")
-def bad_unit_factor(description: Description) -> Claims:
+@error("2.2.2", "2.4.3", "write a factor other than 0", "units")
+def bad_unit_factor(unit: Unit) -> Iterator[str]:
     """The factor of a unit is 0, or factor or offset are not finite."""
-    for unit in description.units:
-        for name, given in _conversions(unit):
-            factor, offset = number(given.get("factor", "1")), number(given.get("offset", "0"))
-            if factor == 0.0 or not all(
-                math.isfinite(n) for n in (factor, offset) if n is not None
-            ):
-                yield unit.place, f"{name}: factor {factor}, offset {offset}"
+    for name, given in _conversions(unit):
+        factor, offset = number(given.get("factor", "1")), number(given.get("offset", "0"))
+        if factor == 0.0 or not all(math.isfinite(n) for n in (factor, offset) if n is not None):
+            yield f"{name}: factor {factor}, offset {offset}"
 
 
 def _conversions(unit: Unit) -> Iterator[tuple[str, Attributes]]:
@@ -141,13 +142,12 @@ def _conversions(unit: Unit) -> Iterator[tuple[str, Attributes]]:
         yield f"DisplayUnit {each.get('name')}", each
 
 
-@error(None, "2.4.3", "drop offset or inverse")
-def inverse_with_offset(description: Description) -> Claims:
+@error(None, "2.4.3", "drop offset or inverse", "units")
+def inverse_with_offset(unit: Unit) -> Iterator[str]:
     """An inverse display unit has an offset."""
-    for unit in description.units:
-        for each in unit.display:
-            if boolean(each.get("inverse")) and number(each.get("offset", "0")) != 0:
-                yield unit.place, f"DisplayUnit {each.get('name')} is inverse and has an offset"
+    for each in unit.display:
+        if flag(each, "inverse") and number(each.get("offset", "0")) != 0:
+            yield f"DisplayUnit {each.get('name')} is inverse and has an offset"
 
 
 @note("2.2.2", "2.4.3", "give the exponents of the SI units")
@@ -161,7 +161,7 @@ def unit_without_base(description: Description) -> Claims:
 @error("2.2.3", "2.4.4", "rename one of them")
 def duplicate_type(description: Description) -> Claims:
     """Two types have the same name, or a type and a variable."""
-    for name in _repeated([each.name for each in description.types]):
+    for name, _ in repeated([each.name for each in description.types]):
         yield f"type {name}", "is defined more than once"
     variables = {v.name: v for v in description.variables}
     for each in description.types:
@@ -169,32 +169,30 @@ def duplicate_type(description: Description) -> Claims:
             yield each.place, f"has the name of {variables[each.name].place}"
 
 
-@error("2.2.3", "2.4.4", "define it in TypeDefinitions")
-def undefined_type(description: Description) -> Claims:
+@error("2.2.3", "2.4.4", "define it in TypeDefinitions", "variables")
+def undefined_type(v: Variable) -> Iterator[str]:
     """A variable declares a type that is not defined, or one of another kind."""
-    for v in description.variables:
-        declared = v.given.get("declaredType")
-        if declared is None:
-            continue
-        if v.type is None:
-            yield v.place, f"declaredType '{declared}' is not defined"
-        elif v.type.kind != v.kind:
-            yield v.place, f"is {v.kind}, but its declaredType '{declared}' is {v.type.kind}"
+    declared = v.given.get("declaredType")
+    if declared is None:
+        return
+    if v.type is None:
+        yield f"declaredType '{declared}' is not defined"
+    elif v.type.kind != v.kind:
+        yield f"is {v.kind}, but its declaredType '{declared}' is {v.type.kind}"
 
 
-@error("2.2.3", "2.4.4", "give each item its own name and value")
-def duplicate_item(description: Description) -> Claims:
+@error("2.2.3", "2.4.4", "give each item its own name and value", "types")
+def duplicate_item(each: TypeDefinition) -> Iterator[str]:
     """Two items of an enumeration share a name or a value."""
-    for each in description.types:
-        for what, column in (("name", 0), ("value", 1)):
-            for text in _repeated([item[column] for item in each.items]):
-                yield each.place, f"several items have the {what} {text}"
+    for what, column in (("name", 0), ("value", 1)):
+        for text, _ in repeated([item[column] for item in each.items]):
+            yield f"several items have the {what} {text}"
 
 
 @error("2.2.4", "2.4.5", "list each category once, by name")
 def bad_log_category(description: Description) -> Claims:
     """A log category is listed twice or has no name."""
-    for name in _repeated(description.categories):
+    for name, _ in repeated(description.categories):
         yield "LogCategories", f"'{name}' is listed more than once"
     if "" in description.categories:
         yield "LogCategories", "a category has no name"

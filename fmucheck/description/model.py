@@ -1,15 +1,25 @@
-"""The content of a description as plain data, which is sent to the child process."""
+"""What modelDescription.xml says, as it is written: numbers stay text, and nothing is refused.
+
+Rules find what ``stickslip.fmi.description`` refuses, repairs or leaves out, so that its reader
+cannot serve them; the tables of the standard are those of that reader. All is plain data, which is
+sent to the child process.
+"""
 
 from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any, NamedTuple
 
-FLOATS = {"Real": None, "Float64": None, "Float32": None}
+from stickslip.fmi.description.attributes import flag
+from stickslip.fmi.description.variables import FLOATS, INITIALS, default_variability
+from stickslip.fmucheck.document import Element
+
 RANGES = {
     "Integer": (-(2**31), 2**31 - 1),
     "Enumeration": (-(2**63), 2**63 - 1),
@@ -19,8 +29,16 @@ RANGES = {
 """Smallest and largest value of each integer type."""
 
 Number = float | int
+Attributes = dict[str, str]
 _FLOAT = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")  # linear: one way to match
 _WORDS = {"INF": math.inf, "+INF": math.inf, "-INF": -math.inf, "NaN": math.nan}
+_INTERFACES = ("ModelExchange", "CoSimulation", "ScheduledExecution")
+# The lists of FMI 2.0 under the names that FMI 3.0 gives their members.
+_GROUPS = {
+    "Outputs": "Output",
+    "Derivatives": "ContinuousStateDerivative",
+    "InitialUnknowns": "InitialUnknown",
+}
 
 
 def is_number(kind: str) -> bool:
@@ -30,19 +48,10 @@ def is_number(kind: str) -> bool:
 
 def number(text: str | None, kind: str = "Float64") -> Number | None:
     """Return a number written for a type, or ``None`` when it is none."""
-    if text is None:
-        return None
-    word = text.strip()
+    word = (text or "").strip()
     if kind in RANGES:
         return int(word) if re.fullmatch(r"[+-]?\d{1,30}", word) else None
-    if word in _WORDS:
-        return _WORDS[word]
-    return float(word) if _FLOAT.fullmatch(word) else None
-
-
-def boolean(text: str | None) -> bool:
-    """Return whether an attribute says true."""
-    return (text or "").strip() in ("true", "1")
+    return _WORDS.get(word, float(word) if _FLOAT.fullmatch(word) else None)
 
 
 def whole(text: str | None) -> int | None:
@@ -58,107 +67,125 @@ def listed(names: Iterable[str], most: int = 5) -> str:
     return ", ".join(every[:most]) + more
 
 
-Attributes = dict[str, str]
-
-# Effective initial where none is written; first of those allowed (FMI 2.0.5, 2.2.7; 3.0.2, 2.4.7).
-_CHANGING = ("calculated", "exact", "approx")
-INITIALS: dict[tuple[str, str], tuple[str, ...]] = {
-    ("structuralParameter", "fixed"): ("exact",),
-    ("structuralParameter", "tunable"): ("exact",),
-    ("parameter", "fixed"): ("exact",),
-    ("parameter", "tunable"): ("exact",),
-    ("calculatedParameter", "fixed"): ("calculated", "approx"),
-    ("calculatedParameter", "tunable"): ("calculated", "approx"),
-    ("input", "discrete"): (),
-    ("input", "continuous"): (),
-    ("output", "constant"): ("exact",),
-    ("output", "discrete"): _CHANGING,
-    ("output", "continuous"): _CHANGING,
-    ("local", "constant"): ("exact",),
-    ("local", "fixed"): ("calculated", "approx"),
-    ("local", "tunable"): ("calculated", "approx"),
-    ("local", "discrete"): _CHANGING,
-    ("local", "continuous"): _CHANGING,
-    ("independent", "continuous"): (),
-}
-"""Causality and variability -> allowed initials, the default first; absent: not allowed."""
+def repeated(names: Iterable[Any]) -> list[tuple[Any, int]]:
+    """Return what occurs more than once, and how often; None does not count."""
+    return [(name, n) for name, n in Counter(names).items() if n > 1 and name is not None]
 
 
-@dataclass(frozen=True, eq=False)
-class TypeDefinition:
+def _inside(element: Element | None) -> list[Element]:
+    """Return the children that are elements; comments and entities are not."""
+    return [] if element is None else [each for each in element if isinstance(each.tag, str)]
+
+
+def _attributes(element: Element) -> Attributes:
+    return {str(key): str(value) for key, value in element.attrib.items()}
+
+
+class Entry:
+    """An element of the description, of which rules say ``place``.
+
+    Attributes
+    ----------
+    kind : tag of the element that has what belongs to the type: in FMI 2.0 the one inside
+    given : attributes of that element as they are written
+    """
+
+    what = ""
+
+    def __init__(self, element: Element, inner: Element | None = None) -> None:
+        inner = element if inner is None else inner
+        self.name: str = element.get("name", "")
+        self.line: int = element.sourceline or 0
+        self.kind = str(inner.tag)
+        self.given = _attributes(inner)
+
+    @property
+    def place(self) -> str:
+        """Where it is."""
+        return f"{self.what} {self.name} (line {self.line})"
+
+
+class TypeDefinition(Entry):
     """A type that variables can declare; ``items`` are names and values of an enumeration."""
 
-    name: str
-    kind: str
-    line: int
-    given: Attributes
-    items: tuple[tuple[str, str], ...] = ()
+    what = "type"
 
-    @property
-    def place(self) -> str:
-        """Where it is."""
-        return f"type {self.name} (line {self.line})"
+    def __init__(self, element: Element, version: int) -> None:
+        inner = next(iter(_inside(element)), element) if version == 2 else element
+        super().__init__(element, inner)
+        self.kind = self.kind.removesuffix("Type")
+        self.items = [(i.get("name", ""), i.get("value", "")) for i in inner.iterfind("Item")]
 
 
-@dataclass(frozen=True)
-class Unit:
-    """A unit with its display units; ``base`` and ``display`` hold the attributes as written."""
+class Unit(Entry):
+    """A unit with its display units; ``base`` and ``display`` hold their attributes."""
 
-    name: str
-    line: int
-    base: Attributes | None
-    display: tuple[Attributes, ...]
+    what = "unit"
 
-    @property
-    def place(self) -> str:
-        """Where it is."""
-        return f"unit {self.name} (line {self.line})"
+    def __init__(self, element: Element) -> None:
+        super().__init__(element)
+        base = element.find("BaseUnit")
+        self.base = None if base is None else _attributes(base)
+        self.display = [_attributes(each) for each in element.iterfind("DisplayUnit")]
 
 
-@dataclass(frozen=True)
-class Dimension:
+class Dimension(NamedTuple):
     """One dimension of an array: a fixed length or the reference of the variable that holds it."""
 
     start: int | None
     reference: int | None
 
 
-@dataclass(frozen=True, eq=False)
-class Variable:
+class Variable(Entry):
     """One variable.
 
     Attributes
     ----------
     index : place in ModelVariables, from 1
     kind : Real, Float64, Int32, ...
-    given : all attributes as written
     initial : the one in force, which may be a default
     start : as written, one for each element; ``None`` when there is none
     derivative : index (FMI 2.0) or value reference (FMI 3.0) of the state
     aliases : attributes of each Alias
     """
 
-    index: int
-    line: int
-    name: str
-    reference: int | None
-    kind: str
-    causality: str
-    variability: str
-    initial: str | None
-    given: Attributes
-    start: tuple[str, ...] | None = None
-    derivative: int | None = None
-    previous: int | None = None
-    clocks: tuple[int, ...] | None = None
-    dimensions: tuple[Dimension, ...] = ()
-    aliases: tuple[Attributes, ...] = ()
-    type: TypeDefinition | None = None
+    what = "variable"
 
-    @property
-    def place(self) -> str:
-        """Where it is."""
-        return f"variable {self.name} (line {self.line})"
+    def __init__(
+        self, element: Element, index: int, version: int, types: dict[str, TypeDefinition]
+    ) -> None:
+        inner = element
+        if version == 2:
+            inner = next((e for e in _inside(element) if e.tag != "Annotations"), element)
+        super().__init__(element, inner)
+        given = self.given = _attributes(element) | self.given
+        self.index, self.version = index, version
+        self.name = given.get("name", "")
+        self.reference = whole(given.get("valueReference"))
+        self.causality = given.get("causality", "local")
+        default = default_variability(version, self.kind, self.causality)
+        self.variability = given.get("variability") or default
+        allowed = INITIALS.get((self.causality, self.variability), ())
+        self.initial = given.get("initial") or (allowed[0] if allowed else None)
+        self.start = self._start(element, version)
+        self.derivative = whole(given.get("derivative"))
+        self.previous = whole(given.get("previous"))
+        clocks = given.get("clocks")
+        self.clocks = None if clocks is None else tuple(whole(c) or 0 for c in clocks.split())
+        self.dimensions = [
+            Dimension(whole(d.get("start")), whole(d.get("valueReference")))
+            for d in element.iterfind("Dimension")
+        ]
+        self.aliases = [_attributes(alias) for alias in element.iterfind("Alias")]
+        self.type = types.get(given.get("declaredType", ""))
+
+    def _start(self, element: Element, version: int) -> tuple[str, ...] | None:
+        if version == 3 and self.kind in ("String", "Binary"):
+            return tuple(each.get("value", "") for each in element.iterfind("Start")) or None
+        text = self.given.get("start")
+        if text is None:
+            return None
+        return (text,) if version == 2 else tuple(text.split())
 
     def get(self, attribute: str) -> str | None:
         """Return an attribute, of the declared type where the variable has none itself."""
@@ -174,23 +201,35 @@ class Variable:
         texts = self.start if self.start and is_number(self.kind) else ()
         return [n for n in (number(text, self.kind) for text in texts) if n is not None]
 
+    @property
+    def items(self) -> set[int]:
+        """The values of its enumeration."""
+        texts = [value for _, value in self.type.items] if self.type else []
+        return {int(n) for n in (number(text, "Enumeration") for text in texts) if n is not None}
 
-@dataclass(frozen=True)
-class Unknown:
+
+class Unknown(Entry):
     """An entry of ModelStructure.
 
     Attributes
     ----------
+    group : Output, InitialUnknown, ...
     key : index or value reference as written
     variable, dependencies : resolved; ``None`` where no such variable exists
     """
 
-    group: str
-    line: int
-    key: str
-    variable: Variable | None
-    dependencies: tuple[tuple[str, Variable | None], ...] | None
-    kinds: tuple[str, ...] | None
+    def __init__(self, element: Element, group: str, description: Description) -> None:
+        super().__init__(element)
+        self.group = group
+        self.key = self.given.get("index" if description.version == 2 else "valueReference", "")
+        self.variable = description.variable(whole(self.key))
+        depends, kinds = self.given.get("dependencies"), self.given.get("dependenciesKind")
+        self.dependencies = (
+            None
+            if depends is None
+            else [(key, description.variable(whole(key))) for key in depends.split()]
+        )
+        self.kinds = None if kinds is None else kinds.split()
 
     @property
     def place(self) -> str:
@@ -199,14 +238,12 @@ class Unknown:
         return f"ModelStructure, {self.group} {name} (line {self.line})"
 
 
-@dataclass(frozen=True)
-class Interface:
-    """ModelExchange, CoSimulation or ScheduledExecution, with attributes and listed sources."""
+class Interface(Entry):
+    """ModelExchange, CoSimulation or ScheduledExecution; ``sources`` are those that it lists."""
 
-    kind: str
-    line: int
-    given: Attributes
-    sources: tuple[str, ...] = ()
+    def __init__(self, element: Element) -> None:
+        super().__init__(element)
+        self.sources = [file.get("name", "") for file in element.iterfind("SourceFiles/File")]
 
     @property
     def identifier(self) -> str:
@@ -216,7 +253,7 @@ class Interface:
     def flag(self, name: str) -> bool:
         """Return a capability; FMI 2.0 and 3.0 spell some differently."""
         low = name.casefold().rstrip("s")
-        return any(boolean(v) for k, v in self.given.items() if k.casefold().rstrip("s") == low)
+        return any(flag(self.given, k) for k in self.given if k.casefold().rstrip("s") == low)
 
     @property
     def place(self) -> str:
@@ -224,19 +261,30 @@ class Interface:
         return f"{self.kind} (line {self.line})"
 
 
-@dataclass
 class Description:
     """All of modelDescription.xml that rules ask for; ``root`` holds the root's attributes."""
 
-    version: int
-    root: Attributes
-    interfaces: list[Interface]
-    units: list[Unit]
-    types: list[TypeDefinition]
-    categories: list[str]
-    experiment: Attributes | None
-    variables: list[Variable]
-    unknowns: list[Unknown] = field(default_factory=list)
+    def __init__(self, root: Element, version: int) -> None:
+        experiment = root.find("DefaultExperiment")
+        self.version = version
+        self.root = _attributes(root)
+        self.interfaces = [Interface(each) for each in _inside(root) if each.tag in _INTERFACES]
+        self.units = [Unit(each) for each in _inside(root.find("UnitDefinitions"))]
+        self.types = [
+            TypeDefinition(each, version) for each in _inside(root.find("TypeDefinitions"))
+        ]
+        self.categories = [each.get("name", "") for each in _inside(root.find("LogCategories"))]
+        self.experiment = None if experiment is None else _attributes(experiment)
+        types = {each.name: each for each in self.types}
+        self.variables = [
+            Variable(each, index, version, types)
+            for index, each in enumerate(_inside(root.find("ModelVariables")), 1)
+        ]
+        self.unknowns: list[Unknown] = []
+        for child in _inside(root.find("ModelStructure")):
+            group = _GROUPS.get(child.tag, child.tag) if version == 2 else child.tag
+            entries = _inside(child) if version == 2 else [child]
+            self.unknowns += [Unknown(each, group, self) for each in entries]
 
     @property
     def token(self) -> str:
@@ -244,11 +292,14 @@ class Description:
         return self.root.get("guid" if self.version == 2 else "instantiationToken", "")
 
     @cached_property
-    def by_key(self) -> dict[int, Variable]:
-        """Index (FMI 2.0) or value reference (FMI 3.0) -> variable."""
+    def _by_key(self) -> dict[int, Variable]:
         if self.version == 2:
             return {v.index: v for v in self.variables}
         return {v.reference: v for v in reversed(self.variables) if v.reference is not None}
+
+    def variable(self, key: int | None) -> Variable | None:
+        """Return the variable with an index (FMI 2.0) or a value reference (FMI 3.0)."""
+        return None if key is None else self._by_key.get(key)
 
     def group(self, name: str) -> list[Unknown]:
         """Return the entries of ModelStructure of one kind."""
@@ -262,14 +313,35 @@ class Description:
     @cached_property
     def states(self) -> list[Variable]:
         """The continuous states, in the order of the API."""
-        states = (
-            self.by_key.get(v.derivative) for v in self.derivatives if v.derivative is not None
-        )
+        states = (self.variable(v.derivative) for v in self.derivatives)
         return [state for state in states if state]
+
+    @property
+    def clocks(self) -> list[Variable]:
+        """The clocks."""
+        return [v for v in self.variables if v.kind == "Clock"]
 
     def interface(self, kind: str) -> Interface | None:
         """Return an interface, if the FMU has it."""
         return next((each for each in self.interfaces if each.kind == kind), None)
+
+    def proposed(self, name: str) -> Number | None:
+        """Return a number of the default experiment."""
+        return number((self.experiment or {}).get(name))
+
+    def length(self, dimension: Dimension) -> int | None:
+        """Return the initial length of a dimension, ``None`` when it is unknown."""
+        if dimension.start is not None:
+            return dimension.start
+        source = self.variable(dimension.reference)
+        starts = source.start_numbers if source else []
+        return int(starts[0]) if starts else None
+
+    def size(self, variable: Variable) -> int | None:
+        """Return how many elements a variable has at first, 1 for a scalar."""
+        lengths = [self.length(each) for each in variable.dimensions]
+        known = [n for n in lengths if n is not None]
+        return math.prod(known) if len(known) == len(lengths) else None
 
 
 @dataclass(frozen=True)
@@ -296,33 +368,3 @@ class Fmu:
     def identifiers(self) -> list[str]:
         """The names of the binaries, each once."""
         return list(dict.fromkeys(each.identifier for each in self.description.interfaces))
-
-
-def length(dimension: Dimension, description: Description) -> int | None:
-    """Return the initial length of a dimension, ``None`` when it is unknown."""
-    if dimension.start is not None:
-        return dimension.start
-    source = (
-        description.by_key.get(dimension.reference) if dimension.reference is not None else None
-    )
-    starts = source.start_numbers if source else []
-    return int(starts[0]) if starts else None
-
-
-def size(variable: Variable, description: Description) -> int | None:
-    """Return how many elements a variable has at first, 1 for a scalar."""
-    lengths = [length(d, description) for d in variable.dimensions]
-    known = [n for n in lengths if n is not None]
-    return math.prod(known) if len(known) == len(lengths) else None
-
-
-def items_of(variable: Variable) -> set[int]:
-    """Return the values of a variable's enumeration."""
-    declared: TypeDefinition | None = variable.type
-    values = (number(value, "Enumeration") for _, value in (declared.items if declared else ()))
-    return {int(v) for v in values if v is not None}
-
-
-def experiment_number(description: Description, name: str) -> Number | None:
-    """Return an attribute of the default experiment."""
-    return number((description.experiment or {}).get(name))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections.abc import Iterator
 
-from stickslip.fmucheck.description.model import FLOATS, Description, Unknown, Variable, listed
+from stickslip.fmi.description.variables import FLOATS
+from stickslip.fmucheck.description.model import Description, Unknown, Variable, listed, repeated
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
 _ORDERS = 20  # of derivatives
@@ -16,7 +17,7 @@ def bad_derivative(description: Description) -> Claims:
     for v in description.variables:
         if "derivative" not in v.given:
             continue
-        state = None if v.derivative is None else description.by_key.get(v.derivative)
+        state = description.variable(v.derivative)
         what = f"derivative={v.given['derivative']}"
         if state is None:
             yield v.place, f"{what} is not a variable"
@@ -34,7 +35,7 @@ def _is_circular(v: Variable, description: Description) -> bool:
     """Tell whether a variable is its own derivative of an order that occurs."""
     at: Variable | None = v
     for _ in range(_ORDERS):
-        at = None if at is None or at.derivative is None else description.by_key.get(at.derivative)
+        at = description.variable(at.derivative) if at else None
         if at is v:
             return True
     return False
@@ -111,10 +112,9 @@ def _key(description: Description) -> str:
 @error("2.2.8", "2.4.8", "list it once")
 def listed_twice(description: Description) -> Claims:
     """ModelStructure lists a variable twice in one list."""
-    for (group, key), count in Counter((u.group, u.key) for u in description.unknowns).items():
-        if count > 1:
-            name = next(u.place for u in description.unknowns if (u.group, u.key) == (group, key))
-            yield name, f"is listed {count} times"
+    for entry, count in repeated((u.group, u.key) for u in description.unknowns):
+        place = next(u.place for u in description.unknowns if (u.group, u.key) == entry)
+        yield place, f"is listed {count} times"
 
 
 @error("2.2.8", "2.4.8", "list exactly the outputs")
@@ -173,60 +173,50 @@ def bad_clocked_state(description: Description) -> Claims:
         v = unknown.variable
         if v is None:
             continue
-        if (
-            v.clocks is None
-            or v.previous is None
-            or v.variability != "discrete"
-            or v.kind == "Clock"
-        ):
-            yield (
-                unknown.place,
-                f"{v.name}: clocks {v.clocks}, previous {v.previous}, {v.variability}",
-            )
+        clocked = v.clocks is not None and v.previous is not None and v.kind != "Clock"
+        if not clocked or v.variability != "discrete":
+            what = f"{v.name}: clocks {v.clocks}, previous {v.previous}, {v.variability}"
+            yield unknown.place, what
 
 
-@error("2.2.8", "2.4.8", "refer to a variable that exists")
-def unknown_dependency(description: Description) -> Claims:
+@error("2.2.8", "2.4.8", "refer to a variable that exists", "unknowns")
+def unknown_dependency(unknown: Unknown) -> Iterator[str]:
     """A dependency refers to a variable that does not exist."""
-    for unknown in description.unknowns:
-        for key, variable in unknown.dependencies or ():
-            if variable is None:
-                yield unknown.place, f"depends on {key}, which does not exist"
+    for key, variable in unknown.dependencies or ():
+        if variable is None:
+            yield f"depends on {key}, which does not exist"
 
 
-@error("2.2.8", "2.4.8", "list it once")
-def repeated_dependency(description: Description) -> Claims:
+@error("2.2.8", "2.4.8", "list it once", "unknowns")
+def repeated_dependency(unknown: Unknown) -> Iterator[str]:
     """A dependency is listed twice."""
-    for unknown in description.unknowns:
-        keys = [key for key, _ in unknown.dependencies or ()]
-        if len(set(keys)) < len(keys):
-            yield unknown.place, "lists a dependency twice"
+    keys = [key for key, _ in unknown.dependencies or ()]
+    if len(set(keys)) < len(keys):
+        yield "lists a dependency twice"
 
 
-@error("2.2.8", "2.4.8", "give one kind for each dependency")
-def kinds_do_not_match(description: Description) -> Claims:
+@error("2.2.8", "2.4.8", "give one kind for each dependency", "unknowns")
+def kinds_do_not_match(unknown: Unknown) -> Iterator[str]:
     """The dependenciesKind are not as many as the dependencies, or stand alone."""
-    for unknown in description.unknowns:
-        if unknown.kinds is None:
-            continue
-        if unknown.dependencies is None:
-            yield unknown.place, "dependenciesKind without dependencies"
-        elif len(unknown.kinds) != len(unknown.dependencies):
-            count = f"{len(unknown.kinds)} kinds for {len(unknown.dependencies)} dependencies"
-            yield unknown.place, count
+    if unknown.kinds is None:
+        return
+    if unknown.dependencies is None:
+        yield "dependenciesKind without dependencies"
+    elif len(unknown.kinds) != len(unknown.dependencies):
+        count = f"{len(unknown.kinds)} kinds for {len(unknown.dependencies)} dependencies"
+        yield count
 
 
-@error("2.2.8", "2.4.8", "write dependent")
-def illegal_kind(description: Description) -> Claims:
+@error("2.2.8", "2.4.8", "write dependent", "unknowns")
+def illegal_kind(unknown: Unknown) -> Iterator[str]:
     """A kind is not allowed here: of a variable that is not real, or of an initial unknown."""
-    for unknown in description.unknowns:
-        for kind in unknown.kinds or ():
-            if kind == "dependent":
-                continue
-            if unknown.variable and unknown.variable.kind not in FLOATS:
-                yield unknown.place, f"kind {kind} of a variable that is {unknown.variable.kind}"
-            elif unknown.group == "InitialUnknown" and kind != "constant":
-                yield unknown.place, f"kind {kind}; of initial unknowns only dependent or constant"
+    for kind in unknown.kinds or ():
+        if kind == "dependent":
+            continue
+        if unknown.variable and unknown.variable.kind not in FLOATS:
+            yield f"kind {kind} of a variable that is {unknown.variable.kind}"
+        elif unknown.group == "InitialUnknown" and kind != "constant":
+            yield f"kind {kind}; of initial unknowns only dependent or constant"
 
 
 @warning("2.2.8", "2.4.8", "list only what counts as known")

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import math
 import re
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterator
 
+from stickslip.fmi.description.variables import FLOATS, INITIALS
 from stickslip.fmucheck.description.model import (
-    FLOATS,
-    INITIALS,
     RANGES,
     Description,
     Number,
     Variable,
     is_number,
-    items_of,
-    length,
     listed,
     number,
-    size,
+    repeated,
 )
 from stickslip.fmucheck.rules import Claims, error, warning
 
@@ -36,17 +33,15 @@ def duplicate_name(description: Description) -> Claims:
     """Two variables, or a variable and an alias, have the same name."""
     names = [v.name for v in description.variables]
     names += [a.get("name", "") for v in description.variables for a in v.aliases]
-    for name, count in Counter(names).items():
-        if count > 1:
-            yield f"variable {name}", f"{count} variables have this name"
+    for name, count in repeated(names):
+        yield f"variable {name}", f"{count} variables have this name"
 
 
-@error("2.2.7", "2.4.7", "name it")
-def empty_name(description: Description) -> Claims:
+@error("2.2.7", "2.4.7", "name it", "variables")
+def empty_name(v: Variable) -> Iterator[str]:
     """A variable has no name."""
-    for v in description.variables:
-        if not v.name:
-            yield v.place, f"variable number {v.index} has no name"
+    if not v.name:
+        yield f"variable number {v.index} has no name"
 
 
 @error(None, "2.4.7", "give each variable a reference of its own")
@@ -110,41 +105,35 @@ def alias_inputs(description: Description) -> Claims:
             yield variables[1].place, f"{names} share a value"
 
 
-@error("2.2.7", "2.4.7.4", "see the table in the standard")
-def illegal_variability(description: Description) -> Claims:
+@error("2.2.7", "2.4.7.4", "see the table in the standard", "variables")
+def illegal_variability(v: Variable) -> Iterator[str]:
     """The combination of causality and variability is not allowed."""
-    for v in description.variables:
-        combination = v.causality, v.variability
-        unknown = v.causality == "structuralParameter" and description.version == 2
-        if combination not in INITIALS or unknown:
-            default = "" if "variability" in v.given else " (the default)"
-            yield v.place, f"causality {v.causality} with variability {v.variability}{default}"
+    combination = v.causality, v.variability
+    unknown = v.causality == "structuralParameter" and v.version == 2
+    if combination not in INITIALS or unknown:
+        default = "" if "variability" in v.given else " (the default)"
+        yield f"causality {v.causality} with variability {v.variability}{default}"
 
 
-@error("2.2.7", "2.4.7.5", "leave it out to get the default")
-def illegal_initial(description: Description) -> Claims:
+@error("2.2.7", "2.4.7.5", "leave it out to get the default", "variables")
+def illegal_initial(v: Variable) -> Iterator[str]:
     """The attribute initial is not allowed with this causality and variability."""
-    for v in description.variables:
-        given = v.given.get("initial")
-        allowed = INITIALS.get((v.causality, v.variability))
-        if v.causality == "input" and description.version == 3:
-            allowed = ("exact",)
-        if given and allowed is not None and given not in allowed:
-            expected = " or ".join(allowed) or "none"
-            combination = f"{v.causality}, {v.variability}"
-            yield (
-                v.place,
-                f"initial={given} for a variable that is {combination}; expected {expected}",
-            )
+    given = v.given.get("initial")
+    allowed = INITIALS.get((v.causality, v.variability))
+    if v.causality == "input" and v.version == 3:
+        allowed = ("exact",)
+    if given and allowed is not None and given not in allowed:
+        expected = " or ".join(allowed) or "none"
+        combination = f"{v.causality}, {v.variability}"
+        yield f"initial={given} for a variable that is {combination}; expected {expected}"
 
 
-@error("2.2.7", "2.4.7.4", "make it discrete")
-def continuous_but_not_real(description: Description) -> Claims:
+@error("2.2.7", "2.4.7.4", "make it discrete", "variables")
+def continuous_but_not_real(v: Variable) -> Iterator[str]:
     """A variable that is not a floating-point number is continuous."""
-    for v in description.variables:
-        if v.variability == "continuous" and v.kind not in FLOATS:
-            default = "" if "variability" in v.given else ", which is the default"
-            yield v.place, f"is {v.kind} with variability continuous{default}"
+    if v.variability == "continuous" and v.kind not in FLOATS:
+        default = "" if "variability" in v.given else ", which is the default"
+        yield f"is {v.kind} with variability continuous{default}"
 
 
 def _needs_start(v: Variable) -> str | None:
@@ -158,25 +147,23 @@ def _needs_start(v: Variable) -> str | None:
     return f"initial={v.initial}" if v.initial in ("exact", "approx") else None
 
 
-@error("2.2.7", "2.4.7.5", "give it a start value")
-def missing_start(description: Description) -> Claims:
+@error("2.2.7", "2.4.7.5", "give it a start value", "variables")
+def missing_start(v: Variable) -> Iterator[str]:
     """A start value is missing that the variable must have."""
-    for v in description.variables:
-        if v.start is None and (why := _needs_start(v)):
-            yield v.place, f"no start value, but {why}"
+    if v.start is None and (why := _needs_start(v)):
+        yield f"no start value, but {why}"
 
 
-@error("2.2.7", "2.4.7.5", "remove it, or write initial=approx")
-def superfluous_start(description: Description) -> Claims:
+@error("2.2.7", "2.4.7.5", "remove it, or write initial=approx", "variables")
+def superfluous_start(v: Variable) -> Iterator[str]:
     """A start value is given that the variable must not have."""
-    for v in description.variables:
-        if v.start is None or v.kind == "Clock":
-            continue
-        if v.causality == "independent":
-            yield v.place, "is independent and has a start value"
-        elif v.initial == "calculated" and not _needs_start(v):
-            default = "" if "initial" in v.given else " (the default)"
-            yield v.place, f"initial=calculated{default}, and has a start value"
+    if v.start is None or v.kind == "Clock":
+        return
+    if v.causality == "independent":
+        yield "is independent and has a start value"
+    elif v.initial == "calculated" and not _needs_start(v):
+        default = "" if "initial" in v.given else " (the default)"
+        yield f"initial=calculated{default}, and has a start value"
 
 
 @error("2.2.7", "2.4.7.4", "declare one, such as time in s")
@@ -192,35 +179,32 @@ def independent_variable(description: Description) -> Claims:
             yield v.place, f"is independent, but {v.kind}; expected a floating-point number"
 
 
-@warning("2.2.7", "2.4.7.4", "remove the attribute")
-def multiple_set_of_no_input(description: Description) -> Claims:
+@warning("2.2.7", "2.4.7.4", "remove the attribute", "variables")
+def multiple_set_of_no_input(v: Variable) -> Iterator[str]:
     """A variable that is not an input has the flag canHandleMultipleSetPerTimeInstant."""
-    for v in description.variables:
-        if "canHandleMultipleSetPerTimeInstant" in v.given and v.causality != "input":
-            yield v.place, f"canHandleMultipleSetPerTimeInstant, but causality {v.causality}"
+    if "canHandleMultipleSetPerTimeInstant" in v.given and v.causality != "input":
+        yield f"canHandleMultipleSetPerTimeInstant, but causality {v.causality}"
 
 
-@error(None, "2.4.7.4", "remove the attribute")
-def illegal_intermediate_update(description: Description) -> Claims:
+@error(None, "2.4.7.4", "remove the attribute", "variables")
+def illegal_intermediate_update(v: Variable) -> Iterator[str]:
     """A parameter or a clock claims to be accessible during intermediate update."""
-    for v in description.variables:
-        if v.given.get("intermediateUpdate") in ("true", "1") and (
-            v.causality == "parameter" or v.kind == "Clock"
-        ):
-            yield v.place, "intermediateUpdate is true"
+    if v.given.get("intermediateUpdate") in ("true", "1") and (
+        v.causality == "parameter" or v.kind == "Clock"
+    ):
+        yield "intermediateUpdate is true"
 
 
-@error("2.2.7", "2.4.7", "choose a start inside, or widen the range")
-def start_outside_range(description: Description) -> Claims:
+@error("2.2.7", "2.4.7", "choose a start inside, or widen the range", "variables")
+def start_outside_range(v: Variable) -> Iterator[str]:
     """A start value lies outside [min, max], or is not an item of its enumeration."""
-    for v in description.variables:
-        low, high = v.number("min"), v.number("max")
-        items = items_of(v)
-        for start in v.start_numbers:
-            if (low is not None and start < low) or (high is not None and start > high):
-                yield v.place, f"start {start} is outside {_range(low, high)}"
-            elif v.kind == "Enumeration" and items and start not in items:
-                yield v.place, f"start {start} is not an item of {v.given.get('declaredType')}"
+    low, high = v.number("min"), v.number("max")
+    items = v.items
+    for start in v.start_numbers:
+        if (low is not None and start < low) or (high is not None and start > high):
+            yield f"start {start} is outside {_range(low, high)}"
+        elif v.kind == "Enumeration" and items and start not in items:
+            yield f"start {start} is not an item of {v.given.get('declaredType')}"
 
 
 def _range(low: Number | None, high: Number | None) -> str:
@@ -258,31 +242,29 @@ def bad_nominal(description: Description) -> Claims:
             yield place, f"nominal {nominal}"
 
 
-@warning("2.2.7", "2.4.7", "give a finite value")
-def start_not_finite(description: Description) -> Claims:
+@warning("2.2.7", "2.4.7", "give a finite value", "variables")
+def start_not_finite(v: Variable) -> Iterator[str]:
     """A start value is infinite or not a number."""
-    for v in description.variables:
-        if any(isinstance(n, float) and not math.isfinite(n) for n in v.start_numbers):
-            yield v.place, f"start {' '.join(v.start or ())}"
+    if any(isinstance(n, float) and not math.isfinite(n) for n in v.start_numbers):
+        yield f"start {' '.join(v.start or ())}"
 
 
-@error("2.2.7", "2.4.7", "write a value that the type can hold")
-def start_not_of_type(description: Description) -> Claims:
+@error("2.2.7", "2.4.7", "write a value that the type can hold", "variables")
+def start_not_of_type(v: Variable) -> Iterator[str]:
     """A start value is nothing that its type can hold."""
-    for v in description.variables:
-        for text in v.start or () if is_number(v.kind) else ():
-            value = number(text, v.kind)
-            if value is None:
-                yield v.place, f"start '{text}' is not a valid {v.kind}"
-            elif v.kind in RANGES and not RANGES[v.kind][0] <= value <= RANGES[v.kind][1]:
-                yield v.place, f"start {text} does not fit into {v.kind}"
+    for text in v.start or () if is_number(v.kind) else ():
+        value = number(text, v.kind)
+        if value is None:
+            yield f"start '{text}' is not a valid {v.kind}"
+        elif v.kind in RANGES and not RANGES[v.kind][0] <= value <= RANGES[v.kind][1]:
+            yield f"start {text} does not fit into {v.kind}"
 
 
 @error(None, "2.4.7.5", "give one value, or one for each element")
 def start_count(description: Description) -> Claims:
     """An array has neither one start value nor one for each element; or a scalar has several."""
     for v in description.variables:
-        expected = size(v, description)
+        expected = description.size(v)
         count = _starts(v)
         if count is not None and expected is not None and count not in (1, expected):
             yield v.place, f"{count} start values for {expected} elements"
@@ -302,9 +284,9 @@ def bad_dimension(description: Description) -> Claims:
         for d in v.dimensions:
             if (d.start is None) == (d.reference is None):
                 yield v.place, "a Dimension needs either start or valueReference"
-            elif length(d, description) == 0:
+            elif description.length(d) == 0:
                 yield v.place, "a dimension has length 0"
-        if (elements := size(v, description)) is not None and elements > _MOST:
+        if (elements := description.size(v)) is not None and elements > _MOST:
             yield v.place, f"the array has {elements} elements"
 
 
@@ -315,7 +297,7 @@ def bad_dimension_reference(description: Description) -> Claims:
         for d in v.dimensions:
             if d.reference is None:
                 continue
-            source = description.by_key.get(d.reference)
+            source = description.variable(d.reference)
             if source is None:
                 yield v.place, f"a Dimension refers to {d.reference}, which does not exist"
             elif source.kind != "UInt64" or not (
@@ -325,9 +307,8 @@ def bad_dimension_reference(description: Description) -> Claims:
                 yield v.place, f"a Dimension refers to {source.name}, which is {what}"
 
 
-@error(None, "2.4.7.4", "make it a scalar")
-def structural_array(description: Description) -> Claims:
+@error(None, "2.4.7.4", "make it a scalar", "variables")
+def structural_array(v: Variable) -> Iterator[str]:
     """A structural parameter or a clock is an array."""
-    for v in description.variables:
-        if v.dimensions and (v.causality == "structuralParameter" or v.kind == "Clock"):
-            yield v.place, "has dimensions"
+    if v.dimensions and (v.causality == "structuralParameter" or v.kind == "Clock"):
+        yield "has dimensions"

@@ -16,7 +16,6 @@ from stickslip.fmucheck.description.model import (
     Description,
     Interface,
     Variable,
-    experiment_number,
     is_number,
     number,
 )
@@ -227,14 +226,14 @@ class Bench:
     @property
     def start_time(self) -> float:
         """Where runs begin, in s."""
-        start = experiment_number(self.description, "startTime")
+        start = self.description.proposed("startTime")
         return float(start) if start is not None and math.isfinite(start) else 0.0
 
     @cached_property
     def step_size(self) -> float:
         """The communication step, in s."""
-        step = experiment_number(self.description, "stepSize")
-        stop = experiment_number(self.description, "stopTime")
+        step = self.description.proposed("stepSize")
+        stop = self.description.proposed("stopTime")
         if step is None or not (0.0 < step < math.inf):
             span = (stop if stop is not None and stop < math.inf else 1.0) - self.start_time
             step = span / 100.0 if span > 0.0 else 0.01

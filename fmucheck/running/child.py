@@ -86,7 +86,7 @@ def _try(job: Job, bench: Bench, report: IO[str]) -> None:
             bench.began = time.monotonic()
             claims, reasons = _claims(bench, rule)
             _tell(job, report, claims=claims, reasons=reasons, results=bench.results)
-            if bench.is_spent or (rule.id in GATES and (claims or "failed" in reasons)):
+            if bench.is_spent or (rule.id in GATES and (claims or "call-fails" in reasons)):
                 return
 
 
@@ -97,11 +97,11 @@ def _claims(bench: Bench, rule: rules.Rule) -> tuple[list[tuple[str, str]], dict
     try:
         claims += rule.check(bench)
     except CallFailed as fault:
-        reasons["failed"] = f"{fault}{bench.last_words()}"
+        reasons["call-fails"] = f"{fault}{bench.last_words()}"
     except Spent:
         reasons["spent"] = rule.id
     except Exception:  # noqa: BLE001 (an error in stickslip is not a fault of the FMU)
-        reasons["puzzled"] = traceback.format_exc()
+        reasons["rule-not-tried"] = traceback.format_exc()
     bench.close()
     return claims, reasons
 

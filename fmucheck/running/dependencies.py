@@ -6,7 +6,8 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from stickslip.fmucheck.description.model import FLOATS, Unknown, Variable, listed
+from stickslip.fmi.description.variables import FLOATS
+from stickslip.fmucheck.description.model import Unknown, Variable, listed
 from stickslip.fmucheck.rules import Claims, error, note
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed

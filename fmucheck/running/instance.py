@@ -8,7 +8,8 @@ from ctypes import Structure, byref, c_bool, c_double, c_int, c_size_t, c_void_p
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.fmucheck.description.model import Description, Variable, size
+from stickslip.fmi.description.variables import SETTERS
+from stickslip.fmucheck.description.model import Description, Variable
 from stickslip.fmucheck.running.calls import (
     DISCARD,
     OK,
@@ -22,25 +23,6 @@ from stickslip.fmucheck.running.calls import (
 
 Values = tuple[Any, ...]
 _TERMINATED = 3  # fmi2StatusKind
-_INTEGERS = [f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")]
-_TYPES = {
-    2: {
-        "Real": ("Real", c_double),
-        **dict.fromkeys(("Integer", "Enumeration"), ("Integer", ctypes.c_int32)),
-        "Boolean": ("Boolean", ctypes.c_int32),
-        "String": ("String", ctypes.c_char_p),
-    },
-    3: {
-        "Float32": ("Float32", ctypes.c_float),
-        "Float64": ("Float64", c_double),
-        **{name: (name, getattr(ctypes, f"c_{name.lower()}")) for name in _INTEGERS},
-        "Enumeration": ("Int64", ctypes.c_int64),
-        "Boolean": ("Boolean", c_bool),
-        "String": ("String", ctypes.c_char_p),
-        "Binary": ("Binary", c_void_p),
-    },
-}
-"""Version -> type of a variable -> what its functions are called, and the C type."""
 
 
 class _EventInfo(Structure):
@@ -95,7 +77,7 @@ class Instance:
         found: dict[int, Values] = {}
         for kind in dict.fromkeys(v.kind for v in variables):
             group = [v for v in variables if v.kind == kind]
-            sizes = [size(v, self.description) or 1 for v in group]
+            sizes = [self.description.size(v) or 1 for v in group]
             flat = self._get(kind, [v.reference or 0 for v in group], sum(sizes))
             place = 0
             for v, count in zip(group, sizes, strict=True):
@@ -105,15 +87,15 @@ class Instance:
 
     def set(self, variable: Variable, values: Values) -> None:
         """Set a variable, all its elements."""
-        name, c_type = _TYPES[self.description.version][variable.kind]
+        name, c_type = SETTERS[self.description.version][variable.kind]
         array = (c_type * len(values))(*values)
-        self._access(f"Set{name}", [variable.reference or 0], array, len(values))
+        self._access(name[4:], [variable.reference or 0], array, len(values))
 
     def _get(self, kind: str, numbers: list[int], count: int) -> list[Any]:
-        name, c_type = _TYPES[self.description.version][kind]
-        array = (c_type * count)()
+        name, c_type = SETTERS[self.description.version][kind]
+        array: Any = ((c_void_p if kind == "Binary" else c_type) * count)()
         if kind != "Binary":
-            self._access(f"Get{name}", numbers, array, count)
+            self._access(f"Get{name[7:]}", numbers, array, count)
             return list(array)
         sizes = (c_size_t * count)()
         n, total = c_size_t(len(numbers)), c_size_t(count)

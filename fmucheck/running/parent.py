@@ -7,7 +7,6 @@ import json
 import math
 import os
 import pickle
-import platform
 import signal
 import subprocess
 import sys
@@ -21,6 +20,7 @@ from stat import S_ISDIR
 from stickslip.fmi.process import check_interruption, child_process, sandbox
 from stickslip.fmi.process.guard import Guard
 from stickslip.fmi.process.sandbox import Permissions
+from stickslip.fmi.toolchain import ToolchainError, host_platform
 from stickslip.fmucheck import rules
 from stickslip.fmucheck.binaries import target
 from stickslip.fmucheck.description.model import Fmu
@@ -37,20 +37,17 @@ _GRACE = 2.0  # s that the sandbox's guard may take to end after the child
 _PACKAGES = ("stickslip", "stickslip.fmi", "stickslip.fmucheck")
 _MOST_REPORT = 2**28  # bytes; an FMU may write into it too
 _UNANIMOUS = ("dependency-never-seen",)
-_SYSTEMS = {"linux": ("linux", ".so"), "win32": ("windows", ".dll"), "darwin": ("darwin", ".dylib")}
-_PROCESSORS = {"amd64": "x86_64", "arm64": "aarch64", "i386": "x86", "i686": "x86"}
 
 
 def host_binary(fmu: Fmu, identifier: str) -> str | None:
     """Return the path of the binary for this machine, ``None`` when there is none."""
-    system, suffix = _SYSTEMS.get(sys.platform, (sys.platform, ".so"))
-    processor = platform.machine().lower()
-    here = f"{_PROCESSORS.get(processor, processor)}-{system}"
-    for name in fmu.below("binaries/"):
-        parts = name.split("/")
-        fits = len(parts) == 3 and parts[2] == identifier + suffix
-        if fits and target(parts[1], fmu.description.version) == here:
-            return name
+    with contextlib.suppress(ToolchainError):
+        here = host_platform()
+        for name in fmu.below("binaries/"):
+            _, folder, *file = name.split("/")
+            fits = file == [identifier + here.suffix]
+            if fits and target(folder, fmu.description.version) == here.tuple:
+                return name
     return None
 
 
@@ -90,12 +87,12 @@ def findings_of_runs(
         if not why and interface.flag("needsExecutionTool"):
             why = "it needs a tool"
         if why or name is None:
-            ending = Ending(interface.kind, "", "unable", text=f"was not run: {why}")
+            ending = Ending(interface.kind, "", "not-run", text=f"was not run: {why}")
             yield from _ended(ending, fmu)
             continue
         libraries[interface.kind] = fmu.folder / name
         if interface.kind == "ScheduledExecution":
-            ending = Ending(interface.kind, "", "unable", text="was only loaded and instantiated")
+            ending = Ending(interface.kind, "", "not-run", text="was only loaded and instantiated")
             yield from _ended(ending, fmu)
     if libraries:
         job = Job("running", fmu.description, libraries, fmu.folder / "resources", {})
@@ -105,7 +102,7 @@ def findings_of_runs(
         yield from _tried(replace(job, stage="rerunning", first=results), fmu, limits, {})
         changed = files.items() ^ _files(fmu.folder).items()
         for name in sorted({name for name, _ in changed}):
-            yield from _ended(Ending(name, "", "changed"), fmu)
+            yield from _ended(Ending(name, "", "changes-its-files"), fmu)
 
 
 def _files(folder: Path) -> dict[str, tuple[int, int]]:
@@ -119,14 +116,13 @@ def _files(folder: Path) -> dict[str, tuple[int, int]]:
 
 
 def _ended(ending: Ending, fmu: Fmu) -> Iterator[Finding]:
-    if ending.during in TELLING and ending.reason in ("crash", "hang"):
+    if ending.during in TELLING and ending.rule in ("crash", "hang"):
         fatal = f"dies of {signal_name(ending.status)}"
-        how = f"does not return in {ending.seconds:g} s" if ending.reason == "hang" else fatal
+        how = f"does not return in {ending.seconds:g} s" if ending.rule == "hang" else fatal
         claim = ending.interface, f"the process {how}"
         yield rules.RULES[ending.during].finding(claim, fmu.description.version)
-        return
-    for rule in rules.stage("ending"):
-        yield from rule.findings(ending, fmu.description.version)
+    else:
+        yield from rules.RULES[ending.rule].findings(ending, fmu.description.version)
 
 
 def _tried(
@@ -148,11 +144,11 @@ def _tried(
             else:
                 yield from _ended(Ending(interface, rule, reason, text=text), fmu)
         for what in child.denied:
-            yield from _ended(Ending(what, "", "denied"), fmu)
+            yield from _ended(Ending(what, "", "reaches-outside"), fmu)
         for command in child.left:
-            yield from _ended(Ending(command, "", "left"), fmu)
+            yield from _ended(Ending(command, "", "leaves-a-process"), fmu)
         if ending is None and child.text.strip() and not printed:
-            yield from _ended(Ending("standard output", "", "printed", text=child.text), fmu)
+            yield from _ended(Ending("standard output", "", "prints", text=child.text), fmu)
         printed = printed or ending is not None or bool(child.text.strip())
         tried, gated = job.tried | child.claims.keys(), _gated(child)
         if ending is not None:
@@ -160,21 +156,20 @@ def _tried(
             yield from _ended(ending, fmu)
             tried |= {(ending.interface, ending.during)}
             gated |= {ending.interface} if ending.during in GATES else set()
-        if not (child.again if ending is None else ending.during and ending.reason != "unable"):
+        if not (child.again if ending is None else ending.during and ending.rule != "not-run"):
             break
         libraries = {kind: path for kind, path in job.libraries.items() if kind not in gated}
         job = replace(job, libraries=libraries, tried=tried, first=job.first | child.results)
     if spent:
         text = f"one instance per process is not enough for {', '.join(dict.fromkeys(spent))}"
-        yield from _ended(
-            Ending("canBeInstantiatedOnlyOncePerProcess", "", "unable", text=text), fmu
-        )
+        once = "canBeInstantiatedOnlyOncePerProcess"
+        yield from _ended(Ending(once, "", "not-run", text=text), fmu)
 
 
 def _gated(child: _Child) -> set[str]:
     """Return the interfaces of which nothing more can be tried."""
     claimed = {key for key, claims in child.claims.items() if claims}
-    failed = {(kind, rule) for kind, rule, reason in child.failed if reason == "failed"}
+    failed = {(kind, rule) for kind, rule, reason in child.failed if reason == "call-fails"}
     return {kind for kind, rule in claimed | failed if rule in GATES}
 
 
@@ -250,15 +245,15 @@ class _Child:
         with output.open("rb") as printed:
             self.text = printed.read(2000).decode("utf-8", "replace")
         interface, during, done = self._read(report)
-        status = process.returncode if reason == "exit" else None
+        status = process.returncode if reason == "ends-the-process" else None
         if done and status == 0:
             return None
         if done:
             interface, during = "unloading the library", ""
-        if reason == "exit" and (status or 0) < 0:
+        if reason == "ends-the-process" and (status or 0) < 0:
             reason = "crash"
         text = self.text
-        if reason == "unable":
+        if reason == "not-run":
             text = "the time for all rules is over; it was not run further"
         return Ending(interface, during, reason, status, text, limits.rule)
 
@@ -276,12 +271,12 @@ class _Child:
     def _wait(
         self, process: subprocess.Popen[bytes], report: Path, output: Path, limits: Limits
     ) -> str:
-        """Return why the child has to be ended, or that it ended."""
+        """Return the rule that tells how the child ended or why it has to be ended."""
         size_before, since = 0, time.monotonic()
         while True:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 process.wait(0.02)
-                return "exit"
+                return "ends-the-process"
             size = report.stat().st_size
             if size > size_before:
                 size_before, since = size, time.monotonic()
@@ -289,9 +284,9 @@ class _Child:
             if time.monotonic() - since > limits.rule:
                 return "hang"
             if time.monotonic() > limits.end:
-                return "unable"
+                return "not-run"
             if output.stat().st_size > MOST_TEXT or size > _MOST_REPORT:
-                return "flood"
+                return "floods-output"
 
     def _read(self, report: Path) -> tuple[str, str, bool]:
         """Store the child's reports; return the rule that it was trying and whether it finished."""

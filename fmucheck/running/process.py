@@ -22,21 +22,8 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGSEGV, signal.SIGFPE, signal
 class _Memory(Structure):
     """mallinfo2 of glibc."""
 
-    _fields_ = tuple(
-        (name, c_size_t)
-        for name in [
-            "arena",
-            "ordblks",
-            "smblks",
-            "hblks",
-            "hblkhd",
-            "usmblks",
-            "fsmblks",
-            "used",
-            "free",
-            "keepcost",
-        ]
-    )
+    _names = "arena ordblks smblks hblks hblkhd usmblks fsmblks used free keepcost"
+    _fields_ = tuple((name, c_size_t) for name in _names.split())
 
 
 def _used() -> int | None:

@@ -8,16 +8,8 @@ from collections.abc import Sequence
 from ctypes import c_double
 from typing import Any
 
-from stickslip.fmucheck.description.model import (
-    FLOATS,
-    RANGES,
-    Description,
-    Variable,
-    items_of,
-    number,
-    size,
-    whole,
-)
+from stickslip.fmi.description.variables import FLOATS
+from stickslip.fmucheck.description.model import RANGES, Description, Variable, number, whole
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed
 from stickslip.fmucheck.running.instance import Event, Instance, Values
@@ -50,7 +42,7 @@ def moved(v: Variable, value: Any, factor: float) -> Any:
         return not value if factor > 0 else value
     low, high = v.number("min"), v.number("max")
     if v.kind == "Enumeration":
-        items = sorted(items_of(v)) or [value]
+        items = sorted(v.items) or [value]
         return items[(items.index(value) + 1) % len(items)] if value in items else value
     if v.kind in RANGES:
         least, most = RANGES[v.kind]
@@ -242,7 +234,7 @@ class ExchangeRun(Run):
 
 def state_count(description: Description) -> int:
     """Return how many continuous states the description declares."""
-    return sum(size(v, description) or 1 for v in description.states)
+    return sum(description.size(v) or 1 for v in description.states)
 
 
 def indicator_count(description: Description) -> int:
@@ -250,7 +242,7 @@ def indicator_count(description: Description) -> int:
     if description.version == 2:
         return whole(description.root.get("numberOfEventIndicators")) or 0
     listed = (u.variable for u in description.group("EventIndicator") if u.variable)
-    return sum(size(v, description) or 1 for v in listed)
+    return sum(description.size(v) or 1 for v in listed)
 
 
 def new_run(

@@ -124,10 +124,8 @@ def _compared(bench: Bench, name: str) -> Claims:
             if slope is None or (blind and slope.value == 0.0) or slope.agrees(got):
                 continue
             reported.add(pair)
-            yield (
-                pair,
-                f"{got:.6g} from {name}, {slope.value:.6g} from differences, at t = {run.time:g}",
-            )
+            what = f"{got:.6g} from {name}, {slope.value:.6g} from differences"
+            yield pair, f"{what}, at t = {run.time:g}"
 
 
 @error("2.1.9", "2.2", "correct the derivative, or do not provide it")

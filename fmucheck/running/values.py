@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from stickslip.fmucheck.description.model import FLOATS, Variable, is_number
+from stickslip.fmi.description.variables import FLOATS
+from stickslip.fmucheck.description.model import Variable, is_number
 from stickslip.fmucheck.rules import Claims, error, warning
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed

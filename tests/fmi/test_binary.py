@@ -49,6 +49,8 @@ def test_exports_and_needs_are_read_from_every_format(platform):
     found = read_library(build(platform, {"one", "two"}))
     assert found.exports - {"__dso_handle", "_mh_dylib_header"} == {"one", "two"}
     assert set(found.needs) == NEEDS[platform]
+    assert found.targets == {platform}
+    assert not found.unsigned
 
 
 @pytest.mark.parametrize("platform", PLATFORMS)
@@ -81,6 +83,32 @@ def test_a_universal_library_holds_both_processors_whole():
         assert place % (1 << align) == 0
         assert joined[place : place + size] == part
     assert universal(thin[:1]) == thin[0]
+    library = read_library(joined)
+    assert library.targets == {"x86_64-darwin", "aarch64-darwin"}
+    assert {"one", "two"} <= library.exports
+
+
+def test_windows_by_hand():
+    """A DLL put together byte by byte: one export, one import."""
+    names = b"a.dll\0shown\0KERNEL32.dll\0"
+    base, place = 0x1000, 0x200  # of the only section, in memory and in the file
+    text = base + 0x100
+    exports = struct.pack(
+        "<IIHHIIIIIII", 0, 0, 0, 0, text, 1, 1, 1, base + 40, base + 44, base + 48
+    )
+    tables = struct.pack("<IIHH", base, text + 6, 0, 0)
+    imports = struct.pack("<IIIII", 0, 0, 0, text + 12, 0) + bytes(20)
+    section = (exports + tables + imports).ljust(0x100, b"\0") + names
+    directories = struct.pack("<IIII", base, 40, base + 52, 40)
+    optional = struct.pack("<H", 0x20B).ljust(112, b"\0") + directories
+    header = b"PE\0\0" + struct.pack("<HHIIIHH", 0x8664, 1, 0, 0, 0, len(optional), 0x2000)
+    table = struct.pack("<8sIIII16x", b".text", len(section), base, len(section), place)
+    start = b"MZ".ljust(0x3C, b"\0") + struct.pack("<I", 0x40)
+    data = (start + header + optional + table).ljust(place, b"\0") + section
+    library = read_library(data)
+    assert library.targets == {"x86_64-windows"}
+    assert library.exports == {"shown"}
+    assert library.needs == ("KERNEL32.dll",)
 
 
 def test_names_end_soon_and_are_not_without_number():
@@ -90,3 +118,24 @@ def test_names_end_soon_and_are_not_without_number():
     names = Names(b"x" * 4000 + b"\0")
     with pytest.raises(ValueError, match="names of more than"):
         [names.at(0) for _ in range(10_000)]  # as tables whose entries all point to one name
+
+
+def words(*numbers: int) -> bytes:
+    return struct.pack(f"<{len(numbers)}I", *numbers)
+
+
+MACHO = words(0xFEEDFACF, 0x01000007, 3, 6)
+ENDLESS = {
+    "commands of no size": MACHO + words(2**32 - 1, 0, 0, 0) + bytes(64),
+    "commands": MACHO + words(2**32 - 1, 0, 0, 0) + words(99, 8) * 20_000,
+    "symbols": MACHO + words(1, 24, 0, 0) + words(2, 24, 0, 2**31, 0, 0) + bytes(16 * 600_000),
+    "sections": b"MZ".ljust(60, b"\0") + words(64) + b"PE\0\0"
+    # machine, sections, two dates, symbols, the optional header's size, flags
+    + struct.pack("<HHIIIHH", 0x8664, 65535, 0, 0, 0, 240, 0x2000) + bytes(40 * 65535 + 240),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ENDLESS)
+def test_tables_without_end_are_not_read(name):
+    with pytest.raises(NotALibrary, match=r"are read|of 0 bytes"):
+        read_library(ENDLESS[name])

@@ -4,9 +4,10 @@ import time
 from pathlib import Path
 
 import pytest
+from lxml import etree
 
 from stickslip import fmucheck
-from stickslip.fmucheck.description.model import Description, Interface
+from stickslip.fmucheck.description.model import Description
 from stickslip.fmucheck.running import bench as benches
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.parent import TIMEOUT
@@ -15,8 +16,8 @@ from tests.corpus.defects.reference import binary_name, members, pack, with_defe
 
 @pytest.mark.parametrize(("elapsed", "tried"), [(0.0, [1, 2, 3]), (1e6, [])])
 def test_things_are_tried_while_there_is_time(elapsed, tried):
-    description = Description(2, {}, [], [], [], [], None, [])
-    bench = Bench(description, Interface("CoSimulation", 1, {}), Path(), Path(), [])
+    description = Description(etree.XML("<a><CoSimulation/></a>"), 2)
+    bench = Bench(description, description.interfaces[0], Path(), Path(), [])
     bench.began = time.monotonic() - elapsed
     assert list(bench.while_time([1, 2, 3])) == tried
 

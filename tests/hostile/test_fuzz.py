@@ -1,4 +1,4 @@
-"""Each parser refuses what it does not take in its own words; tests/corpus/fuzz hunts longer."""
+"""Each parser refuses what it does not take in its own words; campaigns/fuzz hunts longer."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import logging
 
 import pytest
 
-from tests.corpus.fuzz import PARSERS, campaign
-from tests.corpus.fuzz.mutation import mutated
-from tests.corpus.fuzz.parser import Parser
+from campaigns.fuzz import PARSERS, campaign
+from campaigns.fuzz.mutation import mutated
+from campaigns.fuzz.parser import Parser
 
 pytestmark = pytest.mark.slow
 

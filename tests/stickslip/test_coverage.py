@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from campaigns.interval_coverage import _rows, draw, drive
 from stickslip.catalog.parameters import PAPER, friction_law
 from stickslip.identification.estimation import Identifiability
-from tests.interval_coverage import _rows, draw, drive
 from tests.random_drives import RandomDrive
 
 

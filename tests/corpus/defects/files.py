@@ -47,41 +47,20 @@ def _file_seeds(version: int) -> list[tuple[str, str, Writer]]:
         ("bad-build-description", "schema", replaced(_BUILD, ("<SourceFile ", "<Source "))),
         ("bad-build-description", "not XML", with_files({_BUILD: b"<a>"})),
         ("bad-build-configuration", "unknown identifier", replaced(_BUILD, ("reference", "other"))),
-        (
-            "options-without-compiler",
-            "options alone",
-            replaced(_BUILD, ("<SourceFileSet ", '<SourceFileSet compilerOptions="-O2" ')),
-        ),
+        ("options-without-compiler", "options alone", replaced(_BUILD, ("<SourceFileSet ", '<SourceFileSet compilerOptions="-O2" '))),
         ("bad-terminals-file", "schema", replaced(_TERMINALS, ("matchingRule", "rule"))),
-        (
-            "misplaced-terminals",
-            "in icons",
-            with_files({_TERMINALS: None, "icons/terminalsAndIcons.xml": b"<a/>"}),
-        ),
+        ("misplaced-terminals", "in icons", with_files({_TERMINALS: None, "icons/terminalsAndIcons.xml": b"<a/>"})),
         ("terminal-of-unknown-variable", "y2", replaced(_TERMINALS, ('"y"', '"y2"'))),
         ("terminal-of-local-variable", "a state", replaced(_TERMINALS, ('"y"', '"x"'))),
-        (
-            "terminal-names",
-            "member twice",
-            replaced(_TERMINALS, ('memberName="x"', 'memberName="v"')),
-        ),
+        ("terminal-names", "member twice", replaced(_TERMINALS, ('memberName="x"', 'memberName="v"'))),
         ("terminal-names", "plug without names", replaced(_TERMINALS, ('memberName="x" ', ""))),
         ("icon-missing", "of a terminal", with_files({"terminalsAndIcons/port.png": None})),
         ("icon-missing", "of the FMU", with_files({"terminalsAndIcons/icon.png": None})),
         ("picture-is-no-png", "GIF", with_files({"terminalsAndIcons/icon.png": b"GIF89a"})),
         ("no-documentation", "none", with_files({"documentation/index.html": None})),
-        (
-            "licence-without-entry",
-            "other name",
-            with_files(
-                {
-                    "documentation/licenses/license.txt": None,
-                    "documentation/licenses/mit.txt": b"MIT",
-                }
-            ),
-        ),
+        ("licence-without-entry", "other name", with_files({"documentation/licenses/license.txt": None, "documentation/licenses/mit.txt": b"MIT"})),
         ("unexpected-file", "at the root", with_files({"readme.txt": b"hello"})),
-    ]
+    ]  # fmt: skip
 
 
 def _unlicensed(path: Path, content: Members) -> None:

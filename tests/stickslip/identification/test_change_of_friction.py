@@ -2,13 +2,13 @@
 
 import pytest
 
+from campaigns.fault_matrix import DRIVES, Experiment, record
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.estimation import Task, learn
 from stickslip.identification.estimation.faults import change_of_friction
 from stickslip.identification.fitting.start import begin
 from stickslip.logs import Recording
 from stickslip.servo.systems import build_fmus
-from tests.fault_matrix import DRIVES, Experiment, record
 
 
 def recorded(name, drift, folder):

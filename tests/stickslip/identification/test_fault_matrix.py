@@ -1,9 +1,9 @@
-"""A short version of ``python -m tests.fault_matrix``: nothing is confident and wrong."""
+"""A short version of ``python -m campaigns.fault_matrix``: nothing is confident and wrong."""
 
 import pytest
 
-from tests.fault_matrix.cells import check_all, learn_all
-from tests.fault_matrix.faults import FAULTS, cases
+from campaigns.fault_matrix.cells import check_all, learn_all
+from campaigns.fault_matrix.faults import FAULTS, cases
 
 pytestmark = [pytest.mark.slow, pytest.mark.thorough]
 

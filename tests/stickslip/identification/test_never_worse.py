@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from campaigns.never_worse import DRIVES, WORSE, learn, tried
 from stickslip.learned.file import LearnedFile
 from stickslip.studies.learn.folder import write_learned
-from tests.never_worse import DRIVES, WORSE, learn, tried
 
 pytestmark = [pytest.mark.slow, pytest.mark.thorough]
 

@@ -6,7 +6,7 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from tests.corpus.survival.trials import (
+from campaigns.survival.trials import (
     NEW,
     OLD,
     fill_at_each_operation,

@@ -1,4 +1,4 @@
-"""``python -m tests.corpus.survival``: do results survive what happens to computers?"""
+"""``python -m campaigns.survival``: do results survive what happens to computers?"""
 
 from __future__ import annotations
 
@@ -6,10 +6,7 @@ import tempfile
 from collections import Counter
 from pathlib import Path
 
-from stickslip.papers.lugre.folder import write_results
-from stickslip.papers.lugre.reproduction import Options, Reproduction, reproduce
-from stickslip.servo.systems import build_fmus
-from tests.corpus.survival.trials import (
+from campaigns.survival.trials import (
     fill_at_each_operation,
     fill_for_real,
     kill_at_each_operation,
@@ -18,6 +15,9 @@ from tests.corpus.survival.trials import (
     remove_at_random,
     small_disk,
 )
+from stickslip.papers.lugre.folder import write_results
+from stickslip.papers.lugre.reproduction import Options, Reproduction, reproduce
+from stickslip.servo.systems import build_fmus
 
 KILLS = 50
 

@@ -1,4 +1,4 @@
-"""``python -m tests.other_tools --vdmcheck2 FILE.jar --vdmcheck3 FILE.jar --iec2c FILE``.
+"""``python -m campaigns.other_tools --vdmcheck2 FILE.jar --vdmcheck3 FILE.jar --iec2c FILE``.
 
 Runs the tools that are given on what this project writes: VDMCheck on the FMUs of all models, and
 the compiler of matiec on the structured text of every compensator and law and of a rig. A line for

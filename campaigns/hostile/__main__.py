@@ -1,4 +1,7 @@
-"""``python -m tests.corpus.hostile [GROUP ...]`` writes docs/hostile.md, or prints some groups."""
+"""``python -m campaigns.hostile [GROUP ...]`` prints what FMPy and stickslip do with each case.
+
+The first table is that of ``docs/hostile.md``, which says what the words mean.
+"""
 
 from __future__ import annotations
 
@@ -10,31 +13,10 @@ from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import fmpy
-
-from stickslip.fmi.files import atomic_write
+from campaigns.hostile.verdicts import KINDS, Verdict, verdicts_of
 from tests.corpus.hostile import CASES, GROUPS, Case
-from tests.corpus.hostile.verdicts import KINDS, LONGEST, PATIENCE, Verdict, verdicts_of
-
-DOCUMENT = Path(__file__).parents[3] / "docs" / "hostile.md"
 
 Row = tuple[Case, Verdict, Verdict]
-
-HEAD = f"""# Malformed input
-
-FMUs are native code from other tools, and logs come from many sources. The page lists the
-malformed files, folders, answers and arguments with which `tests/corpus/hostile` runs `stickslip`,
-or its functions from Python, by the reader that they concern. Each case ends in one line on standard error and status 1 or 2, and leaves
-nothing behind. `python -m tests.corpus.hostile` writes this page.
-
-The second column is what FMPy {fmpy.__version__} does with the same file, in a process with 4
-GB of memory and {PATIENCE:g} s of time, through `simulate_fmu`, `simulate_ssp` and `read_csv`
-with their defaults. The words are assigned automatically: *crashes*, a signal ended the
-process; *hangs*, it was still running; *ends silently*, the process ended without returning;
-*runs*, no complaint; *own message*, an exception that FMPy raises itself; *Python error*, an
-exception from elsewhere that passed through it; *no counterpart*, FMPy has no such command.
-Lines are shortened to {LONGEST} characters.
-"""
 
 
 def rows(cases: Iterable[Case], workers: int) -> list[Row]:
@@ -51,15 +33,14 @@ def rows(cases: Iterable[Case], workers: int) -> list[Row]:
 
 
 def document(found: list[Row]) -> str:
-    """Return the page."""
+    """Return the table of groups, and one for each group."""
     groups = {n: [row for row in found if row[0].group == n] for n in GROUPS}
     lines = [
-        HEAD,
         _line("", "group", "cases", *(f"FMPy {kind}" for kind in KINDS), "ours: one line"),
     ]
     lines.append("|---|---|" + "---:|" * (len(KINDS) + 2))
     for n, of in groups.items():
-        lines.append(_line(n, f"[{GROUPS[n]}](#{_anchor(n)})" if of else GROUPS[n], *_counts(of)))
+        lines.append(_line(n, GROUPS[n], *_counts(of)))
     lines.append(_line("", "**all**", *_counts(found)))
     for n, of in groups.items():
         if of:
@@ -79,22 +60,15 @@ def _line(*cells: object) -> str:
     return "| " + " | ".join(str(cell) for cell in cells) + " |"
 
 
-def _anchor(n: int) -> str:
-    return f"{n}-{GROUPS[n].lower().replace(' ', '-')}"
-
-
 def main() -> None:
-    """Write the page, if all groups are asked for."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("groups", nargs="*", type=int, metavar="GROUP")
     parser.add_argument("--workers", type=int, default=1, metavar="N")
     options = parser.parse_args()
     cases = [case for case in CASES if not options.groups or case.group in options.groups]
     found = rows(cases, options.workers)
-    if options.groups:
-        print(document(found))
-    else:
-        print(atomic_write(DOCUMENT, document(found)))
+    print(document(found))
     if bad := [case for case, _, ours in found if ours.kind != "one line"]:
         sys.exit(f"not one line: {', '.join(map(str, bad))}")
 

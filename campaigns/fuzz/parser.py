@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from random import Random
 
-from tests.corpus.fuzz.mutation import by_tokens
+from campaigns.fuzz.mutation import by_tokens
 
 Parse = Callable[[bytes, Path], object]
 

@@ -1,6 +1,6 @@
 """How often the 95 % intervals of what is learned hold the truth.
 
-    python -m tests.interval_coverage --drives any --recordings 200 --workers 2 --out coverage
+    python -m campaigns.interval_coverage --drives any --recordings 200 --workers 2 --out coverage
 
 Each recording is simulated with noise and a seed of its own and learned like a log: of Table 2's
 drive (``same``), of LuGre drives (``varied``), or of drives of every law with imperfections and
@@ -65,7 +65,9 @@ SPEEDS = 5
 
 def main() -> None:
     """Simulate, learn, count."""
-    parser = argparse.ArgumentParser(prog="python -m tests.interval_coverage", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="python -m campaigns.interval_coverage", description=__doc__
+    )
     parser.add_argument("--recordings", type=int, default=100, metavar="N")
     parser.add_argument("--drives", choices=("any", "varied", "same"), default="varied")
     parser.add_argument("--sound", action="store_true", help="any drive, but none with faults")

@@ -9,13 +9,13 @@ import numpy as np
 import pandas as pd
 
 import stickslip as ss
+from campaigns.fault_matrix.drives import Drive
 from stickslip import cosim
 from stickslip.logs import Column, Description
 from stickslip.planning import plan
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.studies.learn.recorded import gains_of
-from tests.fault_matrix.drives import Drive
 
 MEASURED = {"position": "drive.x_enc", "force": "drive.F_m", "force_command": "controller.u"}
 MOVES = 1.1

@@ -1,6 +1,6 @@
 """What ``stickslip learn`` writes, tried on the drives that made the logs: never worse than none.
 
-    python -m tests.never_worse --drives gms dahl --laws lugre own --out never_worse
+    python -m campaigns.never_worse --drives gms dahl --laws lugre own --out never_worse
 
 The drives are those of ``tests/stickslip/identification/drives.c``, which shares nothing with the
 product and has laws, five elements and position dependence that the family of drives has not. A row
@@ -116,7 +116,7 @@ DRIVES = {
 
 def main() -> None:
     """Record, learn, try, and print a row for each drive and law."""
-    parser = argparse.ArgumentParser(prog="python -m tests.never_worse", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m campaigns.never_worse", description=__doc__)
     parser.add_argument("--drives", nargs="+", choices=DRIVES, default=list(DRIVES))
     parser.add_argument("--laws", nargs="+", choices=["lugre", "own"], default=["lugre"])
     parser.add_argument("--out", type=Path, default=Path("never_worse"), metavar="DIR")

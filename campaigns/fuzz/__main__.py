@@ -1,4 +1,4 @@
-"""``python -m tests.corpus.fuzz --parser NAME --inputs N --seed S``: a long hunt.
+"""``python -m campaigns.fuzz --parser NAME --inputs N --seed S``: a long hunt.
 
 Run again with the same seed it goes on where it was; inputs that end otherwise than they should
 are saved beside the counts. A process that died is told by its exit status and a traceback.
@@ -12,7 +12,7 @@ import logging
 import tempfile
 from pathlib import Path
 
-from tests.corpus.fuzz import PARSERS, campaign
+from campaigns.fuzz import PARSERS, campaign
 
 if __name__ == "__main__":
     options = argparse.ArgumentParser(description=__doc__.partition("\n")[0])

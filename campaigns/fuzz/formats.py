@@ -19,6 +19,9 @@ import pyarrow.parquet as pq
 import scipy.io
 from lxml import etree
 
+from campaigns.fuzz.forked import forked
+from campaigns.fuzz.mutation import NUMBERS, TOKENS, mutated
+from campaigns.fuzz.parser import Parser, from_file
 from stickslip import cosim, fmucheck
 from stickslip.cosim.run.checkpoint import Checkpoint
 from stickslip.errors import RecordingError
@@ -30,9 +33,6 @@ from stickslip.fmi.description import DescriptionFault, read_description
 from stickslip.fmi.xml import Malformed, parse_xml
 from stickslip.logs.formats import read_table
 from tests.corpus.defects.reference import HERE, members
-from tests.corpus.fuzz.forked import forked
-from tests.corpus.fuzz.mutation import NUMBERS, TOKENS, mutated
-from tests.corpus.fuzz.parser import Parser, from_file
 from tests.corpus.hostile.zips import DEFLATE, FIFO, LINK, Member, zipped
 
 _NAMES = (

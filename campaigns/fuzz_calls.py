@@ -1,4 +1,4 @@
-"""``python -m tests.corpus.fuzz_calls --sequences N --seed S``: on every model, FMI 2.0 and 3.0."""
+"""``python -m campaigns.fuzz_calls --sequences N --seed S``: on every model, FMI 2.0 and 3.0."""
 
 import argparse
 import sys

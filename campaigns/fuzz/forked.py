@@ -16,8 +16,8 @@ from functools import cache
 from pathlib import Path
 from unittest.mock import patch
 
+from campaigns.fuzz.parser import Parse
 from stickslip.logs import isolated
-from tests.corpus.fuzz.parser import Parse
 
 _SERVER = """
 import os, signal, sys, traceback

@@ -19,6 +19,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import IO
 
+from tests.corpus.hostile import python
 from tests.corpus.hostile.case import Case
 
 KEPT = 1 << 16
@@ -135,7 +136,7 @@ def stickslip(case: Case, folder: Path, room: Path, cache: Path) -> Verdict:
     """Feed a case to ourselves."""
     temporary = room / "stickslip"
     temporary.mkdir()
-    words = ["-P", str(Path(__file__).with_name("python.py")), case.code]
+    words = ["-P", python.__file__, case.code]
     command = [
         sys.executable,
         *(words if case.code else ["-m", "stickslip", *case.command.split()]),

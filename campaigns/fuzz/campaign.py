@@ -11,8 +11,8 @@ from random import Random
 
 import numpy as np
 
-from tests.corpus.fuzz.mutation import mutated
-from tests.corpus.fuzz.parser import Parser
+from campaigns.fuzz.mutation import mutated
+from campaigns.fuzz.parser import Parser
 
 SLOW = 2.0  # s of the processor for one input
 _HANG = 600.0  # s for _ROUND inputs, after which the process ends with a traceback

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import stickslip as ss
+from campaigns.fault_matrix.drives import Drive, steady
 from stickslip.errors import StickslipError
 from stickslip.logs import Description, Finding, raise_errors
 from stickslip.models import build_fmu
@@ -18,7 +19,6 @@ from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import Compensator, build_loop
 from stickslip.studies.learn.learned import LearnedFromRecording
 from stickslip.studies.learn.log_learning import read_and_check
-from tests.fault_matrix.drives import Drive, steady
 
 MASS_TOLERANCE = 0.02
 FRICTION_TOLERANCE = 0.05

@@ -8,15 +8,15 @@ from pathlib import Path
 
 import numpy as np
 
+from campaigns.fault_matrix.drives import DRIVES
+from campaigns.fault_matrix.faults import FAULTS, Fault, cases
+from campaigns.fault_matrix.outcome import outcome_of, remarks_of
+from campaigns.fault_matrix.recordings import Experiment, record
 from stickslip.errors import StickslipError
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import Description, raise_errors
 from stickslip.servo.systems import build_fmus
 from stickslip.studies.learn.log_learning import read_and_check
-from tests.fault_matrix.drives import DRIVES
-from tests.fault_matrix.faults import FAULTS, Fault, cases
-from tests.fault_matrix.outcome import outcome_of, remarks_of
-from tests.fault_matrix.recordings import Experiment, record
 
 CELL = ("drive", "seed", "fault")
 Row = dict[str, object]

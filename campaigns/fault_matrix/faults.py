@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 from scipy.signal import lfilter
 
+from campaigns.fault_matrix.recordings import SOUND, Experiment
 from stickslip.logs import Description
-from tests.fault_matrix.recordings import SOUND, Experiment
 
 Log = pd.DataFrame
 Damage = Callable[[Log, Description, np.random.Generator], tuple[Log, Description]]

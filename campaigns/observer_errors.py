@@ -1,7 +1,7 @@
 """Errors of the true velocity with feedforward, disturbance observer and both, on many drives.
 
-    python -m tests.observer_errors              # errors on drives, below
-    python -m tests.observer_errors --loops 100  # designs for loops at random
+    python -m campaigns.observer_errors              # errors on drives, below
+    python -m campaigns.observer_errors --loops 100  # designs for loops at random
 
 The trapezoid of Table 4 and its windows, in the loop of the reproduction. The feedforward is LuGre
 friction with the exact parameters of Table 2, on every drive; the observer is designed for the

@@ -9,6 +9,8 @@ from functools import cache, partial
 from pathlib import Path
 from unittest import mock
 
+from campaigns.fuzz.mutation import by_tokens
+from campaigns.fuzz.parser import Parser, text
 from stickslip import cosim, ga, models
 from stickslip.cosim.ssp.markup import violation
 from stickslip.cosim.ssp.package import Package
@@ -22,8 +24,6 @@ from stickslip.models.lti.file import read_lti
 from stickslip.studies.fleet import read_fleet
 from stickslip.studies.learn.log_learning import read_and_check
 from tests.corpus.defects.reference import members, pack
-from tests.corpus.fuzz.mutation import by_tokens
-from tests.corpus.fuzz.parser import Parser, text
 from tests.corpus.hostile.packages import (
     bound,
     component,
@@ -154,7 +154,7 @@ def _checkpoint() -> bytes:
     return json.dumps({"about": "", **algorithm.state()}).encode()
 
 
-RESULTS = Path(__file__).parents[3] / "results" / "paper"
+RESULTS = Path(__file__).parents[2] / "results" / "paper"
 _SYSTEM = {"A": [[-1.0]], "B": [[1.0]], "C": [[1.0]], "D": [[0.0]], "inputs": {"u": "N"}}
 
 

@@ -1,7 +1,7 @@
 """What ``stickslip learn`` makes of faulty logs: right, flagged, refused, or confident and wrong.
 
-    python -m tests.fault_matrix --seeds 3 --workers 2 --out faults
-    python -m tests.fault_matrix --drives light gms --faults "one way only" --seeds 1
+    python -m campaigns.fault_matrix --seeds 3 --workers 2 --out faults
+    python -m campaigns.fault_matrix --drives light gms --faults "one way only" --seeds 1
 
 Drives of every friction law are recorded, each recording is damaged in every way of ``FAULTS``, and
 learned, with the controller's gains and without. An outcome is *right* when mass, friction curve
@@ -21,16 +21,16 @@ from pathlib import Path
 
 import pandas as pd
 
-from tests.fault_matrix.cells import CELL, check_all, learn_all
-from tests.fault_matrix.drives import DRIVES
-from tests.fault_matrix.faults import FAULTS
-from tests.fault_matrix.outcome import OUTCOMES
+from campaigns.fault_matrix.cells import CELL, check_all, learn_all
+from campaigns.fault_matrix.drives import DRIVES
+from campaigns.fault_matrix.faults import FAULTS
+from campaigns.fault_matrix.outcome import OUTCOMES
 
 
 def main() -> None:
     """Record, damage, learn, count."""
     parser = argparse.ArgumentParser(
-        prog="python -m tests.fault_matrix",
+        prog="python -m campaigns.fault_matrix",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

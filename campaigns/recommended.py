@@ -1,6 +1,6 @@
 """What ``stickslip learn --compensator auto`` writes, tried on the drives that made the logs.
 
-    python -m tests.recommended --drives lugre gms --out recommended
+    python -m campaigns.recommended --drives lugre gms --out recommended
 
 Each drive is recorded with noise along the planned experiment. The compensators that ``learn``
 writes by default, with ``auto``, and with ``auto`` for a controller without motor force then run in
@@ -20,6 +20,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from campaigns.fault_matrix.drives import Drive
+from campaigns.fault_matrix.recordings import SOUND, record
+from campaigns.never_worse import CLOSE, commands
+from campaigns.never_worse import Drive as Commanded
 from stickslip.cosim import Simulation
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import aligned, samples_late
@@ -29,10 +33,6 @@ from stickslip.studies.learn.learned import LearnedFromRecording, learn_recordin
 from stickslip.studies.learn.log_learning import read_and_check, with_trial
 from stickslip.trial.compensator_trial import loops_of_log
 from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER
-from tests.fault_matrix.drives import Drive
-from tests.fault_matrix.recordings import SOUND, record
-from tests.never_worse import CLOSE, commands
-from tests.never_worse import Drive as Commanded
 
 LIGHT = {"m": 0.8, "F_c": 1.5, "F_s": 2.4, "v_s": 2e-3, "sigma_0": 1e5, "sigma_1": 300.0}
 DRIVES = {
@@ -56,7 +56,7 @@ RUNS = 3, 48
 
 def main() -> None:
     """Record, learn, try, and print a row for each drive, level and way."""
-    parser = argparse.ArgumentParser(prog="python -m tests.recommended", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m campaigns.recommended", description=__doc__)
     parser.add_argument("--drives", nargs="+", choices=DRIVES, default=list(DRIVES))
     parser.add_argument("--law", default="lugre", help="learned, or auto")
     parser.add_argument("--out", type=Path, default=Path("recommended"), metavar="DIR")

@@ -1,4 +1,4 @@
-"""``python -m tests.corpus.defects``: who finds which seeded defect, as tables in Markdown."""
+"""``python -m campaigns.defects``: who finds which seeded defect, as tables in Markdown."""
 
 from __future__ import annotations
 

@@ -1,0 +1,1 @@
+"""What FMPy does with the malformed inputs of ``tests/corpus/hostile``."""
