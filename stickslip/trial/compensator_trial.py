@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.controller.controller_check import AGREES
 from stickslip.identification.criteria.motion import encoder_noise, position_of
-from stickslip.identification.estimation import Estimation
+from stickslip.identification.estimation import Estimation, LearnSettings
 from stickslip.identification.fitting.conservative import bounded_by
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
 from stickslip.logs import Reading, Recording
@@ -61,24 +61,17 @@ WIDE = 2.0
 
 
 def try_compensator(
-    reading: Reading,
-    estimation: Estimation,
-    loop: VelocityLoop,
-    *,
-    compensator: str = "",
-    absent: Sequence[str] = (),
-    workers: int = 1,
+    reading: Reading, estimation: Estimation, loop: VelocityLoop, settings: LearnSettings
 ) -> SimulatedTrial:
     """Try a learned compensator at the log's own speed.
 
     Parameters
     ----------
     loop : in which it runs
-    compensator : what is tried, see ``candidates.compare``; empty for the feedforward, and a
-        disturbance observer beside it
-    absent : signals that the controller lacks, of ``candidates.SIGNALS``
-    workers : number of runs in parallel
+    settings : of the compensator; without one the feedforward is tried, and a disturbance observer
+        beside it
     """
+    compensator, absent = settings.compensator, settings.absent
     top = float(np.quantile(np.abs(estimation.figures.velocity_recorded), 0.99))
     scale = top / VALIDATION.height
     command = replace(VALIDATION, height=top, slope=scale * VALIDATION.slope)
@@ -98,7 +91,7 @@ def try_compensator(
         for name in estimation.fit.space.friction
         if estimation.known[name].identifiability != NOT_IDENTIFIABLE
     }
-    with bench_of(law, loop, friction, drives, command, sheet, workers=workers) as bench:
+    with bench_of(law, loop, friction, drives, command, sheet, workers=settings.workers) as bench:
         benefits = bench.benefits(feedforwards(law, friction))
         best = best_of(benefits)
         found = findings_of(bench, friction, best, best.share, errors)
@@ -149,7 +142,7 @@ def known_friction(estimation: Estimation) -> Known:
     """
     space, known = estimation.fit.space, estimation.known
     taken = (known[name].value for name in space.bounded)
-    largest = RESERVE * max(estimation.largest_friction, *taken, 0.0)
+    largest = RESERVE * max(estimation.fitted.largest_friction, *taken, 0.0)
     ranges = {}
     for name in space.friction:
         one = known[name]
@@ -158,10 +151,10 @@ def known_friction(estimation: Estimation) -> Known:
             if name in space.bounded:
                 high = min(one.high, largest)
             ranges[name] = (low, high)
-    values = (bounded_by(one, space, largest) for one in estimation.plausible)
+    values = (bounded_by(one, space, largest) for one in estimation.fitted.plausible)
     plausible = tuple(map(_of_drive, values))
     rivals, better = {}, set()
-    found = estimation.predictions
+    found = estimation.held_out.predictions
     least = min((one.force for one in found), default=0.0)
     same = (one.force for one in found if one.candidate.law.name == estimation.law.name)
     own = min(same, default=0.0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.scaling import Scale
-from stickslip.identification.estimation.estimation import Task
+from stickslip.identification.estimation.task import Task
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.selection import (
     Candidate,

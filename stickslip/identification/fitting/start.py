@@ -44,6 +44,11 @@ class Start:
     space: ParameterSpace
     curve: FrictionCurve | None = None
 
+    def restored(self, scale: Scale) -> Start:
+        """Return line and curve of a scaled recording in SI units; ``space`` stays scaled."""
+        curve = self.curve and self.curve.restored(scale)
+        return replace(self, line=scale.restored(self.line), curve=curve)
+
     @property
     def sliding(self) -> dict[str, Interval]:
         """Mass, viscous friction and constant force by name, as far as sliding shows them."""

@@ -58,7 +58,7 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
             name: _finite(value) for name, value in estimation.figures.errors().items()
         },
         "prediction": _prediction_document(estimation),
-        "evaluations": int(estimation.searches["evaluations"].sum()),
+        "evaluations": int(estimation.searches.table["evaluations"].sum()),
         "seed": learned.seed,
         "spread_over_searches": estimation.spread(),
     }
@@ -83,7 +83,7 @@ def _prediction_document(estimation: Estimation) -> dict[str, Any]:
             "relative": {"value": row["relative"], "unit": "1"},
             "explained": {"value": row["explained"], "unit": unit},
         }
-        for row in law_table(estimation.predictions).to_dict("records")
+        for row in law_table(estimation.held_out.predictions).to_dict("records")
     ]
     return {"laws": laws, "choice": estimation.choice and estimation.choice.reason}
 

@@ -26,7 +26,7 @@ def print_laws(estimation: Estimation) -> None:
     """Print the error of each law that was tried where it was not fitted."""
     unit = unit_of("F_c", rotary=estimation.recording.rotary)
     print(f"\nforce error where the law was not fitted [{unit}]        noise and steps explain")
-    for row in law_table(estimation.predictions).to_dict("records"):
+    for row in law_table(estimation.held_out.predictions).to_dict("records"):
         error = f"{row['held_out_error']:9.3g} {100.0 * row['relative']:8.3g} %"
         print(f"{row['law']:18}{error} {row['explained']:20.3g}")
     if estimation.choice:

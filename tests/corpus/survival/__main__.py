@@ -8,6 +8,7 @@ from pathlib import Path
 
 from stickslip.papers.lugre.folder import write_results
 from stickslip.papers.lugre.reproduction import Options, Reproduction, reproduce
+from stickslip.progress import SILENT
 from stickslip.servo.systems import build_fmus
 from tests.corpus.survival.trials import (
     fill_at_each_operation,
@@ -22,18 +23,10 @@ from tests.corpus.survival.trials import (
 KILLS = 50
 
 
-class _Quiet:
-    def stage(self, name: str) -> None:
-        del name
-
-    def generation(self, algorithm: object, scale: object = None) -> None:
-        del algorithm, scale
-
-
 def _reproduction(folder: Path, **truth: float) -> Reproduction:
     folder.mkdir()
     build_fmus(folder, truth)
-    return reproduce(Options(truth=truth), folder, _Quiet())
+    return reproduce(Options(truth=truth), folder, SILENT)
 
 
 def _say(what: str, outcomes: Counter[str]) -> None:

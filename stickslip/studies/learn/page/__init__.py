@@ -42,7 +42,7 @@ def sections(
         *opening,
         content.learned(estimation),
         *further,
-        *([laws(estimation)] if estimation.predictions else []),
+        *([laws(estimation)] if estimation.held_out.predictions else []),
         content.criterion(estimation),
         content.log(estimation, findings),
         content.fit(estimation),

@@ -377,7 +377,8 @@ def unresolved(estimation: Estimation) -> list[str]:
 def _curve(estimation: Estimation, name: str) -> tuple[Array, Array]:
     """Return values and deviances of one parameter, without what is too far away to draw."""
     fitted = estimation.known[name].value
-    rows = estimation.profiles[estimation.profiles["parameter"] == name]
+    profiles = estimation.fitted.profiles
+    rows = profiles[profiles["parameter"] == name]
     value, deviance = (rows[column].to_numpy(dtype=float) for column in ("value", "deviance"))
     near = (value > fitted / FARTHEST) & (value < fitted * FARTHEST)
     return value[near], deviance[near]

@@ -20,7 +20,7 @@ def laws(estimation: Estimation) -> Section:
             percentage(row["relative"]),
             number(row["explained"], 3),
         )
-        for row in law_table(estimation.predictions).to_dict("records")
+        for row in law_table(estimation.held_out.predictions).to_dict("records")
     ]
     choice = ""
     if estimation.choice:
