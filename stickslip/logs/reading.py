@@ -47,7 +47,7 @@ class Reading:
 
     recording: Recording
     controller: Controller
-    findings: tuple[Finding, ...]
+    findings: tuple[Finding, ...] = ()
     force_limit: float | None = None
     tau_i: float | None = None
     units: Mapping[str, Unit | None] = field(default_factory=dict)
@@ -114,10 +114,10 @@ def read_recording(
     faults = {
         role: fault
         for role, unit in units.items()
-        if (fault := unit_fault(table, given, role, roles[role], unit, motion))
+        if (fault := unit_fault(table, given, role, roles[role], unit=unit, motion=motion))
     }
     signals = {
-        role: signal_of(table, given, role, roles[role], unit) for role, unit in units.items()
+        role: signal_of(table, given, role, roles[role], unit=unit) for role, unit in units.items()
     }
     findings += [*faults.values(), *assumed_units(given, units, motion)]
     n = len(next(iter(signals.values())))
@@ -162,9 +162,9 @@ def read_recording(
         controller,
         tuple(findings),
         _positive(table, given.force_limit, "force_limit"),
-        given.tau_i,
-        {role: unit for role, unit in units.items() if role not in faults},
-        given,
+        tau_i=given.tau_i,
+        units={role: unit for role, unit in units.items() if role not in faults},
+        description=given,
     )
 
 
@@ -214,7 +214,7 @@ def _unused_time(table: LogTable, given: Description, name: str, unit: Unit | No
     period = given.sample_period or 1.0
     counts = unit.quantity == "number" if unit else named_quantity(name) == "number"
     if name in table.numbers and name not in table.faults and not counts:
-        t = signal_of(table, given, "time", name, unit)
+        t = signal_of(table, given, "time", name, unit=unit)
         t = t[np.isfinite(t)]
         spacing = float(np.ptp(t)) / (len(t) - 1) if len(t) > 1 else 0.0
         if spacing and not 1 / EQUALS < spacing / period < EQUALS:

@@ -42,7 +42,7 @@ class Stepper:
         interface = description.interface("CoSimulation") if description else None
         if description is None or interface is None:
             raise UsageError(f"{path}: expected an FMU for Co-Simulation")
-        self._bench = Bench(description, interface, fmu.binary, fmu.folder / "resources", [])
+        self._bench = Bench(description, interface, fmu.binary, fmu.folder / "resources", before=[])
         self._variables = {variable.name: variable for variable in description.variables}
         for name, kind in (*((n, "input") for n in inputs), *((n, "output") for n in outputs)):
             if name not in fmu.variables or fmu.variables[name].causality != kind:

@@ -3,8 +3,7 @@
 from stickslip.identification.criteria.candidate_fmus import candidate_fmus
 from stickslip.identification.estimation.estimation import Estimation
 from stickslip.identification.estimation.learn import learn
-from stickslip.identification.estimation.settings import CriterionName, LearnSettings
-from stickslip.identification.estimation.task import Task
+from stickslip.identification.estimation.task import CriterionName, LearnSettings, Task
 from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.search import Search
 

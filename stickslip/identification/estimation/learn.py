@@ -37,8 +37,7 @@ from stickslip.identification.estimation.faults import (
     hidden,
 )
 from stickslip.identification.estimation.held_out import check_held_out
-from stickslip.identification.estimation.settings import LearnSettings
-from stickslip.identification.estimation.task import Task
+from stickslip.identification.estimation.task import LearnSettings, Task
 from stickslip.identification.fitting.bootstrap import RUNS, Corrected, Resimulation, correct
 from stickslip.identification.fitting.conservative import conservative, largest_friction
 from stickslip.identification.fitting.fit import BLOCKS, ROUGH, Fit, fit, plausible, value_errors
@@ -136,7 +135,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
             errors, table = _known_loop(task, task.gains, corrected, ambiguity)
             best, degrees = corrected.fit, RUNS - 1
         else:
-            best, errors = _inverse_model(task, inverse, found, start, sliding)
+            best, errors = _inverse_model(task, inverse, found, start, sliding=sliding)
             degrees = BLOCKS - len(found.q)
             table = profiles(best, inverse.map, errors)
         names = start.space.friction if inverse.measures_friction else start.space.reported
@@ -146,11 +145,13 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
         step(1, 3)
         change = change_of_friction(inverse, found.parameters)
         believed = check is not None and not check.error > AGREES
-        held_out = check_held_out(inverse, found, task, task.gains if believed else None, scale)
+        held_out = check_held_out(
+            inverse, found, task, task.gains if believed else None, scale=scale
+        )
         step(2, 3)
         faults = (
             *task.faults,
-            *found_faults(best, criterion, check, model_error, change),
+            *found_faults(best, criterion, check, model_error, change=change),
             *held_out.findings,
         )
         if any(fault.spoils for fault in faults):
@@ -162,7 +163,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
         values = {**best.parameters, **shown, **{name: one.value for name, one in known.items()}}
         bounded = {name: values[name] for name in start.space.bounded}
         fitted = {**best.parameters, **shown, **bounded}
-        goodness = goodness_of_fit(task.fmus, recording, inverse, fitted, task.gains, check)
+        goodness = goodness_of_fit(inverse, fitted, task.gains, check)
         step(3, 3)
     return Estimation(
         recording=recording,
@@ -220,7 +221,9 @@ def _search(
     """Search with each seed, finish each locally, and return the best with a table of all."""
     fits, algorithms, rows = [], [], []
     for seed in range(task.settings.seed, task.settings.seed + task.settings.seeds):
-        algorithm = search(inverse, start, seed, _of_seed(task.settings, seed), on_generation)
+        algorithm = search(
+            inverse, start, seed, _of_seed(task.settings, seed), on_generation=on_generation
+        )
         values = solve_linear(inverse, start, algorithm.best.values)
         found = without_stribeck(inverse, best_fit(inverse, start, values))
         # Coarse encoder steps, and slips shorter than the low-pass, bias the curve more than its
@@ -275,7 +278,7 @@ def _output_error(
     )
     fmus, recording, seed = task.fmus, task.recording, task.settings.seed
     with (
-        OutputError(fmus, recording, gains, task.settings.workers, space.law) as whole,
+        OutputError(fmus, recording, gains, task.settings.workers, law=space.law) as whole,
         Resimulation(whole, fmus, recording, gains) as again,
     ):
         criterion = whole.over(space)
@@ -320,13 +323,11 @@ def _inverse_model(
         placed = fit(inverse.over(start.narrow(found.space, sliding)), [found.q])
         found = replace(placed, covariance=found.covariance)
     recording, cutoff, law = task.recording, SLOWER * inverse.cutoff, found.space.law
-    with InverseModel(task.fmus, recording, cutoff, task.settings.workers, law) as slower:
+    with InverseModel(task.fmus, recording, cutoff, task.settings.workers, law=law) as slower:
         apart = fit(slower.over(found.space), [found.q]).q - found.q
     spread, best = found.covariance + np.outer(apart, apart), found
     if coarse(inverse, recording):
-        corrected, bias, alike = correct_inverse(
-            inverse, found, task.fmus, recording, seed=task.settings.seed
-        )
+        corrected, bias, alike = correct_inverse(inverse, found, task.settings.seed)
         # Where it is not alike it is no valid correction, but a measure of the uncertainty.
         best, share = (corrected, BIAS_ERROR) if alike else (found, 1.0)
         spread = spread + np.outer(bias, bias) * share**2

@@ -181,7 +181,7 @@ def _curve(model: InverseModel, recording: Recording, delay: float) -> FrictionC
     if model.measures_friction:
         return None
     position, force = position_of(recording), measured_force(recording)
-    return friction_curve(position, force, model.T_s, recording.encoder_step, delay)
+    return friction_curve(position, force, model.T_s, recording.encoder_step, delay=delay)
 
 
 def _line(model: InverseModel, top: float) -> tuple[float, float, float, float, float]:

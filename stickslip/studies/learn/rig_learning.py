@@ -75,10 +75,12 @@ def learn_on_rig(
     if coarse:
         start = coarsened(start, coarse, rig.law)
     v_cmd = training.sample(rig.samples(training.duration))
-    study = Study(rig, loop, start, v_cmd, feed, seed=seed)
+    study = Study(rig, loop, start, v_cmd, feed=feed, seed=seed)
     progress.stage("fitting the friction to runs of the drive")
     refinement = refine(study)
-    return LearnedOnRig(refinement.values, Loops(loop, loop), found, study, start, refinement)
+    return LearnedOnRig(
+        refinement.values, Loops(loop, loop), found, study, start=start, refinement=refinement
+    )
 
 
 def validate(
@@ -103,4 +105,4 @@ def validate(
     if learned.refusal:
         raise HarmfulError(f"{rig.name}: learn does not recommend it: {learned.refusal}; not run")
     plain, loop, _ = learned.designed
-    return validation.validate(rig, loop, learned.friction, command, feed, plain)
+    return validation.validate(rig, loop, learned.friction, command, feed=feed, plain=plain)

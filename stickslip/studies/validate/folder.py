@@ -92,7 +92,9 @@ def write_comparison(
         if one is not None
         for key, reduction in one.reductions.items()
     ]
-    sections = comparison.comparison_sections(found, motion, logs, learned.path.name, controller)
+    sections = comparison.comparison_sections(
+        found, motion, logs, learned.path.name, controller=controller
+    )
     command = {"name": "validate", "without": logs[0], "log": logs[1]}
     with staged(folder, command) as staging:
         write_tables({"tracking": pd.DataFrame(rows)}, staging)

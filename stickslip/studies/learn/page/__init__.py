@@ -69,5 +69,5 @@ def write_estimation_report(
     written = [atomic_write(folder / "parameters.csv", table)]
     beside = [path.name for path in folder.iterdir()]
     title = f"Friction of a drive, learned from {estimation.recording.source}"
-    found = sections(estimation, findings, beside, further, opening, forced=forced)
+    found = sections(estimation, findings, beside, further, opening=opening, forced=forced)
     return written + write_page(folder, title, found)

@@ -129,7 +129,7 @@ def draw_force(estimation: Estimation) -> Figure:
     lower = figure.add_subplot(rows[1], sharex=upper)
     upper.tick_params(labelbottom=False)
     if friction:
-        _over_time(upper, lower, signals, estimation, "Friction", "learned")
+        _over_time(upper, lower, signals, estimation, what="Friction", predicted="learned")
         loops = figure.add_subplot(beside)
         _loops(loops, estimation, signals)
         style.name_panel(loops, "a", f"Hysteresis, {error}")
@@ -137,7 +137,9 @@ def draw_force(estimation: Estimation) -> Figure:
         style.name_panel(lower, "c", "Recorded less learned")
     else:
         push = WORDS[motion][1].capitalize()
-        _over_time(upper, lower, signals, estimation, push, "predicted by the learned drive")
+        _over_time(
+            upper, lower, signals, estimation, what=push, predicted="predicted by the learned drive"
+        )
         _legend_above(upper, 0.2)
         cells = beside.subgridspec(2, 1)
         both, against_speed = (figure.add_subplot(cells[k]) for k in (0, 1))
