@@ -15,6 +15,7 @@ import stickslip as ss
 from stickslip.identification.estimation import Search
 from stickslip.logs import Column, Description
 from stickslip.planning import plan
+from stickslip.progress import Progress
 from stickslip.rigs.contract import commissioning_loop
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import build_fmus, servo_loop
@@ -22,6 +23,16 @@ from stickslip.studies.learn.recorded import gains_of
 from stickslip.work.execution import Execution
 
 RUNS = 20
+
+
+class Stages(Progress):
+    """When each stage began."""
+
+    def __init__(self) -> None:
+        self.begun: list[tuple[str, float]] = []
+
+    def stage(self, name: str) -> None:
+        self.begun.append((name, time.perf_counter()))
 
 
 def measure(folder: Path) -> dict[str, float]:
@@ -46,15 +57,15 @@ def measure(folder: Path) -> dict[str, float]:
     description = Description(columns=columns, controller="PI", gains=gains_of(loop))
     figures: dict[str, float] = {}
     for workers in (1, 2):
-        stages: list[tuple[str, float]] = []
+        stages = Stages()
         ss.learn(
             folder / "log.csv",
             description,
             search=Search(execution=Execution(workers=workers)),
-            on_stage=lambda name, to=stages: to.append((name, time.perf_counter())),
+            progress=stages,
         )
-        stages.append(("", time.perf_counter()))
-        for (name, begin), (_, end) in pairwise(stages):
+        stages.stage("")
+        for (name, begin), (_, end) in pairwise(stages.begun):
             figures[f"{name}, workers = {workers}"] = (end - begin) / one
-        figures[f"all, workers = {workers}"] = (stages[-1][1] - stages[0][1]) / one
+        figures[f"all, workers = {workers}"] = (stages.begun[-1][1] - stages.begun[0][1]) / one
     return figures

@@ -28,7 +28,13 @@ from scipy.stats import binomtest
 
 from stickslip.catalog.parameters import PAPER, unit_of
 from stickslip.errors import StickslipError
-from stickslip.identification.estimation import Estimation, Task, candidate_fmus, learn
+from stickslip.identification.estimation import (
+    Estimation,
+    LearnSettings,
+    Task,
+    candidate_fmus,
+    learn,
+)
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
 from stickslip.identification.sliding.friction_curve import Interval
 from stickslip.logs import Recording
@@ -179,7 +185,8 @@ def learn_one(options: argparse.Namespace, seed: int) -> pd.DataFrame:
     begin = time.process_time()
     law = made.law if options.own_law else "lugre"
     with candidate_fmus(law) as fmus:
-        estimation = learn(Task(fmus, recording, gains, options.criterion, seed=seed, law=law))
+        settings = LearnSettings(law, options.criterion, seed)
+        estimation = learn(Task(fmus, recording, gains, settings))
     told = {1.0: "right", 0.0: "none"}.get(made.gains, "wrong")
     return pd.DataFrame(_rows(made, estimation)).assign(
         seed=seed,

@@ -26,6 +26,7 @@ from campaigns.never_worse import CLOSE, commands
 from campaigns.never_worse import Drive as Commanded
 from stickslip.cosim import Simulation
 from stickslip.fmi.process import temporary_folder
+from stickslip.identification.estimation import LearnSettings
 from stickslip.logs import aligned, samples_late
 from stickslip.servo.systems import Compensator, build_fmus, build_loop
 from stickslip.studies.learn import tables
@@ -78,11 +79,12 @@ def tried(name: str, drive: Drive, law: str, out: Path) -> Iterator[dict[str, ob
         reading, findings = read_and_check(path, description)
         recording = aligned(reading.recording, samples_late(reading.recording))
         reading = replace(reading, recording=recording)
+        settings = LearnSettings(law=law)
         gains, design = reading.controller.parameters(), partial(loops_of_log, reading)
-        learned = learn_recording(recording, gains, design, findings, law=law)
+        learned = learn_recording(recording, gains, design, findings, settings)
     for way, asked in WAYS.items():
         begin = time.process_time()
-        one = with_trial(reading, learned, **asked)
+        one = with_trial(reading, learned, LearnSettings(**asked))
         seconds = time.process_time() - begin
         compared = one.trial.compared if one.trial else None
         chosen = compared.chosen.name if compared else one.writes()

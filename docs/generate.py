@@ -32,7 +32,7 @@ HEADINGS = {
     "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),
     "Models and friction laws": ("models", "laws", "papers.lugre"),
     "Velocity loops and frequency responses": ("servo", "cosim.control", "presentation"),
-    "Learning": ("logs", "planning", "studies.learn", "learned"),
+    "Learning": ("logs", "planning", "identification", "studies.learn", "learned"),
     "Drives": ("rigs",),
     "Comparison and checks": ("studies.arena", "fmucheck", "fmi"),
 }

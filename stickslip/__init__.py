@@ -29,6 +29,7 @@ _PLACES = {
     "stickslip.logs": ("Column", "Description"),
     "stickslip.models": ("build_fmu", "export_lti", "law_names"),
     "stickslip.models.firmware": ("write_compensator",),
+    "stickslip.identification.estimation": ("LearnSettings",),
     "stickslip.studies.learn.log_learning": ("learn",),
     "stickslip.studies.learn.rig_learning": ("learn_on_rig", "validate"),
     "stickslip.learned.file": ("load_learned", "save_learned"),

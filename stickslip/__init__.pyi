@@ -24,6 +24,7 @@ from stickslip.cosim.control import linearise as linearise
 from stickslip.cosim.control import measure_response as measure_response
 from stickslip.fmi.errors import Fault as Fault
 from stickslip.fmucheck import check as check
+from stickslip.identification.estimation import LearnSettings as LearnSettings
 from stickslip.laws import run_law as run_law
 from stickslip.learned.file import load_learned as load_learned
 from stickslip.learned.file import save_learned as save_learned

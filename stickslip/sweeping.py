@@ -73,10 +73,7 @@ def sweep(
     parameters: Mapping[str, Iterable[float | str]],
     figures: Mapping[str, Figure],
     *,
-    stop: float | None = None,
-    step: float | None = None,
     inputs: Inputs | None = None,
-    record: Iterable[str] | None = None,
     workers: int = 1,
     where: str = "threads",
     progress: Progress | bool = False,
@@ -92,13 +89,12 @@ def sweep(
     system : a system, an FMU, FILE.fmu or FILE.ssp
     parameters : ``component.variable``, or ``variable`` of one FMU, -> values in its unit
     figures : name -> a function of the result that gives a number
-    stop, step : of each run [s], instead of those that a file proposes
     inputs : signals by exposed input, as of ``simulate``; the same in every run
     workers, where : how many, and ``threads``, ``processes``, ``local`` or the address of a Dask
         scheduler
-    record : as of ``simulate``
     progress : whether to show a bar; or a function of how many runs are done and how many there are
-    options : of ``System.prepare``
+    options : of ``System.prepare``, such as ``stop`` and ``step`` [s] instead of those that a file
+        proposes, and ``record``
 
     Returns
     -------
@@ -122,7 +118,7 @@ def sweep(
         raise UsageError("a sweep needs parameters with values, and figures")
     if taken := sorted({*values, "reason"} & {*figures}):
         raise UsageError(f"figure {taken[0]!r}: has the name of another column; choose another")
-    model, specification, signals = _prepared(system, stop, step, inputs, record, options)
+    model, specification, signals = _prepared(system, inputs, options)
     names = [model.qualified(name) for name in values]
     model.require_free(names, signals)
     for name, some in zip(names, values.values(), strict=True):
@@ -145,7 +141,7 @@ def sweep(
                     _log.warning("a run of the sweep failed: %s", found["reason"])
             report(len(rows), len(grid))
 
-        run_jobs(_evaluated, runs, 0, where, workers, take)
+        run_jobs(_evaluated, runs, 0, where, workers=workers, on_done=take)
     first = rows[0].get("reason", "")
     found = any({*figures} & {*row} for row in rows.values())
     if first.startswith(("figure ", DIED)) and not found:
@@ -160,10 +156,7 @@ def optimise(
     ranges: Mapping[str, Sequence[float]],
     cost: Figure,
     *,
-    stop: float | None = None,
-    step: float | None = None,
     inputs: Inputs | None = None,
-    record: Iterable[str] | None = None,
     evaluations: int = 300,
     algorithm: str = "default",
     seed: int = 0,
@@ -176,7 +169,7 @@ def optimise(
 
     Parameters
     ----------
-    system, stop, step, inputs, record, workers, where, progress, options : as of ``sweep``
+    system, inputs, workers, where, progress, options : as of ``sweep``
     ranges : name -> (lowest, start, highest), in the unit of the variable; searched by the
         logarithm where the lowest is above 0
     cost : of a result, 0 or more
@@ -194,7 +187,7 @@ def optimise(
     CosimError
         When the system, a name or an input is wrong.
     """
-    model, specification, signals = _prepared(system, stop, step, inputs, record, options)
+    model, specification, signals = _prepared(system, inputs, options)
     genes = []
     spans = by_name("ranges", ranges, UsageError)
     for name, span in spans.items():
@@ -203,7 +196,7 @@ def optimise(
             raise UsageError(f"{name}: expected (lowest, start, highest), got {tuple(span)}")
         low, start, high = three
         unit = model.system.unit(model.qualified(name)) or ""
-        genes.append(ga.Gene(name, low, high, start, unit, linear=low <= 0.0))
+        genes.append(ga.Gene(name, low, high, start, unit=unit, linear=low <= 0.0))
     if not (isinstance(evaluations, Integral) and isinstance(seed, Integral) and seed >= 0):
         raise UsageError(
             f"evaluations = {evaluations!r} and seed = {seed!r}: expected whole numbers, the seed"
@@ -299,16 +292,11 @@ def _nothing(_: cosim.Result) -> float:
 
 
 def _prepared(
-    system: cosim.System | cosim.Fmu | Path | str,
-    stop: float | None,
-    step: float | None,
-    inputs: Inputs | None,
-    names: Iterable[str] | None,
-    options: Mapping[str, Any],
+    system: cosim.System | cosim.Fmu | Path | str, inputs: Inputs | None, options: dict[str, Any]
 ) -> tuple[Model, cosim.Specification, Mapping[str, Input]]:
     """Return the model, what its runs have in common, and their inputs."""
     model = Model.of(system)
-    record = model.record(names)
-    with model.prepare(stop=stop, step=step, record=record, **options) as simulation:
+    options["record"] = model.record(options.get("record"))
+    with model.prepare(**options) as simulation:
         specification = replace(simulation.spec, system=model.system)
     return model, specification, model.signals(inputs)

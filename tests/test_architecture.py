@@ -50,6 +50,13 @@ ROOMS_OF_STICKSLIP = (
 THIN_METHODS = {
     f"stickslip.cosim.system.system.{name}.prepare" for name in ("System", "Specification")
 }
+MOST_POSITIONS, MOST_PARAMETERS = 4, 8
+UNCOUNTED = ("stickslip.papers.lugre", "stickslip.studies.arena")
+"""Rooms that still have more; to be emptied."""
+MANY_PARAMETERS = {
+    "close_velocity_loop": "public: a loop has its gains and times, each a keyword of the user",
+    "optimise": "public: each is a keyword of the user",
+}
 FOUR_FILES = {"model.toml", "model.c", "README.md", "reference.csv"}
 
 
@@ -202,6 +209,59 @@ def test_rooms_of_the_application_have_an_order():
     ]
     assert not wrong
     assert {room_of(name) for name in own} == place.keys()
+
+
+def counted() -> Iterator[tuple[str, ast.AST]]:
+    """Yield the nodes of the application's modules, with the module, but for rooms uncounted."""
+    for module, tree in sources().items():
+        application = module.count(".") and module.split(".")[1] not in ALLOWED
+        if application and not module.startswith(UNCOUNTED):
+            yield from ((module, node) for node in ast.walk(tree))
+
+
+def parameters(function: ast.FunctionDef) -> list[str]:
+    given = function.args
+    names = [one.arg for one in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
+    return [name for name in names if name not in ("self", "cls")]
+
+
+def definitions() -> dict[str, bool]:
+    """Return whether a function or class takes any number of positions, by name."""
+    found: dict[str, bool] = {}
+    for tree in sources().values():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef):
+                found[node.name] = found.get(node.name, False) or bool(node.args.vararg)
+            elif isinstance(node, ast.ClassDef):
+                made = [one for one in node.body if getattr(one, "name", "") == "__init__"]
+                found[node.name] = any(one.args.vararg for one in made)
+    return found
+
+
+def test_few_positions_in_a_call():
+    """A call of ours names what comes after four positions, unless it takes any number of them.
+
+    A starred sequence counts as two.
+    """
+    known, wrong = {**definitions(), "cls": False, "__init__": False}, []
+    for module, node in counted():
+        if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name | ast.Attribute):
+            continue
+        name = node.func.id if isinstance(node.func, ast.Name) else node.func.attr
+        positions = len(node.args) + sum(isinstance(one, ast.Starred) for one in node.args)
+        if positions > MOST_POSITIONS and not known.get(name, True):
+            wrong.append(f"{module}:{node.lineno}: {name} takes {positions} positions")
+    assert not wrong
+
+
+def test_few_parameters_of_a_function():
+    wrong = [
+        f"{module}: {node.name} has {len(parameters(node))} parameters"
+        for module, node in counted()
+        if isinstance(node, ast.FunctionDef) and len(parameters(node)) > MOST_PARAMETERS
+        if node.name not in MANY_PARAMETERS
+    ]
+    assert not wrong
 
 
 @pytest.mark.parametrize("package", ALLOWED)

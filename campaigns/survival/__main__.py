@@ -17,23 +17,16 @@ from campaigns.survival.trials import (
 )
 from stickslip.papers.lugre.folder import write_results
 from stickslip.papers.lugre.reproduction import Options, Reproduction, reproduce
+from stickslip.progress import SILENT
 from stickslip.servo.systems import build_fmus
 
 KILLS = 50
 
 
-class _Quiet:
-    def stage(self, name: str) -> None:
-        del name
-
-    def generation(self, algorithm: object, scale: object = None) -> None:
-        del algorithm, scale
-
-
 def _reproduction(folder: Path, **truth: float) -> Reproduction:
     folder.mkdir()
     build_fmus(folder, truth)
-    return reproduce(Options(truth=truth), folder, _Quiet())
+    return reproduce(Options(truth=truth), folder, SILENT)
 
 
 def _say(what: str, outcomes: Counter[str]) -> None:

@@ -35,10 +35,14 @@ def _drive(name: str, unit: str, symbol: str, meaning: str, shown_by: str | None
 DRIVE = {
     parameter.name: parameter
     for parameter in (
-        _drive("m", "kg", "$m$", "Inertia", "quick ramps of velocity"),
-        _drive("b", "N.s/m", "$b$", "Viscous friction", "constant speeds over the whole range"),
-        _drive("F_0", "N", "$F_0$", "Constant force against the motor", None),
-        _drive("delay", "s", "$t_d$", "Delay of the force against its log or command", None),
+        _drive("m", "kg", "$m$", "Inertia", shown_by="quick ramps of velocity"),
+        _drive(
+            "b", "N.s/m", "$b$", "Viscous friction", shown_by="constant speeds over the whole range"
+        ),
+        _drive("F_0", "N", "$F_0$", "Constant force against the motor", shown_by=None),
+        _drive(
+            "delay", "s", "$t_d$", "Delay of the force against its log or command", shown_by=None
+        ),
     )
 }
 """The parameters that every drive has, whatever its friction law."""

@@ -58,7 +58,16 @@ class ParameterSpace:
         k = len(parameters)
         infinite = np.full(k, np.inf)
         lower = np.array([0.0 if one.at_least else -np.inf for one in parameters])
-        return cls(law, parameters, constants, np.ones(k), np.zeros(k), infinite, lower, infinite)
+        return cls(
+            law,
+            parameters,
+            constants,
+            np.ones(k),
+            prior_mean=np.zeros(k),
+            prior_deviation=infinite,
+            lower=lower,
+            upper=infinite,
+        )
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -170,8 +179,8 @@ class ParameterSpace:
             tuple(self.parameters[k] for k in kept),
             {**self.constants, **values},
             self.units[kept],
-            self.prior_mean[kept],
-            self.prior_deviation[kept],
-            self.lower[kept],
-            self.upper[kept],
+            prior_mean=self.prior_mean[kept],
+            prior_deviation=self.prior_deviation[kept],
+            lower=self.lower[kept],
+            upper=self.upper[kept],
         )

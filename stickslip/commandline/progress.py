@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Self
 
@@ -17,14 +17,13 @@ import numpy as np
 
 from stickslip.commandline import FLAG, add_options, warn
 from stickslip.output import LOG, quiet
-from stickslip.progress import shown_by
+from stickslip.progress import Factors, Progress, shown_by
 
 if TYPE_CHECKING:
     from tqdm import tqdm
 
     from stickslip import ga
     from stickslip.cosim.signals.signals import Array
-    from stickslip.identification.criteria.scaling import Scale
 
 
 LEVELS = "▁▂▃▄▅▆▇█"
@@ -40,8 +39,8 @@ def add_live_option(parser: argparse.ArgumentParser) -> None:
     add_options(parser, {"--live": live}, **FLAG)
 
 
-class TerminalProgress:
-    """The ``Progress`` of a reproduction; close it, or use ``with``.
+class TerminalProgress(Progress):
+    """The progress that a command shows; close it, or use ``with``.
 
     Parameters
     ----------
@@ -80,7 +79,7 @@ class TerminalProgress:
         tqdm.write(f"{done} of {of}: {what}", file=self._stream)
         self._draw(rows or {})
 
-    def generation(self, algorithm: ga.Optimiser, scale: Scale | None = None) -> None:
+    def generation(self, algorithm: ga.Optimiser, scale: Factors | None = None) -> None:
         """Move the bar on; a search with a scale has sums of squared forces as its cost."""
         lowest = algorithm.best.cost / (scale.of("F_c") ** 2 if scale else 1.0)
         cost = f"best cost {lowest:.3g}"
@@ -91,7 +90,12 @@ class TerminalProgress:
         if self._live:
             self._draw(self._of_search(algorithm, scale))
 
-    def _of_search(self, algorithm: ga.Optimiser, scale: Scale | None) -> dict[str, Row]:
+    def findings(self, findings: Iterable[object]) -> None:
+        """Print findings of the checks of a log."""
+        for finding in findings:
+            print(finding)
+
+    def _of_search(self, algorithm: ga.Optimiser, scale: Factors | None) -> dict[str, Row]:
         """Return the cost, and each parameter's spread in this generation and beside the first."""
         history = algorithm.history
         latest = history[history["generation"] == algorithm.generation]

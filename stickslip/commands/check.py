@@ -77,7 +77,7 @@ def _package(path: Path, check: Callable[[Path], Report]) -> list[Report]:
     def note(place: str, fault: CosimError) -> None:
         text = str(fault).removeprefix(f"{path.absolute()}: ")
         advice = "correct the package; simulate refuses it so"
-        found = Finding(Severity.ERROR, "system-structure", place, text, "", advice)
+        found = Finding(Severity.ERROR, "system-structure", place, text, section="", advice=advice)
         package.findings.append(found)
 
     try:

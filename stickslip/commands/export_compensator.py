@@ -79,7 +79,7 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
         not forced.
     """
     from stickslip.studies.learn.terminal import print_benefit
-    from stickslip.trial.guards import benefits_on_drives, feedforward
+    from stickslip.trial.guards import bench_of, benefits_on_drives, feedforward
 
     path, loop = learned.path, learned.loop
     refusal = f"learn refused it: {learned.refusal}" if learned.refusal else ""
@@ -105,18 +105,19 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
             f"{path}: validation: {duration:g} s with a sample every {loop.T_s:g} s; expected at "
             f"most {MOST_SAMPLES} samples"
         )
-    (benefit,), found = benefits_on_drives(
+    friction, variants = learned.friction, [feedforward(one.values, model=one.model)]
+    with bench_of(
         learned.law,
         loop,
-        learned.friction,
-        [feedforward(one.values, model=one.model)],
+        friction,
         learned.drives,
-        command,
-        learned.datasheet,
-        learned.standard_errors,
+        command=command,
+        datasheet=learned.datasheet,
         feed=learned.feed,
-        force=force,
-    )
+    ) as bench:
+        (benefit,), found = benefits_on_drives(
+            bench, friction, variants, learned.standard_errors, force=force
+        )
     for finding in found:
         warn(str(finding))
     if not benefit.acceptable:

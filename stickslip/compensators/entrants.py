@@ -27,7 +27,7 @@ from stickslip.servo.chain_response import ChainResponse, Robustness
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import COMPONENTS, Compensator
 from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
-from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, position_loop
+from stickslip.servo.velocity_loop import VelocityLoop, position_loop
 
 FEEDFORWARD = "compensator"
 """Model that evaluates any law."""
@@ -159,8 +159,7 @@ def regulated(loop: VelocityLoop, **gains: float) -> VelocityLoop:
     ControlError
         When it is unstable.
     """
-    kept = {name: getattr(loop, name) for name in ("K_p", "K_i", "K_x", "m_ff")}
-    return close_velocity_loop(loop.axis, loop.T_s, loop.tau_f, **{**kept, **gains})
+    return loop.changed(velocity_filter=None, velocity_feedforward=1.0, **gains)
 
 
 def _is_number(value: object) -> bool:
@@ -241,7 +240,7 @@ class Part:
         """Its component in a loop; None where only the controller changes."""
         if not self.model:
             return None
-        return Compensator(self.name, self.model, self.values, self.file, self.own_ports)
+        return Compensator(self.name, self.model, self.values, self.file, own_ports=self.own_ports)
 
     @cached_property
     def ports(self) -> models.Ports | None:
@@ -554,7 +553,9 @@ def own_part(fmu: Path, ports: Path | Mapping[str, Any]) -> Part:
         f"own_{name}",
         values=table.get("values", {}),
         ranges={gene: tuple(span) for gene, span in genes.items()},
-        own_ports=models.Ports(inputs, table["output"], tuple(genes), axis, learned, frozen),
+        own_ports=models.Ports(
+            inputs, table["output"], tuple(genes), axis, learned=learned, frozen=frozen
+        ),
         own_fmu=fmu,
     )
 
@@ -572,11 +573,11 @@ def _part(name: str, table: Mapping[str, Any] | None) -> Part:
         table["title"],
         table.get("model", ""),
         models.load_law(law) if law else None,
-        table.get("values", {}),
-        {gene: tuple(span) for gene, span in table.get("genes", {}).items()},
-        table.get("design", ""),
-        table.get("controller", False),
-        table.get("positions", False),
+        values=table.get("values", {}),
+        ranges={gene: tuple(span) for gene, span in table.get("genes", {}).items()},
+        design=table.get("design", ""),
+        controller=table.get("controller", False),
+        positions=table.get("positions", False),
     )
     if part.model == FEEDFORWARD and part.law is None:
         return replace(part, law=models.load_model(FEEDFORWARD).law)

@@ -86,7 +86,7 @@ def evaluate(
     def one(motion: Motion, v_cmd: Array) -> tuple[dict[str, Run], dict[str, pd.DataFrame]]:
         runs: dict[str, Run] = {}
         errors: dict[str, list[dict[Key, float]]] = {}
-        for name, repeated in _runs(rig, entries, feed, v_cmd, phases):
+        for name, repeated in _runs(rig, entries, feed, v_cmd, phases=phases):
             runs.setdefault(name, repeated[0])
             errors.setdefault(name, []).extend(motion_errors(run, motion, top) for run in repeated)
         return runs, {name: repetitions(found, KEYS) for name, found in errors.items()}
@@ -109,13 +109,13 @@ def _runs(
     alike: dict[int, list[str]] = {}
     for name, entry in entries.items():
         if entry.compensator is None:
-            yield name, next(runs_of(rig, entry.loop, [None], v_cmd, feed, phases))
+            yield name, next(runs_of(rig, entry.loop, [None], v_cmd, feed=feed, phases=phases))
         else:
             alike.setdefault(id(entry.loop), []).append(name)
     for names in alike.values():
         tried = [(n, one) for n in names for one in (entries[n].compensator, *entries[n].others)]
         loop, compensators = entries[names[0]].loop, [one for _, one in tried]
-        found = runs_of(rig, loop, compensators, v_cmd, feed, phases)
+        found = runs_of(rig, loop, compensators, v_cmd, feed=feed, phases=phases)
         yield from zip((name for name, _ in tried), found, strict=True)
 
 

@@ -88,7 +88,7 @@ def trapezoid(command: cosim.Trapezoid) -> Motion:
         "friction.",
         command,
         float(command.corners()[-1] + command.begin),
-        regions_after(windows(command)),
+        regions=regions_after(windows(command)),
     )
 
 
@@ -115,8 +115,8 @@ def strokes(
         purpose,
         cosim.Table(np.array(time), np.array(v)),
         time[-1] + BEGIN,
-        regions,
-        positioned,
+        regions=regions,
+        positioned=positioned,
     )
 
 
@@ -124,7 +124,7 @@ def _reversals() -> Motion:
     """Return two periods of 1 s of a triangle at each of two amplitudes."""
     quarter = 0.25
     moves = [
-        (f"{1e3 * speed:g} mm/s", Stroke(sign * speed, quarter, 0.0, 0.0, quarter))
+        (f"{1e3 * speed:g} mm/s", Stroke(sign * speed, quarter, 0.0, 0.0, counted=quarter))
         for speed in (5e-4, 2e-3)
         for sign in 2 * (1, -1)
     ]
@@ -145,7 +145,7 @@ def _creep() -> Motion:
     for speed in (1e-4, 3e-4, 1e-3, 2e-3):
         lasts = length / speed + ramp
         for sign in (1, -1):
-            move = Stroke(sign * speed, ramp, lasts - 2 * ramp, rest, lasts)
+            move = Stroke(sign * speed, ramp, lasts - 2 * ramp, rest, counted=lasts)
             moves.append((f"{1e3 * speed:g} mm/s", move))
     return strokes(
         "creep",
@@ -161,7 +161,7 @@ def _micrometre_moves() -> Motion:
     moves = [
         (
             f"{1e6 * distance:g} um",
-            Stroke(sign * distance / half, half, 0.0, rest, 2 * half + rest),
+            Stroke(sign * distance / half, half, 0.0, rest, counted=2 * half + rest),
         )
         for distance in (5e-6, 2e-5, 5e-5)
         for sign in 2 * (1, -1)

@@ -185,12 +185,13 @@ def validate(
     chains = ((plain or loop, None, ()), (loop, compensator, behind))
     if isinstance(rig, FmuRig):
         without, compensated = (
-            next(runs_of(rig, used, [values], v_cmd, feed, phases, more))
+            next(runs_of(rig, used, [values], v_cmd, feed=feed, phases=phases, behind=more))
             for used, values, more in chains
         )
     else:
         without, compensated = (
-            [run_command(rig, used, values, v_cmd, feed, more)] for used, values, more in chains
+            [run_command(rig, used, values, v_cmd, feed=feed, behind=more)]
+            for used, values, more in chains
         )
     for run in (*without, *compensated):
         for v in run.v.values():
@@ -209,16 +210,22 @@ def run_command(
 ) -> Run:
     """Run a velocity command (n,) [m/s], one value a sample, with a compensator or None."""
     if isinstance(rig, FmuRig):
-        return next(runs_of(rig, loop, [compensator], v_cmd, feed, behind=behind))[0]
+        return next(runs_of(rig, loop, [compensator], v_cmd, feed=feed, behind=behind))[0]
     if behind:
         raise RigError(f"{rig.name}: compensators with feedback run in the drive, not beside it")
     with rig.trials(v_cmd, loop, feed, compensated=compensator is not None) as trial:
         found = trial(compensator or {})
     x_enc, unknown = found["drive.x_enc"], np.full(len(v_cmd), np.nan)
-    shown = {"measured": measured_velocity(x_enc, rig.T_s)}
-    forces = unknown, found["compensator.F_mean"]
-    t = rig.samples((len(v_cmd) - 1) * rig.T_s)
-    return Run(t, v_cmd, x_enc, shown, found["nominal.v_r"], *forces, unknown)
+    return Run(
+        t=rig.samples((len(v_cmd) - 1) * rig.T_s),
+        v_cmd=v_cmd,
+        x_enc=x_enc,
+        v={"measured": measured_velocity(x_enc, rig.T_s)},
+        v_r=found["nominal.v_r"],
+        F_f=unknown,
+        F_ff=found["compensator.F_mean"],
+        x=unknown,
+    )
 
 
 def runs_of(
@@ -237,7 +244,7 @@ def runs_of(
     compensators : one that is None, for none, stands alone
     """
     connected: dict[str, float] | None = None if compensators[0] is None else {}
-    system = paper_loop(rig.fmus, loop, connected, feed, behind)
+    system = paper_loop(rig.fmus, loop, connected, feed, behind=behind)
     stop, commands = (len(v_cmd) - 1) * rig.T_s, loop.commands(v_cmd)
     starts = beginnings(system, phases) if tuple(phases) != ONCE else [{}]
     with system.prepare(step=rig.T_s, stop=stop, record=RECORD) as simulation:
@@ -248,5 +255,5 @@ def runs_of(
                 result = simulation.run({**own, **start}, commands)
                 x_enc, x, v, F_f, v_r, F_ff = (result[name] for name in RECORD)
                 shown = {"measured": measured_velocity(x_enc, rig.T_s), "true": v}
-                runs.append(Run(result.time, v_cmd, x_enc, shown, v_r, F_f, F_ff, x))
+                runs.append(Run(result.time, v_cmd, x_enc, shown, v_r=v_r, F_f=F_f, F_ff=F_ff, x=x))
             yield runs

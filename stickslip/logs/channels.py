@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from stickslip.errors import RecordingError, UsageError
 from stickslip.logs.clock import clock_seconds, is_clock
-from stickslip.logs.description import Description
+from stickslip.logs.description import Description, Product
 from stickslip.logs.finding import Finding
 from stickslip.logs.recording import Motion
 from stickslip.logs.roles import named_quantity, suffix_unit
@@ -35,6 +37,33 @@ FEW = 10
 """Distinct whole numbers up to which a column is a command in levels, and not counts."""
 
 
+@dataclass(frozen=True)
+class Channel:
+    """A column of a log in its role: SI value = unit * scale * logged value + offset.
+
+    Attributes
+    ----------
+    role : one of ``ROLES``
+    source : name of the column
+    unit : that of the description, else that of the header; None where none is stated
+    scale : SI units per unit; None where neither the description nor a rated value states it
+    offset : in SI units
+    """
+
+    role: str
+    source: str
+    unit: Unit | None
+    scale: Product | None = None
+    offset: Product = 0.0
+
+    @classmethod
+    def of(cls, table: LogTable, description: Description, role: str, source: str) -> Channel:
+        """Return the channel of a column."""
+        given, unit = description.column(role), unit_of(table, description, role, source)
+        scale = _implied_scale(description, role, unit) if given.scale is None else given.scale
+        return cls(role, source, unit, scale, offset=given.offset)
+
+
 def unit_of(table: LogTable, description: Description, role: str, name: str) -> Unit | None:
     """Return the unit of a column: that of the description, else that of the header, else None."""
     given = description.column(role).unit
@@ -58,24 +87,20 @@ def _epoch(t: Array | None) -> Unit | None:
 
 
 def unit_fault(
-    table: LogTable,
-    description: Description,
-    role: str,
-    name: str,
-    unit: Unit | None,
-    motion: Motion,
+    table: LogTable, description: Description, channel: Channel, motion: Motion
 ) -> Finding | None:
     """Return the error of a column whose unit is unknown, does not fit its role, or is missing.
 
     A column needs a unit or a scale if its name is that of another quantity, such as a current, and
     if it holds whole numbers only, as counts and per mille do.
     """
-    if description.column(role).scale is not None:
+    if channel.scale is not None:
         return None
+    role, name, unit = channel.role, channel.source, channel.unit
     expected = quantity_of(role, motion)
     SI = unit_names(expected)[0]
     if unit:
-        if unit.quantity == expected or _implied_scale(table, description, role, unit) is not None:
+        if unit.quantity == expected:
             return None
         base = unit.name if unit.factor == 1 else unit_names(unit.quantity)[0]
         one = "100 %" if unit.name in ("%", "‰") else f"one {base}"
@@ -112,18 +137,12 @@ def unit_fault(
     return Finding("error", f"{role}: column '{name}'", what, advice)
 
 
-def _implied_scale(
-    table: LogTable, description: Description, role: str, unit: Unit | None
-) -> float | None:
+def _implied_scale(description: Description, role: str, unit: Unit | None) -> Product | None:
     """Return what a count or 100 % stands for, where step or rated force tell; else None."""
     key, name = quantity_key(role), unit.name if unit else ""
     if unit and name not in ("%", "‰") and (key, unit.quantity) in _COUNTED:
-        given, what = description.encoder_step, "encoder_step"
-    elif key == "force" and name in ("%", "‰"):
-        given, what = description.rated, "rated force"
-    else:
-        return None
-    return None if given is None else table.value(given, what)
+        return description.encoder_step
+    return description.rated if key == "force" and name in ("%", "‰") else None
 
 
 def _whole(numbers: Array | None) -> bool:
@@ -135,7 +154,7 @@ def _whole(numbers: Array | None) -> bool:
 
 
 def motion_from(
-    description: Description, roles: dict[str, str], units: dict[str, Unit | None]
+    description: Description, channels: Sequence[Channel]
 ) -> tuple[Motion, list[Finding]]:
     """Return the motion: that of the description, else that of the units, else linear.
 
@@ -143,24 +162,18 @@ def motion_from(
     """
     if description.motion:
         return description.motion, []
-    for role, unit in units.items():
-        motion = motion_of(unit) if unit and description.column(role).scale is None else None
-        if motion:
-            figure = f"{role} in {unit.name if unit else ''}"
+    for one in channels:
+        if one.unit and one.scale is None and (motion := motion_of(one.unit)):
+            figure = f"{one.role} in {one.unit.name}"
             return motion, [Finding("note", f"motion is taken for {motion}", figure)]
-    if named_quantity(roles.get("position", "")) == "angle":
-        figure = f"position is column '{roles['position']}'"
-        return "rotary", [Finding("note", "motion is taken for rotary", figure)]
+    for one in channels:
+        if one.role == "position" and named_quantity(one.source) == "angle":
+            figure = f"position is column '{one.source}'"
+            return "rotary", [Finding("note", "motion is taken for rotary", figure)]
     return "linear", []
 
 
-def signal_of(
-    table: LogTable,
-    description: Description,
-    role: str,
-    name: str,
-    unit: Unit | None,
-) -> Array:
+def signal_of(table: LogTable, channel: Channel) -> Array:
     """Return a column (n,) in SI units.
 
     A unit that does not fit the role needs a scale, see ``unit_fault``.
@@ -172,12 +185,10 @@ def signal_of(
     RecordingError
         When the column holds no numbers, or larger ones than any drive has.
     """
-    column = description.column(role)
-    scale = _implied_scale(table, description, role, unit) if column.scale is None else None
-    if scale is None:
-        scale = table.value(1.0 if column.scale is None else column.scale, f"scale of {role}")
-    offset = table.value(column.offset, f"offset of {role}")
-    factor = scale * (unit.factor if unit else 1.0)
+    role, name = channel.role, channel.source
+    scale = table.value(1.0 if channel.scale is None else channel.scale, f"scale of {role}")
+    offset = table.value(channel.offset, f"offset of {role}")
+    factor = scale * (channel.unit.factor if channel.unit else 1.0)
     if not (math.isfinite(factor) and factor != 0):
         raise UsageError(f"scale of {role} = {factor:g}: expected a number other than 0")
     if role == "time" and name in table.texts:
@@ -194,14 +205,12 @@ def signal_of(
     return signal
 
 
-def assumed_units(
-    description: Description, units: dict[str, Unit | None], motion: Motion
-) -> list[Finding]:
+def assumed_units(channels: Sequence[Channel], motion: Motion) -> list[Finding]:
     """Return the note on columns without a stated unit."""
     assumed = [
-        f"{role} in {unit_names(quantity_of(role, motion))[0]}"
-        for role, unit in units.items()
-        if unit is None and description.column(role).scale is None
+        f"{one.role} in {unit_names(quantity_of(one.role, motion))[0]}"
+        for one in channels
+        if one.unit is None and one.scale is None
     ]
     figure, advice = "taken for " + ", ".join(assumed), "--unit ROLE=UNIT states another"
     return [Finding("note", "columns that state no unit", figure, advice)] if assumed else []

@@ -128,7 +128,7 @@ def _delays(recording: Recording, late: int) -> Iterator[Finding]:
         what = "the delay of the force ends at the bound of its search"
         yield Finding("warning", what, figure, advice, spoils="values")
     elif delay and not delay.at_bound and (late or abs(delay.value) < LARGE * recording.T_s):
-        yield _delayed("force", "the motion", delay, recording.T_s, late)
+        yield _delayed("force", "the motion", delay, recording.T_s, taken_out=late)
     if recording.position is not None and recording.velocity is not None:
         motion = kinematics(recording)
         other = kinematics(Recording(recording.t, velocity=recording.velocity))
@@ -157,7 +157,8 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     figure = f"{shown.moving:.1%} of the time, 90 % of it at {speeds}"
     advice = "move faster or longer; only presliding may be identifiable"
     fine = shown.moving >= 2 * LITTLE
-    yield Finding.either(fine, "the drive moves", "the drive hardly moves", figure, advice)
+    words = "the drive moves", "the drive hardly moves"
+    yield Finding.either(fine, words, figure, advice)
     if shown.spacing < 20:
         figure = f"{shown.spacing:.0f} samples between two"
         what = "reversals are too fast for the sample rate"
@@ -173,14 +174,14 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
         share = f"{shown.inertial:.1%} of the force"
         figure = f"accelerations up to {shown.acceleration:.3g} {unit}/s^2 cause {share}"
         words = "m is identifiable", "m is poorly identifiable"
-        yield Finding.either(shown.inertial >= LITTLE, *words, figure, f"{PLAN} m")
+        yield Finding.either(shown.inertial >= LITTLE, words, figure, f"{PLAN} m")
     if high < 3 * low:
         figure = f"only speeds of {speeds}"
         yield Finding("warning", "b and F_c are hard to separate", figure, f"{PLAN} b F_c")
     share = f"{shown.slow:.1%} of the motion, {shown.slow_samples} samples"
     figure = f"{share} below {quantity(shown.slow_speed, f'{unit}/s')}"
     words = "F_s and v_s may be identifiable", "F_s and v_s are poorly identifiable"
-    yield Finding.either(shown.slow >= LITTLE, *words, figure, f"{PLAN} F_s v_s")
+    yield Finding.either(shown.slow >= LITTLE, words, figure, f"{PLAN} F_s v_s")
     turn, advice = shown.turn_around, f"{PLAN} sigma_0 sigma_1"
     if turn is None:
         what = "sigma_0 and sigma_1 are not identifiable"
@@ -193,4 +194,4 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     )
     fine = turn.times * turn.samples >= 100 and turn.counts >= 3 and turn.samples >= 3
     words = "sigma_0 and sigma_1 may be identifiable", "sigma_0 and sigma_1 are poorly identifiable"
-    yield Finding.either(fine, *words, figure, advice)
+    yield Finding.either(fine, words, figure, advice)

@@ -64,9 +64,9 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
             yield _unrelated(b, a, f"a correlation of {best:.2f}; expected at least {UNLIKE:g}")
         ratio, high, low = _likeness(signals[a], signals[b], late)
         if high >= ALIKE:
-            yield from _contradiction(reading, a, b, (ratio, high), most)
+            yield from _contradiction(reading, a, b, (ratio, high), most=most)
         elif low <= -SAME and high < ALIKE / 2:
-            yield from _contradiction(reading, a, b, (-ratio, -low), most)
+            yield from _contradiction(reading, a, b, (-ratio, -low), most=most)
     if "force" in signals and (share := _shared(recording, signals["force"], motion)) < SHARED:
         figure = f"{share:.1%} of it is like inertia, viscous and Coulomb friction of that motion"
         yield _unrelated("force", "the motion", f"{figure}; expected at least {SHARED:.0%}")

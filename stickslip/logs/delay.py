@@ -64,7 +64,7 @@ def force_delay(recording: Recording) -> Delay | None:
         drive.force,
         drive.used,
         drive.columns,
-        lambda fit: np.asarray(fit[0] * jerk + fit[1] * a),
+        slope=lambda fit: np.asarray(fit[0] * jerk + fit[1] * a),
     )
 
 
@@ -84,7 +84,7 @@ def signal_delay(t: Array, early: Array, late: Array) -> Delay | None:
         return None
     rate = np.gradient(early, T_s)[used]
     base = np.column_stack([early[used], np.ones(int(used.sum()))])
-    return _fitted(t, late, used, base, lambda fit: np.asarray(fit[0] * rate))
+    return _fitted(t, late, used, base, slope=lambda fit: np.asarray(fit[0] * rate))
 
 
 def _fitted(

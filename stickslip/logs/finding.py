@@ -31,8 +31,9 @@ class Finding:
     hides: tuple[str, ...] = ()
 
     @classmethod
-    def either(cls, fine: bool, note: str, warning: str, figure: str, advice: str) -> Finding:
+    def either(cls, fine: bool, words: tuple[str, str], figure: str, advice: str) -> Finding:
         """Return a note without advice, or a warning."""
+        note, warning = words
         return cls("note", note, figure) if fine else cls("warning", warning, figure, advice)
 
     def __str__(self) -> str:

@@ -64,7 +64,7 @@ def even_grid(
             f"{table.path}: a sample period of {usual:.3g} s; expected 1e-9 to 1e4 s, check the "
             "unit of the time"
         )
-    begin, end = _longest(table, t, signals, usual, findings)
+    begin, end = _longest(table, t, signals, usual, findings=findings)
     used = table.part(np.arange(begin, end))
     t = even_clock(used, t[begin:end], usual, findings)
     signals = {role: signal[begin:end] for role, signal in signals.items()}
@@ -72,7 +72,7 @@ def even_grid(
         if not (known := np.isfinite(signal)).all():
             figure = f"{np.sum(~known)}, the first in row {used.row(int(np.argmin(known)))}"
             findings.append(Finding("warning", f"{role}: numbers are missing", figure, "filled in"))
-    signals = continuous(used, t, signals, motion, findings)
+    signals = continuous(used, t, signals, motion, findings=findings)
     count = round((t[-1] - t[0]) / mean_period(t))
     T_s = (t[-1] - t[0]) / count
     grid = t[0] + np.arange(count + 1) * T_s

@@ -97,12 +97,12 @@ def find_header(lines: Iterable[Line], dialect: Dialect) -> Header:
     if k + 1 == LOOKED_AT and not (begin or filled):
         return Header(0, 0, [], [])
     if names := next((titled[key] for key in _NAMES if len(titled) > 1 and key in titled), None):
-        return _titled(begin, width, names, titled, dialect)
+        return _titled(begin, width, names, titled, dialect=dialect)
     if not above:
         return Header(begin, width, [], [])
     names, units = _above(above)
     paired = width >= 4 and all(map(_is_time, names[::2])) and not any(map(_is_time, names[1::2]))
-    return Header(below, width, names, units, paired)
+    return Header(below, width, names, units, paired=paired)
 
 
 def _known(row: list[str], dialect: Dialect) -> int:
@@ -150,4 +150,6 @@ def _titled(
         period = dialect.number(period_row[k]) if k < len(period_row) else None
         if period is not None and period > 0:
             periods.append((k, period))
-    return Header(begin, len(names), names, found, paired, titled=True, periods=tuple(periods))
+    return Header(
+        begin, len(names), names, found, paired=paired, titled=True, periods=tuple(periods)
+    )

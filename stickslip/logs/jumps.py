@@ -71,7 +71,7 @@ def continuous(
         round_ = None if role == "force" else _restart(role, signals[role], sizes, tolerance)
         if round_ is None:
             lost, rest = _lost(at, sizes, tolerance)
-            _blank(table, role, known[lost], signals, findings)
+            _blank(table, role, known[lost], signals, findings=findings)
             at, sizes, tolerance = at[rest], sizes[rest], tolerance[rest]
             if role != "force" and at.size:
                 round_ = _restart(role, signals[role], sizes, tolerance)
@@ -81,7 +81,7 @@ def continuous(
             figure += f"{table.row(first)}"
             findings.append(Finding("note", f"{role} restarts, and was counted on", figure))
         elif role == "position" and at.size:
-            findings.append(_jumped(table, t, known[at], sizes, per))
+            findings.append(_jumped(table, t, known[at], sizes, unit=per))
     return signals
 
 

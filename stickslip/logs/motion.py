@@ -61,7 +61,7 @@ def kinematics(recording: Recording, cutoff: float = CUTOFF) -> Kinematics:
     # frequency; differentiated and cut off it has this standard deviation.
     noise = 2 * np.pi * recording.encoder_step * np.sqrt(cutoff**3 * T_s / 18)
     floor = max(3 * float(noise), 1e-4 * float(np.max(np.abs(v))))
-    return Kinematics(x, v, a, derivative(a, T_s), cutoff, floor)
+    return Kinematics(x, v, a, derivative(a, T_s), cutoff=cutoff, floor=floor)
 
 
 def sliding(motion: Kinematics, T_s: float, share: float = 0.1) -> NDArray[np.bool_]:

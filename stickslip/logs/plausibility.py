@@ -91,7 +91,7 @@ def implausible(reading: Reading) -> Iterator[Finding]:
         elif shown.inertial > SHOWN and shown.mass > 0.0:
             figures["mass"] = shown.mass, "kg m^2" if rotary else "kg"
     for name, (value, per) in figures.items():
-        if question := _asked(reading, name, value, value, per):
+        if question := _asked(reading, name, value, value, unit=per):
             yield question
 
 
@@ -108,7 +108,7 @@ def _against_motion(reading: Reading, mass: float, coulomb: float) -> Finding:
 def implausible_mass(reading: Reading, low: float, high: float) -> Finding | None:
     """Return the finding on a mass between two values [kg] that hardly any drive has."""
     unit = "kg m^2" if reading.recording.rotary else "kg"
-    return _asked(reading, "mass", low, high, unit) if high > 0.0 else None
+    return _asked(reading, "mass", low, high, unit=unit) if high > 0.0 else None
 
 
 def _asked(reading: Reading, name: str, low: float, high: float, unit: str) -> Finding | None:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from stickslip.errors import RecordingError, UsageError
-from stickslip.logs.channels import assumed_units, motion_from, signal_of, unit_fault, unit_of
+from stickslip.logs.channels import Channel, assumed_units, motion_from, signal_of, unit_fault
 from stickslip.logs.clock import with_joined_times
 from stickslip.logs.controller import Controller
 from stickslip.logs.description import ROLES, Description, Product
@@ -41,17 +41,22 @@ class Reading:
     findings : what was detected, filled in, cut off; ``check_recording`` adds what it can show
     force_limit : of motor or amplifier [N], None when it is not known
     tau_i : time constant of the amplifier's current loop [s], None when it is not known
-    units : of the columns by role, None where none is stated; without those in error
+    channels : its columns in their roles, without those in error
     description : by which it was read
     """
 
     recording: Recording
     controller: Controller
-    findings: tuple[Finding, ...]
+    findings: tuple[Finding, ...] = ()
     force_limit: float | None = None
     tau_i: float | None = None
-    units: Mapping[str, Unit | None] = field(default_factory=dict)
+    channels: tuple[Channel, ...] = ()
     description: Description = field(default_factory=Description)
+
+    @property
+    def units(self) -> dict[str, Unit | None]:
+        """Units of the columns by role, None where none is stated."""
+        return {one.role: one.unit for one in self.channels}
 
     @property
     def timed(self) -> bool:
@@ -61,12 +66,7 @@ class Reading:
     @property
     def assumed(self) -> tuple[str, ...]:
         """Roles whose numbers are assumed to be in SI units, because no unit or scale is stated."""
-        scaled = self.description.columns
-        return tuple(
-            role
-            for role, unit in self.units.items()
-            if unit is None and (role not in scaled or scaled[role].scale is None)
-        )
+        return tuple(c.role for c in self.channels if c.unit is None and c.scale is None)
 
 
 def raise_errors(path: str | os.PathLike[str], findings: Iterable[Finding]) -> None:
@@ -105,21 +105,17 @@ def read_recording(
     table = with_joined_times(read_table(Path(path), given.delimiter, given.decimal))
     roles, detected = assign_roles(table, given)
     _check_roles(table, roles, given)
-    units = {r: unit_of(table, given, r, roles[r]) for r in ROLES if r in roles}
-    motion, reasons = motion_from(given, roles, units)
+    channels = [Channel.of(table, given, role, roles[role]) for role in ROLES if role in roles]
+    motion, reasons = motion_from(given, channels)
     _check_rated(given, motion)
     findings = [*table.findings, *detected, *reasons]
-    if given.sample_period and "time" in units:
-        findings.append(_unused_time(table, given, roles["time"], units.pop("time")))
+    if given.sample_period and channels[0].role == "time":
+        findings.append(_unused_time(table, given.sample_period, channels.pop(0)))
     faults = {
-        role: fault
-        for role, unit in units.items()
-        if (fault := unit_fault(table, given, role, roles[role], unit, motion))
+        one.role: fault for one in channels if (fault := unit_fault(table, given, one, motion))
     }
-    signals = {
-        role: signal_of(table, given, role, roles[role], unit) for role, unit in units.items()
-    }
-    findings += [*faults.values(), *assumed_units(given, units, motion)]
+    signals = {one.role: signal_of(table, one) for one in channels}
+    findings += [*faults.values(), *assumed_units(channels, motion)]
     n = len(next(iter(signals.values())))
     for role, signal in signals.items():  # the columns of a MAT file may differ
         if len(signal) != n:
@@ -162,9 +158,9 @@ def read_recording(
         controller,
         tuple(findings),
         _positive(table, given.force_limit, "force_limit"),
-        given.tau_i,
-        {role: unit for role, unit in units.items() if role not in faults},
-        given,
+        tau_i=given.tau_i,
+        channels=tuple(one for one in channels if one.role not in faults),
+        description=given,
     )
 
 
@@ -209,12 +205,12 @@ def _check_rated(given: Description, motion: Motion) -> None:
         )
 
 
-def _unused_time(table: LogTable, given: Description, name: str, unit: Unit | None) -> Finding:
-    """Return the finding on a column of time where the sample period is given."""
-    period = given.sample_period or 1.0
+def _unused_time(table: LogTable, period: float, time: Channel) -> Finding:
+    """Return the finding on a column of time where the sample period [s] is given."""
+    name, unit = time.source, time.unit
     counts = unit.quantity == "number" if unit else named_quantity(name) == "number"
     if name in table.numbers and name not in table.faults and not counts:
-        t = signal_of(table, given, "time", name, unit)
+        t = signal_of(table, time)
         t = t[np.isfinite(t)]
         spacing = float(np.ptp(t)) / (len(t) - 1) if len(t) > 1 else 0.0
         if spacing and not 1 / EQUALS < spacing / period < EQUALS:

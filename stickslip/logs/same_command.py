@@ -45,7 +45,7 @@ def same_command(first: Array, second: Array, T_s: float) -> list[Stretch]:
     found: list[Stretch] = []
     lags = _lags(first, second)
     while True:
-        candidates = [list(_runs(first, second, lag, free, T_s, least)) for lag in lags]
+        candidates = [list(_runs(first, second, lag, free, T_s=T_s, least=least)) for lag in lags]
         motion = [sum(_motion(first, run) for run in runs) for runs in candidates]
         if not motion or not max(motion):
             return sorted(found, key=lambda run: run.first)
@@ -69,7 +69,7 @@ def period(command: Array, T_s: float) -> int | None:
         lag = int(lags[k])
         if not SHORTEST / T_s < lag <= n / 2:
             continue
-        runs = list(_runs(command, command, lag, (everywhere, everywhere), T_s, 1))
+        runs = list(_runs(command, command, lag, (everywhere, everywhere), T_s=T_s, least=1))
         if [run.n for run in runs] == [n - lag]:
             return lag
     return None

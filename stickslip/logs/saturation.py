@@ -50,11 +50,12 @@ def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
             most = float(np.quantile(one, 0.999))
             level = STATED * limit if limit else (1.0 - FLAT) * most
             if level > 0.0:
-                demand = _demand(recording, name, sign, one < level, level)
+                demand = _demand(recording, name, sign, one < level, level=level)
                 least = MORE * level + step
                 for begin, end in runs(one >= level):
-                    more = _more(*demand, begin, end, level) > least if demand else bool(limit)
-                    marked[begin:end] |= more and end - begin >= SHORTEST
+                    part = slice(begin, end)
+                    more = _more(demand, part, level) > least if demand else bool(limit)
+                    marked[part] |= more and end - begin >= SHORTEST
         most, share = float(np.max(np.abs(force))), float(np.mean(marked))
         if share > (0.0 if limit else SELDOM):
             advice = "there it does not follow its command; log a gentler motion"
@@ -67,9 +68,10 @@ def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
             yield Finding("warning", what, figure, advice, spoils="values")
 
 
-def _more(demand: Array, changes: bool, begin: int, end: int, level: float) -> float:
-    """Return how much more [N] is asked for in samples begin to end than the force there."""
-    part = demand[begin:end]
+def _more(demand: tuple[Array, bool], samples: slice, level: float) -> float:
+    """Return how much more [N] is asked for in some samples than the force there."""
+    signal, changes = demand
+    part = signal[samples]
     return float(np.max(part) - part[0] if changes else np.mean(part) - level)
 
 

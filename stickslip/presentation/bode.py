@@ -48,7 +48,7 @@ def draw_bode(
         for k, (name, (response, output)) in enumerate(measured.items()):
             look: dict[str, Any] = {"color": _COLOURS[k % 5], "marker": _MARKS[k % 5], "lw": 0.8}
             at = _response(designed, response.f)
-            _draw(gain, phase, response.f, response.response(output), at, label=name, **look)
+            _draw(gain, phase, response.f, response.response(output), near=at, label=name, **look)
             if distortion:
                 axes[2].plot(response.f, 100 * response.distortion[output], **look)
         gain.set(xscale="log", ylabel="Gain [dB]", title=title)

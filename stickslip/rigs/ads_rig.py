@@ -94,7 +94,7 @@ class AdsRig(RemoteRig):
         self._session = 1 + secrets.randbelow(2**31 - 1)
         self._at, self._by_force = "", False
         self._watch = Watch(limits, 1.0)  # of the motion that runs
-        super().__init__(f"{net_id}:{port} {symbol}", datasheet, limits, law, patience)
+        super().__init__(f"{net_id}:{port} {symbol}", datasheet, limits, law, patience=patience)
 
     def _run(self, command: Command, limits: RigLimits) -> Log:
         """Run a motion, and check that the function block is called as often as it was told."""

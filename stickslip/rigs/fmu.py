@@ -98,7 +98,7 @@ class FmuRig(Rig):
     ) -> AbstractContextManager[Callable[[Array], float]]:
         """Do what ``Rig.cost_of`` does; without limits it pickles, and its runs go side by side."""
         if self.limits is not None:
-            return super().cost_of(v_cmd, loop, cost, feed, fixed, compensated=compensated)
+            return super().cost_of(v_cmd, loop, cost, feed, fixed=fixed, compensated=compensated)
         connected = (fixed or {}) if compensated else None
         specification = self._loop_run(v_cmd, loop, connected, feed)
         names = [f"compensator.{name}" for name in estimated(self.law)]

@@ -54,7 +54,7 @@ class SocketRig(RemoteRig):
         self._session = secrets.token_hex(8)
         self._socket: socket.socket | None = None
         self._seq, self._heard = 0, 0.0
-        super().__init__(address, datasheet, limits, law, patience)
+        super().__init__(address, datasheet, limits, law, patience=patience)
 
     def _request(self, what: str, **fields: Any) -> dict[str, Any]:
         if "limits" in fields:

@@ -42,10 +42,10 @@ class Axis:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        check("m", self.m, self.unit("kg"), self.m > 0.0, "above 0")
-        check("m", self.m, self.unit("kg"), 1e-18 < self.m < 1e12, "1e-18 to 1e12")
-        check("b", self.b, self.unit("N s/m"), True, "a number")
-        check("tau_i", self.tau_i, "s", self.tau_i >= 0.0, "0 or above")
+        check("m", self.m, self.unit("kg"), self.m > 0.0, expected="above 0")
+        check("m", self.m, self.unit("kg"), 1e-18 < self.m < 1e12, expected="1e-18 to 1e12")
+        check("b", self.b, self.unit("N s/m"), True, expected="a number")
+        check("tau_i", self.tau_i, "s", self.tau_i >= 0.0, expected="0 or above")
 
     def unit(self, unit: str) -> str:
         """Return a unit of a linear axis as it is printed for this one."""

@@ -110,14 +110,14 @@ def design_observer(
     ControlError
         When the loop exceeds the limit without an observer, or none reduces the expected error.
     """
-    check("encoder_step", encoder_step, loop.axis.unit("m"), encoder_step > 0.0, "above 0")
-    check("friction", friction, loop.axis.unit("N"), friction > 0.0, "above 0")
-    check("limit", limit, "1", limit > 1.0, "above 1")
-    check("order", order, "1", order in (1, 2), "1 or 2")
+    check("encoder_step", encoder_step, loop.axis.unit("m"), encoder_step > 0.0, expected="above 0")
+    check("friction", friction, loop.axis.unit("N"), friction > 0.0, expected="above 0")
+    check("limit", limit, "1", limit > 1.0, expected="above 1")
+    check("order", order, "1", order in (1, 2), expected="1 or 2")
     noise = FORCE_NOISE * friction if force_noise is None else force_noise
-    check("force_noise", noise, loop.axis.unit("N"), noise >= 0.0, "0 or above")
+    check("force_noise", noise, loop.axis.unit("N"), noise >= 0.0, expected="0 or above")
     opened = [Opened(loop, share * loop.axis.m) for share in masses]
-    search = _Search(loop, opened, encoder_step, friction, noise, limit, order)
+    search = _Search(loop, opened, encoder_step, friction, noise=noise, limit=limit, order=order)
     without = search.tried(None)
     if not (without.peak <= limit and all(one.stable() for one in opened)):
         raise ControlError(
@@ -135,9 +135,16 @@ def design_observer(
             " reversals of friction leave without adding more noise; the controller alone is as"
             " fast as the encoder step and the noise of the force allow"
         )
-    peaks, errors = (best.peak, without.peak), (best.error, without.error)
-    reversals = best.reversal, without.reversal
-    return DesignedObserver(best.observer, *peaks, *errors, *reversals, best.weights)
+    return DesignedObserver(
+        observer=best.observer,
+        sensitivity=best.peak,
+        without=without.peak,
+        error=best.error,
+        error_without=without.error,
+        reversal=best.reversal,
+        reversal_without=without.reversal,
+        weights=best.weights,
+    )
 
 
 class _Candidate(NamedTuple):

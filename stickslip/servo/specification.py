@@ -33,11 +33,11 @@ class LoopSpecification:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        check("T_s", self.T_s, "s", self.T_s > 0.0, "above 0")
-        check("tau_f", self.tau_f, "s", self.tau_f >= 0.0, "0 or above")
+        check("T_s", self.T_s, "s", self.T_s > 0.0, expected="above 0")
+        check("tau_f", self.tau_f, "s", self.tau_f >= 0.0, expected="0 or above")
         inside = 0.0 < self.phase_margin < 180.0
-        check("phase margin", self.phase_margin, "deg", inside, "between 0 and 180")
+        check("phase margin", self.phase_margin, "deg", inside, expected="between 0 and 180")
         rate = 1.0 / self.T_s
         inside = _SLOWEST * rate < self.bandwidth < 0.5 * rate
         limits = f"between {_SLOWEST * rate:g} and {0.5 * rate:g} Hz, half the sample rate"
-        check("bandwidth", self.bandwidth, "Hz", inside, limits)
+        check("bandwidth", self.bandwidth, "Hz", inside, expected=limits)

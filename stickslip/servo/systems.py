@@ -117,7 +117,9 @@ def for_all_platforms(system: cosim.System, folder: Path, truth: Changes, law: s
     truth, law : as for ``build_fmus``
     """
     fmus = system.fmus("a loop")
-    build_fmus(folder, truth, law, {fmu.path.stem for fmu in fmus.values()}, PLATFORMS.values())
+    build_fmus(
+        folder, truth, law, {fmu.path.stem for fmu in fmus.values()}, platforms=PLATFORMS.values()
+    )
     whole = system.copy()
     whole.components |= {name: cosim.Fmu(folder / fmu.path.name) for name, fmu in fmus.items()}
     return whole
@@ -146,7 +148,7 @@ def feedforward(
     system = cosim.System("feedforward")
     chain = [Compensator("compensator", "compensator", compensator)]
     system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
-    _, referenced = _add_feedforward(system, fmus, loop, chain, feed)
+    _, referenced = _add_feedforward(system, fmus, loop, chain, feed=feed)
     _expose(system, loop, ["nominal"], referenced if feed == "command" else [])
     return system
 
@@ -197,7 +199,7 @@ def build_loop(
     """
     system = cosim.System("loop")
     system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
-    force, referenced = _add_feedforward(system, fmus, loop, compensators, feed)
+    force, referenced = _add_feedforward(system, fmus, loop, compensators, feed=feed)
     _add_servo(system, fmus, loop, drive)
     _expose(system, loop, ["controller", "nominal"], referenced if feed == "command" else [])
     for compensator in compensators:

@@ -42,7 +42,9 @@ def tuned_pi(loop: VelocityLoop) -> VelocityLoop:
 
     bounds = (0.2 * loop.K_p, loop.K_p * 2.0)
     found = minimize_scalar(lambda K_p: -largest(K_p), bounds=bounds, method="bounded")
-    return close_velocity_loop(loop.axis, loop.T_s, loop.tau_f, float(found.x), -float(found.fun))
+    return close_velocity_loop(
+        loop.axis, loop.T_s, loop.tau_f, float(found.x), K_i=-float(found.fun)
+    )
 
 
 def _points(loop: VelocityLoop) -> Array:

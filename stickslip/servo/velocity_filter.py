@@ -45,11 +45,11 @@ class FilterSpecification:
     order: int = 1
 
     def __post_init__(self) -> None:
-        check("encoder_step", self.encoder_step, "m", self.encoder_step > 0.0, "above 0")
-        check("force_noise", self.force_noise, "N", self.force_noise >= 0.0, "0 or above")
+        check("encoder_step", self.encoder_step, "m", self.encoder_step > 0.0, expected="above 0")
+        check("force_noise", self.force_noise, "N", self.force_noise >= 0.0, expected="0 or above")
         rate = self.disturbance_rate
-        check("disturbance_rate", rate, "N/s^0.5", rate > 0.0, "above 0")
-        check("order", self.order, "1", self.order in (1, 2), "1 or 2")
+        check("disturbance_rate", rate, "N/s^0.5", rate > 0.0, expected="above 0")
+        check("order", self.order, "1", self.order in (1, 2), expected="1 or 2")
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ def design_velocity_filter(
         When no gains follow from the weights.
     """
     s = specification
-    check("T_s", T_s, "s", T_s > 0.0, "above 0")
+    check("T_s", T_s, "s", T_s > 0.0, expected="above 0")
     A, _, _ = axis.period(T_s)
     # In steps of the encoder, a period each: x / q, v T_s / q, d T_s^2 / (m q)
     unit = s.encoder_step / np.array([1.0, T_s, T_s**2 / axis.m])

@@ -25,6 +25,12 @@ from stickslip.servo.axis import Array, Axis, ControlError, check
 from stickslip.servo.specification import LoopSpecification
 from stickslip.servo.velocity_filter import VelocityFilter
 
+GIVEN = (
+    *("axis", "T_s", "tau_f", "K_p", "K_i"),
+    *("m_ff", "velocity_filter", "K_x", "velocity_feedforward"),
+)
+"""What a loop is designed from."""
+
 
 @dataclass(frozen=True)
 class VelocityLoop:
@@ -65,9 +71,12 @@ class VelocityLoop:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as what it is designed from, for python-control's systems do not."""
-        given = self.axis, self.T_s, self.tau_f, self.K_p, self.K_i
-        further = self.m_ff, self.velocity_filter, self.K_x, self.velocity_feedforward
-        return _closed, (given, further)
+        return _closed, (self._given,)
+
+    @property
+    def _given(self) -> dict[str, Any]:
+        """Arguments of ``close_velocity_loop``."""
+        return {name: getattr(self, name) for name in GIVEN}
 
     def commands(self, v_cmd: Array) -> dict[str, Array]:
         """Return the inputs of the loop for velocities (n,) [m/s], one a sample.
@@ -94,31 +103,15 @@ class VelocityLoop:
             v = v + pushed.outputs
         return v, np.asarray(cumulative_trapezoid(v, dx=self.T_s, initial=0))
 
-    def changed(
-        self,
-        *,
-        m_ff: float | None = None,
-        velocity_filter: VelocityFilter | None = None,
-        K_x: float | None = None,
-    ) -> VelocityLoop:
-        """Return the loop with other feedforward of inertia [kg], velocity filter or outer loop.
+    def changed(self, **changes: Any) -> VelocityLoop:
+        """Return the loop with other arguments of ``close_velocity_loop``.
 
         Raises
         ------
         ControlError
-            When it is unstable with the filter.
+            When it is unstable.
         """
-        return close_velocity_loop(
-            self.axis,
-            self.T_s,
-            self.tau_f,
-            self.K_p,
-            self.K_i,
-            m_ff=self.m_ff if m_ff is None else m_ff,
-            velocity_filter=velocity_filter or self.velocity_filter,
-            K_x=self.K_x if K_x is None else K_x,
-            velocity_feedforward=self.velocity_feedforward,
-        )
+        return _closed({**self._given, **changes})
 
     def margins(self) -> dict[str, float]:
         """Return crossover and closed-loop bandwidth [Hz], phase [deg] and gain margin [dB]."""
@@ -172,10 +165,8 @@ def design_velocity_loop(
             f"phase margin {s.phase_margin:g} deg at {s.bandwidth:g} Hz is out of reach: a PI "
             f"controller leaves {least:.1f} to {most:.1f} deg there; {change}"
         )
-    gains = float(K_p), float(K_i)
-    return close_velocity_loop(
-        axis, s.T_s, s.tau_f, *gains, m_ff=m_ff, velocity_filter=velocity_filter
-    )
+    gains: dict[str, Any] = {"K_p": float(K_p), "K_i": float(K_i), "m_ff": m_ff}
+    return close_velocity_loop(axis, s.T_s, s.tau_f, **gains, velocity_filter=velocity_filter)
 
 
 def close_velocity_loop(
@@ -198,10 +189,10 @@ def close_velocity_loop(
         When a time is out of its range, the closed loop is unstable, or the filter has another
         sample period.
     """
-    check("T_s", T_s, "s", T_s > 0.0, "above 0")
-    check("tau_f", tau_f, "s", tau_f >= 0.0, "0 or above")
-    check("K_p", K_p, axis.unit("N s/m"), True, "a number")
-    check("K_i", K_i, axis.unit("N/m"), True, "a number")
+    check("T_s", T_s, "s", T_s > 0.0, expected="above 0")
+    check("tau_f", tau_f, "s", tau_f >= 0.0, expected="0 or above")
+    check("K_p", K_p, axis.unit("N s/m"), True, expected="a number")
+    check("K_i", K_i, axis.unit("N/m"), True, expected="a number")
     # I+ = I + T_s K_i e,  u = K_p e + I+
     names = {"name": "controller", "inputs": "e", "outputs": "u_pi"}
     controller = control.ss(1.0, T_s * K_i, 1.0, K_p + T_s * K_i, T_s, **names)
@@ -238,7 +229,7 @@ def close_velocity_loop(
         T_s,
         tau_f,
         K_p,
-        K_i,
+        K_i=K_i,
         open_loop=estimator * plant[1:, 0] * controller,
         nominal=nominal,
         compliance=compliance,
@@ -259,10 +250,9 @@ def position_loop(loop: VelocityLoop) -> VelocityLoop:
     return loop.changed(K_x=POSITION_LOOP * loop.K_p / loop.axis.m)
 
 
-def _closed(given: tuple[Any, ...], further: tuple[Any, ...]) -> VelocityLoop:
+def _closed(given: dict[str, Any]) -> VelocityLoop:
     """Return the loop that was pickled."""
-    names = ("m_ff", "velocity_filter", "K_x", "velocity_feedforward")
-    return close_velocity_loop(*given, **dict(zip(names, further, strict=True)))
+    return close_velocity_loop(**given)
 
 
 def _with_position(closed: control.StateSpace, K_x: float, share: float) -> control.StateSpace:
@@ -293,9 +283,11 @@ def plant_and_estimator(
     if velocity_filter is None:
         return _plant(axis, T_s), _estimator(T_s, tau_f)
     same = velocity_filter.T_s == T_s
-    check("T_s of the velocity filter", velocity_filter.T_s, "s", same, f"{T_s:g}")
+    check("T_s of the velocity filter", velocity_filter.T_s, "s", same, expected=f"{T_s:g}")
     L_1 = velocity_filter.L_1
-    check("L_1 of the velocity filter", L_1, "N/(m s)", L_1 == 0.0, "0: a filter of order 1")
+    check(
+        "L_1 of the velocity filter", L_1, "N/(m s)", L_1 == 0.0, expected="0: a filter of order 1"
+    )
     return _plant_with_force(axis, T_s), velocity_filter.system()
 
 

@@ -378,14 +378,14 @@ class Bench:
                     break
             else:
                 found = chain.from_iterable(rows[k] for k in range(len(cells)))
-                return Benefit(share, tuple(found), full, unit, variant)
-        return Benefit(1.0, full, full, unit, variant)
+                return Benefit(share, tuple(found), full, unit, variant=variant)
+        return Benefit(1.0, full, full, unit, variant=variant)
 
 
 def _rows(drive: Drive, command: Command, without: Errors, compensated: Errors) -> Rows:
     """Return the rows of a cell, one for each figure."""
     return tuple(
-        Tried(command.speed, drive.name, plain, own, command.name, figure)
+        Tried(command.speed, drive.name, plain, own, command=command.name, figure=figure)
         for figure, plain, own in zip(FIGURES, without, compensated, strict=False)
     )
 

@@ -243,7 +243,9 @@ def compare(
     asked : ``AUTO``, or a name for which ``law_of`` raises nothing
     absent : signals that the controller lacks
     """
-    with _Candidates(bench, own, friction, masses, offered(bench.law, absent)) as candidates:
+    with _Candidates(
+        bench, own, friction, masses, offered=offered(bench.law, absent)
+    ) as candidates:
         rows = [candidates.none()]
         if asked == AUTO:
             rows += candidates.best()
@@ -349,7 +351,7 @@ class _Candidates(ExitStack):
         benefit = replace(benefit, variant=replace(benefit.variant, name=name))
         alone, both = (None, benefit) if together else (benefit, None)
         observed = Observed(first, designed, alone=alone, both=both)
-        return [Row(name, 4 if together else 3, designed.sensitivity, benefit, observed)]
+        return [Row(name, 4 if together else 3, designed.sensitivity, benefit, observed=observed)]
 
     def _designs(self, part: Part, *, alone: bool) -> Iterator[Designed]:
         """Yield observers from fast to weak, all within the limit of Ms."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from scipy.signal import lfilter
 from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.controller.controller_check import AGREES
 from stickslip.identification.criteria.motion import encoder_noise, position_of
-from stickslip.identification.estimation import Estimation
+from stickslip.identification.estimation import Estimation, LearnSettings
 from stickslip.identification.fitting.conservative import bounded_by
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
 from stickslip.logs import Reading, Recording
@@ -61,24 +62,17 @@ WIDE = 2.0
 
 
 def try_compensator(
-    reading: Reading,
-    estimation: Estimation,
-    loop: VelocityLoop,
-    *,
-    compensator: str = "",
-    absent: Sequence[str] = (),
-    workers: int = 1,
+    reading: Reading, estimation: Estimation, loop: VelocityLoop, settings: LearnSettings
 ) -> SimulatedTrial:
     """Try a learned compensator at the log's own speed.
 
     Parameters
     ----------
     loop : in which it runs
-    compensator : what is tried, see ``candidates.compare``; empty for the feedforward, and a
-        disturbance observer beside it
-    absent : signals that the controller lacks, of ``candidates.SIGNALS``
-    workers : number of runs in parallel
+    settings : of the compensator; without one the feedforward is tried, and a disturbance observer
+        beside it
     """
+    compensator, absent = settings.compensator, settings.absent
     top = float(np.quantile(np.abs(estimation.figures.velocity_recorded), 0.99))
     scale = top / VALIDATION.height
     command = replace(VALIDATION, height=top, slope=scale * VALIDATION.slope)
@@ -98,15 +92,17 @@ def try_compensator(
         for name in estimation.fit.space.friction
         if estimation.known[name].identifiability != NOT_IDENTIFIABLE
     }
-    with bench_of(law, loop, friction, drives, command, sheet, workers=workers) as bench:
+    with bench_of(
+        law, loop, friction, drives, command=command, datasheet=sheet, workers=settings.workers
+    ) as bench:
         benefits = bench.benefits(feedforwards(law, friction))
         best = best_of(benefits)
-        found = findings_of(bench, friction, best, best.share, errors)
+        found = findings_of(bench, friction, best, best.share, standard_errors=errors)
         known, m = estimation.known["m"], loop.axis.m
         masses = min(MASSES[0], known.low / m), 1.0, max(MASSES[-1], known.high / m)
         observed = compared = None
         if compensator:
-            compared = compare(bench, best, friction, masses, compensator, absent)
+            compared = compare(bench, best, friction, masses, asked=compensator, absent=absent)
             observed = compared.chosen.observed
         elif not absent:
             designs = kalman_designs(bench, friction["F_c"], masses)
@@ -128,7 +124,17 @@ def try_compensator(
         tried = [part for part in (observed.alone, observed.both) if part is not None]
     others = tuple(one for one in (*benefits, *tried) if one is not best)
     warnings = tuple(map(str, found))
-    return SimulatedTrial(command, sheet, best, warnings, drives, others, observed, held, compared)
+    return SimulatedTrial(
+        command,
+        sheet,
+        best,
+        warnings,
+        drives=drives,
+        others=others,
+        observed=observed,
+        holds=held,
+        compared=compared,
+    )
 
 
 def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]:
@@ -149,7 +155,7 @@ def known_friction(estimation: Estimation) -> Known:
     """
     space, known = estimation.fit.space, estimation.known
     taken = (known[name].value for name in space.bounded)
-    largest = RESERVE * max(estimation.largest_friction, *taken, 0.0)
+    largest = RESERVE * max(estimation.fitted.largest_friction, *taken, 0.0)
     ranges = {}
     for name in space.friction:
         one = known[name]
@@ -158,10 +164,10 @@ def known_friction(estimation: Estimation) -> Known:
             if name in space.bounded:
                 high = min(one.high, largest)
             ranges[name] = (low, high)
-    values = (bounded_by(one, space, largest) for one in estimation.plausible)
+    values = (bounded_by(one, space, largest) for one in estimation.fitted.plausible)
     plausible = tuple(map(_of_drive, values))
     rivals, better = {}, set()
-    found = estimation.predictions
+    found = estimation.held_out.predictions
     least = min((one.force for one in found), default=0.0)
     same = (one.force for one in found if one.candidate.law.name == estimation.law.name)
     own = min(same, default=0.0)
@@ -201,25 +207,20 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
     T_s = estimation.recording.T_s
     rejected = estimation.controller is not None and estimation.controller.error > AGREES
     if controller.K_p and not (controller.P_x or controller.I_x or rejected):
-        gains = (controller.T_s or T_s, controller.tau_f, controller.K_p, controller.K_i)
+        gains = {name: getattr(controller, name) for name in ("tau_f", "K_p", "K_i", "K_x")}
         share = controller.velocity_feedforward
-        try:
+        with suppress(ControlError):
             loop = close_velocity_loop(
                 axis,
-                *gains,
-                K_x=controller.K_x,
+                controller.T_s or T_s,
+                **gains,
                 velocity_feedforward=1.0 if share is None else share,
             )
-        except ControlError:
-            pass
-        else:
             return Loops(loop, loop)
     if shown := shown_gains(reading.recording):
-        try:
-            loop = close_velocity_loop(axis, T_s, T_s, *shown)
-        except ControlError:
-            pass
-        else:
+        K_p, K_i = shown
+        with suppress(ControlError):
+            loop = close_velocity_loop(axis, T_s, T_s, K_p, K_i=K_i)
             return Loops(loop, loop, known=False)
     slower, margin = 1.0, LOOP.phase_margin
     if reading.recording.velocity_command is not None:

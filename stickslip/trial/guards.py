@@ -73,27 +73,19 @@ def inspect(trial: Trial, standard_errors: dict[str, float]) -> list[Finding]:
 
 
 def benefits_on_drives(
-    law: Law,
-    loop: VelocityLoop,
+    bench: Bench,
     friction: Mapping[str, float],
     variants: Sequence[Variant],
-    drives: Sequence[Drive],
-    command: Trapezoid,
-    datasheet: Datasheet,
     standard_errors: Mapping[str, float],
     *,
-    feed: Feed = "nominal",
     force: bool = False,
 ) -> tuple[tuple[Benefit, ...], list[Finding]]:
-    """Try ways to compensate on a family of drives.
+    """Try ways to compensate on the family of drives of a bench.
 
     Parameters
     ----------
-    law : of the feedforward
     friction : as fitted, parameters of the law by name
     variants : each is tried, in this order
-    drives : see ``family``
-    command : at the highest speed; see ``commands``
     standard_errors : of the friction, by name
     force : whether the guards take the whole force instead of the share that is acceptable
 
@@ -102,15 +94,14 @@ def benefits_on_drives(
     benefits : of each variant
     findings : of all guards on the best feedforward among the variants
     """
-    with bench_of(law, loop, friction, drives, command, datasheet, feed=feed) as bench:
-        benefits = bench.benefits(variants)
-        best = best_of(benefits)
-        share = 1.0 if force else best.share
-        found = findings_of(bench, friction, best, share, standard_errors)
-        if loop.K_x:
-            shared = best.variant.share(law, share)
-            found += hunting_at_rest(holds(bench, [NONE, shared]), shared, datasheet.encoder_step)
-        return benefits, found
+    benefits = bench.benefits(variants)
+    best = best_of(benefits)
+    share = 1.0 if force else best.share
+    found = findings_of(bench, friction, best, share, standard_errors=standard_errors)
+    if bench.loop.K_x:
+        shared, step = best.variant.share(bench.law, share), bench.datasheet.encoder_step
+        found += hunting_at_rest(holds(bench, [NONE, shared]), shared, step)
+    return benefits, found
 
 
 @contextmanager
@@ -125,11 +116,28 @@ def bench_of(
     feed: Feed = "nominal",
     workers: int = 1,
 ) -> Iterator[Bench]:
-    """Build the loop in which variants are tried; parameters as for ``benefits_on_drives``."""
+    """Build the loop in which variants are tried.
+
+    Parameters
+    ----------
+    law : of the feedforward
+    friction : as fitted, parameters of the law by name
+    drives : see ``family``
+    command : at the highest speed; see ``commands``
+    """
     with temporary_folder() as folder:
         step, rotary = datasheet.encoder_step, loop.axis.rotary
         tried = commands(command, loop.T_s, friction, step, rotary=rotary)
-        bench = Bench(folder, law, loop, drives, tried, feed, datasheet, workers)
+        bench = Bench(
+            folder,
+            law,
+            loop,
+            drives,
+            commands=tried,
+            feed=feed,
+            datasheet=datasheet,
+            workers=workers,
+        )
         with closing(bench):
             yield bench
 
@@ -152,9 +160,9 @@ def findings_of(
         bench.loop,
         friction,
         benefit.variant.share(bench.law, share).feedforward,
-        bench.commands[0].v_cmd,
-        bench.feed,
-        bench.datasheet,
-        bench.law,
+        v_cmd=bench.commands[0].v_cmd,
+        feed=bench.feed,
+        datasheet=bench.datasheet,
+        law=bench.law,
     )
     return inspect(trial, dict(standard_errors))

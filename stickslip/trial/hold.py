@@ -100,7 +100,7 @@ def hunting_at_rest(found: Mapping[str, Hold], compensated: Variant, step: float
         f" {described(found['none'])} without; expected at most {1e6 * limit:.3g} {hold.unit};"
         " switch the integral off at rest, lower K_i, or raise K_p"
     )
-    return [Finding("hunting", hold.swing, limit, hold.unit[1:], message)]
+    return [Finding("hunting", hold.swing, limit, hold.unit[1:], message=message)]
 
 
 def described(hold: Hold) -> str:

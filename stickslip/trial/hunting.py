@@ -46,7 +46,7 @@ def _finding(speed: float, swing: float, limit: float, axis: Axis) -> Finding:
         f" commanded; expected at most {1e3 * limit:.3g} {unit}; raise K_p, lower K_i, or command"
         " faster"
     )
-    return Finding("hunting", swing, limit, axis.unit("m/s"), message)
+    return Finding("hunting", swing, limit, axis.unit("m/s"), message=message)
 
 
 def _plateaus(v_cmd: Array, least: int) -> Iterator[tuple[int, int]]:

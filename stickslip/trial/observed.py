@@ -113,7 +113,7 @@ def try_observer(bench: Bench, feedforward: Benefit, designs: Iterable[Designed]
         return Observed(feedforward, reason=str(error))
     other = _tried(bench, feedforward, best.observer, together=not together)
     alone, both = (other, wanted) if together else (wanted, other)
-    return Observed(feedforward, best, "", alone, both)
+    return Observed(feedforward, best, "", alone, both=both)
 
 
 def strongest(

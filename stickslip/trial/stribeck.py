@@ -48,7 +48,7 @@ def stribeck(trial: Trial) -> list[Finding]:
         f" speeds a deviation grows by e^{figure:.3g}; expected at most e^{LIMIT:g}; raise K_p, or"
         " pass these speeds faster"
     )
-    return [Finding("stribeck", figure, LIMIT, "1", message)]
+    return [Finding("stribeck", figure, LIMIT, "1", message=message)]
 
 
 def growth_rate(trial: Trial, v: float) -> float:

@@ -57,7 +57,7 @@ def _too_large(run: Run, without: float) -> list[Finding]:
         f" compensator, {_speed(run, without)}; expected {100 * LEAST:g} % or more; raise K_p,"
         " or do not compensate on this command"
     )
-    return [Finding("over-compensation", share, LEAST, "1", message)]
+    return [Finding("over-compensation", share, LEAST, "1", message=message)]
 
 
 def _at_bounds(run: Run, without: float, errors: Mapping[str, float]) -> list[Finding]:
@@ -79,7 +79,9 @@ def _at_bounds(run: Run, without: float, errors: Mapping[str, float]) -> list[Fi
         f" expected at most that without a compensator, {_speed(run, without)}; learn from a"
         " recording that shows this parameter better"
     )
-    return [Finding("uncertainty", worst, without, run.trial.loop.axis.unit("m/s"), message)]
+    return [
+        Finding("uncertainty", worst, without, run.trial.loop.axis.unit("m/s"), message=message)
+    ]
 
 
 def _speed(run: Run, error: float) -> str:

@@ -134,7 +134,7 @@ class Mismatch:
                 max(value / WIDE, limits[name].minimum or 0.0),
                 min(value * WIDE, limits[name].maximum or np.inf),
                 value,
-                limits[name].unit or "1",
+                unit=limits[name].unit or "1",
             )
             for name, value in {**self.start.friction, "noise_x": self.start.noise}.items()
             if value > 0.0

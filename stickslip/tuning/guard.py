@@ -47,16 +47,19 @@ FIGURES: Mapping[str, Callable[[Array], Array]] = {
 def guard_motion(start: Mapping[str, Estimate]) -> Motion:
     """Return the motion for a drive with these parameters; a law without v_s takes the paper's."""
     v_s = start["v_s"].value if "v_s" in start else PAPER["v_s"]
-    fast = Stroke(FAST, UPTO, 0.0, 0.0, 0.5 * UPTO)
+    fast = Stroke(FAST, UPTO, 0.0, 0.0, counted=0.5 * UPTO)
     kinds = [
         ("start", (1,), fast),
         ("reversals", (-1, 1, -1), fast),
-        *(("creep", (1, -1), Stroke(k, RAMP, CREEPING, REST, CREEPING)) for k in CREEP),
+        *(("creep", (1, -1), Stroke(k, RAMP, CREEPING, REST, counted=CREEPING)) for k in CREEP),
         *(
-            ("slow reversals", (1, -1) * 2, Stroke(k, QUARTER, 0.0, 0.0, QUARTER))
+            ("slow reversals", (1, -1) * 2, Stroke(k, QUARTER, 0.0, 0.0, counted=QUARTER))
             for k in REVERSALS
         ),
-        *(("moves", (1, -1) * 2, Stroke(k, HALF, 0.0, REST, 2 * HALF + REST)) for k in MOVES),
+        *(
+            ("moves", (1, -1) * 2, Stroke(k, HALF, 0.0, REST, counted=2 * HALF + REST))
+            for k in MOVES
+        ),
     ]
     moves = [
         (f"{kind}, {1e3 * one.speed * v_s:.2g} mm/s", replace(one, speed=sign * one.speed * v_s))

@@ -92,6 +92,6 @@ def genes(start: Mapping[str, Estimate]) -> list[ga.Gene]:
     """Return the genes: identified values to start from, and the bounds of the paper."""
     low, high = BOUNDS
     return [
-        ga.Gene(name, low * one.value, high * one.value, one.value, unit_of(name))
+        ga.Gene(name, low * one.value, high * one.value, one.value, unit=unit_of(name))
         for name, one in start.items()
     ]

@@ -32,13 +32,13 @@ OBSERVER = "observer"
 CHAIN = (Compensator("compensator", "compensator"), Compensator(OBSERVER, "dob"))
 """The feedforward, and the observer of what it leaves."""
 GENES = (
-    ga.Gene("K_p", 0.2, 2.5, 1.0, "1"),
-    ga.Gene("K_i", 0.1, 5.0, 1.0, "1"),
-    ga.Gene("tau_f", 0.1, 4.0, 1.0, "1"),
-    ga.Gene("m_ff", 0.01, 1.1, 0.5, "1"),
-    ga.Gene("share", 0.05, 1.0, 1.0, "1"),
-    ga.Gene("rate", 0.01, 50.0, 0.25, "1/s^0.5"),
-    ga.Gene("observed", 0.01, 1.0, 0.1, "1"),
+    ga.Gene("K_p", 0.2, 2.5, 1.0, unit="1"),
+    ga.Gene("K_i", 0.1, 5.0, 1.0, unit="1"),
+    ga.Gene("tau_f", 0.1, 4.0, 1.0, unit="1"),
+    ga.Gene("m_ff", 0.01, 1.1, 0.5, unit="1"),
+    ga.Gene("share", 0.05, 1.0, 1.0, unit="1"),
+    ga.Gene("rate", 0.01, 50.0, 0.25, unit="1/s^0.5"),
+    ga.Gene("observed", 0.01, 1.0, 0.1, unit="1"),
 )
 """Lowest value, highest value and start of each; all are searched by their logarithm."""
 PLAIN = {gene.name: gene.start for gene in GENES} | {"m_ff": 0.0, "share": 0.0, "observed": 0.0}
@@ -108,11 +108,13 @@ def tuned_loop(
         When it is unstable, or no observer follows from the genes.
     """
     axis, T_s, F_c = reference.axis, reference.T_s, friction["F_c"]
-    gains = [genes[name] * getattr(reference, name) for name in ("tau_f", "K_p", "K_i")]
-    loop = close_velocity_loop(axis, T_s, *gains, m_ff=genes["m_ff"] * axis.m)
+    gains = {name: genes[name] * getattr(reference, name) for name in ("tau_f", "K_p", "K_i")}
+    loop = close_velocity_loop(axis, T_s, **gains, m_ff=genes["m_ff"] * axis.m)
     weights = FilterSpecification(sheet.encoder_step, FORCE_NOISE * F_c, genes["rate"] * F_c)
     try:
         estimator = design_velocity_filter(axis, T_s, weights)
     except np.linalg.LinAlgError as error:
         raise ControlError(f"no observer with a rate of {weights.disturbance_rate:g}") from error
-    return TunedLoop(loop, law, friction, genes["share"], Observer(estimator, genes["observed"]))
+    return TunedLoop(
+        loop, law, friction, genes["share"], observer=Observer(estimator, genes["observed"])
+    )

@@ -20,7 +20,7 @@ from stickslip.tuning.loop_genes import CHAIN, FEEDFORWARD, TunedLoop, tuned_loo
 NOISY = {"noise": 1.0, "noise_x": 0.0, "noise_F": 0.0, "seed": 1.0}
 """Start values of models: noise is on, of no size yet, and drawn otherwise than the drive's."""
 
-SMALL = Stroke(1.0, 0.025, 0.0, 0.1, 0.15)
+SMALL = Stroke(1.0, 0.025, 0.0, 0.1, counted=0.15)
 """A small move, with the rest after it."""
 
 
@@ -31,20 +31,20 @@ def training_motion() -> Motion:
     that of a drive at rest without a history, the last one follows slow motion.
     """
     kinds = [
-        ("fast", 0.022, (1, -1), Stroke(1.0, 0.4, 0.15, 0.0, 0.0)),
+        ("fast", 0.022, (1, -1), Stroke(1.0, 0.4, 0.15, 0.0, counted=0.0)),
         *(
             ("small moves" if v < 5e-4 else "moves", v, (1, -1, 1, -1), SMALL)
             for v in (1.8e-4, 2.1e-4, 2.6e-4, 6e-4, 1.6e-3)
         ),
         *(
-            ("slow reversals", v, (1, -1, 1), Stroke(1.0, 0.2, 0.0, 0.0, 0.2))
+            ("slow reversals", v, (1, -1, 1), Stroke(1.0, 0.2, 0.0, 0.0, counted=0.2))
             for v in (4e-4, 1.6e-3)
         ),
         *(
-            ("creep", v, (1, -1), Stroke(1.0, 5e-3, 1.5e-4 / v, 0.1, 1.5e-4 / v))
+            ("creep", v, (1, -1), Stroke(1.0, 5e-3, 1.5e-4 / v, 0.1, counted=1.5e-4 / v))
             for v in (1e-4, 2e-4, 3e-4, 6e-4, 1.5e-3)
         ),
-        ("fast again", 0.03, (1, -1), Stroke(1.0, 0.45, 0.15, 0.0, 0.0)),
+        ("fast again", 0.03, (1, -1), Stroke(1.0, 0.45, 0.15, 0.0, counted=0.0)),
     ]
     moves = [
         (f"{kind}, {1e3 * v:g} mm/s", replace(stroke, speed=sign * v))
@@ -77,7 +77,7 @@ class LoopBench:
     def loop(self, genes: Mapping[str, float]) -> TunedLoop:
         """Return the loop of a candidate."""
         rig = self.rig
-        return tuned_loop(genes, self.reference, rig.law, self.friction, rig.datasheet)
+        return tuned_loop(genes, self.reference, rig.law, self.friction, sheet=rig.datasheet)
 
 
 class LoopRuns:

@@ -85,11 +85,15 @@ def refine(study: Study) -> Refinement:
             f"in slow motions the fit leaves at most {ratio:.3g} times the error of what "
             f"learning began with ({what})"
         )
-        return Refinement(estimates, final.alone, runs.training_cost, "refined", bench.runs, remark)
+        return Refinement(
+            estimates, final.alone, runs.training_cost, "refined", runs=bench.runs, remark=remark
+        )
     remark = (
         f"the fit costs {runs.cost / start.cost:.3g} times as much as what learning began with "
         f"and leaves up to {ratio:.3g} times its error in slow motions ({what}); expected at most "
         f"{1.0 + MARGIN:g} times each"
     )
     alone = fit(study, start).alone
-    return Refinement(dict(study.start), alone, start.training_cost, "start", bench.runs, remark)
+    return Refinement(
+        dict(study.start), alone, start.training_cost, "start", runs=bench.runs, remark=remark
+    )

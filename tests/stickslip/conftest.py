@@ -15,6 +15,7 @@ from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, r
 from stickslip.papers.lugre.studies import step_by_step, with_motions
 from stickslip.planning import LINEAR, plan
 from stickslip.presentation.page import Picture
+from stickslip.progress import SILENT, Progress
 from stickslip.rigs.contract import COMMISSIONING
 from stickslip.rigs.fmu import FmuRig, rig_of
 from stickslip.servo.datasheet import LOOP, Datasheet
@@ -22,16 +23,6 @@ from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.work.execution import Execution
-
-
-class Quiet:
-    """Progress that nobody watches."""
-
-    def stage(self, name):
-        pass
-
-    def generation(self, algorithm, scale=None):
-        pass
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -42,8 +33,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session")
-def quiet() -> Quiet:
-    return Quiet()
+def quiet() -> Progress:
+    return SILENT
 
 
 @pytest.fixture

@@ -57,7 +57,7 @@ def test_the_loop_of_a_log_that_runs_away_has_neither_motion_nor_errors(gains):
     gains = {**gains, "tau_f": LOOP.tau_f, "T_s": LOOP.T_s}
     check = ControllerCheck(force, 0.0, 0, gains)
     with candidate_fmus() as fmus, InverseModel(fmus, recording) as inverse:
-        found = goodness_of_fit(fmus, recording, inverse, VALUES, gains, check)
+        found = goodness_of_fit(inverse, VALUES, gains, check)
         with pytest.raises(Diverged):
             simulate(fmus, recording, gains, LearnedDrive("lugre", VALUES, FRICTION))
     assert found.simulated is None

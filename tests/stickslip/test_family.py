@@ -27,6 +27,7 @@ from stickslip.trial.guards import (
     Trial,
     Tried,
     Variant,
+    bench_of,
     benefits_on_drives,
     best_of,
     commands,
@@ -46,9 +47,8 @@ KNOWN = Known(
 
 
 def tried(values, drives, loop=PAPER, command=VALIDATION):
-    (benefit,), findings = benefits_on_drives(
-        LUGRE, loop, TABLE_2, [feedforward(values)], drives, command, Datasheet(), {}
-    )
+    with bench_of(LUGRE, loop, TABLE_2, drives, command, Datasheet()) as bench:
+        (benefit,), findings = benefits_on_drives(bench, TABLE_2, [feedforward(values)], {})
     return benefit, findings
 
 
@@ -147,9 +147,8 @@ def test_friction_that_is_not_there_is_refused_or_reduced():
     wrong = {**TABLE_2, "F_s": 20.0 * TABLE_2["F_c"], "v_s": 8e-5}
     drives = family(LUGRE, wrong, VALIDATION, Known())
     level = feedforward({**wrong, "F_s": wrong["F_c"]})
-    benefits, _ = benefits_on_drives(
-        LUGRE, PAPER, TABLE_2, [feedforward(wrong), level], drives, VALIDATION, Datasheet(), {}
-    )
+    with bench_of(LUGRE, PAPER, TABLE_2, drives, VALIDATION, Datasheet()) as bench:
+        benefits, _ = benefits_on_drives(bench, TABLE_2, [feedforward(wrong), level], {})
     assert not benefits[0].acceptable or benefits[0].share <= 0.2
     assert max(row.ratio for row in benefits[0].full) > 1.5
 

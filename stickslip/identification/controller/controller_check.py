@@ -80,7 +80,7 @@ def check_controller(
         force, T_s = recording.force, recording.T_s
 
         def compared(gains: Mapping[str, float], form: str) -> ControllerCheck:
-            return _compared(force, T_s, commanded(gains), gains, form)
+            return _compared(force, T_s, commanded(gains), gains, form=form)
 
         trials = forms(gains, T_s)
         checks = [compared(trial, form) for form, trial in trials.items()]
@@ -124,7 +124,7 @@ def _compared(
             rest = missing - memory_force(started, len(late), T_s)
             error = _slow(rest, T_s) / (_slow(late - late.mean(), T_s) or 1.0)
             shown = commanded + memory_force(started, len(commanded), T_s)
-            checks.append(ControllerCheck(shown, error, shift, started, form))
+            checks.append(ControllerCheck(shown, error, shift, started, form=form))
         return min(checks, key=lambda check: check.error)
 
     return _believed(best(running=False), best(running=True))

@@ -10,22 +10,22 @@ from stickslip.identification.controller.controller_check import AGREES, Control
 from stickslip.identification.controller.initial_state import is_running
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.output_error import OutputError
-from stickslip.identification.estimation.estimation import Task
+from stickslip.identification.estimation.task import Task
 
 
 def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
     """Return the criterion and why."""
     loop, inverse = OutputError.name, InverseModel.name
-    if task.criterion == loop and check is None:
+    if task.settings.criterion == loop and check is None:
         raise UsageError(
             "the output error needs the controller that made the log: give its gains, "
             "or use the inverse model as the criterion"
         )
-    if task.criterion != "auto":
-        return task.criterion, "asked for"
+    if task.settings.criterion != "auto":
+        return task.settings.criterion, "asked for"
     if task.recording.friction is not None and task.recording.force is None:
         return inverse, "friction itself was measured"
-    law = friction_law(task.law)
+    law = friction_law(task.settings.law)
     if not law.is_smooth and task.recording.force is not None:
         return inverse, (
             f"the law {law.title} switches, so that a simulated loop does not follow small changes "

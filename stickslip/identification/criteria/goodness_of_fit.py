@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -15,7 +14,6 @@ from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import measured_force, position_of
 from stickslip.identification.criteria.scaling import Scale
-from stickslip.logs import Recording
 from stickslip.servo.divergence import Diverged
 from stickslip.servo.measurement import Array
 
@@ -70,15 +68,13 @@ class GoodnessOfFit:
 
 
 def goodness_of_fit(
-    fmus: Path,
-    recording: Recording,
     inverse: InverseModel,
     values: Values,
     gains: Mapping[str, float] | None,
     check: ControllerCheck | None,
 ) -> GoodnessOfFit:
     """Return the goodness of fit of values by name."""
-    delay = _delay(inverse, values)
+    recording, delay = inverse.recording, _delay(inverse, values)
     at = {**values, "delay": delay}
     measured, predicted = inverse.measured(at), inverse.predicted(at)
     raw = np.interp(recording.t - delay, recording.t, measured_force(recording))
@@ -88,7 +84,7 @@ def goodness_of_fit(
     position = velocity = closed_loop_force = math.nan
     simulated = None
     if gains is not None and check is not None:
-        found = _closed_loop(fmus, recording, values, gains, check)
+        found = _closed_loop(inverse, values, gains, check)
         if found is not None:
             position, velocity, closed_loop_force, simulated = found
     return GoodnessOfFit(
@@ -96,24 +92,21 @@ def goodness_of_fit(
         unfiltered,
         position,
         velocity,
-        closed_loop_force,
-        recording.t,
-        measured,
-        predicted,
-        simulated,
-        inverse.motion.v,
+        closed_loop_force=closed_loop_force,
+        t=recording.t,
+        measured=measured,
+        predicted=predicted,
+        simulated=simulated,
+        velocity_recorded=inverse.motion.v,
     )
 
 
 def _closed_loop(
-    fmus: Path,
-    recording: Recording,
-    values: Values,
-    gains: Mapping[str, float],
-    check: ControllerCheck,
+    inverse: InverseModel, values: Values, gains: Mapping[str, float], check: ControllerCheck
 ) -> tuple[float, float, float, Array] | None:
     """Return the relative errors of position, velocity and force, and the position (n,) [m]."""
-    with KnownLoop(fmus, recording, gains) as loop:
+    recording = inverse.recording
+    with KnownLoop(inverse.fmus, recording, gains) as loop:
         try:
             result = loop.bounded({**values, "delay": max(values["delay"], 0.0)})
         except Diverged:

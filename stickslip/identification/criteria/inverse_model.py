@@ -68,6 +68,7 @@ class InverseModel(Closing):
 
     Attributes
     ----------
+    fmus, recording, cutoff, workers, law : as given
     moves : (n,) where the drive is not at rest, nor near it within the memory of the low-pass
     slides : (n,) where friction follows from the motion; everywhere for a law with presliding
     """
@@ -82,6 +83,7 @@ class InverseModel(Closing):
         workers: int = 1,
         law: Law | None = None,
     ) -> None:
+        self.fmus, self.recording = fmus, recording
         self.space = ParameterSpace.of(law or friction_law())
         self.T_s = recording.T_s
         self.cutoff = cutoff or SHARE / self.T_s
@@ -173,7 +175,7 @@ class ForceCost:
         columns = model.linear[:, 2:] if model.measures_friction else model.linear
         target = np.where(model.slides, np.interp(model.t - delay, model.t, model.force), 0.0)
         basis = np.linalg.qr(columns * model.slides[:, np.newaxis])[0]
-        return cls(model.T_s, model.cutoff, target, basis, model.slides)
+        return cls(model.T_s, model.cutoff, target, basis, slides=model.slides)
 
     def __call__(self, result: cosim.Result) -> float:
         """Return the cost of a run that recorded ``compensator.F_f``."""

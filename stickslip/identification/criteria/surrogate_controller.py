@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 
@@ -45,9 +44,7 @@ def coarse(inverse: InverseModel, recording: Recording) -> bool:
     return recording.encoder_step / inverse.T_s > COARSE * top
 
 
-def correct_inverse(
-    inverse: InverseModel, fitted: Fit, fmus: Path, recording: Recording, seed: int
-) -> tuple[Fit, Array, bool]:
+def correct_inverse(inverse: InverseModel, fitted: Fit, seed: int) -> tuple[Fit, Array, bool]:
     """Return the fit without its bias, and the bias (k,) that was subtracted from its coordinates.
 
     The last value is whether the residuals of bootstrap samples are about as large as those of the
@@ -58,12 +55,10 @@ def correct_inverse(
     rng = np.random.default_rng(seed)
     at, ratios = fitted, []
     loose = np.sqrt(np.diag(fitted.covariance)) > LOOSE
-    with surrogate_loop(inverse, fitted.parameters, fmus, recording) as loop:
+    with surrogate_loop(inverse, fitted.parameters) as loop:
         for _ in range(ROUNDS):
-            drawn = recording.encoder_step * rng.random(RUNS)
-            left = loop.each(
-                partial(resimulated, inverse, loop, fmus, recording, at.parameters), drawn
-            )
+            drawn = inverse.recording.encoder_step * rng.random(RUNS)
+            left = loop.each(partial(resimulated, inverse, loop, at.parameters), drawn)
             ratios.append(float(np.mean(np.square(left))) / at.variance)
             own = at.step() - np.mean([at.shift(one) for one in left], axis=0)
             q = at.q + np.where(loose, 0.0, own)
@@ -73,15 +68,14 @@ def correct_inverse(
     return replace(at, covariance=fitted.covariance), fitted.q - at.q, alike
 
 
-def surrogate_loop(
-    inverse: InverseModel, values: Values, fmus: Path, recording: Recording
-) -> KnownLoop:
+def surrogate_loop(inverse: InverseModel, values: Values) -> KnownLoop:
     """Return a loop in which the drive with these values follows the recorded motion."""
+    recording = inverse.recording
     path = smoothed(position_of(recording), inverse.T_s, inverse.cutoff)
     led = replace(recording, position_command=path, velocity_command=inverse.motion.v)
     led = replace(led, added_force=None, added_velocity=None)  # the motion shows them
     gains = _gains(values, inverse.T_s)
-    return KnownLoop(fmus, led, gains, encoder=True, workers=inverse.workers)
+    return KnownLoop(inverse.fmus, led, gains, encoder=True, workers=inverse.workers)
 
 
 def _gains(values: Values, T_s: float) -> dict[str, float]:
@@ -93,13 +87,7 @@ def _gains(values: Values, T_s: float) -> dict[str, float]:
 
 
 def resimulated(
-    inverse: InverseModel,
-    loop: KnownLoop,
-    fmus: Path,
-    recording: Recording,
-    values: Values,
-    offset: float,
-    noise: float = 0.0,
+    inverse: InverseModel, loop: KnownLoop, values: Values, offset: float, noise: float = 0.0
 ) -> Array:
     """Return the residual (k,) [N] of the drive with these values, simulated and recorded again.
 
@@ -108,6 +96,7 @@ def resimulated(
     offset : displacement of the drive, and so of the encoder's steps [m]
     noise : standard deviation of white noise on the position [m]
     """
+    recording = inverse.recording
     start = position_of(recording)[0] + offset
     further = {"candidate.x": start, "candidate.noise_x": max(noise, 1e-9 * abs(offset))}
     result = loop.run({**values, "delay": 0.0}, further)
@@ -119,5 +108,5 @@ def resimulated(
         position=result["candidate.x_enc"],
         force=np.interp(late, inverse.t, result["candidate.F_m"]) + values["F_0"],
     )
-    with InverseModel(fmus, again, inverse.cutoff, law=inverse.space.law) as copy:
+    with InverseModel(inverse.fmus, again, inverse.cutoff, law=inverse.space.law) as copy:
         return copy.residual(values)

@@ -1,13 +1,9 @@
 """Estimation from one recording: values, intervals, and identifiability."""
 
 from stickslip.identification.criteria.candidate_fmus import candidate_fmus
-from stickslip.identification.estimation.estimation import (
-    CriterionName,
-    Estimation,
-    OnGeneration,
-    Task,
-)
+from stickslip.identification.estimation.estimation import Estimation
 from stickslip.identification.estimation.learn import learn
+from stickslip.identification.estimation.task import CriterionName, LearnSettings, Task
 from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.search import Search
 
@@ -15,7 +11,7 @@ __all__ = [
     "CriterionName",
     "Estimation",
     "Identifiability",
-    "OnGeneration",
+    "LearnSettings",
     "Search",
     "Task",
     "candidate_fmus",

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.scaling import Scale
-from stickslip.identification.estimation.estimation import Task
+from stickslip.identification.estimation.task import Task
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.selection import (
     Candidate,
@@ -42,7 +42,6 @@ def check_held_out(
     task: Task,
     gains: Mapping[str, float] | None,
     scale: Scale,
-    causes: tuple[Cause, ...] = (),
 ) -> HeldOut:
     """Predict, and test the causes of a mismatch: the position, and the other laws.
 
@@ -52,12 +51,12 @@ def check_held_out(
     task : of a recording that is scaled
     gains : of a controller that commands the logged force
     scale : of the recording
-    causes : further ones that were tested, in SI units
     """
     candidate = Candidate(inverse.space.law, is_level=task.is_level)
     residual = held_out(inverse, found)
-    own = predict(inverse, found, task.fmus, task.recording, candidate, gains, residual)
+    own = predict(inverse, found, candidate, gains, residual=residual)
     tried = task.choice.predictions if task.choice else ()
+    causes: list[Cause] = []
     if is_mismatch(own) or own.relative > LARGE:
         if not tried:
             further = [one for one in candidates() if one != candidate]
@@ -65,7 +64,7 @@ def check_held_out(
                 one.restored(scale) for one in predictions(task.recording, gains, further)
             )
         place = along_the_travel(inverse, task.recording, residual)
-        causes = (*causes, replace(place, left=place.left / scale.force))
+        causes = [replace(place, left=place.left / scale.force)]
     own = own.restored(scale)
     others = [one for one in tried if one.candidate != candidate]
     findings = mismatch(own, others, causes, rotary=task.recording.rotary)

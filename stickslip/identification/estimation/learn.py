@@ -26,8 +26,8 @@ from stickslip.identification.criteria.scaling import Scale, recording_scale
 from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
 from stickslip.identification.estimation.estimation import (
     Estimation,
-    OnGeneration,
-    Task,
+    FittedLaw,
+    Searches,
     restored,
 )
 from stickslip.identification.estimation.faults import (
@@ -37,6 +37,7 @@ from stickslip.identification.estimation.faults import (
     hidden,
 )
 from stickslip.identification.estimation.held_out import check_held_out
+from stickslip.identification.estimation.task import LearnSettings, Task
 from stickslip.identification.fitting.bootstrap import RUNS, Corrected, Resimulation, correct
 from stickslip.identification.fitting.conservative import conservative, largest_friction
 from stickslip.identification.fitting.fit import BLOCKS, ROUGH, Fit, fit, plausible, value_errors
@@ -56,7 +57,7 @@ from stickslip.identification.fitting.multistart import (
 from stickslip.identification.fitting.search import Search, search, solve_linear
 from stickslip.identification.fitting.start import CONTRADICTED, Start, begin
 from stickslip.identification.sliding.friction_curve import VARYING, Interval
-from stickslip.progress import step
+from stickslip.progress import SILENT, Progress, step
 from stickslip.servo.measurement import Array
 
 UNEXPLAINED = 4.0
@@ -77,11 +78,7 @@ BIAS_ERROR = 0.12
 """Standard error of the bias that is subtracted, as share of it."""
 
 
-def learn(
-    task: Task,
-    on_stage: Callable[[str], object] = lambda _: None,
-    on_generation: OnGeneration = lambda *_: None,
-) -> Estimation:
+def learn(task: Task, progress: Progress = SILENT) -> Estimation:
     """Learn the parameters of the drive that made a recording.
 
     Raises
@@ -98,19 +95,13 @@ def learn(
     scaled = replace(task, recording=scale.recording(task.recording), gains=gains)
     # Sums that are split over threads round differently, and a search amplifies that.
     with threadpool_limits(limits=1, user_api="blas"):
-        estimation = _learn(scaled, scale, on_stage, lambda one: on_generation(one, scale))
-    return restored(estimation, scale)
+        return restored(_learn(scaled, scale, progress), scale)
 
 
-def _learn(
-    task: Task,
-    scale: Scale,
-    on_stage: Callable[[str], object],
-    on_generation: Callable[[ga.Optimiser], object],
-) -> Estimation:
+def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
     recording, check = task.recording, None
     if task.gains is not None:
-        on_stage("checking the controller")
+        progress.stage("checking the controller")
         check = check_controller(task.fmus, recording, task.gains)
         if recording.force is None and recording.friction is None:
             recording = replace(recording, force=check.force)
@@ -118,24 +109,24 @@ def _learn(
     recording, remarks = against_motion(recording)
     task = replace(task, recording=recording)
     criterion, reason = choose(task, check)
-    law = friction_law(task.law)
-    with InverseModel(task.fmus, recording, workers=task.workers, law=law) as model:
+    law = friction_law(task.settings.law)
+    with InverseModel(task.fmus, recording, workers=task.settings.workers, law=law) as model:
         start = begin(model, recording, scale)
         if task.is_level:
             start = replace(start, space=start.space.level())
         inverse = model.over(start.narrow(start.space, start.sliding))
-        on_stage("searching")
-        found, rows, algorithm = _search(task, inverse, start, on_generation)
+        progress.stage("searching")
+        found, searches = _search(task, inverse, start, lambda one: progress.generation(one, scale))
         corrected = None
         if criterion == OutputError.name and task.gains is not None:
-            on_stage("fitting the known loop")
+            progress.stage("fitting the known loop")
             corrected, ambiguity = _output_error(task, task.gains, start, found)
             at_rest = bool(presliding(law))  # else the motion does not give the force at rest
             why = _not_explained(corrected, start)
-            if why and task.criterion == "auto" and at_rest:
+            if why and task.settings.criterion == "auto" and at_rest:
                 criterion = InverseModel.name
                 reason = f"{why}, so the drive has what the model has not, and the force decides"
-        on_stage("judging what is known")
+        progress.stage("judging what is known")
         step(0, 3)
         # Beside the loop, only sliding motion tells mass and friction apart whatever the law.
         sliding = {} if criterion == OutputError.name else start.beside(found.parameters)
@@ -144,7 +135,7 @@ def _learn(
             errors, table = _known_loop(task, task.gains, corrected, ambiguity)
             best, degrees = corrected.fit, RUNS - 1
         else:
-            best, errors = _inverse_model(task, inverse, found, start, sliding)
+            best, errors = _inverse_model(task, inverse, found, start, sliding=sliding)
             degrees = BLOCKS - len(found.q)
             table = profiles(best, inverse.map, errors)
         names = start.space.friction if inverse.measures_friction else start.space.reported
@@ -154,11 +145,13 @@ def _learn(
         step(1, 3)
         change = change_of_friction(inverse, found.parameters)
         believed = check is not None and not check.error > AGREES
-        held_out = check_held_out(inverse, found, task, task.gains if believed else None, scale)
+        held_out = check_held_out(
+            inverse, found, task, task.gains if believed else None, scale=scale
+        )
         step(2, 3)
         faults = (
             *task.faults,
-            *found_faults(best, criterion, check, model_error, change),
+            *found_faults(best, criterion, check, model_error, change=change),
             *held_out.findings,
         )
         if any(fault.spoils for fault in faults):
@@ -170,31 +163,31 @@ def _learn(
         values = {**best.parameters, **shown, **{name: one.value for name, one in known.items()}}
         bounded = {name: values[name] for name in start.space.bounded}
         fitted = {**best.parameters, **shown, **bounded}
-        goodness = goodness_of_fit(task.fmus, recording, inverse, fitted, task.gains, check)
+        goodness = goodness_of_fit(inverse, fitted, task.gains, check)
         step(3, 3)
     return Estimation(
-        recording,
-        criterion,
-        reason,
-        start,
-        best,
-        known,
-        values,
-        errors,
-        table,
-        rows,
-        algorithm,
-        goodness,
-        check,
-        model_error,
-        task.gains,
-        remarks,
-        faults,
-        plausible(best, task.seed, DRAWS),
-        largest,
-        held_out.predictions,
-        task.choice,
-        start.curve,
+        recording=recording,
+        criterion=criterion,
+        reason=reason,
+        start=start,
+        fitted=FittedLaw(
+            fit=best,
+            known=known,
+            parameters=values,
+            errors=errors,
+            profiles=table,
+            plausible=plausible(best, task.settings.seed, DRAWS),
+            largest_friction=largest,
+        ),
+        searches=searches,
+        held_out=held_out,
+        figures=goodness,
+        controller=check,
+        model_error=model_error,
+        gains=task.gains,
+        remarks=remarks,
+        faults=faults,
+        choice=task.choice,
     )
 
 
@@ -224,11 +217,13 @@ def _search(
     inverse: InverseModel,
     start: Start,
     on_generation: Callable[[ga.Optimiser], object],
-) -> tuple[Fit, pd.DataFrame, ga.Optimiser]:
+) -> tuple[Fit, Searches]:
     """Search with each seed, finish each locally, and return the best with a table of all."""
     fits, algorithms, rows = [], [], []
-    for seed in range(task.seed, task.seed + task.seeds):
-        algorithm = search(inverse, start, seed, _of_seed(task, seed), on_generation)
+    for seed in range(task.settings.seed, task.settings.seed + task.settings.seeds):
+        algorithm = search(
+            inverse, start, seed, _of_seed(task.settings, seed), on_generation=on_generation
+        )
         values = solve_linear(inverse, start, algorithm.best.values)
         found = without_stribeck(inverse, best_fit(inverse, start, values))
         # Coarse encoder steps, and slips shorter than the low-pass, bias the curve more than its
@@ -248,14 +243,14 @@ def _search(
             }
         )
     best = int(np.argmin([found.noise for found in fits]))
-    return fits[best], pd.DataFrame(rows), algorithms[best]
+    return fits[best], Searches(pd.DataFrame(rows), algorithms[best])
 
 
-def _of_seed(task: Task, seed: int) -> Search:
+def _of_seed(settings: LearnSettings, seed: int) -> Search:
     """Return how to search; each of several seeds has a checkpoint of its own."""
-    if task.seeds == 1:
-        return task.search
-    return replace(task.search, execution=task.search.execution.of_seed(seed))
+    if settings.seeds == 1:
+        return settings.search
+    return replace(settings.search, execution=settings.search.execution.of_seed(seed))
 
 
 def _output_error(
@@ -281,9 +276,9 @@ def _output_error(
         prior_mean=mean,
         prior_deviation=deviation,
     )
-    fmus, recording = task.fmus, task.recording
+    fmus, recording, seed = task.fmus, task.recording, task.settings.seed
     with (
-        OutputError(fmus, recording, gains, task.workers, space.law) as whole,
+        OutputError(fmus, recording, gains, task.settings.workers, law=space.law) as whole,
         Resimulation(whole, fmus, recording, gains) as again,
     ):
         criterion = whole.over(space)
@@ -293,7 +288,7 @@ def _output_error(
         criterion.whiten(space.decode(begins[0]))
         fitted = fit(criterion, begins[:1], ROUGH)
         step(1, 4)
-        explained = again.residuals(fitted.parameters, 0.0, np.random.default_rng(task.seed), 1)
+        explained = again.residuals(fitted.parameters, 0.0, np.random.default_rng(seed), 1)
         if criterion.unexplained(fitted.parameters, explained[0]) > UNEXPLAINED:
             # Whitened, a model that is far from the recording has further local minima.
             criterion.whitening = np.ones(1)
@@ -306,7 +301,7 @@ def _output_error(
         criterion = criterion.over(selection.fit.space)
         criterion.whiten(selection.fit.parameters)
         fitted = fit(criterion, [selection.fit.q])
-        corrected = correct(criterion, fitted, again, task.seed)
+        corrected = correct(criterion, fitted, again, seed)
         return corrected, selection.ambiguity
 
 
@@ -328,11 +323,11 @@ def _inverse_model(
         placed = fit(inverse.over(start.narrow(found.space, sliding)), [found.q])
         found = replace(placed, covariance=found.covariance)
     recording, cutoff, law = task.recording, SLOWER * inverse.cutoff, found.space.law
-    with InverseModel(task.fmus, recording, cutoff, task.workers, law) as slower:
+    with InverseModel(task.fmus, recording, cutoff, task.settings.workers, law=law) as slower:
         apart = fit(slower.over(found.space), [found.q]).q - found.q
     spread, best = found.covariance + np.outer(apart, apart), found
     if coarse(inverse, recording):
-        corrected, bias, alike = correct_inverse(inverse, found, task.fmus, recording, task.seed)
+        corrected, bias, alike = correct_inverse(inverse, found, task.settings.seed)
         # Where it is not alike it is no valid correction, but a measure of the uncertainty.
         best, share = (corrected, BIAS_ERROR) if alike else (found, 1.0)
         spread = spread + np.outer(bias, bias) * share**2
@@ -347,7 +342,9 @@ def _known_loop(
     best = corrected.fit
     bias = np.outer(corrected.bias, corrected.bias) * BIAS_ERROR**2
     errors = value_errors(best.space, best.q, best.covariance + bias + ambiguity)
-    with OutputError(task.fmus, task.recording, gains, task.workers, best.space.law) as criterion:
+    with OutputError(
+        task.fmus, task.recording, gains, workers=task.settings.workers, law=best.space.law
+    ) as criterion:
         criterion.whitening = corrected.whitening
 
         def residuals(points: list[Values]) -> list[Array]:

@@ -139,7 +139,14 @@ def correct(criterion: OutputError, fitted: Fit, again: Resimulation, seed: int)
         own, position_noise(criterion.position, step)
     )
     return Corrected(
-        corrected, bias, mean, criterion.whitening, expected, found, noise, unexplained
+        corrected,
+        bias,
+        mean,
+        criterion.whitening,
+        expected=expected,
+        found=found,
+        noise=noise,
+        unexplained=unexplained,
     )
 
 

@@ -199,7 +199,7 @@ def linearised(criterion: Criterion, q: Array, noise: float) -> Fit:
     middle, *moved = criterion.map([space.decode(point) for point in points])
     jacobian = (np.column_stack(moved) - middle[:, np.newaxis]) / steps
     spread = inverse_information(jacobian, noise, space)
-    return Fit(space, q, middle, jacobian, spread, noise)
+    return Fit(space, q, middle, jacobian, covariance=spread, noise=noise)
 
 
 def _steps(q: Array, space: ParameterSpace) -> Array:

@@ -177,7 +177,7 @@ def profiles(
     (rest,) = residuals([fitted.parameters])
     information = _Information.of(fitted, rest)
     points = [
-        _Point(name, distance, fitted, errors[name], information)
+        _Point(name, distance, fitted, errors[name], information=information)
         for name in space.friction
         for distance in POINTS
     ]
@@ -230,7 +230,7 @@ class _Information:
         frozen = inverse_information(jacobian, fitted.noise, u)
         frozen[loose], frozen[:, loose] = 0.0, 0.0
         weight = np.where(np.isfinite(u.prior_deviation), 1.0 / u.prior_deviation**2, 0.0)
-        found = cls(fitted, loose, inverse, frozen, weight, 0.0)
+        found = cls(fitted, loose, inverse, frozen, weight=weight, least=0.0)
         return replace(found, least=found.loss(rest, fitted.q))
 
     def loss(self, rest: Array, q: Array) -> float:

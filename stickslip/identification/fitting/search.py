@@ -26,7 +26,7 @@ def problem(start: Start) -> ga.Problem:
     for name, bound in space.bounded.items():
         low[name] = low[bound]
     genes = [
-        ga.Gene(name, low[name], high[name], start.line[name], space.law.parameters[name].unit)
+        ga.Gene(name, low[name], high[name], start.line[name], unit=space.law.parameters[name].unit)
         for name in space.friction
     ]
     repairs = [ga.AtLeast(name, bound) for name, bound in space.bounded.items()]

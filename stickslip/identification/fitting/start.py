@@ -44,6 +44,11 @@ class Start:
     space: ParameterSpace
     curve: FrictionCurve | None = None
 
+    def restored(self, scale: Scale) -> Start:
+        """Return line and curve of a scaled recording in SI units; ``space`` stays scaled."""
+        curve = self.curve and self.curve.restored(scale)
+        return replace(self, line=scale.restored(self.line), curve=curve)
+
     @property
     def sliding(self) -> dict[str, Interval]:
         """Mass, viscous friction and constant force by name, as far as sliding shows them."""
@@ -176,7 +181,7 @@ def _curve(model: InverseModel, recording: Recording, delay: float) -> FrictionC
     if model.measures_friction:
         return None
     position, force = position_of(recording), measured_force(recording)
-    return friction_curve(position, force, model.T_s, recording.encoder_step, delay)
+    return friction_curve(position, force, model.T_s, recording.encoder_step, delay=delay)
 
 
 def _line(model: InverseModel, top: float) -> tuple[float, float, float, float, float]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 
@@ -12,7 +11,6 @@ from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import position_noise, position_of
 from stickslip.identification.criteria.surrogate_controller import resimulated, surrogate_loop
-from stickslip.logs import Recording
 from stickslip.servo.measurement import Array, smoothed
 
 BLOCKS = 40
@@ -40,11 +38,7 @@ def explained(inverse: InverseModel, residual: Array, encoder: Array) -> float:
 
 
 def encoder_error(
-    inverse: InverseModel,
-    values: Values,
-    fmus: Path,
-    recording: Recording,
-    gains: Mapping[str, float] | None = None,
+    inverse: InverseModel, values: Values, gains: Mapping[str, float] | None = None
 ) -> Array:
     """Return the error of the inverse model (k,) [N] in a recording of exactly this drive.
 
@@ -54,22 +48,21 @@ def encoder_error(
     Parameters
     ----------
     values : of the drive by name
-    fmus : folder with compensator, drive and controller
     gains : of the known controller. Its loop is simulated beside one with a surrogate that follows
         the motion: a loop with wrong values may oscillate, and the smaller error is returned
     """
     if inverse.measures_friction:
         return np.zeros_like(inverse.t[inverse.used])
-    step = recording.encoder_step
-    shown = position_noise(position_of(recording), step)
+    step = inverse.recording.encoder_step
+    shown = position_noise(position_of(inverse.recording), step)
     noise = float(np.sqrt(max(shown**2 - step**2 / 12.0, 0.0)))
     offset = step * float(np.random.default_rng(0).random())
     errors = []
-    with surrogate_loop(inverse, values, fmus, recording) as loop:
-        errors.append(resimulated(inverse, loop, fmus, recording, values, offset, noise))
+    with surrogate_loop(inverse, values) as loop:
+        errors.append(resimulated(inverse, loop, values, offset, noise=noise))
     if gains is not None:
-        with KnownLoop(fmus, recording, gains, encoder=True) as loop:
-            errors.append(resimulated(inverse, loop, fmus, recording, values, offset, noise))
+        with KnownLoop(inverse.fmus, inverse.recording, gains, encoder=True) as loop:
+            errors.append(resimulated(inverse, loop, values, offset, noise=noise))
     least = min(errors, key=lambda error: float(np.mean(error**2)))
     if np.mean(least**2) > np.mean(inverse.force[inverse.used] ** 2):  # no such drive moves so
         return np.zeros_like(least)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -138,8 +137,8 @@ def predictions(
                 candidate_fmus(candidate.law.name) as fmus,
                 InverseModel(fmus, scaled, workers=workers, law=candidate.law) as inverse,
             ):
-                fitted = _fitted(fmus, inverse, scaled, candidate, scale)
-                one = predict(inverse, fitted, fmus, scaled, candidate, gains)
+                fitted = _fitted(inverse, candidate, scale)
+                one = predict(inverse, fitted, candidate, gains)
             found.append(one.restored(scale))
     return found
 
@@ -154,8 +153,6 @@ def _believed(recording: Recording, gains: Mapping[str, float]) -> Mapping[str, 
 def predict(
     inverse: InverseModel,
     fitted: Fit,
-    fmus: Path,
-    recording: Recording,
     candidate: Candidate,
     gains: Mapping[str, float] | None = None,
     residual: Array | None = None,
@@ -164,13 +161,12 @@ def predict(
 
     Parameters
     ----------
-    fmus : folder with compensator, drive and controller
     gains : of a controller that commands the logged force
     residual : of ``held_out``, where it is there already
     """
     residual = held_out(inverse, fitted) if residual is None else residual
     everywhere = np.ones(len(residual), dtype=bool)
-    encoder = encoder_error(inverse, fitted.parameters, fmus, recording, gains)
+    encoder = encoder_error(inverse, fitted.parameters, gains)
     force = float(np.sqrt(np.mean(residual**2)))
     measured = inverse.measured(fitted.parameters)[inverse.used]
     split = folds(len(residual), memory(inverse))
@@ -179,11 +175,11 @@ def predict(
         fitted.parameters,
         fitted.errors(),
         force,
-        force / max(float(np.sqrt(np.mean(measured**2))), np.finfo(float).tiny),
-        explained(inverse, fitted.residual, encoder),
-        mean_squares(residual, everywhere),
-        _shown(fitted),
-        moving(inverse, fitted.parameters, residual, split),
+        relative=force / max(float(np.sqrt(np.mean(measured**2))), np.finfo(float).tiny),
+        explained=explained(inverse, fitted.residual, encoder),
+        squares=mean_squares(residual, everywhere),
+        shown=_shown(fitted),
+        moving=moving(inverse, fitted.parameters, residual, split),
     )
 
 
@@ -241,16 +237,16 @@ def _without(inverse: InverseModel, fitted: Fit, fold: Fold) -> Array:
     return rest
 
 
-def _fitted(
-    fmus: Path, inverse: InverseModel, recording: Recording, candidate: Candidate, scale: Scale
-) -> Fit:
+def _fitted(inverse: InverseModel, candidate: Candidate, scale: Scale) -> Fit:
     """Return the fit from the best of several points, with the choices such as an exponent.
 
     The starts are compared on fewer samples.
     """
+    recording = inverse.recording
     start = begin(inverse, recording, scale)
     space = candidate.restricted(start.space)
-    with InverseModel(fmus, _thinned(recording), inverse.cutoff, law=candidate.law) as thin:
+    thinned, cutoff = _thinned(recording), inverse.cutoff
+    with InverseModel(inverse.fmus, thinned, cutoff, law=candidate.law) as thin:
         criterion = thin.over(space)
         starts = [space.encode(start.line), *_points(criterion, start, space)]
         found = select(variants(criterion, fit(criterion, starts)), SURE).fit

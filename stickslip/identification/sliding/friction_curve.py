@@ -145,7 +145,7 @@ def friction_curve(
     force = np.interp(t - delay, t, force) if delay else force
     noise = position_noise(position, step)
     first = _samples_per_row(position, T_s, noise)
-    rows = [_Rows.of(position, force, T_s, noise, first * factor) for factor in (1, 2)]
+    rows = [_Rows.of(position, force, T_s, noise, q=first * factor) for factor in (1, 2)]
     speeds = rows[-1].speeds(DISTANCES[-1], GUARDS[-1])
     if speeds is None:
         return None
@@ -173,7 +173,9 @@ def friction_curve(
     varying = {
         name: force for name, force, sure in zip(VARYING, forces, certain, strict=True) if sure
     }
-    return FrictionCurve(speeds, value[3:], low, high, mass, viscous, offset, varying)
+    return FrictionCurve(
+        speeds, value[3:], low, high, mass=mass, viscous=viscous, offset=offset, varying=varying
+    )
 
 
 def _samples_per_row(position: Array, T_s: float, noise: float) -> int:
@@ -238,7 +240,20 @@ class _Rows:
         reversed_at[turns] = path[turns]
         s = path - np.maximum.accumulate(reversed_at)
         logged = smoothed(force[:n].reshape(-1, q).mean(axis=1), T, cutoff)
-        return cls(T, cutoff, x, v, derivative(v, T), logged, path, s, ahead, slides, top, slowest)
+        return cls(
+            T,
+            cutoff,
+            x,
+            v,
+            a=derivative(v, T),
+            force=logged,
+            path=path,
+            s=s,
+            ahead=ahead,
+            slides=slides,
+            top=top,
+            slowest=slowest,
+        )
 
     def used(self, distance: float, guard: float) -> NDArray[np.intp]:
         """Return the rows before which it slid evenly for this share of its travel."""
@@ -298,7 +313,7 @@ class _Rows:
         classes = 3 * _class(speed[used], 4) + _class(self.s[used], 3)
         found = regress(force, fixed, groups, classes)
         return (
-            *_quantities(found, size, knots, speeds, float(np.median(speed[used]))),
+            *_quantities(found, size, knots, speeds, typical=float(np.median(speed[used]))),
             *_varying(found, groups),
         )
 

@@ -95,7 +95,7 @@ def regress(
             effective = c[place].size - np.sum(np.diag(covariance)[place]) * prior[place.start]
             found = np.sqrt(np.sum(c[place] ** 2) / max(effective, 1e-3))
             deviations[name] = float(np.clip(found, *DEVIATIONS))
-    return Regression(c, covariance, places, deviations, correlation)
+    return Regression(c, covariance, places, deviations, correlation=correlation)
 
 
 def correlation_time(signal: Array) -> float:

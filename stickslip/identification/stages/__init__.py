@@ -90,4 +90,4 @@ def identify(
     known = {n: one for n, one in known.items() if n in tabulated(rig.law)}
     presliding = measure_presliding(rig, known, force)
     loop = design_velocity_loop(rig.datasheet.axis(known["m"], known["b"]), specification)
-    return Identification(inertia, friction, presliding, loop, rig.law)
+    return Identification(inertia, friction, presliding, loop, law=rig.law)

@@ -100,4 +100,4 @@ def measure_inertia(rig: Rig) -> Inertia:
             "make the stage slide, friction holds it"
         )
     net = force[used] - regressors[:, 1:] @ values[1:]
-    return Inertia(m, b, F_c, a[used], net, float(np.abs(v[used]).mean()))
+    return Inertia(m, b, F_c, a[used], force=net, speed=float(np.abs(v[used]).mean()))

@@ -105,7 +105,7 @@ def measure_presliding(rig: Rig, known: Mapping[str, float], force: float) -> Pr
             for name, one in estimates.items()
         )
         warning = f"presliding: {warning}; the compensator begins at {kept}"
-    return Presliding(estimates, stiffness, log, x_fit, warning)
+    return Presliding(estimates, stiffness, log, x_fit, warning=warning)
 
 
 def _least(residual: Callable[[Array], Array], starts: Iterable[Array]) -> OptimizeResult:

@@ -60,7 +60,9 @@ def read_table(path: Path, delimiter: str | None = None, decimal: str | None = N
         what = f"a text, not a file of {named[-1].TITLE} as its name says; rename it to .csv"
         raise RecordingError(f"{name}: {what}")
     if found := known or named:
-        table = _read(found[-1], name, data, delimiter, decimal)  # MAT files of old have no mark
+        table = _read(
+            found[-1], name, data, delimiter, decimal=decimal
+        )  # MAT files of old have no mark
         if suffix and found[-1] not in named:
             what = f"the file is {found[-1].TITLE}, although its name ends in {suffix}"
             table = replace(table, findings=(Finding("note", what), *table.findings))

@@ -48,8 +48,8 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
             "table2": reproduction.table2(),
             "table4": reproduction.validation.table(),
             "attribution": reproduction.attribution,
-            "fitness": estimation.algorithm.convergence(),
-            "profiles": estimation.profiles,
+            "fitness": estimation.searches.algorithm.convergence(),
+            "profiles": estimation.fitted.profiles,
             "recording": _table(estimation.recording),
         }
         write_tables(tables, staging)

@@ -7,18 +7,18 @@ velocity filter and feedforward of inertia that a known mass allows.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import pandas as pd
 
-from stickslip.identification.estimation import Estimation, OnGeneration, Search
+from stickslip.identification.estimation import Estimation, LearnSettings, Search
 from stickslip.logs import check_recording
 from stickslip.papers.lugre.attribution import attribute
-from stickslip.papers.lugre.reproduction import Options, Progress, Reproduced, build_rig, validated
+from stickslip.papers.lugre.reproduction import Options, Reproduced, build_rig, validated
 from stickslip.papers.lugre.tables import table2_of_recording
+from stickslip.progress import Progress
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
@@ -62,11 +62,7 @@ def loops_of_drive(sheet: Datasheet, estimation: Estimation) -> Loops:
 
 
 def learn_from_recording(
-    rig: FmuRig,
-    seed: int,
-    search: Search,
-    on_stage: Callable[[str], object],
-    on_generation: OnGeneration,
+    rig: FmuRig, seed: int, search: Search, progress: Progress
 ) -> LearnedFromRecording:
     """Record a drive once, learn from the recording and design the loops.
 
@@ -75,18 +71,15 @@ def learn_from_recording(
     stickslip.errors.IdentificationError, stickslip.servo.axis.ControlError
         When the drive does not show what is looked for, or cannot be recorded.
     """
-    on_stage("recording the drive")
+    progress.stage("recording the drive")
     recording = record_drive(rig)
     return learn_recording(
         recording,
         gains_of(rig.loop),
         partial(loops_of_drive, rig.datasheet),
         check_recording(recording),
-        law=rig.law.name,
-        seed=seed,
-        search=search,
-        on_stage=on_stage,
-        on_generation=on_generation,
+        settings=LearnSettings(law=rig.law.name, seed=seed, search=search),
+        progress=progress,
     )
 
 
@@ -103,7 +96,7 @@ def reproduce_from_recording(
     """
     rig = build_rig(options, fmus, progress)
     search = Search(options.preset, execution=execution or Execution())
-    learned = learn_from_recording(rig, options.seed, search, progress.stage, progress.generation)
+    learned = learn_from_recording(rig, options.seed, search, progress)
     result = validated(options, rig, learned, progress)
     plain = learned.designed.plain
     parts = attribute(rig, plain, learned.friction, VALIDATION, options.feed)

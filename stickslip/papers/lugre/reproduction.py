@@ -10,15 +10,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Protocol
 
 import pandas as pd
 
-from stickslip import cosim, ga, models
+from stickslip import cosim, models
 from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.evaluation.scatter import PHASES
 from stickslip.evaluation.validation import Validation, validate
-from stickslip.identification.criteria.scaling import Scale
 from stickslip.identification.stages import Estimate, Identification
 from stickslip.papers.lugre.fmpy_check import SecondOpinion
 from stickslip.papers.lugre.loop_tuning import LoopTuning, validate_loops
@@ -26,6 +24,7 @@ from stickslip.papers.lugre.motion_study import MotionStudy
 from stickslip.papers.lugre.published import PublishedStudy
 from stickslip.papers.lugre.steps import with_steps
 from stickslip.papers.lugre.tables import table2
+from stickslip.progress import Progress
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import VALIDATION
@@ -67,16 +66,6 @@ class Options:
     published_seeds: int = 10
     complete: bool = False
     coarse: Mapping[str, float] = field(default_factory=dict)
-
-
-class Progress(Protocol):
-    """Receives the progress of a reproduction."""
-
-    def stage(self, name: str) -> None:
-        """Begin a stage."""
-
-    def generation(self, algorithm: ga.Optimiser, scale: Scale | None = None) -> None:
-        """One more generation of candidates is done; their values have a scale, or are in SI."""
 
 
 @dataclass(frozen=True)
@@ -225,7 +214,7 @@ def reproduce(
         feed=options.feed,
         seed=options.seed,
         coarse=options.coarse,
-        on_stage=progress.stage,
+        progress=progress,
     )
     searched = None
     if options.loop_seeds:

@@ -11,14 +11,14 @@ from stickslip import ga, models
 from stickslip.evaluation.comparison import evaluate
 from stickslip.evaluation.scatter import PHASES
 from stickslip.fmi.errors import Fault
-from stickslip.identification.criteria.scaling import Scale
 from stickslip.identification.estimation import Search
 from stickslip.papers.lugre.datasheet_errors import vary_datasheet
 from stickslip.papers.lugre.motion_study import study_motions
 from stickslip.papers.lugre.published import OURS, SQUARES, study_as_published
 from stickslip.papers.lugre.record_mode import learn_from_recording
-from stickslip.papers.lugre.reproduction import Extras, Options, Progress, Reproduction, reproduce
+from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, reproduce
 from stickslip.papers.lugre.steps import TRAPEZOID, steps, with_steps
+from stickslip.progress import Factors, Progress
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.studies.learn.learned import Learned
@@ -93,7 +93,7 @@ def with_motions(
 def _recorded(rig: FmuRig, options: Options, progress: Progress, execution: Execution) -> Learned:
     """Return what one recording of the drive gives."""
     search = Search(options.preset, execution=execution)
-    return learn_from_recording(rig, options.seed, search, progress.stage, progress.generation)
+    return learn_from_recording(rig, options.seed, search, progress)
 
 
 def all_effects() -> dict[str, float]:
@@ -128,7 +128,7 @@ def step_by_step(found: Reproduction, fmus: Path) -> pd.DataFrame:
 
 
 @dataclass(frozen=True)
-class _Named:
+class _Named(Progress):
     """Tells stages with the drive that they are of."""
 
     progress: Progress
@@ -136,5 +136,5 @@ class _Named:
     def stage(self, name: str) -> None:
         self.progress.stage(f"all extras on: {name}")
 
-    def generation(self, algorithm: ga.Optimiser, scale: Scale | None = None) -> None:
+    def generation(self, algorithm: ga.Optimiser, scale: Factors | None = None) -> None:
         self.progress.generation(algorithm, scale)

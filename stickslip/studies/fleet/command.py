@@ -68,7 +68,7 @@ def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> Answer:
             for name, one in json.loads(outcome.learned or "{}").get("parameters", {}).items():
                 learned.setdefault(name, []).append(one["value"])
             what = f"{drive.name} {outcome.reason or 'learned'}"
-            progress.done(done, len(drives), what, "drive", spread_of(learned))
+            progress.done(done, len(drives), what, "drive", rows=spread_of(learned))
 
         progress.stage(f"learning {len(drives)} drives")
         progress.move(0, len(drives), "drive")

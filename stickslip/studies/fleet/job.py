@@ -3,19 +3,35 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from stickslip import ga
 from stickslip.errors import StickslipError
 from stickslip.identification.estimation import Search
 from stickslip.logs import Description, load_description
 from stickslip.papers.lugre.record_mode import learn_from_recording
+from stickslip.progress import SILENT, Factors, Progress
 from stickslip.rigs.fmu import rig_of
 from stickslip.studies.fleet.table import Drive, LogSource
 from stickslip.studies.learn.document import log_document, recording_document
 from stickslip.studies.learn.log_learning import learn
 from stickslip.work.jobs import OnStage, Outcome, ended_by_signals
+
+
+@dataclass(frozen=True)
+class _Stages(Progress):
+    """Tells the pool of workers that a drive is still wanted."""
+
+    on_stage: OnStage
+
+    def stage(self, name: str) -> None:
+        self.on_stage(name)
+
+    def generation(self, algorithm: ga.Optimiser, scale: Factors | None = None) -> None:  # noqa: ARG002
+        self.on_stage("searching")
 
 
 def learn_drive(drive: Drive, seed: int, on_stage: OnStage | None = None) -> Outcome:
@@ -27,24 +43,22 @@ def learn_drive(drive: Drive, seed: int, on_stage: OnStage | None = None) -> Out
     threadpool_limits(limits=1, user_api="blas")
     try:
         with ended_by_signals():
-            document = _document(drive, seed, on_stage or _ignore)
+            document = _document(drive, seed, _Stages(on_stage) if on_stage else SILENT)
     except Exception as error:  # noqa: BLE001 - a fleet outlives any fault of one drive
         return Outcome(reason=_reason(drive, error))
     return Outcome(learned=json.dumps(document))
 
 
-def _document(drive: Drive, seed: int, on_stage: OnStage) -> dict[str, Any]:
+def _document(drive: Drive, seed: int, progress: Progress) -> dict[str, Any]:
     """Return the content of learned.json, with what the checks found."""
     if isinstance(drive.source, LogSource):
         config = drive.source.config
         description = load_description(config) if config else Description()
-        learned = learn(drive.source.log, description, seed=seed, on_stage=on_stage)
+        learned = learn(drive.source.log, description, seed=seed, progress=progress)
         document = log_document(learned)
     else:
         with rig_of(drive.source.changes) as rig:
-            learned = learn_from_recording(
-                rig, seed, Search(), on_stage, lambda *_: on_stage("searching")
-            )
+            learned = learn_from_recording(rig, seed, Search(), progress)
         document = recording_document(learned)
     return document | {"findings": [str(finding) for finding in learned.findings]}
 
@@ -57,7 +71,3 @@ def _reason(drive: Drive, error: Exception) -> str:
             text = text.replace(str(path), drive.row[column]) if path else text
     expected = isinstance(error, StickslipError)
     return text if expected and text else f"{type(error).__name__}: {text}".rstrip(": ")
-
-
-def _ignore(_: str) -> None:
-    pass

@@ -96,7 +96,7 @@ def learn_fleet(
 
     left = [drive for drive in drives if drive.name not in learned]
     try:
-        run_jobs(job, left, seed, execution.where, execution.workers, take)
+        run_jobs(job, left, seed, execution.where, workers=execution.workers, on_done=take)
     except (KeyboardInterrupt, ga.WorkersLost) as stop:
         done = f"{len(learned)} of {len(drives)} drives are learned and kept in {folder}"
         raise stopped(stop, done) from None

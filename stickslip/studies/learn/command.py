@@ -139,7 +139,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
         learned = learn(
             rig or options.log,
             description,
-            limits=limits,
+            progress=progress,
             law=options.law,
             criterion=CRITERIA[options.criterion],
             seed=options.seed,
@@ -147,9 +147,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             search=Search(options.algorithm, execution=execution),
             compensator=options.compensator,
             absent=options.without,
-            on_findings=print_findings,
-            on_stage=progress.stage,
-            on_generation=progress.generation,
+            limits=limits,
         )
         print_estimation(learned.estimation)
         if learned.tracking:
@@ -213,9 +211,9 @@ def print_estimation(estimation: Estimation) -> None:
     force = unit_of("F_c", rotary=rotary)
     print(f"{'offset':8} {estimation.F_0:12.6g} {force:9} constant force against the motor")
     print(f"{'delay':8} {estimation.delay:12.6g} {'s':9} delay of the force beyond that of the log")
-    if len(estimation.searches) > 1:
+    if (number := len(estimation.searches.table)) > 1:
         spread = [f"{name} {100 * value:.2g} %" for name, value in estimation.spread().items()]
-        print(f"spread over {len(estimation.searches)} searches: {', '.join(spread)}")
+        print(f"spread over {number} searches: {', '.join(spread)}")
     for name, value in estimation.figures.errors().items():
         if math.isfinite(value):
             print(f"relative error {100 * value:9.4g} %  {FIGURES[name]}")

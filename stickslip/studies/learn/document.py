@@ -52,7 +52,7 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
             "laws": tables.laws(estimation).records(),
             "choice": estimation.choice and estimation.choice.reason,
         },
-        "evaluations": int(estimation.searches["evaluations"].sum()),
+        "evaluations": int(estimation.searches.table["evaluations"].sum()),
         "seed": learned.seed,
         "spread_over_searches": estimation.spread(),
     }

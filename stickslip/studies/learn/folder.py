@@ -97,10 +97,16 @@ def write_learned(
         if shown.trial:
             write_tables({TABLE.removesuffix(".csv"): shown.trial.table()}, staging)
         if learned.observer and OBSERVER_FMU in names:
-            build_part(learned, learned.observer, "observer", staging, learned.observer_refusal)
+            build_part(
+                learned, learned.observer, "observer", staging, refusal=learned.observer_refusal
+            )
         if COMPENSATOR in names:
             build_part(
-                learned, deployed_feedforward(shown), "compensator", staging, learned.refusal
+                learned,
+                deployed_feedforward(shown),
+                "compensator",
+                staging,
+                refusal=learned.refusal,
             )
         files = tuple(name for name in FMUS if (staging / name).exists())
         written = Written(learned, files, force)
@@ -110,7 +116,7 @@ def write_learned(
             learned.findings,
             staging,
             _trial_sections(shown),
-            [*map(_notice, written.sentences), *_tracking_sections(shown)],
+            opening=[*map(_notice, written.sentences), *_tracking_sections(shown)],
             forced=force,
         )
     return written

@@ -15,18 +15,12 @@ import pandas as pd
 from stickslip.cosim.display import html_table
 from stickslip.evaluation.tracking import Tracking
 from stickslip.fmi.messages import escaped
-from stickslip.identification.estimation import (
-    CriterionName,
-    Estimation,
-    OnGeneration,
-    Search,
-    Task,
-    candidate_fmus,
-)
+from stickslip.identification.estimation import Estimation, LearnSettings, Task, candidate_fmus
 from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.identification.selection import choose, predictions
 from stickslip.logs import Finding, Recording
+from stickslip.progress import SILENT, Progress
 from stickslip.servo.axis import ControlError
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -260,14 +254,8 @@ def learn_recording(
     gains: Mapping[str, float] | None,
     design: Callable[[Estimation], Loops],
     findings: tuple[Finding, ...],
-    *,
-    law: str = "lugre",
-    criterion: CriterionName = "auto",
-    seed: int = 0,
-    seeds: int = 1,
-    search: Search | None = None,
-    on_stage: Callable[[str], object] = lambda _: None,
-    on_generation: OnGeneration = lambda *_: None,
+    settings: LearnSettings,
+    progress: Progress = SILENT,
 ) -> LearnedFromRecording:
     """Estimate a drive from a recording and design its loops.
 
@@ -276,8 +264,6 @@ def learn_recording(
     gains : of the controller FMU by name; None when the controller is not known
     design : gives the loops, or raises ControlError
     findings : of reading and checking the recording
-    law : of the catalogue, or ``auto`` for the one that predicts best where it is not fitted
-    criterion, seed, seeds, search : see ``estimation.Task``
 
     Raises
     ------
@@ -286,28 +272,17 @@ def learn_recording(
     """
     faults = tuple(finding for finding in findings if finding.spoils)
     choice = None
-    if law == AUTO:
-        on_stage("comparing friction laws")
-        workers = search.execution.workers if search else 1
-        tried = predictions(recording, gains, workers=workers)
+    if settings.law == AUTO:
+        progress.stage("comparing friction laws")
+        tried = predictions(recording, gains, workers=settings.workers)
         choice = choose(tried, rotary=recording.rotary)
-        law = choice.chosen.candidate.law.name
-    with candidate_fmus(law) as fmus:
-        task = Task(
-            fmus,
-            recording,
-            gains,
-            criterion,
-            search or Search(),
-            seed,
-            seeds,
-            law,
-            faults,
-            choice,
-        )
-        estimation = estimate(task, on_stage, on_generation)
+        settings = replace(settings, law=choice.chosen.candidate.law.name)
+    with candidate_fmus(settings.law) as fmus:
+        task = Task(fmus, recording, gains, settings, faults=faults, choice=choice)
+        estimation = estimate(task, progress)
     try:
         loops: Loops | ControlError = design(estimation)
     except ControlError as error:
         loops = error
-    return LearnedFromRecording(estimation.compensator, loops, estimation, findings, seed)
+    friction = estimation.compensator
+    return LearnedFromRecording(friction, loops, estimation, findings, seed=settings.seed)

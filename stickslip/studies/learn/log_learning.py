@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from threadpoolctl import threadpool_limits
 
@@ -13,7 +14,7 @@ from stickslip.identification.controller.controller_check import check_controlle
 from stickslip.identification.criteria.candidate_fmus import candidate_fmus
 from stickslip.identification.criteria.motion import against_motion
 from stickslip.identification.criteria.scaling import recording_scale
-from stickslip.identification.estimation import CriterionName, OnGeneration, Search
+from stickslip.identification.estimation import LearnSettings
 from stickslip.logs import (
     Description,
     Finding,
@@ -26,7 +27,7 @@ from stickslip.logs import (
     read_recording,
     samples_late,
 )
-from stickslip.planning import LINEAR, Limits
+from stickslip.progress import SILENT, Progress
 from stickslip.rigs.contract import Rig
 from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
@@ -80,25 +81,17 @@ def check_rig(reading: Reading) -> Iterator[Finding]:
 
 
 def with_trial(
-    reading: Reading,
-    learned: LearnedFromRecording,
-    *,
-    compensator: str = "",
-    absent: Sequence[str] = (),
-    workers: int = 1,
+    reading: Reading, learned: LearnedFromRecording, settings: LearnSettings
 ) -> LearnedFromRecording:
     """Try a learned compensator where a loop can be closed; see ``try_compensator``."""
     estimation = learned.estimation
     mass = estimation.known.get("m")
     question = implausible_mass(reading, mass.low, mass.high) if mass else None
     doubt = str(question) if question and question.severity == "error" else ""
-    learned = replace(learned, asked=compensator, implausible=doubt)
+    learned = replace(learned, asked=settings.compensator, implausible=doubt)
     if isinstance(learned.loops, ControlError):
         return learned
-    loop = learned.loops.compensated
-    trial = try_compensator(
-        reading, estimation, loop, compensator=compensator, absent=absent, workers=workers
-    )
+    trial = try_compensator(reading, estimation, learned.loops.compensated, settings)
     return replace(learned, trial=trial)
 
 
@@ -106,29 +99,17 @@ def learn(
     source: Path | str | Rig,
     description: Description | None = None,
     *,
-    limits: Limits = LINEAR,
-    law: str = "lugre",
-    criterion: CriterionName = "auto",
-    seed: int = 0,
-    seeds: int = 1,
-    search: Search | None = None,
-    compensator: str = "",
-    absent: Sequence[str] = (),
-    on_findings: Callable[[Iterable[Finding]], object] = lambda _: None,
-    on_stage: Callable[[str], object] = lambda _: None,
-    on_generation: OnGeneration = lambda *_: None,
+    progress: Progress = SILENT,
+    **settings: Any,
 ) -> LearnedFromRecording:
-    """Learn a drive from a log of it, or on a rig; options are those of ``estimation.Task``.
+    """Learn a drive from a log of it, or on a rig.
 
     Parameters
     ----------
     source : CSV, Parquet or MAT file, or a rig, which then runs one experiment
     description : of its columns and of the controller; by default the columns are detected
-    limits : of the experiment on a rig, see ``plan``
-    compensator : what is to be written: ``auto`` for the best on the drives that the log supports,
-        or a name such as ``static+ekbf``; by default feedforward of the law, and a disturbance
-        observer if it helps
-    absent : of ``encoder`` and ``motor_force``, what the controller cannot give a compensator
+    progress : is told of stages, findings and generations
+    settings : fields of ``LearnSettings``, such as ``law``, ``seed`` and ``compensator``
 
     Raises
     ------
@@ -139,44 +120,29 @@ def learn(
     RigError
         When the experiment on the rig did not end as commanded.
     """
-    law = law_of(compensator, law, absent)
+    asked = LearnSettings(**settings)
+    chosen = replace(asked, law=law_of(asked.compensator, asked.law, asked.absent))
     # Threads of linear algebra would wait for those of other work on the same cores.
     with threadpool_limits(limits=1, user_api="blas"):
         if isinstance(source, Rig):
-            on_stage("recording the drive")
-            path, reading = Path(source.name), read_rig(source, limits)
+            progress.stage("recording the drive")
+            path, reading = Path(source.name), read_rig(source, chosen.limits)
             findings = check_recording(reading.recording, reading.controller, reading.force_limit)
         else:
-            on_stage("reading the log")
+            progress.stage("reading the log")
             path = Path(source)
             reading, findings = read_and_check(path, description or Description())
         raise_errors(path, findings)
-        on_findings(findings)
+        progress.findings(findings)
         recording = aligned(reading.recording, samples_late(reading.recording))
         reading = replace(reading, recording=recording)
         if isinstance(source, Rig):
             found = tuple(check_rig(reading))
-            on_findings(found)
+            progress.findings(found)
             findings = (*findings, *found)
+        gains, design = reading.controller.parameters(), partial(loops_of_log, reading)
         learned = learn_recording(
-            recording,
-            reading.controller.parameters(),
-            partial(loops_of_log, reading),
-            findings,
-            law=law,
-            criterion=criterion,
-            seed=seed,
-            seeds=seeds,
-            search=search,
-            on_stage=on_stage,
-            on_generation=on_generation,
+            recording, gains, design, findings, settings=chosen, progress=progress
         )
-        on_stage("trying the compensator")
-        learned = with_trial(
-            reading,
-            learned,
-            compensator=compensator,
-            absent=absent,
-            workers=search.execution.workers if search else 1,
-        )
-        return with_tracking(reading, learned)
+        progress.stage("trying the compensator")
+        return with_tracking(reading, with_trial(reading, learned, chosen))

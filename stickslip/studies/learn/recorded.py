@@ -40,9 +40,8 @@ def record_drive(rig: Rig, limits: Limits = LINEAR) -> Recording:
 def read_rig(rig: Rig, limits: Limits) -> Reading:
     """Do what ``record_drive`` does, and return what a log would say beside the recording."""
     sheet, gains = rig.datasheet, gains_of(rig.loop)
-    return Reading(
-        record_drive(rig, limits), Controller("PI", **gains), (), sheet.peak_force, sheet.tau_i
-    )
+    recording, controller = record_drive(rig, limits), Controller("PI", **gains)
+    return Reading(recording, controller, force_limit=sheet.peak_force, tau_i=sheet.tau_i)
 
 
 def gains_of(loop: VelocityLoop) -> dict[str, float]:

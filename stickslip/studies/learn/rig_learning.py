@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from stickslip.cosim import SineSweep, Trapezoid
@@ -10,6 +10,7 @@ from stickslip.errors import HarmfulError
 from stickslip.evaluation import validation
 from stickslip.evaluation.validation import Validation
 from stickslip.identification.stages import Estimate, Identification, identify
+from stickslip.progress import SILENT, Progress
 from stickslip.rigs.contract import Rig
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
@@ -47,7 +48,7 @@ def learn_on_rig(
     feed: Feed = "nominal",
     seed: int = 0,
     coarse: Mapping[str, float] | None = None,
-    on_stage: Callable[[str], object] = lambda _: None,
+    progress: Progress = SILENT,
 ) -> LearnedOnRig:
     """Identify a drive by three experiments, then fit the friction to repeated runs of it.
 
@@ -69,15 +70,17 @@ def learn_on_rig(
     IdentificationError, ControlError
         When the drive does not show what is looked for, or its loop cannot be designed.
     """
-    found = identify(rig, specification, lambda name: on_stage(f"identifying: {name}"))
+    found = identify(rig, specification, lambda name: progress.stage(f"identifying: {name}"))
     start, loop = found.tuned, found.loop
     if coarse:
         start = coarsened(start, coarse, rig.law)
     v_cmd = training.sample(rig.samples(training.duration))
-    study = Study(rig, loop, start, v_cmd, feed, seed=seed)
-    on_stage("fitting the friction to runs of the drive")
+    study = Study(rig, loop, start, v_cmd, feed=feed, seed=seed)
+    progress.stage("fitting the friction to runs of the drive")
     refinement = refine(study)
-    return LearnedOnRig(refinement.values, Loops(loop, loop), found, study, start, refinement)
+    return LearnedOnRig(
+        refinement.values, Loops(loop, loop), found, study, start=start, refinement=refinement
+    )
 
 
 def validate(
@@ -102,4 +105,4 @@ def validate(
     if learned.refusal:
         raise HarmfulError(f"{rig.name}: learn does not recommend it: {learned.refusal}; not run")
     plain, loop, _ = learned.designed
-    return validation.validate(rig, loop, learned.friction, command, feed, plain)
+    return validation.validate(rig, loop, learned.friction, command, feed=feed, plain=plain)

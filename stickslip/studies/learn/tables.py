@@ -92,7 +92,7 @@ def laws(estimation: Estimation) -> Table:
             "relative": one.relative,
             "explained": one.explained,
         }
-        for one in estimation.predictions
+        for one in estimation.held_out.predictions
     ]
     return Table(columns, rows)
 

@@ -63,7 +63,7 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
     drive = LearnedDrive(estimation.law.name, estimation.parameters, learned.compensator, reference)
     try:
         with candidate_fmus(drive.law) as fmus:
-            runs = simulate(fmus, recording, gains, drive, reading.force_limit)
+            runs = simulate(fmus, recording, gains, drive, force_limit=reading.force_limit)
     except cosim.SimulationError as fault:
         what = learned.implausible or f"in the loop of {name}: {fault}"
         return replace(learned, implausible=what)
@@ -79,11 +79,11 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
         v_cmd,
         {name: run.velocity for name, run in runs.items()},
         {name: run.position - x_cmd for name, run in runs.items()},
-        used,
-        name,
-        command,
-        known,
-        measured,
+        used=used,
+        loop=name,
+        command=command,
+        known=known,
+        measured=measured,
     )
     return replace(learned, tracking=tracking)
 

@@ -83,7 +83,7 @@ def here(task: Task) -> Iterator[Outcome]:
         yield Outcome("", times, first.time, signals)
         second = simulation.run(inputs=model.inputs)
     again = np.array_equal(first.values, second.values, equal_nan=True)
-    yield Outcome("", times, first.time, signals, again)
+    yield Outcome("", times, first.time, signals, again=again)
 
 
 def _model(task: Task) -> Model:

@@ -92,7 +92,7 @@ def _on_log(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
     print_prediction(found, values)
     if options.out:
         command = {"name": "validate", "log": log.reading.recording.source}
-        write_log_validation(found, learned, log.controller, options.out, command)
+        write_log_validation(found, learned, log.controller, options.out, command=command)
         print(f"all results are in {options.out}; open report.html first")
     first, *reasons = verdict(found, values)
     changes = {name: asdict(change) for name, change in found.changes.items()}
@@ -117,7 +117,14 @@ def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str,
     print_comparison(found, recording.motion)
     if options.out:
         names = (recording.source, compensated.reading.recording.source)
-        write_comparison(found, recording.motion, names, learned, without.controller, options.out)
+        write_comparison(
+            found,
+            recording.motion,
+            names,
+            learned,
+            controller=without.controller,
+            folder=options.out,
+        )
         print(f"all results are in {options.out}; open report.html first")
     compared = {"measured": found.measured, "simulated": found.simulated}
     reductions = {
@@ -148,7 +155,7 @@ def _on_rig(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
         if rig is None:
             raise UsageError("--rig: expected a file")
         progress.stage("validating")
-        found = validate(rig, rig.loop, compensator, command, options.feed)
+        found = validate(rig, rig.loop, compensator, command, feed=options.feed)
     print(found)
     table = found.errors()
     about = {"name": "validate", "rig": str(options.rig), "parameters": compensator}
@@ -184,12 +191,19 @@ def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> di
             loop = with_inertia(with_velocity_filter(plain, rig.datasheet, compensator["F_c"]))
         progress.stage("validating")
         validation = validate(
-            rig, loop, compensator, VALIDATION, options.feed, plain, behind, PHASES
+            rig,
+            loop,
+            compensator,
+            VALIDATION,
+            feed=options.feed,
+            plain=plain,
+            behind=behind,
+            phases=PHASES,
         )
         tables = {"table4.csv": validation.table()}
         print_table4(tables["table4.csv"])
         if options.velocity_filter:
-            parts = attribute(rig, plain, compensator, VALIDATION, options.feed)
+            parts = attribute(rig, plain, compensator, VALIDATION, feed=options.feed)
             tables["attribution.csv"] = parts
             print("Errors [mm/s] by what is on:", parts.round(3).to_string(index=False), sep="\n")
         command = {

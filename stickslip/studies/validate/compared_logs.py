@@ -147,9 +147,9 @@ def compare(without: Recording, compensated: Recording, stretches: list[Stretch]
     second = np.concatenate([np.arange(run.second, run.second + run.n) for run in stretches])
     command = commanded_velocity(without)
     part, repeated = _parts(command, stretches, without.T_s)
-    measured = compared(without, compensated, first, second, part)
+    measured = compared(without, compensated, first, second, part=part)
     t, v_cmd = without.t[first], command[first]
-    return LogComparison(t, v_cmd, tuple(stretches), part, repeated, measured)
+    return LogComparison(t, v_cmd, tuple(stretches), part, repeated=repeated, measured=measured)
 
 
 def compared(

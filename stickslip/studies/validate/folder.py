@@ -72,7 +72,9 @@ def write_comparison(
     OSError
         When a file cannot be written.
     """
-    sections = comparison.comparison_sections(found, motion, logs, learned.path.name, controller)
+    sections = comparison.comparison_sections(
+        found, motion, logs, learned.path.name, controller=controller
+    )
     command = {"name": "validate", "without": logs[0], "log": logs[1]}
     with staged(folder, command) as staging:
         write_tables({"tracking": tables.tracking(found, motion).frame()}, staging)

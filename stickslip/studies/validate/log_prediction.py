@@ -140,9 +140,11 @@ def predict_log(
     """
     scale = recording_scale(recording)
     scaled_gains = None if gains is None else scale.values(gains)
-    given = (scale.recording(recording), scaled_gains, drive.law)
+    scaled, values = scale.recording(recording), scale.values(drive.values)
     with threadpool_limits(limits=1, user_api="blas"):
-        found = _predict(fmus, *given, scale.values(drive.values), scale.values(errors))
+        found = _predict(
+            fmus, scaled, scaled_gains, drive.law, values=values, errors=scale.values(errors)
+        )
     force, length = 1.0 / scale.force, 1.0 / scale.length
     spans = found.spans.copy()
     for name in spans.columns.drop(["begin", "end"]):
@@ -178,11 +180,11 @@ def _predict(
             recording = replace(recording, force=check.force)
         gains = check.gains
     with InverseModel(fmus, recording, law=friction_law(law)) as inverse:
-        goodness = goodness_of_fit(fmus, recording, inverse, values, gains, check)
+        goodness = goodness_of_fit(inverse, values, gains, check)
         used, t = inverse.used, inverse.t[inverse.used]
         residual = (goodness.measured - goodness.predicted)[used]
         ahead = np.sign(inverse.motion.v)[used]
-        encoder = encoder_error(inverse, values, fmus, recording, gains)
+        encoder = encoder_error(inverse, values, gains)
         noise = explained(inverse, residual, encoder)
         spread = float(_spread(lambda at: inverse.predicted(at)[used], values, errors))
         drift = change_of_friction(inverse, values)
@@ -191,12 +193,14 @@ def _predict(
     parts = {"force_bias": residual * ahead, "force_error": residual}
     if gains is not None and (simulated := goodness.simulated) is not None:
         try:
-            signals |= _loop_errors(fmus, recording, gains, values, errors, goodness)
+            signals |= _loop_errors(inverse, gains, values, errors, goodness=goodness)
         except Diverged:
             goodness = replace(goodness, simulated=None)
         else:
             parts["position_error"] = (position_of(recording) - simulated)[used]
-    return LogPrediction(recording, signals, changes, _spans(t, parts), drift, goodness, check)
+    return LogPrediction(
+        recording, signals, changes, _spans(t, parts), drift=drift, goodness=goodness, check=check
+    )
 
 
 def _rms(signal: Array) -> float:
@@ -242,14 +246,14 @@ def _changes(inverse: InverseModel, values: Values, residual: Array) -> dict[str
 
 
 def _loop_errors(
-    fmus: Path,
-    recording: Recording,
+    inverse: InverseModel,
     gains: Mapping[str, float],
     values: Values,
     errors: Values,
     goodness: GoodnessOfFit,
 ) -> dict[str, SignalError]:
     """Return the errors of the simulated loop; its noise is that of simulated logs."""
+    fmus, recording = inverse.fmus, inverse.recording
     position, step, T_s = position_of(recording), recording.encoder_step, recording.T_s
     noise = float(np.sqrt(max(position_noise(position, step) ** 2 - step**2 / 12.0, 0.0)))
     at = {**values, "delay": max(values["delay"], 0.0)}

@@ -99,7 +99,9 @@ def validate_log(log: LogInLoop, learned: LearnedFile) -> LogPrediction:
     """
     drive = drive_of(learned)
     with candidate_fmus(drive.law) as fmus:
-        return predict_log(fmus, log.reading.recording, log.gains, drive, learned.drive_errors)
+        return predict_log(
+            fmus, log.reading.recording, log.gains, drive, errors=learned.drive_errors
+        )
 
 
 def drive_of(learned: LearnedFile) -> LearnedDrive:
@@ -128,10 +130,12 @@ def compare_logs(compensated: LogInLoop, without: LogInLoop, learned: LearnedFil
         scaled, gains = scale.recording(plain), scale.values(without.gains)
         gains = scale.restored(check_controller(fmus, scaled, gains).gains)
         try:
-            runs = simulate(fmus, plain, gains, drive, without.reading.force_limit)
+            runs = simulate(fmus, plain, gains, drive, force_limit=without.reading.force_limit)
         except cosim.SimulationError as fault:
             return replace(found, fault=f"{without.controller}: {fault}")
     simulated = {name: replace(plain, position=run.encoder) for name, run in runs.items()}
     samples = np.concatenate([np.arange(run.first, run.first + run.n) for run in stretches])
-    prediction = compared(simulated[NONE], simulated[FEEDFORWARD], samples, samples, found.part)
+    prediction = compared(
+        simulated[NONE], simulated[FEEDFORWARD], samples, samples, part=found.part
+    )
     return replace(found, simulated=prediction)

@@ -8,18 +8,9 @@ import pytest
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.papers.lugre.record_mode import reproduce_from_recording
 from stickslip.papers.lugre.reproduction import Options
+from stickslip.progress import SILENT
 
 sys.path.insert(0, str(Path(__file__).parent))  # drives
-
-STAGES = []
-
-
-class Quiet:
-    def stage(self, name):
-        STAGES.append(name)
-
-    def generation(self, algorithm, scale=None):
-        pass
 
 
 @pytest.fixture(scope="session")
@@ -27,7 +18,7 @@ def recorded(tmp_path_factory):
     """The record mode on a drive that differs from Table 2, with noise."""
     truth = {"m": 8.0, "F_c": 4.5, "F_s": 7.0, "sigma_0": 3e5, "v_s": 8e-4, "noise": 1.0}
     fmus = tmp_path_factory.mktemp("fmus")
-    return reproduce_from_recording(Options(truth=truth), fmus, Quiet())
+    return reproduce_from_recording(Options(truth=truth), fmus, SILENT)
 
 
 @pytest.fixture(scope="session")

@@ -118,7 +118,7 @@ def test_the_law_is_chosen_by_what_it_predicts(tmp_path, capsys, monkeypatch):
     The trial of the compensator, most of the time of a whole learning, comes after the choice.
     """
     monkeypatch.setattr(
-        "stickslip.studies.learn.log_learning.with_trial", lambda _, learned, **__: learned
+        "stickslip.studies.learn.log_learning.with_trial", lambda _, learned, __: learned
     )
     command = plan()["velocity_command"].to_numpy()[:16_000]
     log = write_log(tmp_path / "log.csv", run("gms", command, uneven=0.0))

@@ -20,9 +20,9 @@ def learned(tmp_path_factory):
 def test_f_s_that_does_not_show_is_f_c(learned):
     """The fit prefers 20 times F_c here; such a force pushed the drive."""
     estimation = learned.estimation
-    fitted = estimation.plausible[0]
+    fitted = estimation.fitted.plausible[0]
     assert fitted["F_s"] > 10.0 * fitted["F_c"]
-    assert estimation.largest_friction == pytest.approx(8.999, rel=0.1)
+    assert estimation.fitted.largest_friction == pytest.approx(8.999, rel=0.1)
     assert estimation.known["F_s"].identifiability == "not identifiable"
     assert learned.friction["F_s"] == learned.friction["F_c"] == estimation.known["F_c"].value
     assert "F_s = F_c is taken" in estimation.known["F_s"].sentence
@@ -34,14 +34,14 @@ def test_the_drive_is_not_worse_with_what_is_written_but_with_the_fit(learned):
     written = dict(tried(DRIVES["gms"], "lugre", learned.compensator))
     assert max(written.values()) <= WORSE
     assert np.exp(np.mean(np.log(list(written.values())))) < 0.75
-    fit = {name: learned.estimation.plausible[0][name] for name in learned.friction}
+    fit = {name: learned.estimation.fitted.plausible[0][name] for name in learned.friction}
     assert any(ratio > WORSE for _, ratio in tried(DRIVES["gms"], "lugre", fit))
 
 
 def test_no_drive_of_the_family_is_beyond_the_log(learned):
     drives = learned.trial.drives
     assert {"lugre", "gms"} <= {drive.law for drive in drives}
-    most = 1.5 * 1.3 * learned.estimation.largest_friction
+    most = 1.5 * 1.3 * learned.estimation.fitted.largest_friction
     assert max(drive.parameters.get("F_s", 0.0) for drive in drives) <= most
 
 

@@ -7,7 +7,7 @@ import pytest
 from drives import GAINS, STAGE, run
 
 from stickslip.catalog.space import ParameterSpace
-from stickslip.identification.estimation import Task, candidate_fmus, learn
+from stickslip.identification.estimation import LearnSettings, Task, candidate_fmus, learn
 from stickslip.identification.fitting.fit import fit
 from stickslip.identification.fitting.multistart import select, variants
 from stickslip.identification.fitting.search import problem
@@ -175,7 +175,7 @@ def test_a_dahl_drive_of_another_program_is_estimated_by_its_law():
         source="dahl",
     )
     with candidate_fmus("dahl") as fmus:
-        learned = learn(Task(fmus, recording, GAINS, law="dahl"))
+        learned = learn(Task(fmus, recording, GAINS, LearnSettings(law="dahl")))
     assert learned.criterion == "output error"
     assert learned.known.keys() == {"sigma_0", "F_c", "m", "b"}
     for name, known in learned.known.items():

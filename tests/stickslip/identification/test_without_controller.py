@@ -9,7 +9,7 @@ import pytest
 from stickslip.errors import IdentificationError, UsageError
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.surrogate_controller import coarse
-from stickslip.identification.estimation import Task, learn
+from stickslip.identification.estimation import LearnSettings, Task, learn
 
 pytestmark = pytest.mark.slow
 
@@ -58,7 +58,7 @@ def test_a_constant_force_changes_nothing_else(alone, candidates):
     assert abs(learned.F_0 - alone.F_0 - 40.0) < 0.02
     for name in alone.known:
         apart = learned.parameters[name] - alone.parameters[name]
-        assert abs(apart) < 0.2 * alone.errors[name], name
+        assert abs(apart) < 0.2 * alone.fitted.errors[name], name
 
 
 def test_an_encoder_counts_as_coarse_by_its_step(recorded, candidates):
@@ -76,7 +76,8 @@ def test_a_force_of_the_wrong_sign_is_told(recorded, candidates):
 
 
 def test_the_loop_cannot_judge_without_its_gains(recorded, candidates):
-    task = Task(candidates, recorded.learned.estimation.recording, criterion="output error")
+    loop = LearnSettings(criterion="output error")
+    task = Task(candidates, recorded.learned.estimation.recording, settings=loop)
     with pytest.raises(UsageError, match="needs the controller"):
         learn(task)
 
@@ -90,4 +91,4 @@ def test_a_stand_in_that_shakes_the_drive_otherwise_is_not_believed(told, candid
         assert alike == believed
         assert bias.any()
         assert learned.fit.parameters == (corrected if alike else found).parameters
-        assert learned.errors["sigma_0"] > found.errors()["sigma_0"]  # the motion tells F_c
+        assert learned.fitted.errors["sigma_0"] > found.errors()["sigma_0"]  # the motion tells F_c

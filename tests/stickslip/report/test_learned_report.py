@@ -15,6 +15,8 @@ from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
 from stickslip.identification.estimation import Estimation, Identifiability
+from stickslip.identification.estimation.estimation import FittedLaw, Searches
+from stickslip.identification.estimation.held_out import HeldOut
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
@@ -87,15 +89,19 @@ def made(kind="loop", n=30_000):
         criterion="inverse model" if kind == "friction" else "output error",
         reason="for a reason < others",
         start=Start(values, space),
-        fit=fit,
-        known=known,
-        parameters=values,
-        errors={name: 0.01 * value for name, value in values.items()},
-        profiles=pd.concat(
-            [profile(name, 100.0 if name == steep else 1.0) for name in space.friction]
+        fitted=FittedLaw(
+            fit=fit,
+            known=known,
+            parameters=values,
+            errors={name: 0.01 * value for name, value in values.items()},
+            profiles=pd.concat(
+                [profile(name, 100.0 if name == steep else 1.0) for name in space.friction]
+            ),
         ),
-        searches=pd.DataFrame([{"seed": 0, "evaluations": 252, "cost": 0.02, **values}]),
-        algorithm=algorithm(),
+        searches=Searches(
+            pd.DataFrame([{"seed": 0, "evaluations": 252, "cost": 0.02, **values}]), algorithm()
+        ),
+        held_out=HeldOut((), ()),
         figures=GoodnessOfFit(0.1234, 0.2, *loop, t, force + noise, force, simulated, v),
         controller=None if simulated is None else ControllerCheck(force, 6e-4, 1, {}),
         model_error=0.6,
@@ -228,8 +234,10 @@ def test_a_disturbance_of_one_frequency_is_a_peak_of_the_spectrum():
 
 def test_searches_of_several_seeds_are_listed():
     estimation = made("friction", n=2000)
-    rows = pd.concat([estimation.searches, estimation.searches.assign(seed=7, cost=0.0123)])
-    text = content.criterion(replace(estimation, searches=rows)).markup({})
+    searches = estimation.searches
+    rows = pd.concat([searches.table, searches.table.assign(seed=7, cost=0.0123)])
+    several = replace(estimation, searches=replace(searches, table=rows))
+    text = content.criterion(several).markup({})
     assert "Spread over seeds" in text
     assert "0.0123" in text
     assert "504 candidates in 2 searches" in text
@@ -244,11 +252,15 @@ def test_pictures_bear_an_estimation_that_knows_nothing():
         )
         for name, one in estimation.known.items()
     }
-    far = estimation.profiles.assign(value=[1e9 * k for k in range(len(estimation.profiles))])
-    blind = replace(
-        estimation, known=known, profiles=far, parameters={**VALUES, "sigma_0": 1e-3},
+    profiles = estimation.fitted.profiles
+    fitted = replace(
+        estimation.fitted,
+        known=known,
+        profiles=profiles.assign(value=[1e9 * k for k in range(len(profiles))]),
+        parameters={**VALUES, "sigma_0": 1e-3},
         errors=dict.fromkeys(VALUES, np.inf),
-    )  # fmt: skip
+    )
+    blind = replace(estimation, fitted=fitted)
     with house_style():
         for name in ("force", "profiles"):
             drawing(name, blind)().draw_without_rendering()

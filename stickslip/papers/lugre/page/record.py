@@ -56,7 +56,7 @@ def _attribution(reproduction: RecordReproduction) -> Section:
 
 def _loops(reproduction: RecordReproduction) -> Section:
     options, loop = reproduction.options, reproduction.learned.designed.plain
-    algorithm = reproduction.learned.estimation.algorithm
+    algorithm = reproduction.learned.estimation.searches.algorithm
     return Section(
         "The loops and the search",
         paragraph(

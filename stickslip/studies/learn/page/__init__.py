@@ -43,7 +43,7 @@ def sections(
         *opening,
         content.learned(estimation),
         *further,
-        *([laws(estimation)] if estimation.predictions else []),
+        *([laws(estimation)] if estimation.held_out.predictions else []),
         content.criterion(estimation),
         content.log(estimation, findings),
         content.fit(estimation),
@@ -70,5 +70,5 @@ def write_estimation_report(
     written = [atomic_write(folder / "parameters.csv", table)]
     beside = [path.name for path in folder.iterdir()]
     title = f"Friction of a drive, learned from {estimation.recording.source}"
-    found = sections(estimation, findings, beside, further, opening, forced=forced)
+    found = sections(estimation, findings, beside, further, opening=opening, forced=forced)
     return written + write_page(folder, title, found)

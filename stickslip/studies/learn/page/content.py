@@ -103,7 +103,7 @@ def _verdict(estimation: Estimation) -> Html:
 
 def _rest(estimation: Estimation) -> Html:
     """Return the constant force, the delay and the exponent."""
-    error = estimation.errors["F_0"]
+    error = estimation.fitted.errors["F_0"]
     unit = force_scale(estimation.recording.motion, np.ones(1)).unit
     push = WORDS[estimation.recording.motion][1]
     constant = f"a constant {push} of {with_error(estimation.F_0, error)} {unit}"
@@ -322,9 +322,9 @@ def _controller(estimation: Estimation) -> Html:
 
 
 def _search(estimation: Estimation) -> list[Html]:
-    searches = estimation.searches
+    searches, algorithm = estimation.searches.table, estimation.searches.algorithm
     evaluations = number(float(searches["evaluations"].sum()), 7)
-    title, stopped = estimation.algorithm.title, estimation.algorithm.stopped
+    title, stopped = algorithm.title, algorithm.stopped
     times = "1 search" if len(searches) == 1 else f"{len(searches)} searches"
     sentence = paragraph(
         f"{title[:1].upper()}{title[1:]} searched by the inverse model, {evaluations} candidates "

@@ -131,7 +131,7 @@ def draw_force(estimation: Estimation) -> Figure:
     lower = figure.add_subplot(rows[1], sharex=upper)
     upper.tick_params(labelbottom=False)
     if friction:
-        _over_time(upper, lower, signals, estimation, "Friction", "learned")
+        _over_time(upper, lower, signals, estimation, what="Friction", predicted="learned")
         loops = figure.add_subplot(beside)
         _loops(loops, estimation, signals)
         style.name_panel(loops, "a", f"Hysteresis, {error}")
@@ -139,7 +139,9 @@ def draw_force(estimation: Estimation) -> Figure:
         style.name_panel(lower, "c", "Recorded less learned")
     else:
         push = WORDS[motion][1].capitalize()
-        _over_time(upper, lower, signals, estimation, push, "predicted by the learned drive")
+        _over_time(
+            upper, lower, signals, estimation, what=push, predicted="predicted by the learned drive"
+        )
         _legend_above(upper, 0.2)
         cells = beside.subgridspec(2, 1)
         both, against_speed = (figure.add_subplot(cells[k]) for k in (0, 1))
@@ -379,7 +381,8 @@ def unresolved(estimation: Estimation) -> list[str]:
 def _curve(estimation: Estimation, name: str) -> tuple[Array, Array]:
     """Return values and deviances of one parameter, without what is too far away to draw."""
     fitted = estimation.known[name].value
-    rows = estimation.profiles[estimation.profiles["parameter"] == name]
+    profiles = estimation.fitted.profiles
+    rows = profiles[profiles["parameter"] == name]
     value, deviance = (rows[column].to_numpy(dtype=float) for column in ("value", "deviance"))
     near = (value > fitted / FARTHEST) & (value < fitted * FARTHEST)
     return value[near], deviance[near]

@@ -92,11 +92,11 @@ def residual(estimation: Estimation) -> Residual:
         of = parts(estimation)
         scale = force_scale(recording.motion, of.difference)
         what = "Friction" if measures_friction(estimation) else push
-        return Residual(of.t, of.position, of.velocity, of.difference, scale, what)
+        return Residual(of.t, of.position, of.velocity, of.difference, scale=scale, what=what)
     position, v = position_of(recording), estimation.figures.velocity_recorded
     left = position - simulated
     scale = position_scale(recording.motion, left)
-    return Residual(recording.t, position, v, left, scale, place)
+    return Residual(recording.t, position, v, left, scale=scale, what=place)
 
 
 def sliding(estimation: Estimation, signals: Parts) -> NDArray[np.bool_]:
