@@ -27,7 +27,7 @@ from vendor_texts import FILES, F, T, V, X  # noqa: E402 - of the tests
 
 HEADINGS = {
     "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),
-    "Models and friction laws": ("models", "laws", "papers.lugre"),
+    "Models and friction laws": ("models", "laws"),
     "Velocity loops and frequency responses": ("servo", "cosim.control", "presentation"),
     "Learning": ("logs", "planning", "studies.learn", "learned"),
     "Drives": ("rigs",),
