@@ -64,7 +64,7 @@ def results(reproduction, tmp_path_factory) -> Path:
     """Return a folder of results; the drive with all extras, which takes long, is the drive."""
     folder = tmp_path_factory.mktemp("results")
     fmus = reproduction.system.components["drive"].path.parent
-    extras = Extras(reproduction.validation, step_by_step(reproduction, fmus))
+    extras = Extras(step_by_step(reproduction, fmus))
     write_results(replace(reproduction, extras=extras), folder)
     return folder
 

@@ -85,13 +85,11 @@ class Extras:
 
     Attributes
     ----------
-    validation : None where identification or learning failed
-    table4 : with a column for each step
+    table4 : with a column for each step; None where identification or learning failed
     reason : why they failed
     """
 
-    validation: Validation | None
-    table4: pd.DataFrame | None = None
+    table4: pd.DataFrame | None
     reason: str = ""
 
 

@@ -100,7 +100,7 @@ def reproduce_with_extras(
     options = replace(options, loop_seeds=0, truth={**options.truth, **all_effects()})
     try:
         found = reproduce(options, fmus, stages, execution)
-        return Extras(found.validation, step_by_step(found, fmus))
+        return Extras(step_by_step(found, fmus))
     except ga.Interrupted:  # its message is that of a search without a checkpoint
         raise KeyboardInterrupt from None
     except Fault as fault:

@@ -432,8 +432,7 @@ def test_agreement_that_was_searched_for_is_no_merit():
 
 
 def test_all_extras_on_are_beside_the_drive():
-    table = validation(left=0.3e-3).table()
-    cells = rendered(made(extras=Extras(validation(left=0.3e-3), table)))
+    cells = rendered(made(extras=Extras(validation(left=0.3e-3).table())))
     assert len(re.findall(r"\|all extras on \d+\.\d %\|", cells)) == 4
     assert "|Table 4, step by step: the simulated drive, all extras on [mm/s]|" in cells
     assert "all extras on" not in rendered(made())

@@ -65,7 +65,7 @@ def use_section(reproduction: Reproduction) -> Section:
         files["learned_observer.fmu"] = "its observer, from encoder and motor force to the force"
     if reproduction.motions:
         files["motions.csv"] = "errors of all motions, by region"
-    if reproduction.extras and reproduction.extras.validation:
+    if reproduction.extras and reproduction.extras.table4 is not None:
         files["table4_all_extras.csv"] = "Table 4 of the drive with all extras on"
     return Section(
         "Using the results",

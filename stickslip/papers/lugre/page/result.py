@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import pandas as pd
-
 from stickslip import models
-from stickslip.evaluation.validation import Validation
 from stickslip.papers.lugre.page.loop_tuning import steps_at_a_glance
 from stickslip.papers.lugre.reproduction import Reproduction
 from stickslip.papers.lugre.steps import FILTERED, REDUCTION_WITH_FILTER
@@ -78,15 +75,16 @@ def _drive(reproduction: Reproduction) -> Html:
 def _verdict(reproduction: Reproduction) -> Html:
     table = reproduction.table4()
     own, true = (table[table["velocity"] == shown] for shown in ("measured", "true"))
-    extras = reproduction.extras and reproduction.extras.validation
+    extras = reproduction.extras.table4 if reproduction.extras else None
     tiles = []
     for k, row in enumerate(own.to_dict("records")):
         beside = ["simulated drive", f"true velocity {percent(true['reduction'].iloc[k])}"]
         if FILTERED in true:
             reduced = true[REDUCTION_WITH_FILTER].iloc[k]
             beside.append(f"true velocity, with velocity filter {percent(reduced)}")
-        if extras:
-            beside.append(f"all extras on {percent(_measured(extras)['reduction'].iloc[k])}")
+        if extras is not None:
+            reduced = extras[extras["velocity"] == "measured"]["reduction"].iloc[k]
+            beside.append(f"all extras on {percent(reduced)}")
         beside.append(f"real stage (paper) {percent(row['paper_reduction'], 0)}")
         name = f"Motion {row['region']}, {METRICS[row['metric']]}"
         tiles.append(tile(name, percent(row["reduction"]), *beside))
@@ -103,8 +101,3 @@ def _verdict(reproduction: Reproduction) -> Html:
         element("div", join(tiles, "\n"), class_="tiles"),
         class_="verdict",
     )
-
-
-def _measured(validation: Validation) -> pd.DataFrame:
-    errors = validation.table()
-    return errors[errors["velocity"] == "measured"].set_index(["region", "metric"])
