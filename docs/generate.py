@@ -30,7 +30,7 @@ from tests.corpus.hostile import CASES, GROUPS  # noqa: E402
 
 HEADINGS = {
     "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),
-    "Models and friction laws": ("models", "laws", "papers.lugre"),
+    "Models and friction laws": ("models", "laws"),
     "Velocity loops and frequency responses": ("servo", "cosim.control", "presentation"),
     "Learning": ("logs", "planning", "identification", "studies.learn", "learned"),
     "Drives": ("rigs",),

@@ -22,7 +22,6 @@ _PLACES = {
     "stickslip.cosim.control": ("linearise", "measure_response"),
     "stickslip.contents": ("info",),
     "stickslip.studies.arena.comparison": ("arena",),
-    "stickslip.papers.lugre.phenomena": ("phenomena",),
     "stickslip.fmi.errors": ("Fault",),
     "stickslip.fmucheck": ("check",),
     "stickslip.laws": ("run_law",),

@@ -34,7 +34,6 @@ from stickslip.models import build_fmu as build_fmu
 from stickslip.models import export_lti as export_lti
 from stickslip.models import law_names as law_names
 from stickslip.models.firmware import write_compensator as write_compensator
-from stickslip.papers.lugre.phenomena import phenomena as phenomena
 from stickslip.planning import Limits as Limits
 from stickslip.planning import plan as plan
 from stickslip.presentation.bode import draw_bode as draw_bode

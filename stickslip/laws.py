@@ -33,7 +33,7 @@ def run_law(
 
     Parameters
     ----------
-    law : name of a law, such as ``lugre``; ``stickslip phenomena --help`` lists them
+    law : name of a law, such as ``lugre``; ``ss.law_names()`` lists them
     velocity, position, force : one of them [m/s, m, N]: an array (n,), a signal, or a function of
         the times (n,) [s]
     stop, step : length of the run, rounded up to whole steps, and of the steps [s]

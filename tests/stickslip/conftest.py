@@ -9,7 +9,6 @@ import pytest
 
 from stickslip import cosim
 from stickslip.evaluation.validation import validate
-from stickslip.papers.lugre.datasheet_errors import vary_datasheet
 from stickslip.papers.lugre.folder import write_results
 from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, reproduce
 from stickslip.papers.lugre.studies import step_by_step, with_motions
@@ -56,11 +55,8 @@ def results(reproduction, tmp_path_factory) -> Path:
     """Return a folder of results; the drive with all extras, which takes long, is the drive."""
     folder = tmp_path_factory.mktemp("results")
     fmus = reproduction.system.components["drive"].path.parent
-    varied = vary_datasheet(fmus, reproduction.options.feed, factors={})
-    steps = step_by_step(reproduction, fmus)
-    extras = Extras(reproduction.validation, steps)
-    found = replace(reproduction, extras=extras, beforehand=varied)
-    write_results(with_motions(found, fmus), folder)
+    extras = Extras(step_by_step(reproduction, fmus))
+    write_results(replace(reproduction, extras=extras), folder)
     return folder
 
 

@@ -241,14 +241,12 @@ def test_validate_evaluates_given_parameters_on_a_given_drive(results, tmp_path,
 
 
 @pytest.mark.slow
-def test_validate_with_a_velocity_filter_prints_what_each_part_adds(results, tmp_path, capsys):
+def test_validate_with_a_velocity_filter(results, tmp_path):
     learned = str(results / "learned.json")
     arguments = ["validate", "--parameters", learned, "--velocity-filter", "--out", str(tmp_path)]
     assert main(arguments) == 0
     table = pd.read_csv(tmp_path / "table4.csv")
     assert (table.reduction > 0.95).all()
-    assert len(pd.read_csv(tmp_path / "attribution.csv")) == 16
-    assert "compensator velocity" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

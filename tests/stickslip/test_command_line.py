@@ -143,7 +143,6 @@ def test_every_command_has_the_common_options(command, capsys):
         ("check STAGE --no-run", {"files", "version"}),
         ("design", {"K_p", "nominal_loop"}),
         ("plan --out OUT/plan.csv", {"written", "parts"}),
-        ("phenomena dahl", {"phenomena"}),
     ],
 )
 def test_json_is_a_document_and_quiet_is_nothing(arguments, keys, stage, tmp_path, capsys):

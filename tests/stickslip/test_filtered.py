@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.evaluation.scatter import PHASES
 from stickslip.evaluation.validation import validate
-from stickslip.papers.lugre.attribution import attribute
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.paper_commands import VALIDATION
@@ -17,7 +15,6 @@ from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
 EXTRAS = {"asymmetric": 1, "position_dependent": 1, "ripple": 1, "noise": 1}
-PARTS = ["filter", "inertia", "compensator"]
 
 
 def loops(compensator: dict[str, float], m: float = 5.557) -> tuple[VelocityLoop, VelocityLoop]:
@@ -74,25 +71,6 @@ def test_the_compensated_loop_reduces_to_the_nominal_one(make_rig):
         result = simulation.run(inputs=loop.commands(v_cmd))
     error = result["drive.v"] - result["nominal.v_r"]
     assert np.abs(error).max() < 1e-4 * 0.040
-
-
-def test_attribution_tells_what_each_part_adds(make_rig):
-    rig = make_rig()
-    plain, filtered = loops(TABLE_2)
-    table = attribute(rig, plain, TABLE_2, VALIDATION)
-    assert len(table) == 16
-    assert set(table.velocity) == {"measured", "true"}
-    true = table[table.velocity == "true"].set_index(PARTS)
-    judged = validate(rig, filtered, TABLE_2, VALIDATION, plain=plain, phases=PHASES).table()
-    judged = judged[judged.velocity == "true"]
-    errors = true.columns.drop("velocity")
-    np.testing.assert_allclose(
-        true.loc[(False, False, False), errors].astype(float), judged.without
-    )
-    np.testing.assert_allclose(true.loc[(True, True, True), errors].astype(float), judged["with"])
-    # No loop without a compensator comes near it, whatever else is on.
-    best = true.xs(False, level="compensator")[errors].min()
-    assert (1.0 - true.loc[(True, True, True), errors] / best > 0.95).all()
 
 
 def test_an_ssp_of_the_loop_brings_the_filter_along(make_rig, tmp_path):

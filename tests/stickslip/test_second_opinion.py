@@ -58,13 +58,3 @@ def test_another_parameter_in_the_last_digits_is_seen(fmus, tmp_path, name):
     for comparison in opinion(fmus, tmp_path, other).comparisons.values():
         assert comparison.different > 100
         assert 0.0 < comparison.largest < 1e-9
-
-
-def test_the_description_is_that_of_the_fmu(fmus, tmp_path):
-    found = opinion(fmus, tmp_path, TUNED)
-    assert found.description["name"] == "compensator"
-    assert found.description["FMI version"] == "2.0"
-    shown = {v.name: v for v in found.variables}
-    assert {name: float(shown[name].start) for name in LUGRE} == TUNED
-    assert (shown["F_ff"].causality, shown["F_ff"].unit) == ("output", "N")
-    assert shown["F_ff"].start == ""

@@ -34,7 +34,7 @@ def test_the_drive_with_all_extras_has_every_effect_and_the_same_options(
     tmp_path, quiet, monkeypatch
 ):
     extras, (options, fmus, execution) = run(tmp_path, quiet, monkeypatch, "validated")
-    assert (extras.validation, extras.table4, extras.reason) == ("validated", "step by step", "")
+    assert (extras.table4, extras.reason) == ("step by step", "")
     booleans = {v.name for v in models.load_model("drive").variables if v.type == "boolean"}
     assert options == Options(
         truth={"F_c": 4.0, **dict.fromkeys(booleans, True)}, seed=3, loop_seeds=0
@@ -45,7 +45,7 @@ def test_the_drive_with_all_extras_has_every_effect_and_the_same_options(
 
 def test_a_drive_that_cannot_be_learned_with_all_extras_is_reported(tmp_path, quiet, monkeypatch):
     extras, _ = run(tmp_path, quiet, monkeypatch, IdentificationError("it sticks"))
-    assert (extras.validation, extras.reason) == (None, "it sticks")
+    assert (extras.table4, extras.reason) == (None, "it sticks")
 
 
 def test_ctrl_c_does_not_say_that_nothing_is_kept(tmp_path, quiet, monkeypatch):

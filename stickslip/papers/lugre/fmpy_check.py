@@ -1,4 +1,4 @@
-"""What FMPy makes of the compensator that was learned: its description, and its force.
+"""What FMPy makes of the compensator that was learned: its force.
 
 FMPy steps ``compensator.fmu`` alone over the commands of a run of the whole loop. A force that
 differs from the recorded one in any bit would mean that other tools do not get the compensator that
@@ -38,31 +38,16 @@ class Comparison:
 
 
 @dataclass(frozen=True)
-class FmuVariable:
-    """A variable of an FMU as its description has it; what it does not have is empty."""
-
-    name: str
-    causality: str
-    unit: str
-    start: str
-    description: str
-
-
-@dataclass(frozen=True)
 class SecondOpinion:
     """What FMPy says of an FMU.
 
     Attributes
     ----------
     tool : name and version
-    description : what the FMU says of itself: name, FMI version, interfaces, ...
-    variables : all but the elements of arrays
     comparisons : by the name of the command that was run
     """
 
     tool: str
-    description: Mapping[str, str]
-    variables: tuple[FmuVariable, ...]
     comparisons: Mapping[str, Comparison]
 
 
@@ -88,8 +73,7 @@ def second_opinion(
         difference = np.abs(force - recorded)
         unlike = force.view(np.int64) != recorded.view(np.int64)
         comparisons[name] = Comparison(len(force), int(unlike.sum()), float(difference.max()))
-    description, variables = _described(fmu)
-    return SecondOpinion(f"FMPy {version('fmpy')}", description, variables, comparisons)
+    return SecondOpinion(f"FMPy {version('fmpy')}", comparisons)
 
 
 def _stepped_by_fmpy(fmu: Path, commands: Mapping[str, Array], T_s: float) -> Array:
@@ -115,30 +99,3 @@ def _stepped_by_fmpy(fmu: Path, commands: Mapping[str, Array], T_s: float) -> Ar
         output=[OUTPUT],
     )
     return np.ascontiguousarray(result[OUTPUT], dtype=float)
-
-
-def _described(fmu: Path) -> tuple[dict[str, str], tuple[FmuVariable, ...]]:
-    import fmpy
-
-    description = fmpy.read_model_description(str(fmu))
-    interfaces = {
-        "Co-Simulation": description.coSimulation,
-        "Model Exchange": description.modelExchange,
-    }
-    head = {
-        "name": description.modelName,
-        "FMI version": description.fmiVersion,
-        "interfaces": ", ".join(name for name, there in interfaces.items() if there is not None),
-        "made by": description.generationTool,
-        "version": description.version,
-        "token": description.guid or description.instantiationToken,
-        "description": description.description,
-    }
-    variables = tuple(
-        FmuVariable(
-            v.name, v.causality or "local", v.unit or "", v.start or "", v.description or ""
-        )
-        for v in description.modelVariables
-        if "[" not in v.name
-    )
-    return {key: value or "–" for key, value in head.items()}, variables

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from stickslip.papers.lugre.document import reproduction_document
 from stickslip.papers.lugre.fmpy_check import SecondOpinion, second_opinion
 from stickslip.papers.lugre.page import FILES as REPORT
 from stickslip.papers.lugre.page import write_report
-from stickslip.papers.lugre.page.as_published import FIGURES, study_section
+from stickslip.papers.lugre.page.as_published import FIG5, study_section
 from stickslip.papers.lugre.published import START, TABLES, PublishedStudy
 from stickslip.papers.lugre.reproduction import Options, Reproduction
 from stickslip.presentation.page import picture_files, write_page
@@ -34,15 +33,15 @@ LEARNED_LOOP = ("learned_loop.ssp", "learned_compensator.fmu", "learned_observer
 PREFIX = "as_published_"
 """Of the tables of the learning as published."""
 FILES = (
-    *("table2.csv", "table4.csv", "table4_all_extras.csv", "motions.csv", "sensitivity.csv"),
-    *("datasheet.csv", "fitness.csv", "loop_tuning.csv"),
+    *("table2.csv", "table4.csv", "table4_all_extras.csv", "motions.csv"),
+    *("fitness.csv", "loop_tuning.csv"),
     *("learned.json", "compensator.fmu", "loop.ssp", *LEARNED_LOOP),
     *(f"{PREFIX}{name}.csv" for name in TABLES),
     *REPORT,
 )
 """What ``write_results`` writes."""
 PUBLISHED_TITLE = "The paper’s learning as published"
-PUBLISHED_FILES = (*(f"{name}.csv" for name in TABLES), *picture_files(FIGURES), "report.html")
+PUBLISHED_FILES = (*(f"{name}.csv" for name in TABLES), *picture_files([FIG5]), "report.html")
 """What ``write_published_results`` writes."""
 
 
@@ -64,11 +63,8 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
         if reproduction.published:
             published = reproduction.published.tables()
             tables |= {f"{PREFIX}{name}": table for name, table in published.items()}
-        if reproduction.beforehand is not None:
-            tables["datasheet"] = reproduction.beforehand
         if reproduction.motions:
-            tables["motions"] = reproduction.motions.evaluation.table()
-            tables["sensitivity"] = reproduction.motions.sensitivity
+            tables["motions"] = reproduction.motions.table()
         write_tables(tables | {"loop_tuning": loops.table, "fitness": loops.fitness()}, staging)
         options, loop = reproduction.options, reproduction.identification.loop
         fmu = _build(Compensator(FMU, FMU, reproduction.refinement.values), loop, options, staging)
@@ -94,14 +90,8 @@ def _build(
     return models.build_fmu(block.model, folder, start=block.values, law=options.law, called=called)
 
 
-def write_published_results(
-    study: PublishedStudy, options: Options, truth: Mapping[str, float], folder: Path
-) -> None:
-    """Write tables, pictures and page of the study.
-
-    Parameters
-    ----------
-    truth : every parameter of the drive FMU
+def write_published_results(study: PublishedStudy, options: Options, folder: Path) -> None:
+    """Write tables, picture and page of the study.
 
     Raises
     ------
@@ -111,7 +101,7 @@ def write_published_results(
     seeds = len(study.seeds[START])
     with staged(folder, command_of(options, as_published=True, seeds=seeds)) as staging:
         write_tables(study.tables(), staging)
-        write_page(staging, PUBLISHED_TITLE, [study_section(study, truth)])
+        write_page(staging, PUBLISHED_TITLE, [study_section(study)])
 
 
 def opinion_of(reproduction: Reproduction, fmu: Path, loop: VelocityLoop) -> SecondOpinion:

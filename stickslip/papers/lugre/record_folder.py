@@ -23,7 +23,7 @@ from stickslip.studies.learn.page import write_estimation_report
 from stickslip.studies.learn.recorded import gains_of
 
 RECORD_FILES = (
-    *("table2.csv", "table4.csv", "attribution.csv", "fitness.csv", "profiles.csv"),
+    *("table2.csv", "table4.csv", "fitness.csv", "profiles.csv"),
     *("recording.csv", "recording.toml", "learned.json", "compensator.fmu", "loop.ssp"),
     *picture_files(FIGURES),
     *REPORT,
@@ -47,7 +47,6 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
         tables = {
             "table2": reproduction.table2(),
             "table4": reproduction.validation.table(),
-            "attribution": reproduction.attribution,
             "fitness": estimation.searches.algorithm.convergence(),
             "profiles": estimation.fitted.profiles,
             "recording": _table(estimation.recording),

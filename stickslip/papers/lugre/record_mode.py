@@ -15,14 +15,12 @@ import pandas as pd
 
 from stickslip.identification.estimation import Estimation, LearnSettings, Search
 from stickslip.logs import check_recording
-from stickslip.papers.lugre.attribution import attribute
 from stickslip.papers.lugre.reproduction import Options, Reproduced, build_rig, validated
 from stickslip.papers.lugre.tables import table2_of_recording
 from stickslip.progress import Progress
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
 from stickslip.studies.learn.recorded import gains_of, record_drive
@@ -32,15 +30,9 @@ from stickslip.work.execution import Execution
 
 @dataclass(frozen=True)
 class RecordReproduction(Reproduced):
-    """All that was computed from one recording.
-
-    Attributes
-    ----------
-    attribution : the errors with each part of the loop on and off
-    """
+    """All that was computed from one recording."""
 
     learned: LearnedFromRecording
-    attribution: pd.DataFrame
 
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was learned."""
@@ -97,7 +89,4 @@ def reproduce_from_recording(
     rig = build_rig(options, fmus, progress)
     search = Search(options.preset, execution=execution or Execution())
     learned = learn_from_recording(rig, options.seed, search, progress)
-    result = validated(options, rig, learned, progress)
-    plain = learned.designed.plain
-    parts = attribute(rig, plain, learned.friction, VALIDATION, options.feed)
-    return RecordReproduction(**vars(result), attribution=parts)
+    return RecordReproduction(**vars(validated(options, rig, learned, progress)))

@@ -15,12 +15,12 @@ import pandas as pd
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import estimated, friction_law
+from stickslip.evaluation.comparison import Evaluation
 from stickslip.evaluation.scatter import PHASES
 from stickslip.evaluation.validation import Validation, validate
 from stickslip.identification.stages import Estimate, Identification
 from stickslip.papers.lugre.fmpy_check import SecondOpinion
 from stickslip.papers.lugre.loop_tuning import LoopTuning, validate_loops
-from stickslip.papers.lugre.motion_study import MotionStudy
 from stickslip.papers.lugre.published import PublishedStudy
 from stickslip.papers.lugre.steps import with_steps
 from stickslip.papers.lugre.tables import table2
@@ -74,13 +74,11 @@ class Extras:
 
     Attributes
     ----------
-    validation : None where identification or learning failed
-    table4 : with a column for each step
+    table4 : with a column for each step; None where identification or learning failed
     reason : why they failed
     """
 
-    validation: Validation | None
-    table4: pd.DataFrame | None = None
+    table4: pd.DataFrame | None
     reason: str = ""
 
 
@@ -112,7 +110,6 @@ class Reproduction(Reproduced):
     searched : the loop as it was learned, and what each step before it brings, if it was learned
     cost_without : of the training run without compensation [m^2/s^2]
     extras : the same on the drive with all effects on, if that was asked for
-    beforehand : what ``vary_datasheet`` found, if that was asked for
     opinion : what FMPy makes of the compensator, once its FMU is written
     motions : all motions with each step, once they were run
     published : the learning as published, where that was asked for
@@ -124,17 +121,9 @@ class Reproduction(Reproduced):
     cost_without: float
     searched: LoopTuning | None = None
     extras: Extras | None = None
-    beforehand: pd.DataFrame | None = None
     opinion: SecondOpinion | None = None
-    motions: MotionStudy | None = None
+    motions: Evaluation | None = None
     published: PublishedStudy | None = None
-
-    @property
-    def exact(self) -> Mapping[str, float]:
-        """The drive's own friction; the learned one where the drive's law is another one."""
-        if drive_law(self.options.truth)[1] != self.options.law:
-            return self.learned.friction
-        return {name: self.truth[name] for name in self.start}
 
     @property
     def loops(self) -> LoopTuning:
@@ -154,7 +143,7 @@ class Reproduction(Reproduced):
     def table4(self) -> pd.DataFrame:
         """Return Table 4, with a column for each step once all motions were run."""
         table = self.validation.table()
-        return with_steps(table, self.motions.evaluation) if self.motions else table
+        return with_steps(table, self.motions) if self.motions else table
 
 
 def drive_truth(changes: Changes, law: str = "lugre") -> dict[str, float]:

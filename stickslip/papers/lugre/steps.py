@@ -12,7 +12,6 @@ from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.scatter import ranges_last, summary
 from stickslip.evaluation.validation import reduction
 from stickslip.identification.stages import Identification
-from stickslip.papers.lugre.motion_study import IDENTIFIED, LEARNED, UNCOMPENSATED
 from stickslip.servo.axis import ControlError
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
@@ -20,6 +19,8 @@ from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.studies.learn.learned import Learned
 
 TRAPEZOID = MOTIONS[0]
+UNCOMPENSATED, IDENTIFIED, LEARNED = "without", "identified", "learned"
+"""Names of entries: no compensation, the identified parameters, the learned ones."""
 FILTERED = "with_filter"
 """The default with a velocity filter and feedforward of inertia, which the paper does not have."""
 

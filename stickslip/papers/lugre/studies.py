@@ -1,4 +1,4 @@
-"""What a reproduction is compared with: other drives, other assumptions, other motions."""
+"""What a reproduction is compared with: a drive with all effects, other motions and learning."""
 
 from __future__ import annotations
 
@@ -12,8 +12,6 @@ from stickslip.evaluation.comparison import evaluate
 from stickslip.evaluation.scatter import PHASES
 from stickslip.fmi.errors import Fault
 from stickslip.identification.estimation import Search
-from stickslip.papers.lugre.datasheet_errors import vary_datasheet
-from stickslip.papers.lugre.motion_study import study_motions
 from stickslip.papers.lugre.published import OURS, SQUARES, study_as_published
 from stickslip.papers.lugre.record_mode import learn_from_recording
 from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, reproduce
@@ -41,8 +39,6 @@ def with_studies(
     options, found = reproduction.options, reproduction.identification
     own = replace(execution, checkpoint=None, resume=False)
     extras = reproduce_with_extras(options, fmus / "extras", progress, own)
-    progress.stage("varying what is known beforehand")
-    beforehand = vary_datasheet(fmus, options.feed, execution.workers, law=options.law)
     rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
     study = recorded = None
     if options.complete:
@@ -57,7 +53,7 @@ def with_studies(
         )
         recorded = _recorded(rig, options, progress, own)
     progress.stage("all motions")
-    studied = replace(reproduction, extras=extras, beforehand=beforehand, published=study)
+    studied = replace(reproduction, extras=extras, published=study)
     return with_motions(studied, fmus, recorded, execution.workers)
 
 
@@ -72,21 +68,14 @@ def with_motions(
     recorded : see ``steps``
     workers : motions side by side
     """
-    found, options, study = (
-        reproduction.identification,
-        reproduction.options,
-        reproduction.published,
-    )
-    entries = steps(found, reproduction.learned, recorded)
+    options, study = reproduction.options, reproduction.published
+    entries = steps(reproduction.identification, reproduction.learned, recorded)
     rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
-    motions = study_motions(
-        rig, entries, found.loop, reproduction.exact, options.feed, workers=workers
-    )
+    motions = evaluate(rig, entries, options.feed, phases=PHASES, workers=workers)
     if study is not None:
         coarse = {"as_published": OURS, "least_squares_coarse": SQUARES}
         of_seeds = {name: study.evaluation.errors[method] for name, method in coarse.items()}
-        errors = {**motions.evaluation.errors, **of_seeds}
-        motions = replace(motions, evaluation=replace(motions.evaluation, errors=errors))
+        motions = replace(motions, errors={**motions.errors, **of_seeds})
     return replace(reproduction, motions=motions)
 
 
@@ -111,7 +100,7 @@ def reproduce_with_extras(
     options = replace(options, loop_seeds=0, truth={**options.truth, **all_effects()})
     try:
         found = reproduce(options, fmus, stages, execution)
-        return Extras(found.validation, step_by_step(found, fmus))
+        return Extras(step_by_step(found, fmus))
     except ga.Interrupted:  # its message is that of a search without a checkpoint
         raise KeyboardInterrupt from None
     except Fault as fault:

@@ -10,15 +10,8 @@ from stickslip.catalog.estimate import HIGH, LOW
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.scatter import PHASES
 from stickslip.papers.lugre.loop_tuning import LoopTuning, spread
-from stickslip.papers.lugre.motion_study import (
-    IDENTIFIED,
-    LEARNED,
-    UNCOMPENSATED,
-    MotionStudy,
-    limits,
-)
 from stickslip.papers.lugre.published import PAPER_COST, PublishedStudy
-from stickslip.papers.lugre.steps import FILTERED, REDUCTION_WITH_FILTER, TRAPEZOID
+from stickslip.papers.lugre.steps import FILTERED, REDUCTION_WITH_FILTER
 from stickslip.presentation.quantity import size_or_dash
 
 
@@ -55,20 +48,6 @@ def _ranged(row: Mapping[Hashable, float], name: str, width: int = 7) -> str:
     return size_or_dash(row[name], f"{width}.3f") + spread
 
 
-def print_motions(study: MotionStudy) -> None:
-    """Print the RMS errors of the true velocity in slow motions, and what they say."""
-    table = study.evaluation.table()
-    slow = table[table["motion"] != TRAPEZOID.name]
-    shown = slow[(slow["metric"] == "E_rms") & (slow["velocity"] == "true")]
-    names = (UNCOMPENSATED, IDENTIFIED, LEARNED)
-    print("\nslow motions, E_rms of the true velocity in mm/s, median and range")
-    print(f"{'motion':28}" + "".join(f"{name:>12}{'':14}" for name in names))
-    for row in shown.to_dict("records"):
-        sizes = "".join(_ranged(row, name, 12) for name in names)
-        print(f"{row['motion'] + ', ' + row['region']:28}{sizes}")
-    print(limits(slow, {name: str(name) for name in slow["metric"]}))
-
-
 def print_loops(loops: LoopTuning) -> None:
     """Print what each step brings, relative to a PI controller tuned without a model."""
     print("\nerror relative to tuned_pi, median [range] over friction and seeds")
@@ -86,14 +65,10 @@ def print_published(study: PublishedStudy) -> None:
     print(
         "from coarse starts, median over seeds and encoder phases: cost in m2/s2, then the RMS\n"
         f"error of the true velocity relative to that without compensation; there the cost is\n"
-        f"{study.cost_without:.3g}, and {PAPER_COST:.2g} at the end on the real stage (paper); "
-        "worse: seeds that\ntrack worse than from their start, on the trapezoid and in slow motion"
+        f"{study.cost_without:.3g}, and {PAPER_COST:.2g} at the end on the real stage (paper)"
     )
     heads = "".join(f"{name:>18}" for name in names)
-    print(f"{'method':16}{'seeds':>6}{'runs':>6}{'cost':>10}{heads}  worse")
+    print(f"{'method':16}{'seeds':>6}{'runs':>6}{'cost':>10}{heads}")
     for row in study.panel().to_dict("records"):
         shares = "".join(f"{row[name]:18.3g}" for name in names)
-        print(
-            f"{row['method']:16}{row['seeds']:6}{row['runs']:6}{row['cost']:10.2g}{shares}"
-            f"{row['worse']:5} {row['worse_slow']}"
-        )
+        print(f"{row['method']:16}{row['seeds']:6}{row['runs']:6}{row['cost']:10.2g}{shares}")

@@ -45,10 +45,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         parser, "run a motion without and with the compensator on the drive of this file"
     )
     add_source_option(parser)
-    velocity_filter = (
-        "compensate with a Kalman filter for the velocity and feedforward of inertia, and print "
-        "the contribution of each"
-    )
+    velocity_filter = "compensate with a Kalman filter for the velocity and feedforward of inertia"
     add_options(parser, {"--velocity-filter": velocity_filter}, **FLAG)
     add_options(parser, {"--out DIR": "folder for tables, figures and page"}, type=Path)
     add_set_option(parser)
@@ -170,7 +167,6 @@ def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> di
     from stickslip.evaluation.scatter import PHASES
     from stickslip.evaluation.validation import validate
     from stickslip.identification.stages import identify
-    from stickslip.papers.lugre.attribution import attribute
     from stickslip.papers.lugre.reproduction import drive_truth
     from stickslip.papers.lugre.terminal import print_table4
     from stickslip.rigs.fmu import rig_of
@@ -182,7 +178,7 @@ def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> di
     drive_truth(truth)
     compensator, behind = learned.compensator, learned.behind
     with (
-        reserved(options.out, ["table4.csv", "attribution.csv"]),
+        reserved(options.out, ["table4.csv"]),
         rig_of(truth, learned.law.name) as rig,
         TerminalProgress() as progress,
     ):
@@ -200,18 +196,14 @@ def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> di
             behind=behind,
             phases=PHASES,
         )
-        tables = {"table4.csv": validation.table()}
-        print_table4(tables["table4.csv"])
-        if options.velocity_filter:
-            parts = attribute(rig, plain, compensator, VALIDATION, feed=options.feed)
-            tables["attribution.csv"] = parts
-            print("Errors [mm/s] by what is on:", parts.round(3).to_string(index=False), sep="\n")
+        table = validation.table()
+        print_table4(table)
         command = {
             "name": "validate",
             "set": {f"drive.{name}": value for name, value in truth.items()},
             "parameters": compensator,
             "feed": options.feed,
         }
-        files = {n: t.to_csv(index=False, lineterminator="\n") for n, t in tables.items()}
+        files = {"table4.csv": table.to_csv(index=False, lineterminator="\n")}
         write_files(options.out, command, files)
-    return {name.removesuffix(".csv"): table for name, table in tables.items()}
+    return {"table4": table}

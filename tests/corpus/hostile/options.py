@@ -46,7 +46,6 @@ CASES = [
     _case("travel-units", "a travel in millimetres below and in degrees above", "--travel is in deg, but the motion is linear", "plan --travel 10mm 5deg"),
     _case("travel-tiny", "a travel of 2 nm, which the moves would leave", "stroke and travel leave 2e-09 m or rad; expected at least 1e-06", "plan --travel 1e-9"),
     _case("stroke-tiny", "a stroke of 1e-300 m", "stroke and travel leave 1e-300 m or rad", "plan --stroke 1e-300"),
-    _case("picture-text", "a picture into a text file", "a.txt: expected a file name that ends in .png", "phenomena --published a.txt"),
     _case("heartbeat", "a heartbeat of infinity", "--heartbeat inf: expected more than 0 and less than 1e6", "serve a.fmu --heartbeat inf"),
     _case("scale-tiny", "forces scaled by 1e-300", "the mass is extreme: 5e-300 kg", "learn log.csv --check --scale force=1e-300"),
 ]  # fmt: skip

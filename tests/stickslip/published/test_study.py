@@ -10,7 +10,13 @@ from stickslip import ga
 from stickslip.catalog.parameters import LUGRE
 from stickslip.evaluation.validation import validate
 from stickslip.identification.stages import Estimate
-from stickslip.papers.lugre.published import OURS, SQUARES, START, study_as_published
+from stickslip.papers.lugre.published import (
+    LOGARITHMIC,
+    OURS,
+    SQUARES,
+    START,
+    study_as_published,
+)
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.tuning.coarse_start import coarsened, draw_factors
@@ -31,28 +37,28 @@ def drive(reproduction):
 
 @pytest.fixture(scope="module")
 def study(drive):
-    return study_as_published(*drive, SEEDS, settings=SHORT, readings={}, workers=2)
+    return study_as_published(*drive, SEEDS, settings=SHORT, workers=2)
 
 
 def test_least_squares_beats_the_search_with_a_fraction_of_its_runs(study):
     panel = study.panel().set_index("method")
-    assert panel.seeds.tolist() == [4, 4, 4]
+    assert panel.seeds.tolist() == [4, 4, 4, 4]
     assert panel.runs[SQUARES] < panel.runs[OURS]
     for name in ("cost", "trapezoid", "slow_reversals", "creep", "micrometre_moves"):
         assert panel[name][SQUARES] < panel[name][OURS]
         assert panel[f"{name}_low"][OURS] <= panel[name][OURS] <= panel[f"{name}_high"][OURS]
-    assert panel.worse_slow[SQUARES] == 0
 
 
-def test_the_search_lowers_the_cost(study):
+def test_the_search_lowers_the_cost_and_more_so_with_logarithmic_genes(study):
     ratio = study.costs(OURS) / study.costs(START)
     assert (ratio <= 1.01).all()  # up to Table 3's resolution, to which the start is rounded
     assert np.median(ratio) < 0.9
+    assert np.median(study.costs(LOGARITHMIC)) < np.median(study.costs(OURS))
     assert study.cost_without > 3 * np.median(study.costs(OURS))
 
 
 def test_seeds_side_by_side_learn_what_they_learn_alone(drive, study):
-    alone = study_as_published(*drive, [3], settings=SHORT, readings={})
+    alone = study_as_published(*drive, [3], settings=SHORT)
     for name in ("fitness", "learned"):
         together = study.tables()[name]
         together = together[together["seed"] == 3].reset_index(drop=True)

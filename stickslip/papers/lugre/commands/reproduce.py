@@ -45,14 +45,14 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, {"--mode": mode}, choices=["drive", "record"], default="drive")
     flags = {
         "--as-published": "only the paper's learning as published, from coarse starts over several "
-        "seeds, and under other interpretations of the paper",
+        "seeds, beside the same with logarithmic genes and least squares",
         "--complete": "also learn as published and from one recording, and compare all steps; "
         "takes two minutes on two cores",
     }
     add_options(parser, flags, **FLAG)
     seeds = (
         "number of seeds that learn the loop (default 5) and that learn as published and by least "
-        "squares (default 10); half of these also learn under another interpretation"
+        "squares (default 10)"
     )
     add_options(parser, {"--seeds N": seeds}, type=at_least(1), dest="number")
     coarse = (
@@ -95,13 +95,11 @@ def _drive(
 
 
 def _print_drive(reproduction: Reproduction) -> None:
-    from stickslip.papers.lugre.terminal import print_loops, print_motions, print_table4
+    from stickslip.papers.lugre.terminal import print_loops, print_table4
 
     for warning in reproduction.identification.warnings:
         warn(warning)
     print_table4(reproduction.table4())
-    if reproduction.motions:
-        print_motions(reproduction.motions)
     learned = reproduction.refinement
     print(f"friction: {learned.result}; {learned.remark}")
     print_loops(reproduction.loops)
@@ -128,7 +126,6 @@ def _published(
     from stickslip.identification.stages import identify
     from stickslip.papers.lugre.folder import write_published_results
     from stickslip.papers.lugre.published import study_as_published
-    from stickslip.papers.lugre.reproduction import drive_truth
     from stickslip.papers.lugre.terminal import print_published
     from stickslip.rigs.fmu import FmuRig
     from stickslip.servo.datasheet import LOOP, Datasheet
@@ -147,7 +144,7 @@ def _published(
         on_stage=progress.stage,
     )
     progress.stage("writing the report")
-    write_published_results(study, options, drive_truth(options.truth), out)
+    write_published_results(study, options, out)
     return partial(print_published, study)
 
 

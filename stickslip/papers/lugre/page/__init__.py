@@ -25,7 +25,7 @@ TITLE = "Friction compensator of a linear motor, learned"
 FIGURES = (
     "loop_tuning",
     *("fig2_loops", "fig3_scheme", "fig4_flow", "fig5_fitness", "fig6_tracking"),
-    *("steps", "motions", "fig5_as_published", "as_published"),
+    *("steps", "motions", "fig5_as_published"),
     *("identification_inertia", "identification_friction", "identification_presliding"),
 )
 FILES = ("report.html", *picture_files(FIGURES))
@@ -34,7 +34,7 @@ FILES = ("report.html", *picture_files(FIGURES))
 
 def sections(reproduction: Reproduction) -> Sequence[Section]:
     """Return the sections of the page; a study that was not made has none."""
-    study, truth = reproduction.published, reproduction.truth
+    study = reproduction.published
     found = (
         head(reproduction),
         design_section(reproduction),
@@ -43,7 +43,7 @@ def sections(reproduction: Reproduction) -> Sequence[Section]:
         loop_learning_section(reproduction),
         validation_section(reproduction.validation, reproduction.table4()),
         steps_section(reproduction),
-        study_section(study, truth) if study else None,
+        study_section(study) if study else None,
         motions_section(reproduction),
         use_section(reproduction),
     )

@@ -8,85 +8,19 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FormatStrFormatter, MaxNLocator, NullLocator
+from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 
-from stickslip import ga
 from stickslip.catalog.estimate import HIGH, LOW
 from stickslip.evaluation.motions import SLOW_MOTIONS, Motion
 from stickslip.evaluation.validation import PAPER_TABLE4, Run, Validation
 from stickslip.identification.stages import FrictionMap
-from stickslip.papers.lugre.motion_study import LEARNED, UNCOMPENSATED
 from stickslip.papers.lugre.reproduction import Reproduction
-from stickslip.papers.lugre.steps import STEPS, by_step
+from stickslip.papers.lugre.steps import LEARNED, STEPS, UNCOMPENSATED, by_step
 from stickslip.presentation import style
 from stickslip.presentation.quantity import METRICS, with_error
-from stickslip.servo.measurement import Array
 from stickslip.servo.paper_commands import REGION
 
 COMMAND: Any = {"color": style.INK, "lw": 0.8, "ls": style.DASHED}
-
-
-def cost_axes(height: float, generation: Array, cost: str) -> tuple[Figure, Axes]:
-    """Return a figure of a column's width with a cost, logarithmic, over generations (n,)."""
-    figure = style.new_figure(style.COLUMN, height)
-    axes = figure.add_subplot()
-    axes.grid(visible=True, axis="y")
-    axes.set(yscale="log", xlabel="Generation [1]", ylabel=f"Cost {cost}")
-    axes.set_xlim(generation[0], max(generation[-1], generation[0] + 1.0))
-    return figure, axes
-
-
-def draw_course(
-    algorithm: ga.Optimiser,
-    cost: str,
-    final: tuple[float, str] | None = None,
-    without: float | None = None,
-) -> Figure:
-    """Draw best and mean cost of an algorithm.
-
-    Parameters
-    ----------
-    cost : what it is, with its unit
-    final : a cost after the last generation, and what it is of
-    without : cost without compensation
-    """
-    line = algorithm.convergence()
-    columns = ("generation", "evaluations", "best_cost", "mean_cost")
-    generation, evaluations, best, mean = (line[name].to_numpy(dtype=float) for name in columns)
-    figure, axes = cost_axes(78.0, generation, cost)
-    axes.plot(
-        generation, np.where(np.isfinite(mean), mean, np.nan),
-        color=style.WITHOUT, ls=(0, (4, 1.5)), label="mean of the generation",
-    )  # fmt: skip
-    axes.step(generation, best, where="post", color=style.WITH, lw=style.THICK, label="best so far")
-    marks: Any = {"mec": style.INK, "ls": "none", "clip_on": False, "zorder": 5}
-    start = float(algorithm.history["cost"].iloc[0])
-    axes.plot(generation[0], start, "o", mfc="white", label="start", **marks)
-    if final is not None:
-        axes.plot(generation[-1], final[0], "D", mfc=style.GREY, label=final[1], **marks)
-    if without is not None:
-        axes.axhline(without, color=style.GREY, lw=style.LINE)
-        axes.annotate(
-            f"without compensation: {without:.2g}", (1.0, without), (-2.0, -3.0),
-            xycoords=("axes fraction", "data"), textcoords="offset points",
-            ha="right", va="top", fontsize=style.SMALL,
-        )  # fmt: skip
-    style.legend_below(axes, 2)
-
-    # After the first generation each one adds as many evaluations.
-    span = max(generation[-1] - generation[0], 1.0)
-    slope = max((evaluations[-1] - evaluations[0]) / span, 1.0)
-    second = axes.secondary_xaxis(
-        "top",
-        functions=(
-            lambda g: evaluations[0] + slope * (g - generation[0]),
-            lambda e: generation[0] + (e - evaluations[0]) / slope,
-        ),
-    )
-    second.set_xlabel("Evaluations [1]")
-    for scale in (axes, second):
-        scale.xaxis.set_major_locator(MaxNLocator(integer=True))
-    return figure
 
 
 SHOWN = (-0.02, 0.15)
@@ -172,7 +106,7 @@ def draw_motions(reproduction: Reproduction) -> Figure:
         ("c", MOVES, "20 um", "Micrometre moves"),
     )
     for axes, (letter, motion, region, title) in zip(panels, shown, strict=True):
-        runs = reproduction.motions.evaluation.runs[motion.name]
+        runs = reproduction.motions.runs[motion.name]
         _motion(axes, motion, region, runs[UNCOMPENSATED], runs[LEARNED])
         style.name_panel(axes, letter, f"{title}, {region.replace('um', 'µm')}, simulated")
     style.legend_below(panels[0])

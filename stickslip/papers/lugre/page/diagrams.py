@@ -38,7 +38,7 @@ def draw_loops(loop: VelocityLoop, truth: Mapping[str, float], options: Options)
     figure = new_figure(PAGE, LOOPS_HEIGHT, free=True)
     sheet = Sheet(figure)
     _compensated(sheet, truth, options)
-    _nominal_loop(sheet, loop)
+    _nominal_loop(sheet)
     _step_response(figure, loop)
     return figure
 
@@ -107,7 +107,7 @@ def _model(law: str) -> str:
     return friction_law(law).title + (" (2)–(4)" if law == "lugre" else "")
 
 
-def _nominal_loop(sheet: Sheet, loop: VelocityLoop) -> None:
+def _nominal_loop(sheet: Sheet) -> None:
     low, middle = 21.0, 36.0
     sheet.text((3, 48.5), "(b) Nominal velocity loop", align="left")
     controller = sheet.block(Block(37, middle, 32), "PI controller", CONTROL)
@@ -126,20 +126,6 @@ def _nominal_loop(sheet: Sheet, loop: VelocityLoop) -> None:
         ((119, middle + 2.8), r"$v_r$"),
     ):
         sheet.text(at, label)
-    margins = loop.margins()
-    gains = (
-        rf"$K_p$ = {number(loop.K_p)} N s/m,  $K_i$ = {number(loop.K_i)} N/m,  "
-        rf"$T_s$ = {number(1e3 * loop.T_s)} ms,  $\tau_f$ = {number(1e3 * loop.tau_f)} ms,  "
-        rf"$\tau_i$ = {number(1e3 * loop.axis.tau_i)} ms"
-    )
-    reached = (
-        f"crossover {number(margins['crossover_Hz'], 3)} Hz,  "
-        f"phase margin {number(margins['phase_margin_deg'], 3)}°,  "
-        f"gain margin {number(margins['gain_margin_dB'], 3)} dB,  "
-        f"bandwidth (−3 dB) {number(margins['bandwidth_Hz'], 3)} Hz"
-    )
-    sheet.text((3, 10.0), gains, small=True, align="left")
-    sheet.text((3, 5.5), reached, small=True, align="left")
 
 
 def _step_response(figure: Figure, loop: VelocityLoop) -> None:
@@ -168,7 +154,7 @@ def draw_scheme(reproduction: Reproduction) -> Figure:
     compensator = sheet.block(Block(63, middle, 40), "Friction compensators", model, PALE)
     levels = " and ".join(f"{level:g}" for level in LEVELS)
     drive = sheet.block(Block(63, low, 44), "Velocity loop", f"drive; models, friction × {levels}")
-    algorithm = _search(reproduction)
+    algorithm = reproduction.loops.best.algorithm
     title = algorithm.title.removeprefix("a ").partition(" of ")[0]
     learner = sheet.block(
         Block(120, middle, 30, 14), title[0].upper() + title[1:], "Steps 1 to 4", PALE
@@ -210,14 +196,9 @@ def draw_scheme(reproduction: Reproduction) -> Figure:
     return figure
 
 
-def _search(reproduction: Reproduction) -> ga.Optimiser:
-    """Return what searched the loop that is written."""
-    return reproduction.loops.best.algorithm
-
-
 def draw_flow(reproduction: Reproduction) -> Figure:
     """Draw the flow chart."""
-    algorithm = _search(reproduction)
+    algorithm = reproduction.loops.best.algorithm
     figure = new_figure(PAGE, 112.0, free=True)
     sheet = Sheet(figure)
     first = sheet.block(Block(46, 101, 76, 16), "Step 1. Initialization", _initial(algorithm))
@@ -286,25 +267,9 @@ def _operations(algorithm: ga.Optimiser) -> list[tuple[str, str]]:
         ]
     settings = algorithm.settings
     children = settings.population - settings.elites
-    keeps = (
-        "generational" if settings.survival == "generational" else "a child must beat its parent"
-    )
-    crossover = f"{settings.crossover}, rate {number(settings.crossover_rate)}"
-    if settings.crossover == "arithmetic":
-        crossover = (
-            rf"arithmetic, adaptive probability (7), $k_1$ = {number(settings.k1)}, "
-            rf"$k_2$ = {number(settings.k2)}"
-        )
-    rate = f"rate {number(settings.mutation_rate)}{' at first, adaptive' * settings.adaptive}"
-    beyond = []  # what the paper's algorithm does not have
-    if settings.surrogates:
-        beyond.append("some from models of the cost")
-    if settings.patience is not None:
-        beyond.append(f"restart after {settings.patience} without progress")
-    new = f"the elite and {children} new candidates" + "\n" * bool(beyond) + ", ".join(beyond)
     return [
-        ("Selection", f"elite of {settings.elites} in {settings.population}, {keeps}"),
-        ("Crossover", crossover),
-        ("Mutation", f"{settings.mutation}, {rate}"),
-        ("Next generation", new),
+        ("Selection", f"elite of {settings.elites}"),
+        ("Crossover", settings.crossover),
+        ("Mutation", settings.mutation),
+        ("Next generation", f"the elite and {children} new candidates"),
     ]

@@ -1,21 +1,16 @@
-"""The identification: experiments, prior knowledge, and the effect of errors in it."""
+"""The identification: experiments, and prior knowledge."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Mapping
 from functools import partial
-from textwrap import shorten
-from typing import Any
-
-import pandas as pd
 
 from stickslip.identification.stages import inertia, sliding
 from stickslip.papers.lugre.page.curves import draw_friction, draw_inertia, draw_presliding
 from stickslip.papers.lugre.reproduction import Reproduction
-from stickslip.presentation.markup import Html, element, paragraph, prose, quiet, table
+from stickslip.presentation.markup import Html, element, paragraph, prose, table
 from stickslip.presentation.page import Illustration, Section
 from stickslip.presentation.quantity import (
-    METRICS,
     meaning,
     number,
     parameter_estimate,
@@ -129,15 +124,16 @@ def _prior_knowledge(reproduction: Reproduction) -> list[Html]:
         )
         for name, (label, factor, shown, drive, source, use) in PRIOR.items()
     ]
-    parts = [
+    return [
         element("h3", "Known before any experiment"),
-        _table1(sheet),
         paragraph(
             "Identification and learning use measurements of the drive. They also use the "
             "numbers below, and the specification of the velocity loop (crossover "
             f"{number(LOOP.bandwidth)} Hz, phase margin {number(LOOP.phase_margin)}°, sample "
             f"period {number(1e3 * LOOP.T_s)} ms, low-pass {number(1e3 * LOOP.tau_f)} ms), which "
-            "was calibrated (see Validation). The experiments are scaled for such a stage: "
+            "was calibrated (see Validation). Of Table 1 they use the peak force and the encoder’s "
+            "step; the current, the winding and the force constant are not needed, because force "
+            "is commanded and measured in N. The experiments are scaled for such a stage: "
             f"constant velocities from {number(1e3 * sliding.SPEEDS[0])} to "
             f"{number(1e3 * sliding.SPEEDS[-1])} mm/s along "
             f"{number(1e3 * sliding.GUIDE)} mm of the guide, a force of "
@@ -150,92 +146,3 @@ def _prior_knowledge(reproduction: Reproduction) -> list[Html]:
             (0, 3, 4, 5),
         ),
     ]
-    if reproduction.beforehand is not None:
-        parts += _variations(reproduction.beforehand)
-    return parts
-
-
-PEAK_CURRENT, RESISTANCE, INDUCTANCE, FORCE_CONSTANT = 9.0, 5.0, 2.8e-3, 23.0
-"""What only Table 1 has: A, ohm, H, N/A_rms."""
-
-
-def _table1(sheet: Datasheet) -> Html:
-    electrical = number(1e3 * INDUCTANCE / RESISTANCE, 2)
-    force = number(FORCE_CONSTANT * PEAK_CURRENT)
-    rows = [
-        (
-            *("Peak force", number(sheet.peak_force), "N"),
-            prose("limit of the simulated drive’s force; known to identification"),
-        ),
-        (
-            *("Peak current", number(PEAK_CURRENT), "A"),
-            prose(
-                f"no use: the amplifier takes a force command. As an RMS value it gives {force} N "
-                "with the force constant, which agrees with the peak force"
-            ),
-        ),
-        (
-            *("Electrical resistance", number(RESISTANCE), "Ω"),
-            prose(f"no direct use. L/R = {electrical} ms is the time constant of the open circuit"),
-        ),
-        (
-            *("Electrical inductance", number(1e3 * INDUCTANCE), "mH"),
-            prose(
-                f"no direct use. That the current follows within {number(1e3 * sheet.tau_i)} ms "
-                "assumes a closed current loop, whose bandwidth the paper does not give"
-            ),
-        ),
-        (
-            *("Force constant", number(FORCE_CONSTANT), Html("N/A<sub>rms</sub>")),
-            prose("no use: force is commanded and measured in N. It would scale a logged current"),
-        ),
-        (
-            *("Encoder (section 2.1)", number(1e6 * sheet.encoder_step), "µm"),
-            prose("steps of the simulated drive’s encoder; known to identification"),
-        ),
-    ]
-    head = ("", "Value", "Unit", "Use here")
-    return table(head, rows, "Table 1. Specifications of the real stage (paper)", (0, 2, 3))
-
-
-REGIONS = ("start", "reverse")
-VARIED = ("m", "b", "F_c")
-
-
-def _variations(varied: pd.DataFrame) -> list[Html]:
-    units = [f"{symbol(name)} [{parameter_unit(name)}]" for name in VARIED]
-    reductions = [f"{region.capitalize()}: {', '.join(METRICS.values())}" for region in REGIONS]
-    head = ("Assumed", *units, *reductions, "Velocity filter")
-    rows = [_row(case) for case in varied.to_dict("records")]
-    return [
-        table(head, rows, "The same drive with an error in the prior knowledge"),
-        quiet(
-            "Identified values, and the reductions of Table 4 (measured) with the identified "
-            "compensator, before any learning. “Velocity filter”: the least of the four reductions "
-            "on the true velocity in the loop of record mode, with its velocity filter and "
-            "feedforward of the inertia $m$. Rows that equal the first do not depend on that "
-            "number."
-        ),
-    ]
-
-
-def _row(case: Mapping[Hashable, Any]) -> tuple[str, ...]:
-    label = "all as above"
-    if case["quantity"] in PRIOR:
-        name, factor, shown, *_ = PRIOR[case["quantity"]]
-        assumed = f"{number(factor * case['value'])} {shown}"
-        label = f"{name} × {number(case['factor'])} = {assumed}"
-    if case["error"]:
-        label = prose(f"{label}: {shorten(case['error'], 60, placeholder=' …')}")
-
-    def cell(show: Callable[[float], str], *keys: str) -> str:
-        if any(pd.isna(case[key]) for key in keys):
-            return "–"
-        return ", ".join(show(case[key]) for key in keys)
-
-    return (
-        label,
-        *(cell(lambda found: number(found, 5), name) for name in VARIED),
-        *(cell(percent, *(f"{region}_{metric}" for metric in METRICS)) for region in REGIONS),
-        cell(percent, "filtered"),
-    )

@@ -27,7 +27,7 @@ def friction_section(reproduction: Reproduction) -> Section:
         _course(reproduction),
         _training_cost(reproduction),
         _table2(reproduction),
-        *_remarks(reproduction),
+        _remarks(reproduction),
     )
 
 
@@ -74,16 +74,13 @@ def _table2(reproduction: Reproduction) -> Html:
     return table(head, rows, "Table 2. Parameters (value ± standard error)", (0, 7))
 
 
-def _remarks(reproduction: Reproduction) -> tuple[Html, Html]:
+def _remarks(reproduction: Reproduction) -> Html:
     remarks = reproduction.table2().set_index("parameter")["remark"]
     items = [
         element("li", f"{symbol(name)}: {remarks[name]}".replace("+-", "±").replace("'", "’"))
         for name in reproduction.refinement.estimates
     ]
-    return (
-        element("ul", join(items, "\n")),
-        paragraph("$m$ and $b$ are identified only, not learned."),
-    )
+    return element("ul", join(items, "\n"))
 
 
 def _training_cost(reproduction: Reproduction) -> Html:

@@ -148,16 +148,11 @@ def _settings(reproduction: Reproduction) -> Html:
 
 
 def _of_genetic(settings: ga.Settings) -> list[tuple[str, str, str]]:
-    surrogates = "sections, bowl and quadratic" if settings.surrogates else "none"
-    restarts = "none" if settings.patience is None else f"after {settings.patience} generations"
     return [
         *((n.replace("_", " "), _setting(settings, n), paper) for n, paper in PAPER_TABLE3.items()),
-        ("crossover", settings.crossover, "not stated"),
-        ("mutation", settings.mutation, "not stated"),
+        ("crossover, mutation", f"{settings.crossover}, {settings.mutation}", "not stated"),
         ("survival", settings.survival, "elitist"),
         ("encoding of the genes", settings.encoding, "real numbers"),
-        ("models of the cost", surrogates, "none"),
-        ("restart without progress", restarts, "none"),
     ]
 
 

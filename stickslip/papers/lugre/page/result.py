@@ -2,26 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-
-import pandas as pd
-
 from stickslip import models
-from stickslip.evaluation.validation import Validation
 from stickslip.papers.lugre.page.loop_tuning import steps_at_a_glance
-from stickslip.papers.lugre.reproduction import Extras, Reproduction
+from stickslip.papers.lugre.reproduction import Reproduction
 from stickslip.papers.lugre.steps import FILTERED, REDUCTION_WITH_FILTER
-from stickslip.presentation.markup import Html, element, join, paragraph, quiet, table, tile
+from stickslip.presentation.markup import Html, element, join, paragraph, tile
 from stickslip.presentation.page import Section
 from stickslip.presentation.quantity import (
     METRICS,
     number,
-    parameter_estimate,
-    parameter_unit,
-    parameter_value,
     percent,
-    ranged,
     unit,
 )
 from stickslip.servo.systems import drive_law
@@ -54,9 +44,7 @@ def head(reproduction: Reproduction) -> Section:
         "used to evaluate the result.",
     )
     glance = steps_at_a_glance(reproduction)
-    return Section(
-        "", done, *glance, _drive(reproduction), _verdict(reproduction), _headline(reproduction)
-    )
+    return Section("", done, *glance, _drive(reproduction), _verdict(reproduction))
 
 
 def _drive(reproduction: Reproduction) -> Html:
@@ -87,15 +75,16 @@ def _drive(reproduction: Reproduction) -> Html:
 def _verdict(reproduction: Reproduction) -> Html:
     table = reproduction.table4()
     own, true = (table[table["velocity"] == shown] for shown in ("measured", "true"))
-    extras = reproduction.extras and reproduction.extras.validation
+    extras = reproduction.extras.table4 if reproduction.extras else None
     tiles = []
     for k, row in enumerate(own.to_dict("records")):
         beside = ["simulated drive", f"true velocity {percent(true['reduction'].iloc[k])}"]
         if FILTERED in true:
             reduced = true[REDUCTION_WITH_FILTER].iloc[k]
             beside.append(f"true velocity, with velocity filter {percent(reduced)}")
-        if extras:
-            beside.append(f"all extras on {percent(_measured(extras)['reduction'].iloc[k])}")
+        if extras is not None:
+            reduced = extras[extras["velocity"] == "measured"]["reduction"].iloc[k]
+            beside.append(f"all extras on {percent(reduced)}")
         beside.append(f"real stage (paper) {percent(row['paper_reduction'], 0)}")
         name = f"Motion {row['region']}, {METRICS[row['metric']]}"
         tiles.append(tile(name, percent(row["reduction"]), *beside))
@@ -110,59 +99,5 @@ def _verdict(reproduction: Reproduction) -> Html:
             f"the tracking error of the simulated drive, as its encoder shows it, {text}."
         ),
         element("div", join(tiles, "\n"), class_="tiles"),
-        _coulomb(reproduction),
         class_="verdict",
     )
-
-
-def _coulomb(reproduction: Reproduction) -> Html:
-    learned, truth = reproduction.refinement.estimates["F_c"], reproduction.truth["F_c"]
-    unit = parameter_unit("F_c")
-    return paragraph(
-        f"Coulomb friction $F_c$: learned {parameter_estimate('F_c', learned)} {unit}, the "
-        f"simulated drive’s is {parameter_value('F_c', truth)} {unit}, off by "
-        f"{percent(abs(learned.value / truth - 1.0), 2)}.",
-    )
-
-
-def _headline(reproduction: Reproduction) -> Html:
-    """Return the errors on the measured velocity, without and with compensation, as rows."""
-    own, extras = _measured(reproduction.validation), reproduction.extras
-    shown = [("real stage (paper)", "paper_", own), ("simulated drive", "", own)]
-    if extras and extras.validation:
-        shown.append(("simulated drive, all extras on", "", _measured(extras.validation)))
-    rows: list[tuple[str, ...]] = []
-    for quantity in ("without", "with", "reduction"):
-        name = "Reduction" if quantity == "reduction" else f"{quantity.capitalize()} compensation"
-        for k, (drive, prefix, errors) in enumerate(shown):
-            # Changed, the drive is no longer the one that was calibrated.
-            if k == 1 and quantity == "without" and not reproduction.options.truth:
-                drive += ", calibrated to this row"
-            show: Callable[[float], str] = "{:.2f}".format
-            if quantity == "reduction":
-                show = partial(percent, digits=0 if prefix else 1)
-            found = errors.to_dict("records")
-            cells = [ranged(row, f"{prefix}{quantity}", show) for row in found]
-            rows.append(("" if k else name, drive, *cells))
-    head = [f"{region.capitalize()}, {METRICS[metric]}" for region, metric in own.index]
-    caption = (
-        "Velocity errors [mm/s] at motion start and reversal, as the encoder shows them: medians "
-        "over phases of an encoder step, and ranges"
-    )
-    return join([table(("", "", *head), rows, caption, (0, 1)), _extras_remark(extras)])
-
-
-def _extras_remark(extras: Extras | None) -> Html:
-    if extras is None:
-        return Html("")
-    if extras.validation is None:
-        return paragraph(f"With all extras on the drive could not be learned: {extras.reason}.")
-    return quiet(
-        "“All extras on” is the same drive with every effect of its model: identified, learned and "
-        "validated from the beginning, with the same settings.",
-    )
-
-
-def _measured(validation: Validation) -> pd.DataFrame:
-    errors = validation.table()
-    return errors[errors["velocity"] == "measured"].set_index(["region", "metric"])

@@ -2,36 +2,32 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from functools import partial
 
 import pandas as pd
 
-from stickslip.catalog.estimate import HIGH, LOW
-from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS
+from stickslip.evaluation.motions import SLOW_MOTIONS
 from stickslip.evaluation.scatter import PHASES
 from stickslip.evaluation.validation import Validation, reduction
-from stickslip.papers.lugre.motion_study import (
-    LEARNED,
-    SEEN,
-    UNCOMPENSATED,
-    WEAK_ENTRIES,
-    MotionStudy,
-    by_motion,
-    error_name,
-    limits,
-    unseen,
-)
 from stickslip.papers.lugre.page.curves import draw_motions, draw_steps, draw_tracking
-from stickslip.papers.lugre.reproduction import Reproduction
-from stickslip.papers.lugre.steps import FILTERED, REDUCTION_WITH_FILTER, STEPS, by_step
-from stickslip.presentation.markup import Html, element, join, paragraph, table
+from stickslip.papers.lugre.reproduction import Extras, Reproduction
+from stickslip.papers.lugre.steps import (
+    FILTERED,
+    LEARNED,
+    REDUCTION_WITH_FILTER,
+    STEPS,
+    TRAPEZOID,
+    UNCOMPENSATED,
+    by_step,
+)
+from stickslip.presentation.markup import Html, element, join, paragraph, quiet, table
 from stickslip.presentation.page import Illustration, Section
-from stickslip.presentation.quantity import METRICS, SPACE, number, percent, ranged, symbol
+from stickslip.presentation.quantity import METRICS, number, percent, ranged
 from stickslip.servo.measurement import CUTOFF
 from stickslip.servo.paper_commands import REGION, VALIDATION
 from stickslip.servo.sensitivity import peak_sensitivity
+from stickslip.servo.tuned_pi import tuned_pi
 
 
 def validation_section(validation: Validation, table4: pd.DataFrame | None = None) -> Section:
@@ -117,8 +113,8 @@ def steps_section(reproduction: Reproduction) -> Section | None:
     """Return the section, None where the steps were not compared."""
     if reproduction.motions is None:
         return None
-    tuned, loop = reproduction.motions.loops["tuned_pi"], reproduction.identification.loop
-    extras = reproduction.extras
+    loop = reproduction.identification.loop
+    tuned = tuned_pi(loop)
     return Section(
         "Comparison of the steps",
         paragraph(
@@ -146,15 +142,24 @@ def steps_section(reproduction: Reproduction) -> Section | None:
             "through most of the friction: a comparison with a softly tuned loop favours every "
             "compensator.",
         ),
-        _benefit(reproduction.table4(), "the simulated drive"),
-        *(
-            part(extras.table4, drive)
-            for part, drive in (
-                (_step_errors, "the simulated drive, all extras on"),
-                (_benefit, "the drive with all extras on"),
-            )
-            if extras and extras.table4 is not None
-        ),
+        _extras(reproduction.extras),
+    )
+
+
+def _extras(extras: Extras | None) -> Html:
+    """Return the same of the drive with every effect of its model, or why there is nothing."""
+    if extras is None:
+        return Html("")
+    if extras.table4 is None:
+        return paragraph(f"With all extras on the drive could not be learned: {extras.reason}.")
+    return join(
+        [
+            _step_errors(extras.table4, "the simulated drive, all extras on"),
+            quiet(
+                "“All extras on” is the same drive with every effect of its model: identified, "
+                "learned and validated from the beginning, with the same settings.",
+            ),
+        ]
     )
 
 
@@ -173,40 +178,18 @@ def _step_errors(table4: pd.DataFrame, drive: str) -> Html:
     return table(("", "", *(STEPS[name] for name in names)), rows, caption, (0, 1))
 
 
-def _benefit(table4: pd.DataFrame, drive: str) -> Html:
-    """Return whether learning did better than identification, on the true velocity."""
-    table4 = by_step(table4)
-    true = table4[(table4["velocity"] == "true") & (table4["metric"] == "E_rms")]
-    sentences = []
-    for name in ("as_published", "least_squares_coarse", LEARNED, "one_recording"):
-        if name not in true:
-            continue
-        change = true[name] / true["identified"] - 1.0
-        verdict = "changed nothing beyond chance"
-        low, high = (true.get(f"identified{end}", true["identified"]) for end in (LOW, HIGH))
-        if not true[name].between(low, high).all():
-            verdict = "changed the RMS error by " + ", ".join(
-                f"{'+' * (value > 0)}{percent(value, 0)} at the {region}"
-                for value, region in zip(change, true["region"], strict=True)
-            )
-        sentences.append(f"{STEPS[name].lower()} {verdict}")
-    return paragraph(
-        f"Against identification alone, on the true velocity of {drive}: {'; '.join(sentences)}.",
-    )
-
-
-TRAPEZOID, CREEP = MOTIONS[0], SLOW_MOTIONS[1]
 SHOWN = METRICS | {"E_x": "$E_x$"}
 
 
 def motions_section(reproduction: Reproduction) -> Section | None:
     """Return the section on the other motions, None where they were not run."""
-    study = reproduction.motions
-    if study is None:
+    evaluation = reproduction.motions
+    if evaluation is None:
         return None
     slowest, fastest = (1e3 * VALIDATION.slope * edge for edge in REGION)
-    frame = study.evaluation.table()
+    frame = evaluation.table()
     slow = frame[frame["motion"] != TRAPEZOID.name]
+    names = [name for name in STEPS if name in evaluation.runs[TRAPEZOID.name]]
     purposes = (
         element("li", element("b", motion.name.capitalize()), f". {motion.purpose}")
         for motion in SLOW_MOTIONS
@@ -232,27 +215,25 @@ def motions_section(reproduction: Reproduction) -> Section | None:
             f"$E_x$ is the largest error of the position. Medians over {len(PHASES)} phases of an "
             "encoder step, with their ranges.",
         ),
-        *(_errors(study, name, group) for name, group in slow.groupby("motion", sort=False)),
+        *(_errors(names, motion, group) for motion, group in slow.groupby("motion", sort=False)),
         _limits(slow),
-        *_sensitivity(study.sensitivity),
-        *_weak(study, slow, reproduction.truth),
     )
 
 
-def _errors(study: MotionStudy, motion: Hashable, frame: pd.DataFrame) -> Html:
+def _errors(names: Sequence[str], motion: Hashable, frame: pd.DataFrame) -> Html:
     """Return the table of one motion: each error of the measured motion, and of the true one."""
     rows = [
         (
-            error_name(row, SHOWN).replace(" um,", " µm,"),
+            _error_name(row),
             row["velocity"],
             row["unit"].replace("um", "µm"),
-            *(ranged(row, name) for name in study.names),
+            *(ranged(row, name) for name in names),
             percent(reduction(row[UNCOMPENSATED], row[LEARNED])),
         )
         for _, errors in frame.groupby(["region", "metric"], sort=False)
         for row in errors.to_dict("records")
     ]
-    head = ("", "", "Unit", *(STEPS[name] for name in study.names), "Reduction")
+    head = ("", "", "Unit", *(STEPS[name] for name in names), "Reduction")
     caption = (
         f"{str(motion).capitalize()}: tracking errors of the simulated drive; the reduction (9) is "
         f"that of the column “{STEPS[LEARNED]}”"
@@ -262,75 +243,25 @@ def _errors(study: MotionStudy, motion: Hashable, frame: pd.DataFrame) -> Html:
 
 def _limits(slow: pd.DataFrame) -> Html:
     """Return where compensation gains little, and where it makes the error larger."""
-    text = limits(slow, SHOWN).replace(" um,", " µm,").replace(" %", f"{SPACE}%")
+    left = slow[LEARNED] / slow[UNCOMPENSATED]
+    worse = [
+        f"{_error_name(row)}, {row['velocity']} ({percent(share, 0)})"
+        for row, share in zip(slow.to_dict("records"), left, strict=True)
+        if share > 1.0
+    ]
+    text = "none of these errors larger"
+    if worse:
+        text = f"these errors larger: {'; '.join(worse)}"
     return paragraph(
-        f"{text}. The true velocity holds the loop’s response to each encoder step as well, which "
-        "no compensator removes."
+        f"The learned compensator makes {text}. It leaves more than half of "
+        f"{int((left > 0.5).sum())} of these {len(slow)} errors. The true velocity holds the "
+        "loop’s response to each encoder step as well, which no compensator removes. Feedforward "
+        "adds no damping either: where friction falls with speed, the loop alone must stabilise "
+        "the velocity, and in a soft loop an exact compensator can make creep worse."
     )
 
 
-def _sensitivity(shown: pd.DataFrame) -> tuple[Html, Html, Html]:
-    lost = by_motion(shown)
-    rows = [
-        (_wrong(key), *(f"{100.0 * value:.1f}".replace("-", "−") for value in lost.loc[key]))
-        for key in lost.index
-    ]
-    trapezoid, others = (
-        ", ".join(_wrong(key) for key in unseen(part)) or "nothing"
-        for part in (lost[[TRAPEZOID.name]], lost.drop(columns=TRAPEZOID.name))
-    )
-    return (
-        paragraph(
-            "The sensitivity of a motion to a parameter is what an otherwise exact compensator "
-            "loses when that parameter is wrong: percentage points by which the reduction (9) of "
-            f"$E_{{rms}}$ or $E_x$ falls, on the drive’s true motion and in the region where it "
-            f"falls most. {percent(SEEN, 0)} or more counts as sensitive. The last row is a change "
-            "too small to matter; what it costs is chance, because the encoder’s steps fall "
-            "elsewhere.",
-        ),
-        table(
-            ("Wrong parameter", *(str(name).capitalize() for name in lost.columns)),
-            rows,
-            "Percentage points of the reduction that one wrong parameter costs",
-        ),
-        paragraph(
-            f"The trapezoid alone is not sensitive to: {trapezoid}. None of the three slow motions "
-            f"is sensitive to: {others}."
-        ),
-    )
-
-
-def _wrong(key: tuple[str, str]) -> str:
-    name, change = key
-    return f"{symbol(name)} {change.replace('x', '×').replace('F_c', symbol('F_c'))}"
-
-
-def _weak(study: MotionStudy, slow: pd.DataFrame, truth: Mapping[str, float]) -> tuple[Html, Html]:
-    """Return what an exact compensator does to creep in a weak loop."""
-    names = UNCOMPENSATED, LEARNED, *WEAK_ENTRIES
-    creep = slow[(slow["motion"] == CREEP.name) & (slow["velocity"] == "true")]
-    creep = creep[creep["metric"] == "E_rms"]
-    without, exact = (creep[name] for name in WEAK_ENTRIES)
-    worse = ", ".join(creep["region"][exact > without]) or "none of these speeds"
-    falls = "Where friction falls with speed"
-    F_s, F_c, v_s = (truth.get(name, math.nan) for name in ("F_s", "F_c", "v_s"))
-    if math.isfinite((F_s - F_c) / v_s):
-        steepest = number((F_s - F_c) / v_s)
-        falls += f", at most by ($F_s$ − $F_c$)/$v_s$ = {steepest} N s/m on this drive"
-    rows = [
-        (f"Creep, {row['region']}", *(ranged(row, name) for name in names))
-        for row in creep.to_dict("records")
-    ]
-    return (
-        paragraph(
-            f"Feedforward adds no damping. {falls}, the loop alone must stabilise the velocity. In "
-            f"a loop with a tenth of the bandwidth ($K_p$ = {number(study.weak.K_p)} N s/m) an "
-            f"exact compensator makes creep worse at {worse}."
-        ),
-        table(
-            ("", *(name.capitalize() for name in names)),
-            rows,
-            "RMS error of the true velocity in creep [mm/s], in the loop of this page and in a "
-            "weak one",
-        ),
-    )
+def _error_name(row: Mapping[Hashable, object]) -> str:
+    """Return what an error of ``Evaluation.table`` is of."""
+    region = str(row["region"]).replace(" um", " µm")
+    return f"{str(row['motion']).capitalize()}, {region}, {SHOWN[str(row['metric'])]}"
