@@ -25,10 +25,13 @@ from stickslip.work.execution import Execution
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what needs a whole reproduction as slow."""
+    """Mark what needs a whole reproduction as slow; one worker runs all of it, and whole files."""
     for item in items:
+        group = str(item.path)
         if {"reproduction", "results"} & {*getattr(item, "fixturenames", ())}:
             item.add_marker(pytest.mark.slow)
+            group = "reproduction"
+        item.add_marker(pytest.mark.xdist_group(group))
 
 
 @pytest.fixture(scope="session")
@@ -47,7 +50,7 @@ def without_pictures(monkeypatch):
 @pytest.fixture(scope="session")
 def reproduction(tmp_path_factory, quiet) -> Reproduction:
     fmus = tmp_path_factory.mktemp("fmus")
-    return with_motions(reproduce(Options(loop_seeds=2), fmus, quiet, Execution(2)), fmus)
+    return with_motions(reproduce(Options(loop_seeds=1), fmus, quiet, Execution(2)), fmus)
 
 
 @pytest.fixture(scope="session")
