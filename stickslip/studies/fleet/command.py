@@ -19,7 +19,8 @@ from stickslip.work.execution import Execution
 if TYPE_CHECKING:
     import pandas as pd
 
-    from stickslip.studies.fleet import Drive, Fleet
+    from stickslip.studies.fleet.study import Fleet
+    from stickslip.studies.fleet.table import Drive
     from stickslip.work.jobs import Outcome
 
 
@@ -45,7 +46,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> Answer:
     """Learn all drives, write the results, print what is known; status 1 if a drive failed."""
     require_files(options.table)
-    from stickslip.studies.fleet import read_fleet
+    from stickslip.studies.fleet.table import read_fleet
     from stickslip.studies.fleet.writing import files_of
 
     drives = read_fleet(options.table)
@@ -54,8 +55,8 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> Answer:
-    from stickslip.studies.fleet import fleet_table, learn_fleet
-    from stickslip.studies.fleet.writing import write_fleet
+    from stickslip.studies.fleet.study import learn_fleet
+    from stickslip.studies.fleet.writing import fleet_table, write_fleet
 
     execution = Execution(options.workers, options.where, resume=options.resume)
     with TerminalProgress(live=options.live) as progress:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from stickslip.studies.fleet import read_fleet
+from stickslip.studies.fleet.table import read_fleet
 
 sys.path.insert(0, str(Path(__file__).parent))  # fleet_jobs; workers import it
 

@@ -8,8 +8,8 @@ from fleet_jobs import Counting, Deadly, quick
 
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.studies.fleet import fleet_table, learn_fleet
-from stickslip.studies.fleet.writing import write_fleet
+from stickslip.studies.fleet.study import learn_fleet
+from stickslip.studies.fleet.writing import fleet_table, write_fleet
 from stickslip.work.execution import Execution
 from stickslip.work.jobs import DIED
 

@@ -4,7 +4,7 @@ import pytest
 
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.studies.fleet import LogSource, Variant, read_fleet
+from stickslip.studies.fleet.table import LogSource, Variant, read_fleet
 
 
 def read(tmp_path, text):
