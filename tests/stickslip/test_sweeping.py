@@ -148,9 +148,9 @@ def test_mistakes_are_one_line(stage):
 
 
 def test_a_sweep_whose_workers_all_died_is_no_table(stage, monkeypatch):
-    def died(_job, runs, _seed, _where, _workers, take):
+    def died(_job, runs, *_, on_done, **__):
         for run in runs:
-            take(run, Outcome(reason=DIED))
+            on_done(run, Outcome(reason=DIED))
 
     monkeypatch.setattr("stickslip.sweeping.run_jobs", died)
     with pytest.raises(ss.Fault, match="worker process that ran it died; no run gave a figure"):
