@@ -48,7 +48,10 @@ def test_the_damping_of_the_lugre_observer_has_its_share(with_law, tmp_path, sha
     compare(with_law, tmp_path, "lugre_observer", values, n=61, held=held)
 
 
-@pytest.mark.parametrize("more", [{}, {"reference": 1.0}, {"v_d": 5e-3}], ids=str)
+THOROUGH = [pytest.param(more, marks=pytest.mark.thorough) for more in ({}, {"v_d": 5e-3})]
+
+
+@pytest.mark.parametrize("more", [{"reference": 1.0}, *THOROUGH], ids=str)
 def test_it_has_it_where_the_velocity_reverses(with_law, tmp_path, more):
     values = {**LUGRE, "share_1": 0.3, **more}
     compare(with_law, tmp_path, "lugre_observer", values, n=251)

@@ -22,6 +22,10 @@ from stickslip.studies.learn.folder import FILES
 pytestmark = pytest.mark.slow
 
 
+UNTRIED = ("stickslip.studies.learn.log_learning.with_trial", lambda _, learned, __: learned)
+"""For what ends before the trial is looked at."""
+
+
 @pytest.fixture(scope="module")
 def folder(log, tmp_path_factory):
     out = tmp_path_factory.mktemp("learned") / "out"
@@ -59,6 +63,7 @@ def test_ctrl_c_while_the_results_are_written_keeps_the_search(log, folder, tmp_
 
     arguments = ["learn", "--log", str(log), "--out", str(tmp_path)]
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(*UNTRIED)
         patch.setattr("stickslip.studies.learn.folder.write_learned", interrupt)
         assert main(arguments) == 130
     checkpoint = tmp_path / "learning.checkpoint.json"
@@ -163,6 +168,7 @@ def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
     path = tmp_path / "mine.json" if named else own
     arguments += ["--out", str(tmp_path / "out"), *(["--checkpoint", str(path)] if named else [])]
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(*UNTRIED)
         patch.setattr("stickslip.studies.learn.folder.write_learned", interrupt)
         assert main(arguments) == 130
     checkpoints = [path.with_suffix(f".seed{seed}.json") for seed in (3, 4)]

@@ -179,7 +179,7 @@ def stop_at_the_second(optimiser):
         raise Stopped
 
 
-@pytest.mark.parametrize("algorithm", ["cma", "default"])
+@pytest.mark.parametrize("algorithm", ["cma", pytest.param("default", marks=pytest.mark.thorough)])
 def test_learning_stopped_and_resumed_elsewhere_is_the_same(study, algorithm, tmp_path):
     study = replace(study, algorithm=algorithm, seed=2)
     whole = learn_loop(study)

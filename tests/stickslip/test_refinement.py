@@ -101,8 +101,8 @@ def errors_of(study, values):
     ("law", "seed"),
     [
         ("gms", 0),
-        ("leuven", 3),
         ("lugre", 2),
+        pytest.param("leuven", 3, marks=pytest.mark.thorough),
         *(
             pytest.param(law, seed, marks=[pytest.mark.thorough, *KNOWN.get((law, seed), ())])
             for law in ("gms", "elasto_plastic", "coulomb_stribeck", "dahl", "leuven", "lugre")
