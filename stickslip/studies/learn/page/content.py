@@ -40,6 +40,7 @@ from stickslip.studies.learn.page.signals import (
     steady_name,
 )
 from stickslip.studies.learn.page.stretches import stretches
+from stickslip.trial.benefit import WORSE
 from stickslip.trial.candidates import Compared
 from stickslip.trial.guards import Benefit
 from stickslip.trial.observed import Observed
@@ -132,7 +133,7 @@ def compensation(
     benefit: Benefit, observed: Observed | None = None, compared: Compared | None = None
 ) -> Section:
     """Return the section with the table of tracking errors, and what other parts leave."""
-    verdict = "The error is nowhere larger than 1.005 times that without the compensator."
+    verdict = f"The error is nowhere larger than {WORSE:g} times that without the compensator."
     if not benefit.acceptable:
         verdict = f"The compensator increases the tracking error: {benefit.reason}."
     elif benefit.share < 1.0:
