@@ -27,6 +27,7 @@ from stickslip.servo.axis import Axis
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import build_fmus, feedforward
 from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
+from stickslip.studies.learn.learned import LearnedFromRecording
 from stickslip.studies.learn.recorded import gains_of
 from tests.stickslip.identification import drives
 
@@ -146,7 +147,7 @@ def main() -> None:
     print(f"largest ratio {worst:.3f}, expected at most {WORSE:g}")
 
 
-def learn(drive: Drive, law: str, path: Path) -> ss.Learned:
+def learn(drive: Drive, law: str, path: Path) -> LearnedFromRecording:
     """Return what the planned experiment at the drive's speed gives, where the gains are known."""
     v_cmd = plan()["velocity_command"].to_numpy()
     run = drive.run(drive.speed / np.abs(v_cmd).max() * v_cmd)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from stickslip.cosim.fmu.values import resized
-from stickslip.fmi.description.learned import Learned
+from stickslip.fmi.description.learned import LearnedVariables
 from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable, parse_element
@@ -52,7 +52,7 @@ class Component:
     feedthrough: Mapping[str, frozenset[str]]
     experiment = DefaultExperiment()
     structural: Sequence[str] = ()
-    learned = Learned()
+    learned = LearnedVariables()
     event_mode = has_arrays = needs_tool = once_per_process = False
     serializes = restores_state = interpolates_inputs = varies_step = False
 

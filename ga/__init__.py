@@ -41,7 +41,7 @@ from stickslip.ga.errors import (
     WorkersLost,
 )
 from stickslip.ga.execution.executors import executor
-from stickslip.ga.execution.learning import Learned, learn
+from stickslip.ga.execution.learning import SearchResult, learn
 from stickslip.ga.operators.crossover import crossover_probability, fitness
 from stickslip.ga.problem.problem import AtLeast, Gene, Problem
 
@@ -63,11 +63,11 @@ __all__ = [
     "Gene",
     "GeneticAlgorithm",
     "Interrupted",
-    "Learned",
     "Limits",
     "NothingLearned",
     "Optimiser",
     "Problem",
+    "SearchResult",
     "Settings",
     "SettingsError",
     "SimulatedCost",

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree as ET
 
-from stickslip.cosim.container.variables import Shown
+from stickslip.cosim.container.variables import ContainerVariable
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.description.units import BASE_UNITS
@@ -38,7 +38,7 @@ def model_description(
     name: str,
     identifier: str,
     token: str,
-    shown: Sequence[Shown],
+    shown: Sequence[ContainerVariable],
     experiment: DefaultExperiment,
     *,
     varies_step: bool,
@@ -100,7 +100,7 @@ def model_description(
     return document(root)
 
 
-def _add_units(root: ET.Element, shown: Iterable[Shown]) -> None:
+def _add_units(root: ET.Element, shown: Iterable[ContainerVariable]) -> None:
     units = {v.unit.name: v.unit for v in shown if v.unit}
     definitions = child(root, "UnitDefinitions") if units else root
     for unit in units.values():
@@ -111,7 +111,9 @@ def _add_units(root: ET.Element, shown: Iterable[Shown]) -> None:
             child(element, "BaseUnit", **{k: n for k, n in exponents.items() if n}, **numbers)
 
 
-def _add_variable(variables: ET.Element, version: int, reference: int, v: Shown) -> None:
+def _add_variable(
+    variables: ET.Element, version: int, reference: int, v: ContainerVariable
+) -> None:
     convert = {"REAL": float, "INTEGER": int, "BOOLEAN": bool}[v.type]
     usual = "continuous" if v.type == "REAL" else "discrete"
     common = {

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.layout import Layout
-from stickslip.cosim.container.variables import TYPES, Shown
+from stickslip.cosim.container.variables import TYPES, ContainerVariable
 from stickslip.cosim.errors import ParameterError
 from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.kernel import structures
@@ -22,7 +22,7 @@ def system_header(
     general: Mapping[str, GeneralComponent],
     order: Sequence[str],
     layout: Layout,
-    shown: Sequence[Shown],
+    shown: Sequence[ContainerVariable],
     folders: Mapping[str, str],
     step: float,
 ) -> str:
@@ -178,7 +178,9 @@ def _start(system: System, place: Mapping[str, int], name: str, value: Value) ->
     return f"{{{part}, {TYPES[variable.type]}, {variable.reference}, {number!r}}}"
 
 
-def _variable(system: System, place: Mapping[str, int], layout: Layout, v: Shown) -> str:
+def _variable(
+    system: System, place: Mapping[str, int], layout: Layout, v: ContainerVariable
+) -> str:
     column = part = reference = 0
     if v.role in {"INPUT", "OUTPUT"}:
         column = layout.columns[v.source]

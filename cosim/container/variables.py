@@ -31,7 +31,7 @@ _SIGNALS["Float32"] = "REAL"
 
 
 @dataclass(frozen=True)
-class Shown:
+class ContainerVariable:
     """A variable of a container. Its place in the list is its value reference.
 
     Attributes
@@ -53,7 +53,7 @@ class Shown:
 
 def shown_variables(
     system: System, outputs: Sequence[str] | None, parameters: Sequence[str] | None
-) -> list[Shown]:
+) -> list[ContainerVariable]:
     """Return what a container of ``system`` shows, time first.
 
     Parameters
@@ -68,12 +68,12 @@ def shown_variables(
         When a name or pattern matches nothing that can be exposed.
     """
     second = Unit("s", (0, 0, 1, 0, 0, 0, 0, 0))
-    time = Shown("time", "TIME", "REAL", unit=second, description="Simulation time")
+    time = ContainerVariable("time", "TIME", "REAL", unit=second, description="Simulation time")
     inputs = [_input(system, name) for name in system.inputs]
     return [time, *inputs, *_outputs(system, outputs), *_parameters(system, parameters)]
 
 
-def _input(system: System, name: str) -> Shown:
+def _input(system: System, name: str) -> ContainerVariable:
     target = system.inputs[name][0]
     variable = system.variable(target)
     start = system.parameters.get(target, variable.start)
@@ -83,10 +83,12 @@ def _input(system: System, name: str) -> Shown:
         raise ConnectionFault(
             f"input {name} is a {variable.type}, which a container does not show; leave it out"
         )
-    return Shown(name, "INPUT", _SIGNALS[variable.type], name, unit, start, description=described)
+    return ContainerVariable(
+        name, "INPUT", _SIGNALS[variable.type], name, unit, start, description=described
+    )
 
 
-def _outputs(system: System, patterns: Sequence[str] | None) -> list[Shown]:
+def _outputs(system: System, patterns: Sequence[str] | None) -> list[ContainerVariable]:
     every = _variables(
         system, lambda v: v.causality == "output" and v.type in _SIGNALS and not v.dimensions
     )
@@ -100,7 +102,7 @@ def _outputs(system: System, patterns: Sequence[str] | None) -> list[Shown]:
     return [_shown(system, name, "OUTPUT", every[source], source) for name, source in names.items()]
 
 
-def _parameters(system: System, patterns: Sequence[str] | None) -> list[Shown]:
+def _parameters(system: System, patterns: Sequence[str] | None) -> list[ContainerVariable]:
     def is_settable(v: Variable) -> bool:
         scalar = v.type in TYPES and not v.dimensions and v.start is not None
         return v.causality == "parameter" and scalar
@@ -122,11 +124,13 @@ def _variables(system: System, wanted: Callable[[Variable], bool]) -> dict[str, 
     }
 
 
-def _shown(system: System, name: str, role: Role, v: Variable, source: str) -> Shown:
+def _shown(system: System, name: str, role: Role, v: Variable, source: str) -> ContainerVariable:
     start = None if role == "OUTPUT" else system.parameters.get(source, v.start)
     limits = (v.minimum, v.maximum, v.nominal)
     unit = system.unit_of(source)
-    return Shown(name, role, _SIGNALS[v.type], source, unit, start, *limits, v.description)
+    return ContainerVariable(
+        name, role, _SIGNALS[v.type], source, unit, start, *limits, v.description
+    )
 
 
 def _matching(

@@ -37,7 +37,7 @@ Raw = float | str | tuple[float, ...]
 
 
 @dataclass(frozen=True)
-class Given:
+class ParameterValue:
     """A parameter as a file gives it.
 
     Attributes
@@ -105,11 +105,11 @@ def _bindings_of(node: Node) -> Iterator[tuple[Node, Any]]:
         yield node, node.element
 
 
-def _read_binding(binding: Any, node: Node) -> dict[str, Given]:
+def _read_binding(binding: Any, node: Node) -> dict[str, ParameterValue]:
     root = _content(binding, node, _SET, "ssv", "ssd:ParameterValues/ssv:ParameterSet")
     definitions = Definitions.of(root).within(node.document.definitions)
     prefix = binding.get("prefix", "")
-    given: dict[str, Given] = {}
+    given: dict[str, ParameterValue] = {}
     for parameter in root.iterfind("ssv:Parameters/ssv:Parameter", NAMESPACES):
         name, value = prefix + attribute(parameter, "name"), _read_value(parameter, definitions)
         if name in given and (value.value, value.unit) != (given[name].value, given[name].unit):
@@ -119,7 +119,7 @@ def _read_binding(binding: Any, node: Node) -> dict[str, Given]:
     if mapping is None:
         return given
     root = _content(mapping, node, _MAPPING, "ssm", "ssm:ParameterMapping")
-    mapped: dict[str, Given] = {}
+    mapped: dict[str, ParameterValue] = {}
     for entry in root.iterfind("ssm:MappingEntry", NAMESPACES):
         if entry.get("source") == "":  # the target keeps its value, as in OMSimulator
             continue
@@ -145,16 +145,18 @@ def _content(element: Any, node: Node, kind: str, part: str, path: str) -> Any:
     return parse(inside(folder, folder, element), part)
 
 
-def _read_value(parameter: Any, definitions: Definitions) -> Given:
+def _read_value(parameter: Any, definitions: Definitions) -> ParameterValue:
     element = next(parameter.iterchildren(tag("ssv:*")), None)
     if element is None:
         raise SspError(f"{place(parameter)}: parameter {parameter.get('name')!r} has no value")
     text, family = attribute(element, "value"), FAMILY.get(local(element))
     if family == "number":
-        return Given(_numbers(text, element), definitions.unit(element.get("unit")), parameter)
+        return ParameterValue(
+            _numbers(text, element), definitions.unit(element.get("unit")), parameter
+        )
     if family == "enumeration":
-        return Given(text, None, parameter, items=_items(element.get("name"), definitions))
-    return Given(text, None, parameter)
+        return ParameterValue(text, None, parameter, items=_items(element.get("name"), definitions))
+    return ParameterValue(text, None, parameter)
 
 
 def _items(name: str | None, definitions: Definitions) -> Items:
@@ -175,7 +177,7 @@ def _numbers(text: str, element: Any) -> float | tuple[float, ...]:
     return numbers if len(numbers) > 1 else numbers[0]
 
 
-def _mapped(entry: Any, given: dict[str, Given]) -> Given:
+def _mapped(entry: Any, given: dict[str, ParameterValue]) -> ParameterValue:
     source = attribute(entry, "source")
     if source not in given:
         raise SspError(
@@ -188,7 +190,9 @@ def _mapped(entry: Any, given: dict[str, Given]) -> Given:
     return replace(value, convert=convert, scaling=transform_of(entry, {}, {}), element=entry)
 
 
-def _resolve(graph: Graph, node: Node, name: str, given: Given) -> Iterator[tuple[End, Value]]:
+def _resolve(
+    graph: Graph, node: Node, name: str, given: ParameterValue
+) -> Iterator[tuple[End, Value]]:
     """Yield the variables of components that a parameter reaches, with its value there."""
     if node.fmu is not None:
         end = (node.path, name)

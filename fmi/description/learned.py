@@ -28,7 +28,7 @@ _PLACES = (
 
 
 @dataclass(frozen=True)
-class Learned:
+class LearnedVariables:
     """What an FMU learns.
 
     Attributes
@@ -41,7 +41,7 @@ class Learned:
     variables: Mapping[str, str] = field(default_factory=dict)
 
 
-def read_learned(root: Any, variables: Mapping[str, Variable]) -> Learned:
+def read_learned(root: Any, variables: Mapping[str, Variable]) -> LearnedVariables:
     """Return what the annotation of a description says."""
     model, found = "", dict[str, str]()
     for element in (each for place in _PLACES for each in root.iterfind(place)):
@@ -52,7 +52,7 @@ def read_learned(root: Any, variables: Mapping[str, Variable]) -> Learned:
             what = " and ".join(map(shown, ends))
             raise DescriptionFault(element, f"{what} are not variables of the same size")
         found |= dict(zip(parameters, learned, strict=True))
-    return Learned(model, found)
+    return LearnedVariables(model, found)
 
 
 def _elements(name: str, variables: Mapping[str, Variable]) -> list[str]:

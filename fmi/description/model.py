@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from stickslip.fmi.description.clocks import Clock
-from stickslip.fmi.description.learned import Learned
+from stickslip.fmi.description.learned import LearnedVariables
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable
 
@@ -72,5 +72,5 @@ class Description:
     n_states: int
     n_indicators: int
     clocks: tuple[Clock, ...]
-    learned: Learned
+    learned: LearnedVariables
     remarks: tuple[str, ...]

@@ -19,7 +19,7 @@ AnyOptimiser = TypeVar("AnyOptimiser", bound=Optimiser)
 
 
 @dataclass(frozen=True)
-class Learned:
+class SearchResult:
     """What a run found.
 
     Parameters
@@ -43,7 +43,7 @@ def learn(
     checkpoint: Path | str | None = None,
     resume: bool = False,
     about: str = "",
-) -> Learned:
+) -> SearchResult:
     """Run `algorithm` until it stops. The result does not depend on the executor.
 
     Parameters
@@ -89,7 +89,7 @@ def learn(
         raise Interrupted(path, algorithm.generation, algorithm.evaluations) from None
     best = algorithm.best
     parameters = dict(zip(algorithm.names, best.values.tolist(), strict=True))
-    return Learned(best, parameters, stopped)
+    return SearchResult(best, parameters, stopped)
 
 
 def _run(

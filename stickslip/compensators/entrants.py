@@ -70,7 +70,7 @@ class Coarse:
 
 
 @dataclass(frozen=True)
-class Tuned:
+class TunedEntrant:
     """An entrant with values for its genes, ready to run in a loop.
 
     Attributes
@@ -402,7 +402,7 @@ class Entrant:
 
     def tuned(
         self, genes: Mapping[str, float], loop: VelocityLoop, coarse: Coarse, sheet: Datasheet
-    ) -> Tuned:
+    ) -> TunedEntrant:
         """Return the loop and the parameters of the chain for values of the genes.
 
         Raises
@@ -422,7 +422,7 @@ class Entrant:
             elif part.model:
                 found = part.parameters(own, loop, coarse, sheet)
                 values |= {f"{prefix}{name}": value for name, value in found.items()}
-        return Tuned(loop, values, damping)
+        return TunedEntrant(loop, values, damping)
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,7 @@ from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
-from stickslip.trial.guards import Drive, Known, family
+from stickslip.trial.guards import Drive, Evidence, family
 
 _UNITS = {"loop": LOOP_UNITS, "validation": TRAPEZOID, "datasheet": DATASHEET}
 _NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
@@ -209,7 +209,7 @@ class LearnedFile:
         """The drives on which the compensator is tried; by default those around the friction."""
         entries = self.document.get("family")
         if entries is None:
-            given = (self.law, self.friction, self.validation, Known())
+            given = (self.law, self.friction, self.validation, Evidence())
             return family(*given, rotary=self.rotary)
         try:
             return tuple(map(self._drive, entries))

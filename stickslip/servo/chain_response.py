@@ -16,7 +16,7 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.servo.measurement import Array
-from stickslip.servo.sensitivity import ComplexArray, Opened, Response
+from stickslip.servo.sensitivity import ComplexArray, OpenLoop, Response
 from stickslip.servo.systems import Compensator, lone_chain
 from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -100,7 +100,7 @@ class ChainResponse:
         self._roles = [role for role in CHANGES if role in roles]
         self._speed = speed
         self._simulation: cosim.Simulation | None = None
-        self._opened: tuple[VelocityLoop, Opened] | None = None
+        self._opened: tuple[VelocityLoop, OpenLoop] | None = None
         if self._roles:
             system, self._force = lone_chain(fmus, loop, chain)
             stop = (SETTLED + SAMPLES) * loop.T_s
@@ -131,7 +131,7 @@ class ChainResponse:
         return Robustness(closed.peak, noise, *closed.margins())
 
     def responses(
-        self, axes: Sequence[Opened], values: Mapping[str, float], friction: float
+        self, axes: Sequence[OpenLoop], values: Mapping[str, float], friction: float
     ) -> list[Response]:
         """Return how a loop with the chain responds on several axes; none if it is unstable on one.
 
@@ -143,11 +143,11 @@ class ChainResponse:
         found = [opened.response_with(measured) for opened in axes]
         return [response for response, _ in found] if all(stable for _, stable in found) else []
 
-    def _opened_at(self, loop: VelocityLoop, m: float | None) -> Opened:
+    def _opened_at(self, loop: VelocityLoop, m: float | None) -> OpenLoop:
         """Return the loop without the chain; that of the last call where it is the same."""
         known = self._opened
         if known is None or known[0] is not loop or known[1].m != (m or loop.axis.m):
-            known = self._opened = loop, Opened(loop, m, frequencies(loop))
+            known = self._opened = loop, OpenLoop(loop, m, frequencies(loop))
         return known[1]
 
     def _impulses(

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stickslip.servo.axis import ControlError, check
-from stickslip.servo.sensitivity import Opened, Response, peak_sensitivity
+from stickslip.servo.sensitivity import OpenLoop, Response, peak_sensitivity
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -116,7 +116,7 @@ def design_observer(
     check("order", order, "1", order in (1, 2), expected="1 or 2")
     noise = FORCE_NOISE * friction if force_noise is None else force_noise
     check("force_noise", noise, loop.axis.unit("N"), noise >= 0.0, expected="0 or above")
-    opened = [Opened(loop, share * loop.axis.m) for share in masses]
+    opened = [OpenLoop(loop, share * loop.axis.m) for share in masses]
     search = _Search(loop, opened, encoder_step, friction, noise=noise, limit=limit, order=order)
     without = search.tried(None)
     if not (without.peak <= limit and all(one.stable() for one in opened)):
@@ -166,7 +166,7 @@ class _Search:
     """
 
     loop: VelocityLoop
-    opened: Sequence[Opened]
+    opened: Sequence[OpenLoop]
     step: float
     friction: float
     noise: float
@@ -229,7 +229,7 @@ class _Search:
 
 
 def expected_errors(
-    opened: Opened, response: Response, encoder_step: float, friction: float, force_noise: float
+    opened: OpenLoop, response: Response, encoder_step: float, friction: float, force_noise: float
 ) -> tuple[float, float]:
     """Return the expected RMS velocity error [m/s] at one mass, whole and that of reversals.
 

@@ -35,7 +35,7 @@ FREQUENCIES = 600
 
 @dataclass(frozen=True)
 class Response:
-    """How a loop with an observer responds at each frequency of its ``Opened`` loop.
+    """How a loop with an observer responds at each frequency of its ``OpenLoop`` loop.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Response:
         return float(np.exp(gains.min(initial=np.inf))), float(phases.min(initial=np.inf))
 
 
-class Opened:
+class OpenLoop:
     """A velocity loop on an axis, opened at the controller, for which observers are tried.
 
     Parameters
@@ -185,7 +185,7 @@ def peak_sensitivity(
     observer : what compensates beside the controller, None for the controller alone
     m : true mass [kg], by default that of the loop's axis
     """
-    opened = Opened(loop, m)
+    opened = OpenLoop(loop, m)
     return opened.response(observer).peak if opened.stable(observer) else float("inf")
 
 

@@ -109,7 +109,7 @@ def feedforward(
 
 
 @dataclass(frozen=True)
-class Tried:
+class TrialError:
     """RMS error [m/s] or [m] on one simulated drive, without and with compensation.
 
     Attributes
@@ -140,7 +140,7 @@ class Tried:
         return not self.ratio <= WORSE
 
 
-Rows = tuple[Tried, ...]
+Rows = tuple[TrialError, ...]
 Errors = tuple[float, ...]
 """Root mean squares, one for each figure that counts."""
 
@@ -159,8 +159,8 @@ class Benefit:
     """
 
     share: float
-    rows: tuple[Tried, ...]
-    full: tuple[Tried, ...]
+    rows: tuple[TrialError, ...]
+    full: tuple[TrialError, ...]
     unit: str = "mm/s"
     variant: Variant = NONE
 
@@ -173,7 +173,7 @@ class Benefit:
         """Whether the error is nowhere worse with the compensator than without it."""
         return not any(row.is_worse for row in self.rows)
 
-    def shown(self, row: Tried) -> tuple[float, str]:
+    def shown(self, row: TrialError) -> tuple[float, str]:
         """Return the factor from SI to the unit in which a row is shown, and that unit."""
         return (1e3, self.unit) if row.figure == "velocity" else (1e6, f"u{self.unit[1:-2]}")
 
@@ -228,7 +228,7 @@ class Benefit:
         )
 
 
-def geometric_mean(rows: Sequence[Tried]) -> float:
+def geometric_mean(rows: Sequence[TrialError]) -> float:
     """Return the geometric mean of the ratios of the errors."""
     return float(np.exp(np.mean(np.log([max(row.ratio, _LEAST) for row in rows]))))
 
@@ -322,7 +322,7 @@ class Bench:
         rows = runs.each(lambda one: _rows(*one[0], one[1], runs.errors(*one[0], variant)), cells)
         return geometric_mean(tuple(chain.from_iterable(rows)))
 
-    def is_worse(self, variant: Variant, row: Tried) -> bool:
+    def is_worse(self, variant: Variant, row: TrialError) -> bool:
         """Tell whether a variant is worse than none where another one's row was tried."""
         cell = next(
             cell
@@ -385,7 +385,7 @@ class Bench:
 def _rows(drive: Drive, command: Command, without: Errors, compensated: Errors) -> Rows:
     """Return the rows of a cell, one for each figure."""
     return tuple(
-        Tried(command.speed, drive.name, plain, own, command=command.name, figure=figure)
+        TrialError(command.speed, drive.name, plain, own, command=command.name, figure=figure)
         for figure, plain, own in zip(FIGURES, without, compensated, strict=False)
     )
 

@@ -31,7 +31,7 @@ from stickslip.servo.observer import (
     design_observer,
     expected_errors,
 )
-from stickslip.servo.sensitivity import Opened, Response
+from stickslip.servo.sensitivity import OpenLoop, Response
 from stickslip.servo.systems import Compensator
 from stickslip.trial.family import LEVELS
 from stickslip.trial.guards import Bench, Benefit, Variant, feedforward
@@ -41,8 +41,8 @@ from stickslip.trial.observed import (
     OBSERVER,
     SHARES,
     Choice,
-    Designed,
-    Observed,
+    ObserverDesign,
+    ObserverTrial,
     strongest,
 )
 
@@ -85,7 +85,7 @@ class Row:
     simplicity: int
     sensitivity: float
     benefit: Benefit | None = None
-    observed: Observed | None = None
+    observed: ObserverTrial | None = None
 
     @property
     def mean(self) -> float:
@@ -109,7 +109,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Compared:
+class CompensatorComparison:
     """Compensators that were tried on the same drives.
 
     Attributes
@@ -162,7 +162,7 @@ class Compared:
             f" {other.name}, leaves {other.mean:.3g}"
         )
 
-    def whole(self) -> Compared:
+    def whole(self) -> CompensatorComparison:
         """Return the same with the whole force of each feedforward, as it is by itself."""
         rows = (
             replace(row, benefit=row.benefit.whole()) if row.benefit else row for row in self.rows
@@ -232,7 +232,7 @@ def compare(
     masses: tuple[float, ...],
     asked: str = AUTO,
     absent: Sequence[str] = (),
-) -> Compared:
+) -> CompensatorComparison:
     """Try compensators on the family of drives of a bench.
 
     Parameters
@@ -251,7 +251,7 @@ def compare(
             rows += candidates.best()
         else:
             rows += candidates.named(asked)
-    return Compared(tuple(sorted(rows, key=lambda row: row.simplicity)), asked)
+    return CompensatorComparison(tuple(sorted(rows, key=lambda row: row.simplicity)), asked)
 
 
 def _is_feedforward(part: Part) -> bool:
@@ -320,7 +320,7 @@ class _Candidates(ExitStack):
             before = behind.benefit.variant.share(self.bench.law, behind.benefit.share).chain
         return self.bench.quick_ratio(Variant(part.name, (*before, designed.observer)), QUICK)
 
-    def _from_best(self, part: Part, *, alone: bool) -> Iterator[Designed]:
+    def _from_best(self, part: Part, *, alone: bool) -> Iterator[ObserverDesign]:
         """Yield observers from fast to weak, from the one on that alone is best on few drives."""
         designs = self._designs(part, alone=alone)
         with suppress(ControlError):
@@ -350,10 +350,10 @@ class _Candidates(ExitStack):
             benefit = replace(benefit, full=first.full)
         benefit = replace(benefit, variant=replace(benefit.variant, name=name))
         alone, both = (None, benefit) if together else (benefit, None)
-        observed = Observed(first, designed, alone=alone, both=both)
+        observed = ObserverTrial(first, designed, alone=alone, both=both)
         return [Row(name, 4 if together else 3, designed.sensitivity, benefit, observed=observed)]
 
-    def _designs(self, part: Part, *, alone: bool) -> Iterator[Designed]:
+    def _designs(self, part: Part, *, alone: bool) -> Iterator[ObserverDesign]:
         """Yield observers from fast to weak, all within the limit of Ms."""
         values = self._values(part, alone=alone)
         if part.design:
@@ -389,13 +389,13 @@ class _Candidates(ExitStack):
             self._designed[order] = designed
         return self._designed[order]
 
-    def _within(self, part: Part, values: Mapping[str, float]) -> Iterator[Designed]:
+    def _within(self, part: Part, values: Mapping[str, float]) -> Iterator[ObserverDesign]:
         """Yield an observer if its peak sensitivity is within the limit."""
         peaks = [response.peak for response in self._measured(part, values)]
         if peaks and max(peaks) <= LIMIT:
             observer = Compensator("observer", part.model, values)
             observer = replace(observer, values=observer.parameters(self.bench.loop))
-            yield Designed(observer, max(peaks), self._without)
+            yield ObserverDesign(observer, max(peaks), self._without)
 
     def _grid(self, part: Part) -> list[float]:
         """Return values of the first gene of a part."""
@@ -469,9 +469,9 @@ class _Candidates(ExitStack):
         return min(RAMPS, key=lambda k: ratios[k])
 
     @cached_property
-    def _axes(self) -> list[Opened]:
+    def _axes(self) -> list[OpenLoop]:
         loop = self.bench.loop
-        return [Opened(loop, k * loop.axis.m, frequencies(loop)) for k in self.masses]
+        return [OpenLoop(loop, k * loop.axis.m, frequencies(loop)) for k in self.masses]
 
     @cached_property
     def _without(self) -> float:

@@ -33,8 +33,8 @@ from stickslip.trial.family import RESERVE
 from stickslip.trial.guards import (
     NONE,
     Benefit,
+    Evidence,
     Hold,
-    Known,
     Variant,
     bench_of,
     best_of,
@@ -146,7 +146,7 @@ def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]
     return (whole,) if level == friction else (whole, feedforward(level, f"feedforward, {names}"))
 
 
-def known_friction(estimation: Estimation) -> Known:
+def known_friction(estimation: Estimation) -> Evidence:
     """Return what a log tells of friction besides the estimate, for ``family``.
 
     Static friction is bounded by the largest friction in the log, with a reserve. Other laws are
@@ -179,7 +179,7 @@ def known_friction(estimation: Estimation) -> Known:
             rivals[law.name] = _of_drive(bounded)
             if prediction.force < own:
                 better.add(law.name)
-    return Known(plausible, ranges, rivals, frozenset(better))
+    return Evidence(plausible, ranges, rivals, frozenset(better))
 
 
 def _of_drive(values: Mapping[str, float]) -> dict[str, float]:

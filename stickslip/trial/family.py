@@ -80,7 +80,7 @@ class Command:
 
 
 @dataclass(frozen=True)
-class Known:
+class Evidence:
     """What a log tells of a drive's friction besides the values that a compensator takes.
 
     Attributes
@@ -98,7 +98,7 @@ class Known:
 
 
 def family(
-    law: Law, friction: Values, command: Trapezoid, known: Known, *, rotary: bool = False
+    law: Law, friction: Values, command: Trapezoid, known: Evidence, *, rotary: bool = False
 ) -> tuple[Drive, ...]:
     """Return the drives on which a compensator is tried.
 

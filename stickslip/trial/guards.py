@@ -28,12 +28,12 @@ from stickslip.trial.benefit import (
     NONE,
     Bench,
     Benefit,
-    Tried,
+    TrialError,
     Variant,
     best_of,
     feedforward,
 )
-from stickslip.trial.family import Drive, Known, commands, family
+from stickslip.trial.family import Drive, Evidence, commands, family
 from stickslip.trial.hold import Hold, holds, hunting_at_rest
 from stickslip.trial.hunting import hunting
 from stickslip.trial.single_run import Finding, Trial
@@ -45,11 +45,11 @@ __all__ = [
     "Bench",
     "Benefit",
     "Drive",
+    "Evidence",
     "Finding",
     "Hold",
-    "Known",
     "Trial",
-    "Tried",
+    "TrialError",
     "Variant",
     "bench_of",
     "benefits_on_drives",

@@ -18,7 +18,7 @@ from stickslip.servo.observer import LIMIT, DesignedObserver, design_observer
 from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_filter import Observer
-from stickslip.trial.guards import Bench, Benefit, Tried, Variant
+from stickslip.trial.guards import Bench, Benefit, TrialError, Variant
 
 SLOWER = 0.3
 """Share of the Coulomb friction for which an observer is designed that has to be slower."""
@@ -31,7 +31,7 @@ Choice = Literal["feedforward", "observer", "feedforward + observer", ""]
 
 
 @dataclass(frozen=True)
-class Designed:
+class ObserverDesign:
     """An observer that was designed.
 
     Attributes
@@ -47,7 +47,7 @@ class Designed:
 
 
 @dataclass(frozen=True)
-class Observed:
+class ObserverTrial:
     """What an observer adds to a feedforward.
 
     Attributes
@@ -59,7 +59,7 @@ class Observed:
     """
 
     feedforward: Benefit
-    designed: Designed | None = None
+    designed: ObserverDesign | None = None
     reason: str = ""
     alone: Benefit | None = None
     both: Benefit | None = None
@@ -97,7 +97,9 @@ class Observed:
         return "" if choice in (OBSERVER, BOTH) else "it does not reduce the mean tracking error"
 
 
-def try_observer(bench: Bench, feedforward: Benefit, designs: Iterable[Designed]) -> Observed:
+def try_observer(
+    bench: Bench, feedforward: Benefit, designs: Iterable[ObserverDesign]
+) -> ObserverTrial:
     """Try observers, each weaker than the one before it, until one is acceptable.
 
     With a feedforward that is acceptable both together have to be, otherwise the observer alone.
@@ -110,15 +112,15 @@ def try_observer(bench: Bench, feedforward: Benefit, designs: Iterable[Designed]
     try:
         best, wanted = strongest(bench, feedforward, designs, together=together)
     except ControlError as error:
-        return Observed(feedforward, reason=str(error))
+        return ObserverTrial(feedforward, reason=str(error))
     other = _tried(bench, feedforward, best.observer, together=not together)
     alone, both = (other, wanted) if together else (wanted, other)
-    return Observed(feedforward, best, "", alone, both=both)
+    return ObserverTrial(feedforward, best, "", alone, both=both)
 
 
 def strongest(
-    bench: Bench, feedforward: Benefit, designs: Iterable[Designed], *, together: bool
-) -> tuple[Designed, Benefit]:
+    bench: Bench, feedforward: Benefit, designs: Iterable[ObserverDesign], *, together: bool
+) -> tuple[ObserverDesign, Benefit]:
     """Return the first acceptable observer, or the one with the least worst ratio, as tried.
 
     Parameters
@@ -130,7 +132,7 @@ def strongest(
     ControlError
         When there is no observer.
     """
-    tried: list[tuple[Tried, Designed, Benefit]] = []
+    tried: list[tuple[TrialError, ObserverDesign, Benefit]] = []
     for designed in designs:
         variant = _variant(feedforward, designed.observer, together=together)
         shared = variant.share(bench.law, feedforward.share)
@@ -148,7 +150,7 @@ def strongest(
 
 def kalman_designs(
     bench: Bench, F_c: float, masses: tuple[float, ...], order: int = 1
-) -> Iterator[Designed]:
+) -> Iterator[ObserverDesign]:
     """Yield disturbance observers from fast to weak.
 
     Parameters
@@ -180,8 +182,10 @@ def kalman_designs(
             yield _designed(observer, peak, without)
 
 
-def _designed(observer: Observer, sensitivity: float, without: float) -> Designed:
-    return Designed(Compensator("observer", "dob", observer.parameters()), sensitivity, without)
+def _designed(observer: Observer, sensitivity: float, without: float) -> ObserverDesign:
+    return ObserverDesign(
+        Compensator("observer", "dob", observer.parameters()), sensitivity, without
+    )
 
 
 def _variant(feedforward: Benefit, observer: Compensator, *, together: bool) -> Variant:

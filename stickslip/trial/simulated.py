@@ -11,9 +11,9 @@ import pandas as pd
 from stickslip.cosim import Trapezoid
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.velocity_loop import VelocityLoop
-from stickslip.trial.candidates import Compared
+from stickslip.trial.candidates import CompensatorComparison
 from stickslip.trial.guards import Benefit, Drive, Hold
-from stickslip.trial.observed import Observed
+from stickslip.trial.observed import ObserverTrial
 
 
 class Loops(NamedTuple):
@@ -52,9 +52,9 @@ class SimulatedTrial:
     warnings: tuple[str, ...]
     drives: tuple[Drive, ...] = ()
     others: tuple[Benefit, ...] = ()
-    observed: Observed | None = None
+    observed: ObserverTrial | None = None
     holds: Mapping[str, Hold] = field(default_factory=dict)
-    compared: Compared | None = None
+    compared: CompensatorComparison | None = None
 
     def table(self) -> pd.DataFrame:
         """Return a row for each way to compensate, drive and command.

@@ -15,12 +15,12 @@ from stickslip.servo.chain_response import frequencies
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.observer import LIMIT
 from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.sensitivity import Opened
+from stickslip.servo.sensitivity import OpenLoop
 from stickslip.servo.velocity_filter import Observer, VelocityFilter
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 from stickslip.trial.benefit import Benefit
-from stickslip.trial.candidates import SAME, Compared, Row, compare, law_of, offered
-from stickslip.trial.guards import Known, Tried, bench_of, best_of, family, feedforward
+from stickslip.trial.candidates import SAME, CompensatorComparison, Row, compare, law_of, offered
+from stickslip.trial.guards import Evidence, TrialError, bench_of, best_of, family, feedforward
 
 AXIS = Axis(80.0, 100.0, 1e-3)
 FRICTION = {"F_s": 80.0, "F_c": 60.0, "v_s": 1e-3, "sigma_0": 4e6, "sigma_1": 8e3, "delta": 1.0}
@@ -35,7 +35,7 @@ def compared():
     """Return a function that compares compensators on three drives and two commands."""
     command = replace(VALIDATION, height=0.2, slope=5 * VALIDATION.slope)
     sheet = Datasheet(peak_force=1e4, tau_i=AXIS.tau_i, encoder_step=1e-7)
-    drives = family(LAW, FRICTION, command, Known())[:3]
+    drives = family(LAW, FRICTION, command, Evidence())[:3]
     with (
         bench_of(LAW, LOOP, FRICTION, drives, command, sheet) as whole,
         closing(replace(whole, commands=whole.commands[1::2])) as bench,
@@ -61,7 +61,7 @@ def test_the_sensitivity_is_that_of_the_linear_loop(compared):
     values = row.observed.designed.observer.parameters(LOOP)
     gains = {name: values[name] for name in ("L_x", "L_v", "L_d")}
     observer = Observer(VelocityFilter(AXIS, LOOP.T_s, **gains), values["share"])
-    loops = [Opened(LOOP, k * AXIS.m, frequencies(LOOP)) for k in MASSES]
+    loops = [OpenLoop(LOOP, k * AXIS.m, frequencies(LOOP)) for k in MASSES]
     peak = max(loop.response(observer).peak for loop in loops)
     assert row.sensitivity == pytest.approx(peak, rel=1e-3)
     assert row.choice == "observer"
@@ -93,22 +93,22 @@ def test_what_is_offered_needs_no_training_and_no_other_law(law):
 
 
 def row(name: str, simplicity: int, *ratios: float) -> Row:
-    rows = tuple(Tried(0.01, "drive", 1.0, ratio) for ratio in ratios)
+    rows = tuple(TrialError(0.01, "drive", 1.0, ratio) for ratio in ratios)
     return Row(name, simplicity, 1.3, Benefit(1.0, rows, rows))
 
 
 def test_a_tie_goes_to_the_simpler_and_what_harms_is_not_chosen():
     none = Row("none", 0, 1.3)
     law, observer, both = row("lugre", 2, 0.5), row("ekbf", 3, 0.4), row("both", 4, 0.39)
-    assert Compared((none, law, observer, both)).chosen == observer
-    assert Compared((none, law, replace(both, simplicity=4))).simpler == law
+    assert CompensatorComparison((none, law, observer, both)).chosen == observer
+    assert CompensatorComparison((none, law, replace(both, simplicity=4))).simpler == law
     harms = row("amin", 3, 0.01, 1.01)
-    assert Compared((none, law, harms)).chosen == law
-    assert "lugre leaves 0.5" in Compared((none, law, harms)).sentence
-    assert Compared((none, harms)).chosen == none
-    assert Compared((none, row("static", 1, 0.96))).chosen == none
-    assert Compared((none, harms), "amin").chosen == harms
-    assert "worse than no compensator" in Compared((none, harms), "amin").sentence
+    assert CompensatorComparison((none, law, harms)).chosen == law
+    assert "lugre leaves 0.5" in CompensatorComparison((none, law, harms)).sentence
+    assert CompensatorComparison((none, harms)).chosen == none
+    assert CompensatorComparison((none, row("static", 1, 0.96))).chosen == none
+    assert CompensatorComparison((none, harms), "amin").chosen == harms
+    assert "worse than no compensator" in CompensatorComparison((none, harms), "amin").sentence
 
 
 def test_the_law_is_that_of_the_compensator():

@@ -23,9 +23,9 @@ from stickslip.trial.guards import (
     Bench,
     Benefit,
     Drive,
-    Known,
+    Evidence,
     Trial,
-    Tried,
+    TrialError,
     Variant,
     bench_of,
     benefits_on_drives,
@@ -39,7 +39,7 @@ AXIS = Axis(5.557, 6.6135, 1e-4)
 TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
 PAPER = design_velocity_loop(AXIS, LOOP)
 LUGRE = friction_law()
-KNOWN = Known(
+KNOWN = Evidence(
     plausible=[{**TABLE_2, "m": 5.6}],
     ranges={"F_s": (5.0, 12.0), "sigma_0": (2e5, 8e5)},
     rivals={"dahl": {"sigma_0": 3e5, "F_c": 6.5}},
@@ -56,7 +56,7 @@ def tried(values, drives, loop=PAPER, command=VALIDATION):
 def test_a_family_has_rivals_and_what_the_log_leaves_open(law):
     own = friction_law(law)
     friction = {name: TABLE_2.get(name, one.start[0]) for name, one in own.parameters.items()}
-    known = Known(KNOWN.plausible, {"F_c": (5.0, 7.0)}, KNOWN.rivals if law != "dahl" else {})
+    known = Evidence(KNOWN.plausible, {"F_c": (5.0, 7.0)}, KNOWN.rivals if law != "dahl" else {})
     drives = {drive.name: drive for drive in family(own, friction, VALIDATION, known)}
     assert {drive.law for drive in drives.values()} == {law, *known.rivals}
     assert drives["friction as fitted"].parameters == friction
@@ -145,7 +145,7 @@ def test_the_share_is_the_largest_that_is_never_worse(full_benefit):
 def test_friction_that_is_not_there_is_refused_or_reduced():
     """F_s at 20 times F_c, as a fit once preferred it; the drive with F_s = F_c shows the harm."""
     wrong = {**TABLE_2, "F_s": 20.0 * TABLE_2["F_c"], "v_s": 8e-5}
-    drives = family(LUGRE, wrong, VALIDATION, Known())
+    drives = family(LUGRE, wrong, VALIDATION, Evidence())
     level = feedforward({**wrong, "F_s": wrong["F_c"]})
     with bench_of(LUGRE, PAPER, TABLE_2, drives, VALIDATION, Datasheet()) as bench:
         benefits, _ = benefits_on_drives(bench, TABLE_2, [feedforward(wrong), level], {})
@@ -159,7 +159,7 @@ def test_a_weak_loop_at_slow_speed_gets_a_small_share_of_exact_feedforward(v):
     """The paper's friction, K_p = 200 N s/m: feedforward multiplies the squared error."""
     command = Trapezoid(height=v, slope=20 * v, plateau=2.0, begin=0.1)
     loop = close_velocity_loop(AXIS, 5e-4, 5e-4, 200.0, 2000.0)
-    drives = family(LUGRE, TABLE_2, command, Known())
+    drives = family(LUGRE, TABLE_2, command, Evidence())
     benefit, _ = tried(TABLE_2, drives, loop, command)
     assert benefit.acceptable
     assert benefit.share <= 0.4
@@ -172,8 +172,8 @@ def test_a_weak_loop_at_slow_speed_gets_a_small_share_of_exact_feedforward(v):
 @pytest.mark.parametrize("compensated", [1.0, 1.005, 1.03, np.inf, np.nan])
 def test_an_error_that_is_not_finite_is_worse(without, compensated):
     """Harmless needs two errors that can be compared; the worst row is named in any order."""
-    fine = Tried(0.04, "friction as fitted", 1.0, 1.0)
-    row = Tried(0.004, "another friction", without, compensated)
+    fine = TrialError(0.04, "friction as fitted", 1.0, 1.0)
+    row = TrialError(0.004, "another friction", without, compensated)
     finite = np.isfinite(compensated) and (without == 1.0 or without == np.inf)
     assert np.isfinite(row.ratio) == finite
     assert not np.isnan(row.ratio)
@@ -186,19 +186,19 @@ def test_an_error_that_is_not_finite_is_worse(without, compensated):
 
 @pytest.mark.parametrize(("single", "mean"), [(1.05, 1.0), (0.99, 1.05), (1.01, np.inf)])
 def test_close_to_the_limit_the_mean_of_runs_counts(single, mean):
-    [row] = _repeated((Tried(0.04, "one", 1.0, single),), lambda: (1.0,), lambda: (mean,))
+    [row] = _repeated((TrialError(0.04, "one", 1.0, single),), lambda: (1.0,), lambda: (mean,))
     assert row.is_worse == (mean > 1.005)
 
 
 @pytest.mark.parametrize("single", [0.3, 1.3, np.inf])
 def test_far_from_the_limit_no_run_is_repeated(single):
-    rows = (Tried(0.04, "one", 1.0, single),)
+    rows = (TrialError(0.04, "one", 1.0, single),)
     assert _repeated(rows, pytest.fail, pytest.fail) is rows
 
 
 def test_the_best_is_acceptable_and_has_the_smallest_errors():
     def benefit(*ratios):
-        rows = tuple(Tried(0.04, "one", 1.0, ratio) for ratio in ratios)
+        rows = tuple(TrialError(0.04, "one", 1.0, ratio) for ratio in ratios)
         return Benefit(1.0, rows, rows)
 
     harmful, weak, strong = benefit(0.1, 1.5), benefit(0.9, 0.9), benefit(0.5, 0.9)

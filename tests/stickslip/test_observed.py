@@ -13,8 +13,8 @@ from stickslip.servo.observer import LIMIT
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 from stickslip.studies.learn import tables
-from stickslip.trial.guards import Known, bench_of, family, feedforward
-from stickslip.trial.observed import BOTH, OBSERVER, Observed, kalman_designs, try_observer
+from stickslip.trial.guards import Evidence, bench_of, family, feedforward
+from stickslip.trial.observed import BOTH, OBSERVER, ObserverTrial, kalman_designs, try_observer
 
 AXIS = Axis(80.0, 100.0, 1e-3)
 FRICTION = {"F_s": 80.0, "F_c": 60.0, "v_s": 1e-3, "sigma_0": 4e6, "sigma_1": 8e3, "delta": 1.0}
@@ -23,14 +23,14 @@ LAW = friction_law()
 
 
 @pytest.fixture(scope="module")
-def observed() -> Observed:
+def observed() -> ObserverTrial:
     """Return what an observer does on a heavy axis, whose feedforward harms at half friction."""
     loop = design_velocity_loop(AXIS, LoopSpecification(30.0, 55.0, 5e-4, 1e-3))
     command = replace(VALIDATION, height=0.2, slope=5 * VALIDATION.slope)
     sheet = Datasheet(peak_force=1e4, tau_i=AXIS.tau_i, encoder_step=1e-7)
     drives = [
         drive
-        for drive in family(LAW, FRICTION, command, Known(rivals={"dahl": DAHL}))
+        for drive in family(LAW, FRICTION, command, Evidence(rivals={"dahl": DAHL}))
         if drive.name in ("friction as fitted", "friction x 0.5", "Dahl friction")
     ]
     assert len(drives) == 3

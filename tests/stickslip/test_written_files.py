@@ -15,7 +15,7 @@ from stickslip.logs import Description, Finding
 from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.log_learning import learn
 from stickslip.trial.guards import Benefit
-from stickslip.trial.observed import Observed
+from stickslip.trial.observed import ObserverTrial
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("without_pictures")]
 
@@ -47,7 +47,7 @@ def tried(sound, *, alone, share=1.0):
     harmful = worse(trial.benefit) if share == 1.0 else replace(trial.benefit, share=share)
     observed = replace(observed, feedforward=harmful, both=None, alone=trial.benefit)
     if not alone:
-        observed = Observed(harmful, reason="no observer is robust")
+        observed = ObserverTrial(harmful, reason="no observer is robust")
     return replace(sound, trial=replace(trial, benefit=harmful, observed=observed))
 
 

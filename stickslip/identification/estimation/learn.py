@@ -38,7 +38,7 @@ from stickslip.identification.estimation.faults import (
 )
 from stickslip.identification.estimation.held_out import check_held_out
 from stickslip.identification.estimation.task import LearnSettings, Task
-from stickslip.identification.fitting.bootstrap import RUNS, Corrected, Resimulation, correct
+from stickslip.identification.fitting.bootstrap import RUNS, Resimulation, UnbiasedFit, correct
 from stickslip.identification.fitting.conservative import conservative, largest_friction
 from stickslip.identification.fitting.fit import BLOCKS, ROUGH, Fit, fit, plausible, value_errors
 from stickslip.identification.fitting.identifiability import (
@@ -191,7 +191,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
     )
 
 
-def _not_explained(corrected: Corrected, start: Start) -> str:
+def _not_explained(corrected: UnbiasedFit, start: Start) -> str:
     """Return why the simulated loop does not explain the recording; empty if it does."""
     if corrected.model_error > MODEL_ERROR:
         return (
@@ -255,7 +255,7 @@ def _of_seed(settings: LearnSettings, seed: int) -> Search:
 
 def _output_error(
     task: Task, gains: Mapping[str, float], start: Start, found: Fit
-) -> tuple[Corrected, Array]:
+) -> tuple[UnbiasedFit, Array]:
     """Fit the loop from the inverse model's values on, whitened, and correct it for its bias.
 
     The controller's integral compensates a constant force; its prior is the mean of the logged
@@ -336,7 +336,7 @@ def _inverse_model(
 
 
 def _known_loop(
-    task: Task, gains: Mapping[str, float], corrected: Corrected, ambiguity: Array
+    task: Task, gains: Mapping[str, float], corrected: UnbiasedFit, ambiguity: Array
 ) -> tuple[dict[str, float], pd.DataFrame]:
     """Return standard errors by name [SI], and the profiles."""
     best = corrected.fit

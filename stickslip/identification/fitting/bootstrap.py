@@ -40,7 +40,7 @@ NUMERICS = 5e-6
 
 
 @dataclass(frozen=True)
-class Corrected:
+class UnbiasedFit:
     """A fit without its bias.
 
     Attributes
@@ -114,7 +114,7 @@ class Resimulation(Closing):
         self._loop.close()
 
 
-def correct(criterion: OutputError, fitted: Fit, again: Resimulation, seed: int) -> Corrected:
+def correct(criterion: OutputError, fitted: Fit, again: Resimulation, seed: int) -> UnbiasedFit:
     """Subtract the bias of a whitened fit by a parametric bootstrap of the experiment."""
     criterion, step = criterion.over(fitted.space), again.step
     rng = np.random.default_rng(seed)
@@ -138,7 +138,7 @@ def correct(criterion: OutputError, fitted: Fit, again: Resimulation, seed: int)
     unexplained = float(np.sqrt(fitted.variance)) / max(
         own, position_noise(criterion.position, step)
     )
-    return Corrected(
+    return UnbiasedFit(
         corrected,
         bias,
         mean,

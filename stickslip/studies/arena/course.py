@@ -10,7 +10,7 @@ from typing import Self
 import numpy as np
 
 from stickslip import cosim, models
-from stickslip.compensators.entrants import Entrant, Tuned
+from stickslip.compensators.entrants import Entrant, TunedEntrant
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_loop, nominal_parameters
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -55,7 +55,7 @@ class Course:
         )
 
     def run(
-        self, tuned: Tuned, v_cmd: Array, drive: Mapping[str, float] | None = None
+        self, tuned: TunedEntrant, v_cmd: Array, drive: Mapping[str, float] | None = None
     ) -> cosim.Result:
         """Run one command.
 

@@ -30,11 +30,11 @@ from stickslip.studies.arena.course import build_entrants
 from stickslip.studies.arena.drives import Drive
 from stickslip.studies.arena.judged import COMMANDS
 from stickslip.studies.arena.running import footprint, seconds_per_step
-from stickslip.studies.arena.tuning import Found, tune
+from stickslip.studies.arena.tuning import TuningResult, tune
 from stickslip.studies.arena.validation import (
     RESOLUTION,
     ROBUSTNESS,
-    Validated,
+    ValidationResult,
     sensitivities,
     validate,
     validate_changed,
@@ -96,7 +96,7 @@ class Cell:
     Attributes
     ----------
     fmus : folder of the FMUs of the drive and of all entrants
-    carried : what was tuned on the nominal drive, a document of ``Found``; None for none
+    carried : what was tuned on the nominal drive, a document of ``TuningResult``; None for none
     """
 
     name: str
@@ -164,16 +164,16 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
         except Fault as error:
             if name == drive.name:
                 raise
-            found_there, peaks = Validated(reason=" ".join(str(error).split())), {}
+            found_there, peaks = ValidationResult(reason=" ".join(str(error).split())), {}
         # JSON has no infinite numbers; the loop is unstable where a peak is missing.
         finite = {key: peak for key, peak in peaks.items() if np.isfinite(peak)}
         document["validated"][name] = {**found_there.document(), "peaks": finite}
     return document
 
 
-def found_of(document: Mapping[str, Any]) -> Found:
+def found_of(document: Mapping[str, Any]) -> TuningResult:
     """Return what was tuned, from its document."""
-    return Found(**{**document, "coarse": Coarse(**document["coarse"])})
+    return TuningResult(**{**document, "coarse": Coarse(**document["coarse"])})
 
 
 def run_arena(

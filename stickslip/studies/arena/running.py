@@ -7,7 +7,7 @@ import zipfile
 from pathlib import Path
 
 from stickslip import cosim
-from stickslip.compensators.entrants import Entrant, Tuned
+from stickslip.compensators.entrants import Entrant, TunedEntrant
 from stickslip.servo.chain_response import sliding
 from stickslip.servo.systems import lone_chain
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -37,7 +37,7 @@ def footprint(fmus: Path, one: Entrant) -> dict[str, float]:
 
 
 def seconds_per_step(
-    fmus: Path, loop: VelocityLoop, one: Entrant, tuned: Tuned, friction: float
+    fmus: Path, loop: VelocityLoop, one: Entrant, tuned: TunedEntrant, friction: float
 ) -> dict[str, float]:
     """Return the processor time of a sample of its FMUs [s], in motion against a friction [N].
 

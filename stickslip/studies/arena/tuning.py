@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip import cosim, ga
-from stickslip.compensators.entrants import SPEED, Coarse, Entrant, Tuned, entrant
+from stickslip.compensators.entrants import SPEED, Coarse, Entrant, TunedEntrant, entrant
 from stickslip.servo.axis import ControlError
 from stickslip.servo.chain_response import ChainResponse, Robustness
 from stickslip.servo.datasheet import Datasheet
@@ -33,7 +33,7 @@ NEAR = 1.05
 
 
 @dataclass(frozen=True)
-class Found:
+class TuningResult:
     """An entrant as it was tuned.
 
     Attributes
@@ -56,7 +56,7 @@ class Found:
     seconds: float
     soon: float
 
-    def tuned(self, entrant: Entrant, loop: VelocityLoop, sheet: Datasheet) -> Tuned:
+    def tuned(self, entrant: Entrant, loop: VelocityLoop, sheet: Datasheet) -> TunedEntrant:
         """Return what it found, to be validated in a loop: nothing is learned any more."""
         tuned = entrant.tuned(self.genes, loop, self.coarse, sheet)
         return replace(tuned, parameters={**tuned.parameters, **self.learned, **entrant.frozen})
@@ -65,7 +65,7 @@ class Found:
 def measure(fmus: Path, loop: VelocityLoop, v_cmd: Array, seed: int) -> Coarse:
     """Return the friction that a drive shows in one run of a command (n,) [m/s]."""
     with Course(fmus, loop, entrant("none"), len(v_cmd), ("drive.F_m",)) as course:
-        F_m = course.run(Tuned(loop, {}), v_cmd)["drive.F_m"]
+        F_m = course.run(TunedEntrant(loop, {}), v_cmd)["drive.F_m"]
     speed = float(np.abs(v_cmd).max())
     moving = np.abs(v_cmd) > SLIDING * speed
     inert = loop.axis.m * np.gradient(v_cmd, loop.T_s) + loop.axis.b * v_cmd
@@ -81,7 +81,7 @@ def tune(
     seed: int,
     sheet: Datasheet,
     speed: float = SPEED,
-) -> Found:
+) -> TuningResult:
     """Tune an entrant on the drive in a folder of FMUs, at a speed [m/s].
 
     Raises
@@ -118,7 +118,7 @@ def tune(
     near = np.array(trial.costs) <= NEAR * min(trial.costs, default=0.0)
     seconds, soon = (spent[-1], spent[np.argmax(near)]) if len(spent) else (0.0, 0.0)
     evaluations = len(trial.costs)
-    return Found(genes, learned, coarse, cost, evaluations, float(seconds), float(soon))
+    return TuningResult(genes, learned, coarse, cost, evaluations, float(seconds), float(soon))
 
 
 class _Trial:
@@ -170,16 +170,16 @@ class _Trial:
         self.costs[-1] = self.error(tuned, robust)
         return self.costs[-1]
 
-    def robustness(self, tuned: Tuned) -> Robustness:
+    def robustness(self, tuned: TunedEntrant) -> Robustness:
         """Return how robust the linear loop is."""
         return tuned.robustness(self.response, self.coarse.friction)
 
-    def tuned(self, values: Array) -> Tuned:
+    def tuned(self, values: Array) -> TunedEntrant:
         """Return the entrant with the values (k,) of a candidate."""
         genes = dict(zip(self.names, values.tolist(), strict=True))
         return self.one.tuned(genes, self.loop, self.coarse, self.sheet)
 
-    def error(self, tuned: Tuned, robust: Robustness) -> float:
+    def error(self, tuned: TunedEntrant, robust: Robustness) -> float:
         """Return the error of a run [m/s], or [m]."""
         v_cmd, counted = self.motion.v_cmd, self.motion.counted
         try:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip import cosim
-from stickslip.compensators.entrants import Entrant, Tuned
+from stickslip.compensators.entrants import Entrant, TunedEntrant
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.divergence import require_bounded
@@ -40,7 +40,7 @@ Figures = dict[tuple[str, str, str], list[float]]
 
 
 @dataclass
-class Validated:
+class ValidationResult:
     """What an entrant did, as plain data.
 
     Attributes
@@ -67,13 +67,13 @@ def validate(
     fmus: Path,
     loop: VelocityLoop,
     one: Entrant,
-    tuned: Tuned,
+    tuned: TunedEntrant,
     commands: Sequence[Command],
     starts: int,
     sheet: Datasheet | None = None,
-) -> Validated:
+) -> ValidationResult:
     """Run every command from several starts: other noise, other places between encoder steps."""
-    found, loop = Validated(), one.base(loop)
+    found, loop = ValidationResult(), one.base(loop)
     for position in (False, True):
         chosen = [command for command in commands if command.position == position]
         if chosen and position and not one.positions:
@@ -89,7 +89,7 @@ def validate_changed(
     fmus: Path,
     loop: VelocityLoop,
     one: Entrant,
-    tuned: Tuned,
+    tuned: TunedEntrant,
     changes: Changes,
     starts: int,
     sheet: Datasheet,
@@ -145,11 +145,11 @@ def _validate(
     fmus: Path,
     loop: VelocityLoop,
     one: Entrant,
-    tuned: Tuned,
+    tuned: TunedEntrant,
     commands: Sequence[Command],
     starts: int,
     encoder_step: float,
-    found: Validated,
+    found: ValidationResult,
 ) -> None:
     sampled = {command.name: command.sample(loop.T_s) for command in commands}
     n = max(len(v_cmd) for v_cmd in sampled.values())
@@ -176,7 +176,7 @@ def _validate(
 
 
 def sensitivities(
-    fmus: Path, loop: VelocityLoop, one: Entrant, tuned: Tuned, friction: float, mass: float
+    fmus: Path, loop: VelocityLoop, one: Entrant, tuned: TunedEntrant, friction: float, mass: float
 ) -> dict[str, float]:
     """Return peak sensitivities and margins; the true mass [kg] counts in one of them only."""
     with ChainResponse(fmus, loop, one.chain) as response:

@@ -21,7 +21,7 @@ NORMAL = 1.96
 
 
 @dataclass(frozen=True)
-class Compared:
+class DriveComparison:
     """What several results say.
 
     Attributes
@@ -67,7 +67,7 @@ def parameter_rows(name: str, parameters: Mapping[str, Mapping[str, Any]]) -> li
     return rows
 
 
-def compare(places: Iterable[Path]) -> Compared:
+def compare(places: Iterable[Path]) -> DriveComparison:
     """Return what the results of ``learn``, ``reproduce`` and ``fleet`` say.
 
     Parameters
@@ -91,7 +91,7 @@ def compare(places: Iterable[Path]) -> Compared:
             errors.append({"name": name, **error_ratios(learned.document)})
         except (AttributeError, KeyError, TypeError, ValueError) as fault:
             raise UsageError(f"{file}: is no result of learn, reproduce or fleet") from fault
-    return Compared(pd.DataFrame(parameters, columns=PARAMETERS), pd.DataFrame(errors))
+    return DriveComparison(pd.DataFrame(parameters, columns=PARAMETERS), pd.DataFrame(errors))
 
 
 def _files(place: Path) -> list[Path]:

@@ -16,9 +16,9 @@ from stickslip.presentation.quantity import (
 )
 from stickslip.presentation.scale import Scale, parameter_scale
 from stickslip.presentation.table import Column, Row, Table
-from stickslip.trial.candidates import Compared
+from stickslip.trial.candidates import CompensatorComparison
 from stickslip.trial.guards import Benefit
-from stickslip.trial.observed import Observed
+from stickslip.trial.observed import ObserverTrial
 
 
 def parameters(estimation: Estimation) -> Table:
@@ -120,7 +120,7 @@ def ratios(benefit: Benefit | None) -> dict[str, float]:
     return dict(zip((column.name for column in RATIOS), found, strict=True))
 
 
-def compensators(compared: Compared) -> Table:
+def compensators(compared: CompensatorComparison) -> Table:
     """Return what each compensator that was tried leaves of the error without compensation."""
     columns = (
         Column("compensator", text="", title="compensator", head="Compensator"),
@@ -136,7 +136,7 @@ def compensators(compared: Compared) -> Table:
     return Table(columns, rows)
 
 
-def parts(observed: Observed) -> Table:
+def parts(observed: ObserverTrial) -> Table:
     """Return what feedforward, disturbance observer and both leave of that error."""
     columns = (
         Column("part", text="", title="compensation", head="Compensation"),

@@ -12,9 +12,9 @@ from stickslip.evaluation.tracking import TRACKING_FIGURES, Tracking
 from stickslip.identification.estimation import Estimation
 from stickslip.presentation.quantity import size_or_dash
 from stickslip.studies.learn import tables
-from stickslip.trial.candidates import Compared
+from stickslip.trial.candidates import CompensatorComparison
 from stickslip.trial.guards import Benefit, Hold
-from stickslip.trial.observed import Observed
+from stickslip.trial.observed import ObserverTrial
 
 TRACKING = "\ntracking error relative to none, on the same simulated drives and commands:"
 WIDTHS = (9, 9, 9, 13)
@@ -62,7 +62,7 @@ def print_holds(holds: Mapping[str, Hold]) -> None:
         )
 
 
-def print_parts(observed: Observed) -> None:
+def print_parts(observed: ObserverTrial) -> None:
     """Print what feedforward, disturbance observer and both leave of the error of none."""
     if observed.designed is None:
         print(f"\n{observed.reason}")
@@ -75,7 +75,7 @@ def print_parts(observed: Observed) -> None:
     )
 
 
-def print_compared(compared: Compared) -> None:
+def print_compared(compared: CompensatorComparison) -> None:
     """Print what each compensator leaves of the error of none, and which one is chosen."""
     print(TRACKING, tables.compensators(compared).text(), sep="\n")
     print(compared.sentence)

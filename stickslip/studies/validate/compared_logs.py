@@ -49,7 +49,7 @@ class Reduction:
 
 
 @dataclass(frozen=True)
-class Compared:
+class TrackingComparison:
     """Errors without and with the compensator, measured or simulated.
 
     Attributes
@@ -86,8 +86,8 @@ class LogComparison:
     stretches: tuple[Stretch, ...]
     part: Samples
     repeated: bool
-    measured: Compared
-    simulated: Compared | None = None
+    measured: TrackingComparison
+    simulated: TrackingComparison | None = None
     fault: str = ""
 
 
@@ -154,7 +154,7 @@ def compare(without: Recording, compensated: Recording, stretches: list[Stretch]
 
 def compared(
     without: Recording, compensated: Recording, first: Samples, second: Samples, part: Samples
-) -> Compared:
+) -> TrackingComparison:
     """Return the errors of two recordings at samples (n,) of each."""
     velocity, position = {}, {}
     for name, recording, samples in (
@@ -175,7 +175,7 @@ def compared(
         key: _reduction(key, figures[NONE][key], figures[FEEDFORWARD][key])
         for key in TRACKING_FIGURES
     }
-    return Compared(velocity, position, errors, reductions)
+    return TrackingComparison(velocity, position, errors, reductions)
 
 
 def sentences(found: LogComparison) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from stickslip.presentation.scale import (
     velocity_scale,
 )
 from stickslip.presentation.table import Column, Row, Table
-from stickslip.studies.validate.compared_logs import Compared, LogComparison
+from stickslip.studies.validate.compared_logs import LogComparison, TrackingComparison
 from stickslip.studies.validate.log_prediction import LogPrediction
 from stickslip.studies.validate.log_verdict import SIGNALS
 
@@ -83,7 +83,7 @@ def signals(found: LogPrediction) -> Table:
     return Table(columns, rows)
 
 
-def kinds(found: LogComparison) -> Iterator[tuple[str, Compared]]:
+def kinds(found: LogComparison) -> Iterator[tuple[str, TrackingComparison]]:
     """Yield what was measured, and what was simulated where that could be done."""
     yield "measured", found.measured
     if found.simulated:

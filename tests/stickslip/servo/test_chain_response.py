@@ -8,7 +8,7 @@ from stickslip.servo.axis import Axis
 from stickslip.servo.chain_response import LOWEST, SAMPLES, ChainResponse
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.observer import LIMIT
-from stickslip.servo.sensitivity import Opened, peak_sensitivity
+from stickslip.servo.sensitivity import OpenLoop, peak_sensitivity
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 from stickslip.servo.velocity_loop import design_velocity_loop
@@ -52,7 +52,7 @@ def test_it_is_that_of_the_linear_design(fmus, loop, model, rate, order, mass):
     with ChainResponse(fmus, loop, [Compensator("observer", model)]) as response:
         found = response.of(loop, values(designed), 6.0, mass * loop.axis.m).peak
     f = np.arange(LOWEST, SAMPLES + 1) / (2 * SAMPLES * loop.T_s)
-    opened = Opened(loop, mass * loop.axis.m, f)
+    opened = OpenLoop(loop, mass * loop.axis.m, f)
     expected = opened.response(designed).peak if opened.stable(designed) else np.inf
     assert found == pytest.approx(expected, rel=1e-3)
 

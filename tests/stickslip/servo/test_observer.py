@@ -13,7 +13,7 @@ from stickslip.cosim.control import measure_response
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.observer import LIMIT, MASSES, design_observer
-from stickslip.servo.sensitivity import Opened, peak_sensitivity
+from stickslip.servo.sensitivity import OpenLoop, peak_sensitivity
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 from stickslip.servo.velocity_loop import (
@@ -55,7 +55,7 @@ def test_any_loop_gets_an_observer_within_the_limit(seed):
     w = 2 * np.pi * np.geomspace(1e-4, 0.5, 5000) / loop.T_s
     for share in (0.9, 0.97, 1.0, 1.06, 1.1):
         assert peak_sensitivity(loop, designed.observer, share * m) <= LIMIT * 1.001
-    opened = Opened(loop)
+    opened = OpenLoop(loop)
     opened.z = np.exp(1j * w * loop.T_s)
     u, x = by_feedback(loop, designed.observer, opened.z)
     assert max(np.abs(u).max(), np.abs(x).max()) <= LIMIT * 1.001
@@ -97,7 +97,7 @@ def fmus(tmp_path_factory):
 def test_the_fmus_have_the_sensitivity_of_the_design(fmus, loop):
     """Measured with a sine beside the command, and one beside the encoder."""
     observer = design_observer(loop, 4e-7, 6.0).observer
-    opened = Opened(loop)
+    opened = OpenLoop(loop)
     expected = opened.response(observer)
     loud = int(np.argmax(np.abs(expected.at_encoder)))
     f = np.array([0.2, 1.0]) * opened.f[loud]
@@ -138,10 +138,10 @@ def added(_: float, u: dict[str, float]) -> float:
 
 def test_the_sensitivity_at_the_command_does_not_depend_on_an_exact_observer():
     observer = design_observer(PAPER, 4e-7, 6.0).observer
-    alone, observed = Opened(PAPER).response(), Opened(PAPER).response(observer)
+    alone, observed = OpenLoop(PAPER).response(), OpenLoop(PAPER).response(observer)
     np.testing.assert_allclose(observed.at_command, alone.at_command, rtol=1e-9)
     np.testing.assert_array_equal(alone.at_command, alone.at_encoder)
-    low = Opened(PAPER).f < 1.0
+    low = OpenLoop(PAPER).f < 1.0
     assert (np.abs(observed.at_encoder[low]) < 0.1 * np.abs(alone.at_encoder[low])).all()
 
 
@@ -149,7 +149,7 @@ def test_a_velocity_filter_in_the_loop_counts_on_the_observers_force():
     """The known force goes to the filter, as ``build_loop`` connects it."""
     kalman = design_velocity_filter(PAPER.axis, PAPER.T_s, FilterSpecification(4e-7, 0.05, 1.5))
     loop = PAPER.changed(velocity_filter=kalman)
-    opened = Opened(loop)
+    opened = OpenLoop(loop)
     np.testing.assert_allclose(opened.response().at_command, 1 / (1 + loop.open_loop(opened.z)))
     designed = design_observer(loop, 4e-7, 6.0)
     assert designed.sensitivity <= LIMIT

@@ -8,7 +8,7 @@ from stickslip import models
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.frequency import frequency_response
-from stickslip.servo.sensitivity import Opened, peak_sensitivity
+from stickslip.servo.sensitivity import OpenLoop, peak_sensitivity
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 
@@ -74,7 +74,7 @@ def test_without_feedforward_a_slow_outer_loop_is_a_low_pass_of_the_first_order(
 def test_the_sensitivity_is_that_of_the_open_loop(loop):
     """The outer loop multiplies the open loop by 1 + K_x / (velocity estimate per position)."""
     cascade = loop.changed(K_x=K_X)
-    opened = Opened(cascade)
+    opened = OpenLoop(cascade)
     z = np.exp(2j * np.pi * opened.f * loop.T_s)
     keep = np.exp(-loop.T_s / loop.tau_f)
     estimate = (1.0 - 1.0 / z) / loop.T_s * (1.0 - keep) / (1.0 - keep / z)  # per position

@@ -41,9 +41,9 @@ from stickslip.studies.learn.page.signals import (
 )
 from stickslip.studies.learn.page.stretches import stretches
 from stickslip.trial.benefit import WORSE
-from stickslip.trial.candidates import Compared
+from stickslip.trial.candidates import CompensatorComparison
 from stickslip.trial.guards import Benefit
-from stickslip.trial.observed import Observed
+from stickslip.trial.observed import ObserverTrial
 
 ERRORS = {
     "force": "{0} predicted from the motion",
@@ -130,7 +130,9 @@ def _exponent(estimation: Estimation) -> str:
 
 
 def compensation(
-    benefit: Benefit, observed: Observed | None = None, compared: Compared | None = None
+    benefit: Benefit,
+    observed: ObserverTrial | None = None,
+    compared: CompensatorComparison | None = None,
 ) -> Section:
     """Return the section with the table of tracking errors, and what other parts leave."""
     verdict = f"The error is nowhere larger than {WORSE:g} times that without the compensator."
@@ -170,7 +172,7 @@ def compensation(
     )
 
 
-def _compared(compared: Compared) -> list[Html]:
+def _compared(compared: CompensatorComparison) -> list[Html]:
     """Return what each compensator leaves of the error of none."""
     return [
         paragraph(
@@ -182,7 +184,7 @@ def _compared(compared: Compared) -> list[Html]:
     ]
 
 
-def _observer(observed: Observed) -> list[Html]:
+def _observer(observed: ObserverTrial) -> list[Html]:
     """Return what feedforward, disturbance observer and both leave of the error of none."""
     if observed.designed is None:
         return [paragraph(f"There is {observed.reason}.")]

@@ -18,7 +18,7 @@ from stickslip.catalog.parameters import PAPER
 from stickslip.cli import main
 from stickslip.compensators import entrants as registry
 from stickslip.compensators import names
-from stickslip.compensators.entrants import Coarse, Tuned, default_names, entrant, own_part
+from stickslip.compensators.entrants import Coarse, TunedEntrant, default_names, entrant, own_part
 from stickslip.errors import UsageError
 from stickslip.models import UnknownLaw
 from stickslip.models.export.units import force_and_length
@@ -74,7 +74,7 @@ def arena(tmp_path_factory):
 
 def error(built, loop, name, values, command="T"):
     chosen = [COMMANDS[command]]
-    found = validate(built, loop, entrant(name), Tuned(loop, values), chosen, 2).figures
+    found = validate(built, loop, entrant(name), TunedEntrant(loop, values), chosen, 2).figures
     return np.median(next(runs for key, runs in found.items() if key[1] == "error"))
 
 
@@ -186,7 +186,9 @@ def test_changed_drives_have_other_errors(built, loop):
     assert changes["friction x 0.5"][1]["F_c"] == pytest.approx(0.5 * PAPER["F_c"])
     assert changes["friction x 0.5"][1]["sigma_0"] == pytest.approx(0.5 * PAPER["sigma_0"])
     assert "v_s" not in changes["friction x 0.5"][1]
-    found = validate_changed(built, loop, entrant("none"), Tuned(loop, {}), changes, 1, Datasheet())
+    found = validate_changed(
+        built, loop, entrant("none"), TunedEntrant(loop, {}), changes, 1, Datasheet()
+    )
     ratios = {key[1].partition("ratio ")[2]: values[0] for key, values in found.items()}
     assert ratios["friction x 0.5"] == pytest.approx(0.5, abs=0.1)
     assert ratios["friction x 1.5"] == pytest.approx(1.5, abs=0.1)
@@ -199,7 +201,7 @@ def test_changed_drives_have_other_errors(built, loop):
 def test_no_compensator_is_the_plain_loop_bit_for_bit(built, loop):
     command = COMMANDS["R"]
     v_cmd = command.sample(loop.T_s)
-    validated = validate(built, loop, entrant("none"), Tuned(loop, {}), [command], 1)
+    validated = validate(built, loop, entrant("none"), TunedEntrant(loop, {}), [command], 1)
     system = servo_loop(built, loop)
     stop = (len(v_cmd) - 1) * loop.T_s
     with system.prepare(step=loop.T_s, stop=stop, record=("drive.v",)) as simulation:
