@@ -165,7 +165,10 @@ class Mismatch:
         def mismatch(share: float) -> float:
             return self.of(replace(start, noise=share * step))
 
-        most, quiet = NOISIEST, mismatch(0.0)
+        try:
+            most, quiet = NOISIEST, mismatch(0.0)
+        except ga.CandidateFailed:  # a law whose FMU cannot run with such values
+            return replace(start, mismatch=float("inf"))
         found = minimize_scalar(
             mismatch, bounds=(0.0, most), method="bounded", options={"xatol": 0.01, "maxiter": 12}
         )
@@ -218,8 +221,8 @@ def fit_models(
 ) -> list[DriveModel]:
     """Run the drive in the loops of ``PROBES``, and find models that err alike, the best first.
 
-    What was identified is enough where it errs like the drive. Otherwise each law whose start is
-    not hopeless has a short search, and the best go on.
+    What was identified is enough where it errs like the drive. Otherwise each law whose start runs
+    and is not hopeless has a short search, and the best go on.
 
     Raises
     ------

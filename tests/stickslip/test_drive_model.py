@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.papers.lugre.loop_tuning import with_friction
 from stickslip.papers.lugre.reproduction import drive_truth
@@ -164,3 +165,15 @@ def test_a_model_that_was_not_fitted_has_a_steeper_curve_with_more_friction(benc
     fitted = replace(start, fitted=True).parameters(bench, 1.3)
     assert fitted["delta"] == 1.0
     assert fitted["F_c"] == pytest.approx(1.3 * PAPER["F_c"])
+
+
+def test_a_law_that_cannot_run_is_no_model(bench_of, monkeypatch):
+    def of(_, model):
+        if model.law == "dahl":
+            raise ga.CandidateFailed("its FMU ended")
+        return 0.01 if model.law == "gms" else 0.015
+
+    monkeypatch.setattr(drive_model, "AGREES", 0.0)
+    monkeypatch.setattr(drive_model, "LAWS", ("dahl", "gms", "lugre"))
+    monkeypatch.setattr(drive_model.Mismatch, "of", of)
+    assert [model.law for model in fit_models(bench_of())] == ["gms"]
