@@ -25,13 +25,10 @@ from stickslip.work.execution import Execution
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what needs a whole reproduction as slow; one worker runs all of it, and whole files."""
+    """Mark what needs a whole reproduction as slow."""
     for item in items:
-        group = str(item.path)
         if {"reproduction", "results"} & {*getattr(item, "fixturenames", ())}:
             item.add_marker(pytest.mark.slow)
-            group = "reproduction"
-        item.add_marker(pytest.mark.xdist_group(group))
 
 
 @pytest.fixture(scope="session")

@@ -95,11 +95,13 @@ def test_a_compensator_without_an_entry_enters_with_the_parameters_of_its_model(
     content = names.content()
     for name in ("static", "ekbf"):
         del content[name]
+    uncached = names.part_names.__wrapped__
     for module in (names, registry):
         monkeypatch.setattr(module, "content", lambda: dict(content))
-    monkeypatch.setattr(registry, "part_names", names.part_names.__wrapped__)
+        monkeypatch.setattr(module, "part_names", uncached)
     found = registry.parts.__wrapped__()
     assert [gene.name for gene in found["dob"].genes(Coarse(6.0, 0.04))] == ["dob.w_q", "dob.share"]
+    monkeypatch.undo()
     (name,) = {*found} - {*registry.parts()}
     assert name == "static_feedforward"
     genes = {gene.name.partition(".")[2] for gene in found[name].genes(Coarse(6.0, 0.04))}
