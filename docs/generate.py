@@ -130,7 +130,7 @@ def _options(parser: argparse.ArgumentParser) -> list[str]:
 
 
 def _hostile() -> str:
-    """Return the malformed inputs by group, with what is said of each."""
+    """Return the malformed inputs by group, with the answer to each."""
     lines: list[str] = []
     for number, group in GROUPS.items():
         lines += [f"### {number}. {group}", "", "| case | line |", "|---|---|"]

@@ -57,7 +57,7 @@ def _present() -> list[tuple[tuple[Path, str], object, str]]:
 
 
 def note_fatal(binary: Path) -> None:
-    """Note that an FMU answered fatal: none of its instances, whoever has it, is called again.
+    """Note that an FMU answered fatal: instances of that FMU are not called again.
 
     Source: FMI 2.0 section 2.1.3, FMI 3.0 section 2.2.3 (fatal corrupts all instances).
     """

@@ -239,7 +239,7 @@ class LearnedFile:
         return dataclasses.replace(one, values=values)
 
     def _component(self, name: str, entry: Any, model: str = "") -> Compensator:
-        """Return a compensator that is none of a law."""
+        """Return a compensator without a friction law, as learned.json has it."""
         entry = entry if isinstance(entry, dict) else {}
         model = str(entry.get("model", model))
         values = self._values(name, entry.get("parameters"))

@@ -79,7 +79,7 @@ def stated(
 
 
 def component_entry(one: Compensator, *, rotary: bool) -> dict[str, Any]:
-    """Return a compensator that is none of a law."""
+    """Return a compensator without a friction law, as learned.json has it."""
     units = {known.name: known.unit or "1" for known in load_model(one.model).variables}
     given = {name: float(value) for name, value in dict(one.values).items()}
     return {"model": one.model, "parameters": stated(given, units, rotary=rotary)}

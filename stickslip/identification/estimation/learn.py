@@ -126,7 +126,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
             if why and task.settings.criterion == "auto" and at_rest:
                 criterion = InverseModel.name
                 reason = f"{why}, so the drive has what the model has not, and the force decides"
-        progress.stage("judging what is known")
+        progress.stage("assessing identifiability")
         step(0, 3)
         # Beside the loop, only sliding motion tells mass and friction apart whatever the law.
         sliding = {} if criterion == OutputError.name else start.beside(found.parameters)

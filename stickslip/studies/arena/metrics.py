@@ -11,7 +11,7 @@ from stickslip import cosim
 from stickslip.evaluation.motions import Span
 from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_loop import VelocityLoop
-from stickslip.studies.arena.judged import Command
+from stickslip.studies.arena.motion_commands import Command
 
 ERROR = "error"
 """The metric by which entrants are ranked."""

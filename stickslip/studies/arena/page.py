@@ -17,7 +17,7 @@ from stickslip.presentation.page import Illustration, Section, made_with
 from stickslip.presentation.quantity import number
 from stickslip.servo.observer import LIMIT
 from stickslip.studies.arena.drawing import draw_circle, draw_pareto
-from stickslip.studies.arena.judged import COMMANDS, RADIUS
+from stickslip.studies.arena.motion_commands import COMMANDS, RADIUS
 from stickslip.studies.arena.protocol import Arena
 from stickslip.studies.arena.table import ALL, budget_text, ranking, relative_errors
 from stickslip.studies.arena.validation import PER_STEP, WORST

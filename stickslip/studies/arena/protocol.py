@@ -28,7 +28,7 @@ from stickslip.storage import MANIFEST, UNFINISHED, complete, staged
 from stickslip.studies.arena.budget import Budget
 from stickslip.studies.arena.course import build_entrants
 from stickslip.studies.arena.drives import Drive
-from stickslip.studies.arena.judged import COMMANDS
+from stickslip.studies.arena.motion_commands import COMMANDS
 from stickslip.studies.arena.running import footprint, seconds_per_step
 from stickslip.studies.arena.tuning import TuningResult, tune
 from stickslip.studies.arena.validation import (

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from stickslip.servo.observer import LIMIT
-from stickslip.studies.arena.judged import COMMANDS
 from stickslip.studies.arena.metrics import ERROR
+from stickslip.studies.arena.motion_commands import COMMANDS
 from stickslip.studies.arena.protocol import Arena, Plan
 
 COLUMNS = [

@@ -23,7 +23,7 @@ from stickslip.servo.observer import LIMIT
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.studies.arena.budget import Budget
 from stickslip.studies.arena.course import Course
-from stickslip.studies.arena.judged import Training, moves, sweep
+from stickslip.studies.arena.motion_commands import Training, moves, sweep
 from stickslip.tuning.learning import VelocityCost
 
 SLIDING = 0.5

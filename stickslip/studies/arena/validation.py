@@ -19,8 +19,8 @@ from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_loop import VelocityLoop, position_loop
 from stickslip.studies.arena.course import Course
 from stickslip.studies.arena.drives import STEPS, Changes
-from stickslip.studies.arena.judged import COMMANDS, Command
 from stickslip.studies.arena.metrics import ERROR, RECORDED, Trace, figures
+from stickslip.studies.arena.motion_commands import COMMANDS, Command
 
 TURN = 240
 """Points along a circle."""

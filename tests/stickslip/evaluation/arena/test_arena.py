@@ -33,7 +33,7 @@ from stickslip.studies.arena.comparison import arena as arena_of
 from stickslip.studies.arena.course import Course
 from stickslip.studies.arena.drive_names import drive_names
 from stickslip.studies.arena.drives import default_drives, learned_drive, read_drives
-from stickslip.studies.arena.judged import COMMANDS, moves, training
+from stickslip.studies.arena.motion_commands import COMMANDS, moves, training
 from stickslip.studies.arena.protocol import Plan, build, run_arena
 from stickslip.studies.arena.table import ALL, COLUMNS, RELATIVE, arena_table, relative_errors
 from stickslip.studies.arena.tuning import Budget, tune

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stickslip.studies.arena.drives import default_drives
-from stickslip.studies.arena.judged import COMMANDS, RADIUS, training
 from stickslip.studies.arena.metrics import Trace, figures
+from stickslip.studies.arena.motion_commands import COMMANDS, RADIUS, training
 
 T_S = 5e-4
 LOOP = default_drives(["lugre"])[0].loop
