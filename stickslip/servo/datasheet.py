@@ -9,6 +9,7 @@ from numbers import Real
 from stickslip.errors import UsageError
 from stickslip.servo.axis import Axis
 from stickslip.servo.specification import LoopSpecification
+from stickslip.storage.codec import entry
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,12 @@ class Datasheet:
         When mass, peak_force or encoder_step is not a finite number above 0.
     """
 
-    mass: float = 5.5
-    peak_force: float = 205.0
-    tau_i: float = 1e-4
-    encoder_step: float = 4e-7
-    force_noise: float = 0.05
-    encoder_noise: float = 0.0
+    mass: float = entry(stored=False, default=5.5)
+    peak_force: float = entry("N", default=205.0)
+    tau_i: float = entry("s", default=1e-4)
+    encoder_step: float = entry("m", default=4e-7)
+    force_noise: float = entry(stored=False, default=0.05)
+    encoder_noise: float = entry("m", default=0.0)
 
     def __post_init__(self) -> None:
         for name in ("mass", "peak_force", "encoder_step"):

@@ -14,12 +14,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stickslip.catalog.parameters import friction_law
+from stickslip.catalog.parameters import friction_law, start_unit
 from stickslip.catalog.space import ParameterSpace
 from stickslip.cosim import Trapezoid
 from stickslip.models import Law
 from stickslip.models.export.units import motion_unit
 from stickslip.servo.measurement import Array
+from stickslip.storage.codec import entry
 
 Values = Mapping[str, float]
 
@@ -55,9 +56,9 @@ class Drive:
     parameters : start values of the drive FMU: friction, and what else differs
     """
 
-    name: str
+    name: str = entry(key="drive")
     law: str
-    parameters: Values
+    parameters: Values = entry(start_unit)
 
 
 @dataclass(frozen=True, eq=False)

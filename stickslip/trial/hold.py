@@ -20,6 +20,7 @@ from stickslip.servo.divergence import require_bounded
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.storage.codec import entry
 from stickslip.trial.benefit import Bench, Variant
 from stickslip.trial.family import Drive
 from stickslip.trial.single_run import Finding, axis_values, in_loop
@@ -47,11 +48,11 @@ class Hold:
     unit : of a millionth of a position, for people
     """
 
-    swing: float
+    swing: float = entry("m")
     reversals: int
-    duration: float
+    duration: float = entry("s")
     drive: str = ""
-    unit: str = "um"
+    unit: str = entry(stored=False, default="um")
 
     def hunts(self, limit: float) -> bool:
         """Tell whether it goes to and fro, farther than a limit [m]."""

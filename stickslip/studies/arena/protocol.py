@@ -18,13 +18,14 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stickslip import ga, models
-from stickslip.compensators.entrants import SPEED, Coarse, Entrant, Part, entrant
+from stickslip.compensators.entrants import SPEED, Entrant, Part, entrant
 from stickslip.errors import UsageError
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
 from stickslip.fmi.process import temporary_folder
 from stickslip.learned.writing import versions
 from stickslip.storage import MANIFEST, UNFINISHED, complete, staged
+from stickslip.storage.codec import decode, encode
 from stickslip.studies.arena.budget import Budget
 from stickslip.studies.arena.course import build_entrants
 from stickslip.studies.arena.drives import Drive
@@ -150,9 +151,9 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
     commands = [command.scaled(factor) for command in COMMANDS.values()]
     if cell.carried is not None:
         name, carried = cell.carried
-        tries[name] = found_of(carried)
+        tries[name] = decode(TuningResult, carried)
     for name, given in tries.items():
-        document["tuned"][name] = asdict(given)
+        document["tuned"][name] = encode(given)
         try:
             tuned = given.tuned(one, loop, sheet)
             peaks = sensitivities(cell.fmus, loop, one, tuned, given.coarse.friction, drive.mass)
@@ -169,11 +170,6 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
         finite = {key: peak for key, peak in peaks.items() if np.isfinite(peak)}
         document["validated"][name] = {**found_there.document(), "peaks": finite}
     return document
-
-
-def found_of(document: Mapping[str, Any]) -> TuningResult:
-    """Return what was tuned, from its document."""
-    return TuningResult(**{**document, "coarse": Coarse(**document["coarse"])})
 
 
 def run_arena(

@@ -10,9 +10,10 @@ from typing import Any
 
 from stickslip import ga
 from stickslip.errors import UsageError
-from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
+from stickslip.fmi.files import MOST_TEXT, digest, parse_json, read_limited
 from stickslip.learned.writing import SCHEMA, versions
 from stickslip.storage import MANIFEST, UNFINISHED, complete, refuse_foreign, staged
+from stickslip.storage.writing import write_json
 from stickslip.studies.fleet.job import learn_drive
 from stickslip.studies.fleet.table import Drive, LogSource
 from stickslip.work.execution import Execution, stopped
@@ -88,7 +89,7 @@ def learn_fleet(
         if outcome.learned:
             document = {**json.loads(outcome.learned), "fleet": origins[drive.name]}
             with staged(unfinished, {"name": drive.name}) as staging:
-                atomic_write(staging / _learned(drive), json.dumps(document, indent=2) + "\n")
+                write_json(document, staging / _learned(drive))
             learned[drive.name] = document
         else:
             reasons[drive.name] = outcome.reason
