@@ -21,11 +21,12 @@ from stickslip import ga, models
 from stickslip.compensators.entrants import SPEED, Entrant, Part, entrant
 from stickslip.errors import UsageError
 from stickslip.fmi.errors import Fault
-from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
+from stickslip.fmi.files import atomic_write, digest
 from stickslip.fmi.process import temporary_folder
 from stickslip.learned.writing import versions
 from stickslip.storage import MANIFEST, UNFINISHED, complete, staged
 from stickslip.storage.codec import decode, encode
+from stickslip.storage.writing import read_kept
 from stickslip.studies.arena.budget import Budget
 from stickslip.studies.arena.course import build_entrants
 from stickslip.studies.arena.drives import Drive
@@ -207,7 +208,8 @@ def run_arena(
         for carries in (False, True):
             cells = _cells(plan, fmus, documents, carries=carries)
             for cell in cells if execution.resume else ():
-                if (known := _kept(unfinished, cell)) is not None:
+                path, origin = unfinished / f"{cell.name}.json", {"origin": _origin(cell)}
+                if (known := read_kept(path, origin)) is not None:
                     documents[cell.drive.name, cell.entrant] = known
                     kept += 1
             left = [cell for cell in cells if (cell.drive.name, cell.entrant) not in documents]
@@ -286,15 +288,4 @@ def _keep(unfinished: Path, cell: Cell, text: str) -> Mapping[str, Any]:
     document: dict[str, Any] = {**json.loads(text), "origin": _origin(cell)}
     with staged(unfinished, {"name": cell.name}) as staging:
         atomic_write(staging / f"{cell.name}.json", json.dumps(document) + "\n")
-    return document
-
-
-def _kept(unfinished: Path, cell: Cell) -> Mapping[str, Any] | None:
-    """Return an earlier result of a cell, if it is the one that would be found now."""
-    try:
-        document = parse_json(read_limited(unfinished / f"{cell.name}.json", MOST_TEXT))
-    except (OSError, ValueError):
-        return None
-    if not isinstance(document, dict) or document.get("origin") != _origin(cell):
-        return None
     return document
