@@ -175,18 +175,21 @@ def table4(found: pd.DataFrame) -> Table:
 
         return Column(name, shown, title)
 
+    def share(name: str, digits: int = 1) -> Column:
+        return Column(name, lambda row: f"{100 * row[name]:.{digits}f} %", "reduction")
+
     columns = [
         *(Column(name, "", name) for name in ("velocity", "region", "metric")),
         Column("without", ".3f", "without"),
         error("with", "with"),
-        Column("reduction", ".1%", "reduction"),
+        share("reduction"),
         error("paper_without", "paper: without", 2),
         error("paper_with", "with", 2),
-        Column("paper_reduction", ".0%", "reduction"),
+        share("paper_reduction", 0),
     ]
     if FILTERED in found:
         columns.append(error(FILTERED, "velocity filter: with"))
-        columns.append(Column(REDUCTION_WITH_FILTER, ".1%", "reduction"))
+        columns.append(share(REDUCTION_WITH_FILTER))
     return Table(columns, found.to_dict("records"))
 
 
