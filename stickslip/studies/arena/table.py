@@ -60,7 +60,7 @@ def arena_table(arena: Arena) -> pd.DataFrame:
     keys = table["drive"].map(order) * len(entrants) + table["compensator"].map(entrants)
     table = table.assign(key=keys).sort_values("key", kind="stable")[COLUMNS]
     figures = ["median", "worst"]
-    table[figures] = table[figures].astype(float).map(lambda value: float(f"{value:.{DIGITS}g}"))
+    table[figures] = table[figures].astype(float).map(_rounded)
     return table.reset_index(drop=True)
 
 
@@ -144,7 +144,8 @@ def entrant_table(table: pd.DataFrame, plan: Plan) -> Table:
     means = here.pivot_table("median", "compensator", "metric")
     found = ranking(table, plan).join(points(table, plan))
     found = found.join(means.drop(columns=means.columns.intersection(found.columns)))
-    rows = found.reindex(columns=[one.name for one in RANKING[1:]]).rename_axis("compensator")
+    found = found.reindex(columns=[one.name for one in RANKING[1:]]).astype(float)
+    rows = found.map(_rounded).rename_axis("compensator")
     return Table(RANKING, rows.reset_index().to_dict("records"))
 
 
@@ -218,6 +219,10 @@ def _relative(table: pd.DataFrame, reference: str) -> pd.DataFrame:
     means = pd.DataFrame(groups.agg(_geometric)).reset_index()
     both: pd.DataFrame = pd.concat([found, means.assign(command=ALL)], ignore_index=True)
     return both
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
 
 
 def _geometric(values: pd.Series[float]) -> float:

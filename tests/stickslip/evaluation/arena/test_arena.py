@@ -359,7 +359,7 @@ def test_the_page_has_a_plot_for_every_cell_of_the_heat_maps(arena):
 def test_a_further_column_is_on_terminal_page_and_in_files(arena, tmp_path, monkeypatch, capsys):
     found, folder = arena
     rows = pd.read_csv(folder / "arena.csv").set_index(["metric", "compensator"])
-    size = rows.loc["binary size", "lugre"]["median"].mean()
+    size = float(f"{rows.loc['binary size', 'lugre']['median'].mean():.6g}")
     further, out = Column("binary size", ".0f", "size", "Size"), tmp_path / "out"
     monkeypatch.setattr(table, "RANKING", (*table.RANKING, further))
     monkeypatch.setattr(protocol, "run_arena", lambda *_: found)
