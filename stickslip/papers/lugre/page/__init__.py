@@ -8,7 +8,6 @@ from pathlib import Path
 
 from stickslip.papers.lugre.page.as_published import study_section
 from stickslip.papers.lugre.page.diagrams import draw_loops
-from stickslip.papers.lugre.page.files import files_of
 from stickslip.papers.lugre.page.identification import identification_section
 from stickslip.papers.lugre.page.loop_learning import loop_learning_section
 from stickslip.papers.lugre.page.result import head
@@ -48,7 +47,7 @@ def sections(reproduction: Reproduction) -> Sequence[Section]:
         steps_section(reproduction),
         study_section(study) if study else None,
         motions_section(reproduction),
-        section("Using the results", "use", reproduction, files=files_of(reproduction)),
+        section("Using the results", "use", reproduction),
     )
     return [one for one in found if one is not None]
 
