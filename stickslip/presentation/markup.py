@@ -70,12 +70,12 @@ _ENVIRONMENT = Environment(
     trim_blocks=True,
     lstrip_blocks=True,
 )
-_ENVIRONMENT.globals |= {**vars(quantity), "math": math}
-_ENVIRONMENT.filters |= {
-    "symbol": quantity.symbol,
-    "attribute": lambda content: Html(escaped(content)),
-    "sentence": lambda content: f"{content[:1].upper()}{content[1:]}.",
-}
+_ENVIRONMENT.globals.update(vars(quantity), math=math)
+_ENVIRONMENT.filters.update(
+    symbol=quantity.symbol,
+    attribute=lambda content: Html(escaped(content)),
+    sentence=lambda content: f"{content[:1].upper()}{content[1:]}.",
+)
 
 
 def fill(template: str, **values: object) -> Html:
@@ -93,4 +93,4 @@ def fill(template: str, **values: object) -> Html:
 
 parts: Any = _ENVIRONMENT.get_template("presentation/parts.j2").module
 """The functions of ``parts.j2``."""
-_ENVIRONMENT.globals |= {name: one for name, one in vars(parts).items() if callable(one)}
+_ENVIRONMENT.globals.update({name: one for name, one in vars(parts).items() if callable(one)})

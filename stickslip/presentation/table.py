@@ -106,6 +106,12 @@ class Table:
     columns: Sequence[Column]
     rows: Sequence[Row]
 
+    @classmethod
+    def of(cls, columns: Sequence[Column], frame: pd.DataFrame) -> Table:
+        """Return a table with the rows of a DataFrame."""
+        rows: Any = frame.to_dict("records")
+        return cls(columns, rows)
+
     def text(self) -> str:
         """Return the lines of a terminal; words are set to the left, numbers to the right."""
         shown = [column for column in self.columns if column.text is not None]

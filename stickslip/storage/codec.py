@@ -39,9 +39,10 @@ def entry(unit: Unit = "", key: str = "", *, stored: bool = True, **default: Any
     return field(metadata={"unit": unit, "key": key, "stored": stored}, **default)
 
 
-def units(kind: Any) -> dict[str, Unit]:
+def units(kind: Any) -> dict[str, str]:
     """Return the units of the fields of a dataclass that state one, by their names in files."""
-    return {_key(one): one.metadata["unit"] for one in _stored(kind) if one.metadata.get("unit")}
+    known = {_key(one): one.metadata.get("unit") for one in _stored(kind)}
+    return {name: unit for name, unit in known.items() if unit and isinstance(unit, str)}
 
 
 def encode(value: Any, of_drive: Callable[[str], str] = str) -> Any:
@@ -67,10 +68,13 @@ def encode(value: Any, of_drive: Callable[[str], str] = str) -> Any:
 def state(value: Any, unit: Unit, of_drive: Callable[[str], str] = str) -> dict[str, Any]:
     """Return a value with its unit as plain data: a number, an estimate, or several by name."""
     if isinstance(value, Mapping):
-        units_of = unit if callable(unit) else dict.fromkeys(value, unit).__getitem__
-        if isinstance(unit, Mapping):
-            units_of = unit.__getitem__
-        return {name: state(one, units_of(name), of_drive) for name, one in value.items()}
+
+        def unit_of(name: str) -> str:
+            if isinstance(unit, str):
+                return unit
+            return unit[name] if isinstance(unit, Mapping) else unit(name)
+
+        return {name: state(one, unit_of(name), of_drive) for name, one in value.items()}
     number = float(value) if isinstance(value, int) else plain(value)
     stated = encode(value) if is_dataclass(value) else {"value": number}
     return {**stated, "unit": of_drive(str(unit))}

@@ -162,7 +162,7 @@ def parameters(found: pd.DataFrame) -> Table:
         *map(off, ("identified", "learned")),
         Column("unit", head="Unit", cell=lambda row: parameter_unit(row["parameter"])),
     )
-    return Table(columns, found.to_dict("records"))
+    return Table.of(columns, found)
 
 
 def table4(found: pd.DataFrame) -> Table:
@@ -190,7 +190,7 @@ def table4(found: pd.DataFrame) -> Table:
     if FILTERED in found:
         columns.append(error(FILTERED, "velocity filter: with"))
         columns.append(share(REDUCTION_WITH_FILTER))
-    return Table(columns, found.to_dict("records"))
+    return Table.of(columns, found)
 
 
 STAGES = {
@@ -252,7 +252,7 @@ def searches(loops: LoopTuning) -> Table:
         Column("evaluations", head="Candidates"),
         Column("runs", head="Runs of the drive"),
     )
-    found = loops.by_seed().to_dict("index")
+    found: dict[Any, Any] = loops.by_seed().to_dict("index")
     return Table(columns, [{**found[one.seed], **vars(one)} for one in loops.learned])
 
 
@@ -283,7 +283,7 @@ def panel(study: PublishedStudy) -> Table:
         Column("cost", ".2g", "cost", "Cost (6) [m²/s²]", cell=cost),
         *map(left, [name for name in found.columns[4:] if not name.endswith((LOW, HIGH))]),
     )
-    return Table(columns, found.to_dict("records"))
+    return Table.of(columns, found)
 
 
 SHOWN = METRICS | {"E_x": "$E_x$"}
@@ -312,7 +312,7 @@ def steps(table4: pd.DataFrame) -> Table:
 
     found = by_step(table4)
     columns = (Column("region", head="", cell=title), Column("velocity", head=""), *_by_step(found))
-    return Table(columns, found.to_dict("records"))
+    return Table.of(columns, found)
 
 
 def motions(found: pd.DataFrame) -> Table:
@@ -329,4 +329,4 @@ def motions(found: pd.DataFrame) -> Table:
         Column(LEARNED, head="Reduction", cell=reduced),
     )
     groups = found.groupby(["region", "metric"], sort=False)
-    return Table(columns, [row for _, one in groups for row in one.to_dict("records")])
+    return Table.of(columns, pd.concat([errors for _, errors in groups]))

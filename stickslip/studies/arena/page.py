@@ -58,7 +58,7 @@ def sections(arena: Arena, found: pd.DataFrame) -> list[Section]:
         entrants=[(name, plan.entrant(name).title) for name in plan.entrants],
         LIMIT=LIMIT,
     )
-    made = Section("Made with", f"{TEMPLATES}/script.j2", **_script(arena, found))
+    made = Section("Made with", f"{TEMPLATES}/script.j2", None, **_script(arena, found))
     shown = [_head(arena, found), _heat_maps(arena, found), pareto, _circle(arena, found), protocol]
     shown += [_failures(arena), made]
     return [section for section in shown if section is not None]

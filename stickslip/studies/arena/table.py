@@ -146,7 +146,7 @@ def entrant_table(table: pd.DataFrame, plan: Plan) -> Table:
     found = found.join(means.drop(columns=means.columns.intersection(found.columns)))
     found = found.reindex(columns=[one.name for one in RANKING[1:]]).astype(float)
     rows = found.map(_rounded).rename_axis("compensator")
-    return Table(RANKING, rows.reset_index().to_dict("records"))
+    return Table.of(RANKING, rows.reset_index())
 
 
 def budget_text(plan: Plan) -> str:

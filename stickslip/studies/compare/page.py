@@ -79,7 +79,7 @@ def drives_sections(
             "and the worst on the drives that the log supports"
         )
         found = {"found": errors, "caption": caption}
-        sections.append(Section("Compensators", "{{ found.html(caption) }}", **found))
+        sections.append(Section("Compensators", "{{ found.html(caption) }}", None, **found))
     return [*sections, MADE_WITH]
 
 

@@ -167,7 +167,7 @@ def searches(estimation: Estimation) -> Table:
         Column("cost", head="Cost"),
         *(Column(name, head=symbol(name)) for name in estimation.fit.space.friction),
     )
-    return Table(columns, estimation.searches.table.to_dict("records"))
+    return Table.of(columns, estimation.searches.table)
 
 
 def findings(estimation: Estimation, found: Iterable[Finding]) -> Table:
@@ -213,7 +213,7 @@ def errors(benefit: Benefit) -> Iterator[tuple[str, str, Table]]:
 
 
 def _drive_name(row: Row) -> str:
-    return row["drive"].replace(" x ", " × ").replace("+-", "±")
+    return str(row["drive"]).replace(" x ", " × ").replace("+-", "±")
 
 
 def tracking_scales(tracking: Tracking, motion: Motion) -> tuple[Scale, Scale]:

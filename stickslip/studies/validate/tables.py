@@ -128,7 +128,7 @@ def spans(found: LogPrediction) -> Table:
         Column("end"),
         *map(size, found.spans.columns[2:]),
     )
-    return Table(columns, found.spans.to_dict("records"))
+    return Table.of(columns, found.spans)
 
 
 def kinds(found: LogComparison) -> Iterator[tuple[str, TrackingComparison]]:

@@ -37,7 +37,7 @@ def validation_section(validation: Validation, table4: pd.DataFrame | None = Non
     errors = validation.table() if table4 is None else table4
     filtered, draw = FILTERED in errors, {"fig6_tracking": partial(draw_tracking, validation)}
     values = {"rows": _rows(errors), "filtered": filtered, "CUTOFF": CUTOFF}
-    return section("Validation", "validation", figures=draw, **values)
+    return section("Validation", "validation", None, draw, **values)
 
 
 def _rows(frame: pd.DataFrame) -> list[tuple[str, ...]]:

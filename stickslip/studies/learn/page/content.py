@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 
 import numpy as np
@@ -60,15 +60,15 @@ def _section(
     title: str,
     template: str,
     estimation: Estimation,
-    *draw: Callable[[Estimation], Figure],
+    draw: Mapping[str, Callable[[Estimation], Figure]] | None = None,
     **values: object,
 ) -> Section:
-    """Return a section with figures, by the names of what draws them."""
+    """Return a section with figures, by their names."""
     place, push = WORDS[estimation.recording.motion]
     return Section(
         title,
         f"studies/learn/page/{template}.j2",
-        {one.__name__.removeprefix("draw_"): partial(one, estimation) for one in draw},
+        {name: partial(one, estimation) for name, one in (draw or {}).items()},
         estimation=estimation,
         tables=tables,
         place=place,
@@ -179,7 +179,8 @@ def laws(estimation: Estimation) -> Section:
 def log(estimation: Estimation, findings: Collection[Finding]) -> Section:
     """Return the section on the log, errors and warnings first."""
     found = tables.findings(estimation, findings)
-    return _section("The recording", "log", estimation, draw_recording, findings=found)
+    draw = {"recording": draw_recording}
+    return _section("The recording", "log", estimation, draw, findings=found)
 
 
 def fit(estimation: Estimation) -> Section:
@@ -189,8 +190,7 @@ def fit(estimation: Estimation) -> Section:
         "The learned drive against the recording",
         "fit",
         estimation,
-        draw_force,
-        draw_residual,
+        {"force": draw_force, "residual": draw_residual},
         steady=steady_name(estimation),
         simulated=simulated_position(estimation) is not None,
         outliers=stretches(found.t, found.values, found.velocity),
@@ -202,6 +202,7 @@ def fit(estimation: Estimation) -> Section:
 
 def identifiability(estimation: Estimation) -> Section:
     """Return the section on how well the recording identifies each parameter."""
-    title, drawn = "How well each parameter is identified", (draw_profiles, draw_correlations)
+    title = "How well each parameter is identified"
+    draw = {"profiles": draw_profiles, "correlations": draw_correlations}
     names = unresolved(estimation)
-    return _section(title, "identifiability", estimation, *drawn, unresolved=names)
+    return _section(title, "identifiability", estimation, draw, unresolved=names)
