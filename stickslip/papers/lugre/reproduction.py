@@ -63,7 +63,7 @@ class Options:
     preset: str = "default"
     feed: Feed = "nominal"
     loop_seeds: int = 5
-    published_seeds: int = 10
+    published_seeds: int = 5
     complete: bool = False
     coarse: Mapping[str, float] = field(default_factory=dict)
 
