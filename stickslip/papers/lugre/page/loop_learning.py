@@ -103,13 +103,14 @@ def loop_learning_section(reproduction: Reproduction) -> Section:
 
 def _models(loops: LoopTuning) -> str:
     """Return what the models are, and how well they err like the drive."""
-    best, found = loops.models[0], "what was identified"
+    best, found, fed = loops.study.models[0], "what was identified", ""
     if best.fitted:
-        laws = " or ".join(friction_law(model.law).title for model in loops.models)
-        found = f"{laws}, fitted to the drive’s errors"
+        titles = [friction_law(model.law).title for model in loops.study.models]
+        found = f"{' or '.join(titles)}, fitted to the drive’s errors"
+        fed = f" The feedforward has the {titles[0]} friction, too."
     return (
         f"Their friction is {found}: in {len(PROBES)} loops their errors differ from those of the "
-        f"drive by {percent(best.mismatch, 0)} (RMS of the logarithms)."
+        f"drive by {percent(best.mismatch, 0)} (RMS of the logarithms).{fed}"
     )
 
 
@@ -214,6 +215,6 @@ def _written(best: LearnedLoop) -> str:
         f"Seed {best.seed} has the least cost and is what learned_loop.ssp contains: "
         f"$K_p$ = {number(loop.K_p)} {unit('N.s/m')}, $K_i$ = {number(loop.K_i)} N/m, "
         rf"$\tau_f$ = {number(1e3 * loop.tau_f)} ms, feedforward of {number(loop.m_ff)} kg and of "
-        f"{percent(best.tuned.share)} of the identified friction, and {percent(observer.share)} of "
-        f"the observer’s estimate."
+        f"{percent(best.tuned.share)} of the {best.tuned.law.title} friction, and "
+        f"{percent(observer.share)} of the observer’s estimate."
     )
