@@ -211,6 +211,20 @@ def mean_of(ratios: Ratios) -> float:
     return float(np.mean(values**POWER) ** (1.0 / POWER) + STEEP * near)
 
 
+def what_is_left(study: LoopStudy) -> float:
+    """Return the geometric mean of the ratios of a loop such as a search tries.
+
+    It tells which of two feedforwards serves better; the cost does not, because a single ratio
+    above 1 decides it. It is infinite where a run fails.
+    """
+    with LoopCost(study) as cost:
+        try:
+            ratios = cost.ratios(study.loop(PROBES[-1]))
+        except ga.CandidateFailed:
+            return float("inf")
+    return float(np.exp(np.mean(np.log(list(ratios.values())))))
+
+
 def learn_loop(
     study: LoopStudy,
     on_generation: Callable[[ga.Optimiser], object] | None = None,

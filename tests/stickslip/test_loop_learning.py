@@ -11,14 +11,15 @@ from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.scatter import PHASES
-from stickslip.papers.lugre import loop_tuning
+from stickslip.papers.lugre import loop_tuning, reproduction
 from stickslip.papers.lugre.loop_tuning import FRICTION, STAGES, motion_errors
-from stickslip.papers.lugre.reproduction import drive_truth
+from stickslip.papers.lugre.reproduction import Options, drive_truth, with_law_found
+from stickslip.progress import Progress
 from stickslip.servo.chain_response import ChainResponse
-from stickslip.servo.systems import build_loop, servo_loop
+from stickslip.servo.systems import build_loop, feedforward, servo_loop
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.tuning import drive_model, loop_learning
-from stickslip.tuning.drive_model import start_model
+from stickslip.tuning.drive_model import DriveModel, start_model
 from stickslip.tuning.loop_genes import CHAIN, FEEDFORWARD, GENES, PLAIN
 from stickslip.tuning.loop_learning import (
     FORCE,
@@ -28,6 +29,7 @@ from stickslip.tuning.loop_learning import (
     LoopStudy,
     learn_loop,
     mean_of,
+    what_is_left,
 )
 from stickslip.work.execution import Execution
 
@@ -70,6 +72,30 @@ def test_the_peak_sensitivity_of_a_candidate_is_that_of_its_fmus(study):
     assert tuned.peak_sensitivity() == pytest.approx(measured.peak, rel=5e-3)
     without = replace(tuned, observer=replace(tuned.observer, share=0.0)).peak_sensitivity()
     assert abs(tuned.peak_sensitivity() - without) > 0.02  # the observer shows
+
+
+def test_the_feedforward_has_the_friction_of_a_fitted_model_where_that_leaves_less(
+    study, monkeypatch
+):
+    options, friction = Options(), {"F_c": 4.0, "F_s": 7.0, "v_s": 1e-3}
+    model = DriveModel("coulomb_stribeck", friction, fitted=True)
+    other = replace(study, models=[model])
+    assert with_law_found(other, options, Progress()) is other  # the drive has LuGre friction
+    left = {"lugre": 0.9, "coulomb_stribeck": 0.8}
+    monkeypatch.setattr(reproduction, "what_is_left", lambda one: left[one.rig.law.name])
+    searched = with_law_found(other, options, Progress())
+    loop, v = searched.reference, np.full(400, 2e-3)
+    system = feedforward(searched.rig.fmus, loop, searched.friction, "command")
+    with system.prepare(step=loop.T_s, stop=399 * loop.T_s, record=["compensator.F_mean"]) as runs:
+        force = runs.run(inputs=loop.commands(v))["compensator.F_mean"]
+    assert force[-1] == pytest.approx(4.0 + 3.0 * np.exp(-2.0), rel=1e-3)
+    identified = replace(study, models=[replace(model, fitted=False)])
+    assert with_law_found(identified, options, Progress()) is identified
+
+
+def test_a_feedforward_of_wrong_friction_leaves_more(study):
+    wrong = replace(study, friction={**study.friction, "sigma_0": 0.1 * study.friction["sigma_0"]})
+    assert what_is_left(study) < 0.9 * what_is_left(wrong)
 
 
 def test_a_candidate_costs_more_where_its_gains_are_worse_and_none_may_be_fragile(study):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from stickslip.catalog.parameters import start_unit, unit_of
@@ -55,19 +56,22 @@ def _loop_learning_entry(reproduction: Reproduction) -> dict[str, Any]:
         "peak_sensitivity": {"value": best.Ms, "unit": "1"},
         "evaluations": best.evaluations,
         "runs": best.runs,
-        "models": [_model_entry(model) for model in reproduction.loops.models],
+        "models": [_model_entry(model) for model in reproduction.loops.study.models],
         "genes": state(best.genes, {g.name: g.unit for g in GENES}),
         "loop": loop_document(best.tuned.loop),
         "share": {"value": best.tuned.share, "unit": "1"},
+        "feedforward": _friction_entry(best.tuned.law.name, best.tuned.friction),
     }
     return found | {one.name: component_entry(one, rotary=False) for one in best.tuned.chain()[1:]}
 
 
 def _model_entry(model: DriveModel) -> dict[str, Any]:
     """Return a model of the drive on which candidates ran."""
-    return {
-        "law": model.law,
+    return _friction_entry(model.law, model.friction) | {
         "mismatch": {"value": model.mismatch, "unit": "1"},
         "noise_x": {"value": model.noise, "unit": "m"},
-        "parameters": state(model.friction, start_unit),
     }
+
+
+def _friction_entry(law: str, friction: Mapping[str, float]) -> dict[str, Any]:
+    return {"law": law, "parameters": state(friction, start_unit)}

@@ -69,16 +69,17 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
         options, loop = reproduction.options, reproduction.identification.loop
         fmu = _build(Compensator(FMU, FMU, reproduction.refinement.values), loop, options, staging)
         best = loops.best.tuned
+        own = replace(options, law=best.law.name)
         if best.share:
             feedforward, *observers = best.chain()
-            _build(feedforward, best.loop, options, staging, f"learned_{FMU}")
+            _build(feedforward, best.loop, own, staging, f"learned_{FMU}")
             for one in observers:
                 name = f"learned_{one.name}"
                 models.build_fmu(one.model, staging, start=one.values, called=name)
         reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu, loop))
         write_json(reproduction_document(reproduction), staging / "learned.json")
         write_loop(reproduction.system, loop, staging / "loop.ssp", options)
-        write_loop(reproduction.learned_system(), best.loop, staging / LEARNED_LOOP[0], options)
+        write_loop(reproduction.learned_system(), best.loop, staging / LEARNED_LOOP[0], own)
         write_report(reproduction, staging)
 
 

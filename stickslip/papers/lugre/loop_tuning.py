@@ -23,7 +23,6 @@ from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
-from stickslip.tuning.drive_model import DriveModel
 from stickslip.tuning.loop_genes import CHAIN, FEEDFORWARD, OBSERVER, PLAIN, TunedLoop
 from stickslip.tuning.loop_learning import LearnedLoop, LoopStudy
 
@@ -42,14 +41,14 @@ class LoopTuning:
 
     Attributes
     ----------
+    study : of the search
     learned : of each seed
-    models : of the drive, on which candidates ran
     table : columns stage, seed, motion, friction, error, unit, Ms, evaluations, and the range of
         the error over ``PHASES``
     """
 
+    study: LoopStudy
     learned: Sequence[LearnedLoop]
-    models: Sequence[DriveModel]
     table: pd.DataFrame
 
     @property
@@ -123,6 +122,7 @@ def spread(median: float, low: float, high: float) -> str:
 
 def validate_loops(
     study: LoopStudy,
+    searched: LoopStudy,
     law: str,
     truth: Mapping[str, float],
     paper: VelocityLoop,
@@ -136,7 +136,8 @@ def validate_loops(
 
     Parameters
     ----------
-    study : of the loops that were learned, with the friction after least squares
+    study : with the friction after least squares
+    searched : of the loops that were learned, whose feedforward may be of another law
     law, truth : friction law of the drive, and every parameter of its FMU
     paper : the loop of the paper
     identified : friction by name, as identified
@@ -149,17 +150,18 @@ def validate_loops(
         ("tuned_pi", -1): (study.loop(PLAIN), 0),
         ("identified", -1): (own.loop(FEEDFORWARD), 0),
         ("least_squares", -1): (study.loop(FEEDFORWARD), runs),
-        **{("learned", one.seed): (one.tuned, one.evaluations) for one in learned},
     }
-    loops = [tuned for tuned, _ in steps.values()]
+    before, after = [tuned for tuned, _ in steps.values()], [one.tuned for one in learned]
+    steps |= {("learned", one.seed): (one.tuned, one.evaluations) for one in learned}
     drives = [with_friction(law, truth, level) for level in FRICTION]
 
     def of(motion: Motion) -> list[list[list[float]]]:
-        return motion_errors(study, loops, drives, motion)
+        found = motion_errors(study, before, drives, motion)
+        return found + motion_errors(searched, after, drives, motion)
 
     with Threads(workers) as threads:
         found = threads.each(of, MOTIONS)
-    peaks = _peaks(study, loops, truth["m"])
+    peaks = _peaks(study, before, truth["m"]) + _peaks(searched, after, truth["m"])
     rows = []
     for seed in (one.seed for one in learned):
         for k, ((stage, own_seed), (_, evaluations)) in enumerate(steps.items()):
@@ -172,7 +174,7 @@ def validate_loops(
                     rows.append((*named, peaks[k], evaluations, min(errors), max(errors)))
     head = ["stage", "seed", "motion", "friction", "error", "unit", "Ms", "evaluations"]
     head += [f"error{LOW}", f"error{HIGH}"]
-    return LoopTuning(learned, study.models, pd.DataFrame(rows, columns=head))
+    return LoopTuning(searched, learned, pd.DataFrame(rows, columns=head))
 
 
 def motion_errors(

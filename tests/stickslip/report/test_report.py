@@ -55,7 +55,7 @@ from stickslip.trial.simulated import Loops
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.drive_model import DriveModel
 from stickslip.tuning.loop_genes import GENES, tuned_loop
-from stickslip.tuning.loop_learning import LearnedLoop
+from stickslip.tuning.loop_learning import LearnedLoop, LoopStudy
 from stickslip.tuning.refinement import Refinement
 
 pytestmark = pytest.mark.slow
@@ -193,7 +193,8 @@ def loops(preset):
                 rows.append(row)
     head = ["stage", "seed", "motion", "friction", "error", "unit", "Ms", "evaluations"]
     models = [DriveModel("lugre", friction, mismatch=0.02)]
-    return LoopTuning(learned, models, pd.DataFrame(rows, columns=head))
+    study = LoopStudy(None, reference, friction, models=models)
+    return LoopTuning(study, learned, pd.DataFrame(rows, columns=head))
 
 
 def made(

@@ -45,17 +45,20 @@ PAPER_TABLE3 = {
 
 def loop_learning_section(reproduction: Reproduction) -> Section:
     """Return the section on the learning of the loop."""
-    loops, found = reproduction.loops, "what was identified"
-    if loops.models[0].fitted:
-        laws = " or ".join(friction_law(model.law).title for model in loops.models)
-        found = f"{laws}, fitted to the drive’s errors"
+    loops = reproduction.loops
+    found, fed, models = "what was identified", "", loops.study.models
+    if models[0].fitted:
+        titles = [friction_law(model.law).title for model in models]
+        found = f"{' or '.join(titles)}, fitted to the drive’s errors"
+        fed = f" The feedforward has the {titles[0]} friction, too."
     figures = {
         "fig3_scheme": partial(draw_scheme, reproduction),
         "fig4_flow": partial(draw_flow, reproduction),
         "fig5_fitness": partial(draw_fitness, loops),
     }
-    values = {"settings": _settings(loops.best.algorithm), "genes": _genes(loops), "found": found}
-    values |= {"learning": loop_learning, "seconds": training_motion().duration, "PROBES": PROBES}
+    values = {"settings": _settings(loops.best.algorithm), "genes": _genes(loops), "PROBES": PROBES}
+    values |= {"learning": loop_learning, "seconds": training_motion().duration}
+    values |= {"found": found, "fed": fed, "mismatch": models[0].mismatch}
     return section("Learning the loop", "loop_learning", reproduction, figures, **values)
 
 
