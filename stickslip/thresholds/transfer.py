@@ -1,0 +1,23 @@
+"""Whether a learned drive holds for another log, and whether two logs can be compared."""
+
+from stickslip.thresholds import Threshold
+
+SMALL = Threshold(0.05)
+"""Relative error of the force up to which the drive predicts the log, whatever explains it."""
+MASS = Threshold(0.02)
+"""Relative change of the mass above which the drive of the log is another one."""
+VISCOUS = Threshold(0.05)
+"""The same for viscous friction, at the top speed and as a share of F_c."""
+FRICTION = Threshold(0.02)
+"""The same for friction as a whole."""
+OFFSET = Threshold(0.02)
+"""The same for the constant force, as a share of F_c."""
+INTERVAL = Threshold(0.15, "decision 67")
+"""Relative standard error of a parameter up to which its interval explains errors; above it the
+interval would explain any."""
+IN_COMMON = Threshold(0.2)
+"""Share of the motion of the shorter log in which both commands must be the same; below it the logs
+are not compared."""
+REPETITIONS = Threshold(3)
+"""Repetitions of a command from which on they are the parts over which an interval is computed;
+with fewer the logs are cut into equal parts."""
