@@ -15,11 +15,12 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
+import scipy.signal
 
 from stickslip import cosim, thresholds
 from stickslip.catalog.parameters import friction_law
 from stickslip.catalog.space import ParameterSpace
-from stickslip.errors import IdentificationError
+from stickslip.errors import IdentificationError, RecordingError
 from stickslip.identification import estimation
 from stickslip.identification.controller import controller_check, criterion_choice
 from stickslip.identification.controller.controller_check import ControllerCheck
@@ -31,7 +32,24 @@ from stickslip.identification.selection import choose, folds, mismatch, predicti
 from stickslip.identification.sliding import friction_curve
 from stickslip.identification.stages import friction_map, presliding, sliding
 from stickslip.identification.stages.inertia import measure_inertia
-from stickslip.logs import Recording
+from stickslip.logs import (
+    Controller,
+    Recording,
+    checks,
+    contradictions,
+    delay,
+    force_path,
+    grid,
+    jumps,
+    lost_rows,
+    plausibility,
+    same_command,
+    sampling,
+    saturation,
+    unit_factors,
+)
+from stickslip.logs import reading as log_reading
+from stickslip.logs.excitation import Excitation, TurnAround, _one_way
 from stickslip.servo import observer
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP
@@ -43,6 +61,7 @@ from stickslip.trial.benefit import NONE, TrialError, _repeated
 from stickslip.trial.candidates import CompensatorComparison, Row
 from stickslip.trial.guards import Hold, Trial, hunting, hunting_at_rest, stribeck
 from tests.stickslip.identification.synthetic_predictions import predicted
+from tests.stickslip.logs.rigid_drive import rigid_drive
 
 ROOT = Path(thresholds.__file__).parents[2]
 MODULES = {
@@ -431,6 +450,182 @@ def presliding_warning(left):
     return presliding._evaluated(fit, np.ones(1), left)[2]
 
 
+def rigid_log(**changes):
+    """Return a log of a rigid drive, whose force is logged with an error."""
+    drive = rigid_drive(step=4e-7, **changes)
+    noise = 0.5 * np.random.default_rng(0).standard_normal(len(drive.t))
+    return replace(drive, force=drive.force + noise)
+
+
+def shows(**changes):
+    """Return what a log shows poorly."""
+    shown = replace(SHOWN, **changes)
+    found = checks._visibility(DRIVE, shown)
+    return [one.what for one in found if one.severity == "warning"]
+
+
+SHOWN = Excitation(
+    *(0.1, 0.5, 1e-3, 0.2, 100, (0.01, 0.1), 10, False, 100.0, 1.0, 1.0, 1.0, 0.3),
+    TurnAround(1e-5, 30.0, 30.0, 50),
+)
+DRIVE = rigid_drive()
+
+
+def is_short(duration, samples):
+    t = np.linspace(0.0, duration, samples)
+    return bool(list(checks._signals(Recording(t, np.sin(t), np.sin(t)), Controller())))
+
+
+def is_short_travel(steps):
+    log = Recording(np.arange(9) * T_S, steps * np.linspace(0.0, 1.0, 9), encoder_step=1.0)
+    return next(checks._quantisation(log, SHOWN)).severity == "warning"
+
+
+def one_way(share):
+    v = np.where(np.arange(1000) < 1000 * share, -1.0, 1.0)
+    with patch("stickslip.logs.excitation.sliding", lambda *_: np.full(1000, True)):
+        return _one_way(namespace(T_s=T_S), namespace(v=v))
+
+
+TABLE: Any = namespace(path="log.csv", row=int, part=lambda _: TABLE)
+
+
+def on_grid(samples=100, gap=0, jitter=0.0):
+    """Return how a log is put on an even grid, with a gap and uneven times [samples]."""
+    t = np.arange(float(samples))
+    t[50:] += gap
+    t += jitter * np.sqrt(2.0) * np.sin(np.arange(samples) ** 2)
+    try:
+        found = grid.even_grid(TABLE, 1e-3 * t, {"force": np.sin(0.1 * t)}).findings
+    except RecordingError:
+        return ["refused"]
+    return [(one.severity, one.what) for one in found if "interpolated" not in one.what]
+
+
+def is_rounded(steps):
+    """Return whether times that deviate by steps of their clock both ways are those of a clock."""
+    t = np.arange(0.0, 1000.0, 10.0)
+    t[[40, 60]] += steps, -steps
+    return sampling.regular_times(t, 10.0) is not None
+
+
+def is_refused(still):
+    """Return whether rows with equal times are refused, for their motion over that beside them."""
+    x = np.cumsum(np.resize([0.0, 1.0, still, 1.0], 400))
+    t = np.cumsum(np.resize([1.0, 1.0, 0.0, 1.0], 400))
+    return raises(lambda: sampling._check_instants(TABLE, t, {"position": x}), RecordingError)
+
+
+def in_turn(share):
+    one = np.where(np.arange(1000) % round(1.0 / share) == 1, np.nan, 1.0)
+    return sampling._in_turn({"force": one}) == "force"
+
+
+def is_limited():
+    """Return whether a force is found to be logged before a limit."""
+    at = np.quantile(np.abs(DRIVE.force), 0.7)
+    beyond = 2.0 * np.sign(DRIVE.force) * np.maximum(np.abs(DRIVE.force) - at, 0.0)
+    log = replace(DRIVE, force=DRIVE.force + beyond)
+    return force_path._before_limit(log, log.force) is not None
+
+
+def is_cut_off(share, beyond=0.3, spread=0.0):
+    """Return whether a log cuts a force off in a share of the samples, which the motion exceeds."""
+    n, many = 10_000, round(10_000 * share)
+    force = np.sin(np.arange(n))
+    force[:many] = 1.5 * (1.0 + beyond)
+    logged = force.copy()
+    logged[:many] = 1.5 * np.linspace(1.0 - spread, 1.0, many)
+    drive = namespace(used=np.full(n, True), columns=force[:, np.newaxis], force=logged)
+    motion = namespace(cutoff=100.0)
+    with patch.multiple(force_path, rigid=lambda *_: drive, kinematics=lambda _: motion):
+        return force_path._clipped(namespace(T_s=1e-3), logged) is not None
+
+
+def is_low_passed():
+    """Return whether a force behind a low-pass of 10 Hz, which leaves 0.4 % of it, is found."""
+    drive, share = rigid_drive(F_c=0.3), -np.expm1(-0.02 * np.pi)
+    force = scipy.signal.lfilter([share], [1.0, share - 1.0], drive.force)
+    return force_path._low_passed(replace(drive, force=force)) is not None
+
+
+def saturates(level, samples, asked=None, limit=10.0):
+    """Return what is found of a force that stays at a level, where a command may ask for more."""
+    force = 0.3 * level * np.sin(np.arange(4000.0))
+    force[1000 : 1000 + samples] = level
+    command = np.where(force == level, asked, force) if asked else None
+    log = Recording(np.arange(4000) * 1e-3, np.zeros(4000), force, force_command=command)
+    found = saturation.saturation(log, limit)
+    return {one.what.split()[1] for one in found if one.what.startswith("force ")}
+
+
+def lost(events):
+    """Return whether rows are lost where the position goes twice as far in one step."""
+    steps = 1.0 + 1e-3 * np.sin(np.arange(1000.0))
+    steps[20 : 20 + 40 * events : 40] *= 2.0
+    return lost_rows.lost_rows(namespace(position=np.cumsum(steps), encoder_step=0.0)) is not None
+
+
+def jump(size, noise):
+    """Return whether a jump in a signal whose steps are 1, and deviate by a noise, is found."""
+    steps = 1.0 + noise * np.sin(np.arange(200.0) ** 2)
+    steps[100] += size
+    return bool(jumps.jumps(np.arange(201.0), np.cumsum(np.append(0.0, steps)))[0].size)
+
+
+def restart(*sizes):
+    """Return the size of jumps after which a counter restarts, which is that of no turn or word."""
+    return jumps._restart("position", np.linspace(0.0, 3.0, 90), np.array(sizes), np.zeros(1))
+
+
+def contradicting(ratio=1.0, high=0.9, pair=("position", "position_command"), **given):
+    """Return how two signals, alike by a correlation, or a force, contradict each other."""
+    reading = namespace(
+        recording=replace(DRIVE, velocity=DRIVE.velocity, force_command=DRIVE.force),
+        units=dict.fromkeys(pair),
+        timed="velocity" in pair,
+        description=namespace(column=lambda _: namespace(scale=None)),
+        controller=namespace(T_s=given.get("T_s", 0.0)),
+    )
+    with patch.multiple(
+        contradictions,
+        _likeness=lambda *_: (ratio, high, 0.0),
+        _shared=lambda *_: given.get("shared", 1.0),
+        _corrections=lambda *_: "",
+    ):
+        return [one.severity for one in contradictions.contradictions(reading)]
+
+
+def shared(share):
+    """Return whether the share of a force like that of a motion is known, for a time in motion."""
+    v = np.where(np.arange(4000) < 4000 * share, np.sin(np.arange(4000.0)), 0.0)
+    motion = namespace(v=v, a=v, floor=1e-3, cutoff=100.0)
+    return contradictions._shared(DRIVE, DRIVE.force, motion) < 1.0
+
+
+def is_slow(T_s):
+    """Return whether a sample period of a time without a unit is asked about."""
+    log = replace(DRIVE, t=np.arange(len(DRIVE.t)) * T_s)
+    found = plausibility.implausible(namespace(recording=log, assumed=("time",), units={}))
+    return next(found, None) is not None
+
+
+def other_steps(shown):
+    """Return whether steps of a position are warned of, over the step that was stated."""
+    findings: list[Any] = []
+    x = {"position": shown * np.round(9.0 * np.sin(0.1 * np.arange(100.0)))}
+    with patch.object(log_reading, "_positive", lambda *_: 1.0):
+        log_reading._encoder_step(TABLE, None, x, findings)
+    return bool(findings)
+
+
+def in_common(factor=1.0, samples=2000):
+    """Return in how many samples a command is the same in another log."""
+    first = np.sin(0.01 * np.arange(2000.0))
+    second = np.where(np.arange(2000) < samples, factor * first, np.sin(np.arange(2000.0) ** 1.5))
+    return sum(one.n for one in same_command.same_command(first, second, 1e-3)) > 300
+
+
 CASES: dict[str, tuple[float, Any, object, object]] = {
     # threshold: factor on it, decision, verdict before and after
     "harm.WORSE": (2.0, lambda: TrialError(1.0, "", 1.0, 1.2).is_worse, True, False),
@@ -509,6 +704,103 @@ CASES: dict[str, tuple[float, Any, object, object]] = {
     "stage.POOR": (2.0, lambda: presliding_warning(0.3) != "", True, False),
     "stage.BREAKAWAY": (2.0, lambda: breaks_away(3e-3, 200), True, False),
     "stage.BREAKAWAY_SAMPLES": (2.0, lambda: breaks_away(5e-3, 30), True, False),
+    "transfer.SAME": (2.0, lambda: in_common(1.015), False, True),
+    "transfer.STRETCH": (2.0, lambda: in_common(samples=400), True, False),
+    "transfer.MOVING": (
+        2.0,
+        lambda: same_command.is_moving(np.array([0.015, 1.0]))[0],
+        True,
+        False,
+    ),
+    "log_content.FEWEST": (2.0, lambda: on_grid(samples=30) == ["refused"], False, True),
+    "log_content.DURATION": (2.0, lambda: is_short(1.5, 9000), False, True),
+    "log_content.SAMPLES": (2.0, lambda: is_short(9.0, 700), False, True),
+    "log_content.TRAVEL": (2.0, lambda: is_short_travel(150), False, True),
+    "log_content.MOVING": (2.0, lambda: shows(moving=0.15), [], ["the drive hardly moves"]),
+    "log_content.INERTIAL": (2.0, lambda: shows(inertial=0.07), [], ["m is poorly identifiable"]),
+    "log_content.SLOW": (
+        *(2.0, lambda: shows(slow=0.07), [], ["F_s and v_s are poorly identifiable"]),
+    ),
+    "log_content.SPEEDS": (
+        *(2.0, lambda: shows(speeds=(1.0, 4.0)), [], ["b and F_c are hard to separate"]),
+    ),
+    "log_content.ONE_WAY": (2.0, lambda: one_way(0.015), False, True),
+    "log_content.REVERSALS": (
+        *(2.0, lambda: shows(reversals=3), [], ["F_c and the offset are hard to separate"]),
+    ),
+    "log_content.SPACING": (
+        *(2.0, lambda: shows(spacing=30), [], ["reversals are too fast for the sample rate"]),
+    ),
+    "log_content.TURN": (
+        *(2.0, lambda: shows(turn_around=TurnAround(1.0, 4.0, 4.0, 99))),
+        *([], ["sigma_0 and sigma_1 are poorly identifiable"]),
+    ),
+    "log_content.TURNS": (
+        *(2.0, lambda: shows(turn_around=TurnAround(1.0, 9.0, 30.0, 5))),
+        *([], ["sigma_0 and sigma_1 are poorly identifiable"]),
+    ),
+    "log_delay.REPORTED": (2.0, lambda: delay.samples_late(rigid_drive(delay=3.0)), 3, 0),
+    "log_delay.EXPLAINS": (0.5, lambda: delay.samples_late(rigid_log(delay=6.0)), 6, 0),
+    "log_delay.KNOWN": (2.0, lambda: delay.Delay(0.0, 0.3).known(1.0), False, True),
+    "log_force.LIMITED": (0.5, is_limited, True, False),
+    "log_force.AT_LIMIT": (2.0, lambda: is_cut_off(0.008, spread=0.04), False, True),
+    "log_force.PILED": (2.0, lambda: is_cut_off(0.008), True, False),
+    "log_force.BEYOND": (2.0, lambda: is_cut_off(0.02, beyond=0.045), True, False),
+    "log_force.EXACT": (0.5, is_low_passed, False, True),
+    "log_force.LAGGED": (*(0.5, lambda: force_path._is_low_pass(0.3, 1.0, 1.0, 1.0), True, False),),
+    "log_force.LAGGED_ALIKE": (
+        *(0.5, lambda: force_path._is_low_pass(0.3, 1.0, 0.5, 1.0), True, False),
+    ),
+    "log_force.ATTENUATED": (
+        *(2.0, lambda: force_path._is_low_pass(0.1, 1.0, 1.0, 0.03), True, False),
+    ),
+    "log_force.AT_STATED": (*(0.5, lambda: saturates(6.0, 50), set(), {"saturates"}),),
+    "log_force.PLATEAU": (*(2.0, lambda: saturates(10.0, 4), {"saturates"}, set()),),
+    "log_force.DEMANDED": (*(2.0, lambda: saturates(10.0, 50, 10.7), {"saturates"}, set()),),
+    "log_force.SELDOM": (
+        *(2.0, lambda: saturates(10.0, 12, 20.0, None)),
+        *({"saturates"}, set()),
+    ),
+    "log_force.EXCEEDED": (*(2.0, lambda: "exceeds" in saturates(12.0, 50), True, False),),
+    "log_force.LOST_ROWS": (2.0, lambda: lost(7), True, False),
+    "log_jump.FAR": (2.0, lambda: jump(1.5, 0.05), True, False),
+    "log_jump.STANDS_OUT": (2.0, lambda: jump(3.0, 0.2), True, False),
+    "log_jump.BACK": (
+        *(2.0, lambda: jumps._lost(np.array([5, 7]), np.array([1.0, -0.85]), np.zeros(2))[0].size),
+        *(0, 2),
+    ),
+    "log_jump.EQUAL": (2.0, lambda: restart(5.0, 5.15) is not None, False, True),
+    "log_jump.FEWEST": (2.0, lambda: restart(5.0, 5.0, 5.0) is not None, True, False),
+    "log_unit.IMAGE": (2.0, lambda: contradicting(ratio=5.0), ["warning"], []),
+    "log_unit.SURE_IMAGE": (
+        *(2.0, lambda: contradicting(ratio=2.0 * np.pi, high=0.99), ["error"], ["warning"]),
+    ),
+    "log_unit.SMALL": (2.0, lambda: contradicting(ratio=25.4), ["error"], ["warning"]),
+    "log_unit.UNLIKE": (2.0, lambda: contradicting(high=0.5), [], ["error"]),
+    "log_unit.SHARED": (
+        *(2.0, lambda: contradicting(pair=("force", "force_command"), shared=0.15)),
+        *([], ["error"]),
+    ),
+    "log_unit.MOVING": (2.0, lambda: shared(0.15), True, False),
+    "log_unit.FOLLOWS": (2.0, lambda: contradicting(ratio=3.0), ["warning"], []),
+    "log_unit.EQUALS": (
+        *(2.0, lambda: contradicting(ratio=2.0, pair=("position", "velocity")), ["warning"], []),
+    ),
+    "log_unit.NEAR": (2.0, lambda: unit_factors.near_factor(25.4 * 1.05) is None, True, False),
+    "log_unit.ROUGHLY": (2.0, lambda: unit_factors.near_factor(1.45e6) is None, True, False),
+    "log_unit.FASTER": (2.0, lambda: contradicting(T_s=1e-3 / 300.0), ["error"], []),
+    "log_unit.SLOWER": (2.0, lambda: contradicting(T_s=0.03), ["error"], []),
+    "log_unit.SLOWEST": (2.0, lambda: is_slow(0.08), True, False),
+    "log_unit.STEP": (2.0, lambda: other_steps(1.07), True, False),
+    "log_clock.FILLED": (2.0, lambda: ("warning", "a gap in time") in on_grid(gap=8), True, False),
+    "log_clock.EVEN": (2.0, lambda: on_grid(jitter=0.015), [("note", "times are uneven")], []),
+    "log_clock.UNEVEN": (
+        *(2.0, lambda: on_grid(jitter=0.15)),
+        *([("warning", "times are uneven")], [("note", "times are uneven")]),
+    ),
+    "log_clock.ROUNDED": (2.0, lambda: is_rounded(1.0), False, True),
+    "log_clock.STILL": (2.0, lambda: is_refused(0.35), False, True),
+    "log_clock.IN_TURN": (2.0, lambda: in_turn(1.0 / 4.0), True, False),
 }
 
 

@@ -21,3 +21,9 @@ are not compared."""
 REPETITIONS = Threshold(3)
 """Repetitions of a command from which on they are the parts over which an interval is computed;
 with fewer the logs are cut into equal parts."""
+SAME = Threshold(0.01)
+"""Difference of two commands up to which they are the same, as a share of the speed near by."""
+STRETCH = Threshold(0.3, unit="s")
+"""Duration below which the same command in both logs is by chance."""
+MOVING = Threshold(0.01)
+"""Share of the largest speed above which a command moves the drive, so that its time counts."""

@@ -65,8 +65,8 @@ def measure_sliding(rig: Rig, loop: VelocityLoop) -> Sliding:
         raise IdentificationError(
             f"constant velocity: the loop holds {sum(held)} of {len(held)} speeds from "
             f"{SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s within {100.0 * stage.HELD:.0f} %, expected at "
-            f"least {stage.SPEEDS_HELD:g}; check tau_i and encoder_step of the data sheet, or raise "
-            "the bandwidth"
+            f"least {stage.SPEEDS_HELD:g}; check tau_i and encoder_step of the data sheet, or "
+            "raise the bandwidth"
         )
     runs = [run for run in tried if run is not None]
     halves = [0.5 * (forces[0] - forces[1]) for forces, _ in runs]
