@@ -14,13 +14,14 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
+import pandas as pd
 import pytest
 import scipy.signal
 
-from stickslip import cosim, thresholds
+from stickslip import cosim, ga, thresholds
 from stickslip.catalog.parameters import friction_law
 from stickslip.catalog.space import ParameterSpace
-from stickslip.errors import IdentificationError, RecordingError
+from stickslip.errors import IdentificationError, RecordingError, RigError, UsageError
 from stickslip.identification import estimation
 from stickslip.identification.controller import controller_check, criterion_choice
 from stickslip.identification.controller.controller_check import ControllerCheck
@@ -42,6 +43,7 @@ from stickslip.logs import (
     grid,
     jumps,
     lost_rows,
+    motion,
     plausibility,
     same_command,
     sampling,
@@ -50,9 +52,15 @@ from stickslip.logs import (
 )
 from stickslip.logs import reading as log_reading
 from stickslip.logs.excitation import Excitation, TurnAround, _one_way
+from stickslip.planning import Limits
+from stickslip.rigs import ads_rig, contract, remote, served_drive
+from stickslip.rigs.ads_rig import AdsRig
+from stickslip.rigs.contract import Command, Log
+from stickslip.rigs.limits import RigLimits
 from stickslip.servo import observer
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP
+from stickslip.servo.divergence import Diverged, require_bounded
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.studies.learn import log_learning
 from stickslip.studies.validate import compared_logs, log_prediction, log_verdict
@@ -60,6 +68,7 @@ from stickslip.trial import compensator_trial, tolerance
 from stickslip.trial.benefit import NONE, TrialError, _repeated
 from stickslip.trial.candidates import CompensatorComparison, Row
 from stickslip.trial.guards import Hold, Trial, hunting, hunting_at_rest, stribeck
+from stickslip.tuning import drive_model, loop_learning, refinement
 from tests.stickslip.identification.synthetic_predictions import predicted
 from tests.stickslip.logs.rigid_drive import rigid_drive
 
@@ -471,6 +480,13 @@ SHOWN = Excitation(
 DRIVE = rigid_drive()
 
 
+def is_rigid(samples):
+    """Return whether a drive that slides for some samples shows its mass."""
+    slides = np.arange(len(DRIVE.t)) < samples
+    with patch.object(motion, "sliding", lambda *_: slides):
+        return motion.rigid(DRIVE, motion.kinematics(DRIVE)) is not None
+
+
 def is_short(duration, samples):
     t = np.linspace(0.0, duration, samples)
     return bool(list(checks._signals(Recording(t, np.sin(t), np.sin(t)), Controller())))
@@ -626,6 +642,131 @@ def in_common(factor=1.0, samples=2000):
     return sum(one.n for one in same_command.same_command(first, second, 1e-3)) > 300
 
 
+def refined(worse):
+    """Return what is kept of the friction where a fit costs more than the start by a factor."""
+    runs = [namespace(cost=cost, gaps=[0] * 3, values={}, training_cost=0.0) for cost in (1, worse)]
+    bench = namespace(run=lambda _: runs.pop(0) if len(runs) > 1 else runs[0], runs=0)
+    study = namespace(start={}, rig=namespace(samples=lambda _: 0, T_s=T_S))
+    motion = namespace(command=namespace(sample=lambda _: 0), duration=1.0)
+    with patch.multiple(
+        refinement,
+        Bench=lambda *_: bench,
+        guard_motion=lambda _: motion,
+        relative_errors=lambda *_: {"creep": 1.0},
+        fit=lambda *_: namespace(values={}, errors={}, alone={}),
+    ):
+        return refinement.refine(study).chosen
+
+
+def taken_loop(worst):
+    """Return which loop is taken: one with a part of the reference's errors, but one of them."""
+    names = [gene.name for gene in loop_learning.GENES]
+    history = pd.DataFrame([dict.fromkeys(names, 0.5) | {"cost": 0.5}])
+    found = iter([{"a": worst, "b": 0.3}, {"a": 9.0, "b": 9.0}, {"a": 1.0, "b": 1.0}])
+    loop = namespace(peak_sensitivity=lambda: 1.5)
+    study = namespace(seed=0, loop=lambda _: loop, models=())
+    with patch.object(loop_learning, "_typical", lambda *_: next(found)):
+        search = namespace(history=history, evaluations=1)
+        return loop_learning._choose(study, None, search).chosen
+
+
+def is_run(Ms):
+    """Return whether a candidate of the loop with a peak sensitivity is run."""
+    loop = namespace(peak_sensitivity=lambda: Ms)
+    cost = namespace(study=namespace(loop=lambda _: loop), ratios=lambda _: {"a": 1.0})
+    values = np.zeros(len(loop_learning.GENES))
+    return not raises(lambda: loop_learning.LoopCost.__call__(cost, values), ga.CandidateFailed)
+
+
+def models(starts, ends=(), default=9.0):
+    """Return the laws of models, and those searched, by their mismatch before and after that."""
+    searched = []
+
+    def search(law):
+        one = namespace(model=namespace(law=law, mismatch=starts.get(law, default)))
+
+        def to(*_):
+            searched.append(law)
+            one.model.mismatch = dict(ends).get(law, one.model.mismatch)
+
+        one.to = to
+        return one
+
+    with patch.multiple(
+        drive_model,
+        LoopRuns=lambda _: namespace(close=list),
+        errors_of=lambda _: None,
+        Mismatch=lambda _, law, __: nullcontext(law),
+        LawSearch=search,
+    ):
+        rig = namespace(law=namespace(name="lugre"))
+        found = drive_model.fit_models(namespace(rig=rig), execution=namespace(opened=nullcontext))
+    return [one.law for one in found], searched
+
+
+def is_refused_log(error):
+    """Return whether a log is refused whose times are wrong by a share."""
+    t = np.arange(9) * T_S
+    command = Command(T_S / (1.0 + error), design_velocity_loop(AXIS, LOOP), velocity=np.zeros(9))
+    return contract._wrong_log(Log(t, t, t), command) != ""
+
+
+def remote_rig(**values):
+    limits = RigLimits((-1.0, 1.0), 1.0, 1.0, 1.0)
+    known = {"name": "rig", "T_s": T_S, "_motion": 0, "_number": 0, "_heartbeat": 0.0, "chunk": 9}
+    return namespace(**known, _limits=limits, _understood=nullcontext, **values)
+
+
+def returns(x):
+    """Return whether a drive that stands away from where motions begin has returned."""
+    loop = namespace(changed=lambda **_: design_velocity_loop(AXIS, LOOP))
+    rig = remote_rig(_request=lambda *_, **__: {"position": x}, _run=lambda *_: None, loop=loop)
+    return not raises(lambda: remote.RemoteRig._return(rig), RigError)
+
+
+def is_stopped(quiet):
+    """Return whether a motion is stopped whose samples come after a time [s]."""
+    clock = iter([0.0, quiet, quiet, quiet])
+
+    def request(what, **_):
+        if what != "read":
+            return {"loaded": 9}
+        seen = request.reads = getattr(request, "reads", 0) + 1
+        x = [0.0] * 9 if seen > 1 else []
+        values = {"x_enc": x, "F_m": x}
+        return {"values": values, "state": "done", "limit": 0, "reason": "", "samples": 9}
+
+    rig = remote_rig(_request=request, _stop=id)
+    command = Command(T_S, design_velocity_loop(AXIS, LOOP), velocity=np.zeros(9))
+    with patch.object(remote, "time", namespace(monotonic=lambda: next(clock), sleep=id)):
+        return raises(lambda: remote.RemoteRig._run(rig, command, rig._limits), RigError)
+
+
+def keeps_pace(took, shown):
+    """Return whether a motion is refused that took a time here, and another on the controller."""
+    clock, there = iter([0.0, took]), iter([0.0, shown])
+    rig = AdsRig.__new__(AdsRig)
+    vars(rig).update(name="rig", T_s=T_S, _clock=lambda: next(there))
+    with (
+        patch.object(ads_rig, "time", namespace(monotonic=lambda: next(clock))),
+        patch.object(remote.RemoteRig, "_run", lambda *_: None),
+    ):
+        return not raises(lambda: rig._run(None, None), RigError)
+
+
+def braked(v=0.0, resting=9.0, stopping=0.0):
+    """Return the state of a drive that is stopped, has a speed, and is at rest for a time [s]."""
+    drive = namespace(T_s=T_S, _v=0.0, _x_cmd=0.0, state="stopping", _velocity=lambda: v)
+    drive._resting, drive._stopping = round(resting / T_S), round(stopping / T_S)
+    served_drive.ServedDrive._ramp(drive)
+    return drive.state
+
+
+def is_planned(**limits):
+    """Return whether an experiment can be planned."""
+    return not raises(lambda: Limits(**limits), UsageError)
+
+
 CASES: dict[str, tuple[float, Any, object, object]] = {
     # threshold: factor on it, decision, verdict before and after
     "harm.WORSE": (2.0, lambda: TrialError(1.0, "", 1.0, 1.2).is_worse, True, False),
@@ -664,6 +805,10 @@ CASES: dict[str, tuple[float, Any, object, object]] = {
     "transfer.IN_COMMON": (2.0, lambda: raises(lambda: compared(0.3), Exception), False, True),
     "transfer.REPETITIONS": (2.0, lambda: parts(4), True, False),
     "loop_fit.MODEL_ERROR": (2.0, lambda: "drive holds" in verdict(ratio=3.0), False, True),
+    "loop_fit.RUNS_AWAY": (
+        *(2.0, lambda: raises(lambda: require_bounded(np.full(9, 15.0), 1.0), Diverged)),
+        *(True, False),
+    ),
     "loop_fit.DELAY_AT_BOUND": (2.0, lambda: faults(delay=-4.985), [], ["the delay"]),
     "loop_fit.CHANGE": (2.0, lambda: len(faults(change=(0.05, 0.001))), 1, 0),
     "loop_fit.CHANGE_CERTAIN": (2.0, lambda: len(faults(change=(0.05, 0.008))), 1, 0),
@@ -717,6 +862,7 @@ CASES: dict[str, tuple[float, Any, object, object]] = {
     "log_content.SAMPLES": (2.0, lambda: is_short(9.0, 700), False, True),
     "log_content.TRAVEL": (2.0, lambda: is_short_travel(150), False, True),
     "log_content.MOVING": (2.0, lambda: shows(moving=0.15), [], ["the drive hardly moves"]),
+    "log_content.SLIDING": (2.0, lambda: is_rigid(70), True, False),
     "log_content.INERTIAL": (2.0, lambda: shows(inertial=0.07), [], ["m is poorly identifiable"]),
     "log_content.SLOW": (
         *(2.0, lambda: shows(slow=0.07), [], ["F_s and v_s are poorly identifiable"]),
@@ -801,6 +947,27 @@ CASES: dict[str, tuple[float, Any, object, object]] = {
     "log_clock.ROUNDED": (2.0, lambda: is_rounded(1.0), False, True),
     "log_clock.STILL": (2.0, lambda: is_refused(0.35), False, True),
     "log_clock.IN_TURN": (2.0, lambda: in_turn(1.0 / 4.0), True, False),
+    "kept.FIT_WORSE": (2.0, lambda: refined(1.5), "start", "refined"),
+    "kept.LOOP_WORSE": (2.0, lambda: taken_loop(1.03), "reference", "learned"),
+    "kept.SENSITIVITY": (2.0, lambda: is_run(2.5), False, True),
+    "kept.ERRS_ALIKE": (2.0, lambda: models({"lugre": 0.15})[1] != [], True, False),
+    "kept.ERRS_WELL": (2.0, lambda: len(models({"lugre": 0.15}, {"lugre": 0.07})[1]), 2, 1),
+    "kept.HOPELESS": (*(2.0, lambda: "gms" in models({"lugre": 0.2, "gms": 0.6})[1], False, True),),
+    "kept.FURTHER": (
+        *(2.0, lambda: models({"lugre": 0.2, "gms": 0.3})[0], ["lugre"], ["lugre", "gms"]),
+    ),
+    "rig_motion.SPACING": (2.0, lambda: is_refused_log(0.015), True, False),
+    "rig_motion.RETURNED": (2.0, lambda: returns(3e-5), False, True),
+    "rig_motion.STALL": (2.0, lambda: is_stopped(15.0), True, False),
+    "rig_motion.PACE": (2.0, lambda: keeps_pace(1.0, 2.0), False, True),
+    "rig_motion.PACED": (2.0, lambda: keeps_pace(0.7, 7.0), False, True),
+    "rig_motion.AT_REST": (2.0, lambda: braked(v=1.5e-3), "stopping", "idle"),
+    "rig_motion.SETTLED": (2.0, lambda: braked(resting=0.15), "idle", "stopping"),
+    "rig_motion.LONGEST_STOP": (2.0, lambda: braked(1.0, stopping=4.0), "idle", "stopping"),
+    "experiment.DURATION": (2.0, lambda: is_planned(duration=3.0), True, False),
+    "experiment.SLOWEST": (2.0, lambda: is_planned(rate=150.0), True, False),
+    "experiment.FASTEST": (0.5, lambda: is_planned(rate=8e4), True, False),
+    "experiment.SAMPLES": (0.5, lambda: is_planned(duration=300.0, rate=5e4), True, False),
 }
 
 

@@ -13,10 +13,10 @@ import scipy
 
 from stickslip.logs.delay import force_delay
 from stickslip.logs.finding import Finding
-from stickslip.logs.motion import FEWEST, kinematics, left, rigid, rigid_columns
+from stickslip.logs.motion import kinematics, left, rigid, rigid_columns
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array, smoothed
-from stickslip.thresholds import log_force
+from stickslip.thresholds import log_content, log_force
 
 LEVELS = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.925, 0.95, 0.97, 0.98, 0.99, 0.995)
 """Quantiles of the force that are tried as a limit."""
@@ -80,7 +80,7 @@ def _clipped(recording: Recording, force: Array) -> Finding | None:
     reach = max(1, round(0.5 / (motion.cutoff * recording.T_s)))
     near = np.convolve(extreme, np.ones(2 * reach + 1), mode="same") > 0.5
     below, above = ~near[drive.used], at[drive.used]
-    if min(below.sum(), above.sum()) < FEWEST:
+    if min(below.sum(), above.sum()) < log_content.SLIDING:
         return None
     used = drive.force[drive.used]
     fit, every = (

@@ -12,6 +12,8 @@ TRAVEL = Threshold(100, unit="encoder steps")
 """Travel below which there is a warning that the encoder is coarse."""
 MOVING = Threshold(0.1)
 """Share of the time in motion below which the drive hardly moves."""
+SLIDING = Threshold(50, unit="samples")
+"""Samples in which the drive slides, fewer than which show neither mass nor faults of the force."""
 INERTIAL = Threshold(0.05)
 """Share of the force by acceleration below which m is poorly identifiable, and no sign or size of
 the mass is questioned."""

@@ -5,6 +5,9 @@ from stickslip.thresholds import Threshold
 MODEL_ERROR = Threshold(2.0, "decision 25")
 """Error of a simulated loop, over that of encoder and noise, above which the drive is another one:
 the force decides instead, or there is a warning; ``validate`` calls an error up to it explained."""
+RUNS_AWAY = Threshold(10.0, "below 4 where a loop follows its command, or sticks and slips on it")
+"""Peak of a simulated velocity over the largest commanded one above which a run has failed, and
+gives no figures: a loop that does not follow passes it within some tens of samples."""
 DELAY_AT_BOUND = Threshold(0.01, unit="samples")
 """Distance of the delay from a bound of the fit below which the delay is taken to be outside."""
 CHANGE = Threshold(0.03)

@@ -31,10 +31,10 @@ from stickslip.identification.criteria.runs import Runs
 from stickslip.models import Law
 from stickslip.progress import steps
 from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.divergence import DIVERGED, require_bounded
+from stickslip.servo.divergence import require_bounded
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
-from stickslip.thresholds import harm
+from stickslip.thresholds import harm, loop_fit
 from stickslip.trial.family import MOVES, Command, Drive
 from stickslip.trial.single_run import axis_values, in_loop
 
@@ -204,7 +204,7 @@ class Benefit:
             return (
                 f"the simulated loop {where} on a drive with {worst.drive} runs away"
                 f" {'with the whole force' if math.isfinite(worst.without) else 'without it, too'}:"
-                f" its velocity exceeds {DIVERGED:g} times the largest commanded one"
+                f" its velocity exceeds {loop_fit.RUNS_AWAY:g} times the largest commanded one"
             )
         error = "position" if worst.figure == "position" else "tracking"
         factor, unit = self.shown(worst)

@@ -9,7 +9,6 @@ import numpy as np
 
 from stickslip.catalog.parameters import unit_of
 from stickslip.catalog.space import Values
-from stickslip.servo.divergence import DIVERGED
 from stickslip.studies.validate.log_prediction import FRICTION, Change, LogPrediction
 from stickslip.thresholds import control_match, loop_fit, transfer
 
@@ -52,8 +51,8 @@ def verdict(found: LogPrediction, values: Values) -> tuple[str, ...]:
     check = found.check
     if check is not None and found.goodness.simulated is None:
         reasons.append(
-            f"the loop, simulated, runs away: its velocity exceeds {DIVERGED:g} times the largest "
-            "commanded one, so there are no figures of it; check units and signs of the gains"
+            f"the loop, simulated, runs away: its velocity exceeds {loop_fit.RUNS_AWAY:g} times the "
+            "largest commanded one, so there are no figures of it; check units and signs of the gains"
         )
     if check is not None and check.error > control_match.NEAR:
         reasons.append(
