@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 import re
 import sys
 from contextlib import contextmanager, nullcontext
@@ -73,10 +71,7 @@ from tests.stickslip.identification.synthetic_predictions import predicted
 from tests.stickslip.logs.rigid_drive import rigid_drive
 
 ROOT = Path(thresholds.__file__).parents[2]
-MODULES = {
-    one.name: importlib.import_module(f"{thresholds.__name__}.{one.name}")
-    for one in pkgutil.iter_modules(thresholds.__path__)
-}
+MODULES = thresholds.modules()
 NAMES = {
     f"{room}.{name}": (value, text)
     for room, module in MODULES.items()

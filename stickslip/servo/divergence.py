@@ -30,6 +30,6 @@ def require_bounded(v: Array, speed: float) -> None:
     if not peak <= loop_fit.RUNS_AWAY * speed:
         raise Diverged(
             f"the simulated loop runs away: its velocity exceeds {loop_fit.RUNS_AWAY:g} times the "
-            "largest commanded one; expected a loop that is stable with these gains; check their units and "
-            "signs, the delay and the mass"
+            "largest commanded one; expected a loop that is stable with these gains; check their "
+            "units and signs, the delay and the mass"
         )

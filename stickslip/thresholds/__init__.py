@@ -7,7 +7,9 @@ below it. Code reads a threshold when it decides, as ``harm.WORSE``, so that a t
 
 import ast
 import inspect
+import pkgutil
 from collections.abc import Iterator
+from importlib import import_module
 from itertools import pairwise
 from types import ModuleType
 from typing import Self
@@ -30,6 +32,12 @@ class Threshold(float):
         found = super().__new__(cls, value)
         found.evidence, found.unit = evidence, unit
         return found
+
+
+def modules() -> dict[str, ModuleType]:
+    """Return the modules of the room by name."""
+    names = [one.name for one in pkgutil.iter_modules(__path__)]
+    return {name: import_module(f"{__name__}.{name}") for name in names}
 
 
 def meanings(module: ModuleType) -> Iterator[tuple[str, Threshold, str]]:

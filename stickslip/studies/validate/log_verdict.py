@@ -51,8 +51,9 @@ def verdict(found: LogPrediction, values: Values) -> tuple[str, ...]:
     check = found.check
     if check is not None and found.goodness.simulated is None:
         reasons.append(
-            f"the loop, simulated, runs away: its velocity exceeds {loop_fit.RUNS_AWAY:g} times the "
-            "largest commanded one, so there are no figures of it; check units and signs of the gains"
+            f"the loop, simulated, runs away: its velocity exceeds {loop_fit.RUNS_AWAY:g} times "
+            "the largest commanded one, so there are no figures of it; check units and signs of "
+            "the gains"
         )
     if check is not None and check.error > control_match.NEAR:
         reasons.append(
