@@ -7,11 +7,8 @@ ROWS = Threshold(300, "decision 66")
 CERTAIN = Threshold(
     6.0, "decision 66: 14 and above on three drives with ripple, at most 4 on seven"
 )
-"""Force that no law has (ripple, friction along the guide, drift), in standard errors, above which
-the drive has it."""
+"""Force that no law has, in standard errors, above which the drive has it."""
 VARIES = Threshold(5e-3, "decision 66")
-"""Such a force as a share of friction above which the intervals of the simulated loop do not hold,
-and the force decides."""
+"""The same as a share of friction, above which the force decides instead of the simulated loop."""
 CONTRADICTED = Threshold(1.5, "decision 82")
-"""Distance of a law's mass or friction from the curve, in half-widths of its interval, above which
-the curve gives Coulomb and viscous friction instead of the law."""
+"""Distance of a law from the curve, in half-widths of that, above which the curve decides."""

@@ -4,12 +4,11 @@ from stickslip.thresholds import Threshold
 
 WORSE = Threshold(1.005, "decision 62")
 """Largest ratio of the error with a compensator to that without it, on each drive of the family and
-each command. Above it a smaller share of the force is tried, and at last none is written. The true
+each command; above it a smaller share of the force is tried, and at last none is written. The true
 drive differs from all of the family, and may then be worse by one or two per cent."""
 REPEATED_ABOVE = Threshold(0.9, "decision 62: single runs scatter by 5 to 10 %")
 """Ratio above which it is the mean of several runs: a single one may pass by chance."""
 REPEATED_BELOW = Threshold(1.25, "decision 62: single runs scatter by 5 to 10 %")
 """Ratio below which it is the mean of several runs: a single one may fail by chance."""
 RULED_OUT = Threshold(5.0, "decision 62")
-"""Ratio of a law's force error to the least among the laws up to which the compensator is tried on
-a drive of that law; above it the log rules the law out."""
+"""Force error of a law over the least among the laws, above which no drive of that law is tried."""

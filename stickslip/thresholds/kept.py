@@ -12,9 +12,8 @@ SENSITIVITY = Threshold(1.98, "2.0 of textbooks, less 1 % for the error of the i
 ERRS_ALIKE = Threshold(
     0.12, "decision 131: 0.1 with ripple and asymmetry, 0.3 to 0.9 of another law"
 )
-"""RMS of the logarithms of a model's errors over those of the drive above which other laws are
-searched; up to it what was identified is the model."""
-ERRS_WELL = Threshold(0.05, "decision 131")
+"""RMS of logarithms of a model's errors over the drive's above which other laws are searched."""
+ERRS_WELL = Threshold(0.05)
 """The same, up to which a search ends."""
 HOPELESS = Threshold(2.0, "the drive's own law had up to 1.7 times the least")
 """The same over the least among the laws at their start, above which a law is not searched."""

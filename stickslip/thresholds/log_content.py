@@ -13,10 +13,9 @@ TRAVEL = Threshold(100, unit="encoder steps")
 MOVING = Threshold(0.1)
 """Share of the time in motion below which the drive hardly moves."""
 SLIDING = Threshold(50, unit="samples")
-"""Samples in which the drive slides, fewer than which show neither mass nor faults of the force."""
-INERTIAL = Threshold(0.05)
-"""Share of the force by acceleration below which m is poorly identifiable, and no sign or size of
-the mass is questioned."""
+"""Sliding below which neither the mass nor faults of the force show."""
+INERTIAL = Threshold(0.05, "decision 38")
+"""Share of the force by acceleration below which m is poorly identifiable, and not questioned."""
 SLOW = Threshold(0.05)
 """Share of the motion that is slow below which F_s and v_s are poorly identifiable."""
 SPEEDS = Threshold(3)
@@ -28,7 +27,6 @@ REVERSALS = Threshold(2)
 SPACING = Threshold(20, unit="samples")
 """Distance of two reversals below which they are too fast for the sample rate."""
 TURN = Threshold(3)
-"""Samples, and encoder steps, within which friction reverses, below which sigma_0 and sigma_1 are
-poorly identifiable."""
+"""Samples, and encoder steps, in which friction reverses, below which sigma_0 hardly shows."""
 TURNS = Threshold(100)
 """Samples in all such reversals together, the same."""

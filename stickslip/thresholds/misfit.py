@@ -3,14 +3,13 @@
 from stickslip.thresholds import Threshold
 
 NOTED = Threshold(1.5, "decision 60")
-"""Error where the law was not fitted, over the one that noise explains, above which it is a
-warning."""
+"""Error where a law was not fitted, over that of noise, above which there is a warning."""
 SPOILED = Threshold(2.0, "decision 60")
 """The same ratio above which the intervals do not hold either."""
 SMALLEST = Threshold(0.02, "decision 60")
 """Unexplained force, as a share of the measured one, up to which there is no warning."""
 BEATEN = Threshold(0.7)
-"""Error of another law, over that of the law, below which there is a warning whatever noise
+"""Error of another law over that of the law, below which there is a warning whatever noise
 explains: a wrong drive may oscillate when it is simulated, which looks like noise."""
 LARGE = Threshold(0.1, "decision 60")
 """Error as a share of the force above which the other laws are tried in any case."""

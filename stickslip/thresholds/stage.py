@@ -5,14 +5,12 @@ from stickslip.thresholds import Threshold
 TRAVEL = Threshold(100, unit="encoder steps")
 """Motion by the strong sine below which the identification ends: the stage does not slide."""
 ENCODER_STEP = Threshold(4.0)
-"""Smallest change of position, over the encoder step of the data sheet, above which the data sheet
-is not that of the drive, and the identification ends."""
+"""Smallest change of position, over the data sheet's encoder step, above which it ends."""
 HELD = Threshold(0.2, "0.05 on sound drives, 0.4 and more on a light one that sticks and slips")
 """Fluctuation of the velocity below 20 Hz, as a share of its mean, above which a speed is left out:
 0.2 to 0.3 are usual at the lowest speeds with a coarse encoder or a slow amplifier."""
 SPEEDS_HELD = Threshold(4)
-"""Speeds that must be held: with the break-away as many points as the fit of the friction curve has
-unknowns; with fewer the identification ends."""
+"""Speeds below which it ends: with the break-away the fit has as many unknowns."""
 RISE = Threshold(0.02)
 """(F_s - F_c) / F_c below which v_s is a start value."""
 POOR = Threshold(0.2)

@@ -13,14 +13,11 @@ FRICTION = Threshold(0.02)
 OFFSET = Threshold(0.02)
 """The same for the constant force, as a share of F_c."""
 INTERVAL = Threshold(0.15, "decision 67")
-"""Relative standard error of a parameter up to which its interval explains errors; above it the
-interval would explain any."""
+"""Relative standard error up to which an interval explains errors; a wider one explains any."""
 IN_COMMON = Threshold(0.2)
-"""Share of the motion of the shorter log in which both commands must be the same; below it the logs
-are not compared."""
+"""Share of the shorter log's motion with the same command, below which logs are not compared."""
 REPETITIONS = Threshold(3)
-"""Repetitions of a command from which on they are the parts over which an interval is computed;
-with fewer the logs are cut into equal parts."""
+"""Repetitions of a command from which on they are the parts over which an interval is computed."""
 SAME = Threshold(0.01)
 """Difference of two commands up to which they are the same, as a share of the speed near by."""
 STRETCH = Threshold(0.3, unit="s")
