@@ -177,7 +177,7 @@ def chosen(mean):
     return CompensatorComparison(tuple(rows)).chosen.name
 
 
-def designed(reversal, **limits):
+def designed(reversal):
     """Return the basis on which an observer is designed, which leaves a share of the error."""
 
     def best(search, start):
@@ -187,7 +187,7 @@ def designed(reversal, **limits):
     with patch.object(observer._Search, "best", best):
         try:
             loop = design_velocity_loop(AXIS, LOOP)
-            return observer.design_observer(loop, 1e-6, 6.0, **limits).weights
+            return observer.design_observer(loop, 1e-6, 6.0).weights
         except ControlError:
             return None
 

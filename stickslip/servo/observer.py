@@ -98,7 +98,7 @@ def design_observer(
     force_noise : standard deviation of the measured motor force from sample to sample [N], by
         default ``FORCE_NOISE`` of the friction
     masses : true masses at which the limit must hold, relative to that of the loop's axis
-    limit : largest peak sensitivity; by default 2.2
+    limit : largest peak sensitivity; by default ``thresholds.offer.SENSITIVITY``
     order : of the random walk that the disturbance is taken for, 1 or 2
 
     Raises
