@@ -57,9 +57,8 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
     share = _shared(recording, signals["force"], motion) if "force" in signals else 1.0
     if share < log_unit.SHARED:
         figure = f"{share:.1%} of it is like inertia, viscous and Coulomb friction of that motion"
-        yield _unrelated(
-            "force", "the motion", f"{figure}; expected at least {log_unit.SHARED:.0%}"
-        )
+        figure += f"; expected at least {log_unit.SHARED:.0%}"
+        yield _unrelated("force", "the motion", figure)
     if T_s := reading.controller.T_s:
         ratio = recording.T_s / T_s
         if not 1 / log_unit.SLOWER <= ratio <= log_unit.FASTER:

@@ -55,9 +55,8 @@ def even_grid(
     """
     findings: list[Finding] = []
     if len(t) < log_content.FEWEST:
-        raise RecordingError(
-            f"{table.path}: {len(t)} samples; expected at least {log_content.FEWEST:g}"
-        )
+        least = f"{log_content.FEWEST:g}"
+        raise RecordingError(f"{table.path}: {len(t)} samples; expected at least {least}")
     usual = mean_period(t)
     if not 1e-9 <= usual <= 1e4:
         raise RecordingError(

@@ -128,9 +128,8 @@ def _runs(
     one, other = slice(begin, begin + n), slice(begin - lag, begin - lag + n)
     a, b = first[one], second[other]
     reach = 2 * max(1, round(NEAR / T_s)) + 1
-    tolerance = transfer.SAME * maximum_filter1d(np.abs(a), reach) + ROUNDING * np.max(
-        np.abs(first)
-    )
+    tolerance = transfer.SAME * maximum_filter1d(np.abs(a), reach)
+    tolerance = tolerance + ROUNDING * np.max(np.abs(first))
     # A sample more or less: the logs are not sampled at the same instants of the command.
     same = (b <= maximum_filter1d(a, 3) + tolerance) & (b >= minimum_filter1d(a, 3) - tolerance)
     same &= free[0][one] & free[1][other]

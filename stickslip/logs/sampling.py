@@ -148,10 +148,8 @@ def _check_instants(table: LogTable, t: Array, signals: Mapping[str, Array]) -> 
     """
     steps = np.abs(np.diff(signals.get("position", t)))
     equal = np.flatnonzero(np.diff(t)[1:-1] == 0) + 1
-    if (
-        np.nansum(steps[equal])
-        < log_clock.STILL * np.nansum(steps[equal - 1] + steps[equal + 1]) / 2
-    ):
+    beside = np.nansum(steps[equal - 1] + steps[equal + 1]) / 2
+    if np.nansum(steps[equal]) < log_clock.STILL * beside:
         raise RecordingError(
             f"{table.path}: row {table.row(int(equal[0]) + 1)}: the same time and position as in "
             f"the row before, but other values ({equal.size} such rows); expected one row per "

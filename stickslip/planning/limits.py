@@ -85,12 +85,13 @@ class Limits:
             raise UsageError(
                 f"duration = {self.duration:g} s: expected at least {experiment.DURATION:g} s"
             )
-        if not experiment.SLOWEST <= self.rate <= experiment.FASTEST:
-            raise UsageError(f"rate = {self.rate:g} Hz: expected 100 to 100,000 Hz")
+        slowest, fastest = experiment.SLOWEST, experiment.FASTEST
+        if not slowest <= self.rate <= fastest:
+            raise UsageError(f"rate = {self.rate:g} Hz: expected {slowest:g} to {fastest:,.0f} Hz")
         if self.duration * self.rate > experiment.SAMPLES:
             raise UsageError(
                 f"duration = {self.duration:g} s at rate = {self.rate:g} Hz: expected at most "
-                "20 million samples; shorten it or lower the rate"
+                f"{experiment.SAMPLES / 1e6:g} million samples; shorten it or lower the rate"
             )
 
     @property

@@ -165,11 +165,9 @@ class RemoteRig(Rig):
                     complete = len(x) == len(F) == reply["samples"]
                 if new["x_enc"]:
                     moved = time.monotonic()
-                if time.monotonic() - moved > rig_motion.STALL:
+                if time.monotonic() - moved > (stall := rig_motion.STALL):
                     state, limit = "aborted", False
-                    reason = (
-                        f"{len(x)} samples arrived, and none for {rig_motion.STALL:g} s; look at it"
-                    )
+                    reason = f"{len(x)} samples arrived, and none for {stall:g} s; look at it"
                     self._stop(motion)
                     break
                 if complete:

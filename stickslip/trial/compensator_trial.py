@@ -201,9 +201,8 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
     rotary = reading.recording.rotary
     axis = Axis(known["m"].value, max(known["b"].value, 0.0), reading.tau_i or 0.0, rotary)
     T_s = estimation.recording.T_s
-    rejected = (
-        estimation.controller is not None and estimation.controller.error > control_match.EXACT
-    )
+    check = estimation.controller
+    rejected = check is not None and check.error > control_match.EXACT
     if controller.K_p and not (controller.P_x or controller.I_x or rejected):
         gains = {name: getattr(controller, name) for name in ("tau_f", "K_p", "K_i", "K_x")}
         share = controller.velocity_feedforward
@@ -243,9 +242,6 @@ def shown_gains(recording: Recording) -> tuple[float, float] | None:
     gains, *_ = np.linalg.lstsq(regressors, output, rcond=None)
     rest = output - regressors @ gains
     K_p, K_i, *_ = gains.tolist()
-    shown = (
-        K_p > 0.0
-        and K_i >= 0.0
-        and np.var(rest) < (1.0 - control_match.GAINS_SHOWN) * np.var(output)
-    )
+    most = (1.0 - control_match.GAINS_SHOWN) * np.var(output)
+    shown = K_p > 0.0 and K_i >= 0.0 and np.var(rest) < most
     return (K_p, K_i) if shown else None

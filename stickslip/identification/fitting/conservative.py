@@ -49,11 +49,10 @@ def conservative(
             taken[name] = replace(one, value=value, template=_template(name, VALUE, one))
     for name, bound in space.bounded.items():
         one, least = known[name], taken[bound].value
+        most = max(identifiable.BEYOND * largest, least)
         if one.identifiability == NOT_IDENTIFIABLE:
             value, what = least, bound
-        elif one.identifiability != IDENTIFIABLE and one.value > max(
-            identifiable.BEYOND * largest, least
-        ):
+        elif one.identifiability != IDENTIFIABLE and one.value > most:
             value, what = max(largest, least), VALUE
         else:
             value, what = max(one.value, least), ""

@@ -211,11 +211,7 @@ def _spread(signals: Callable[[Values], Array], values: Values, errors: Values) 
     at = signals(values)
     total = np.zeros(at.shape[:-1])
     # An open interval would explain anything.
-    known = {
-        name: error
-        for name, error in errors.items()
-        if error <= transfer.INTERVAL * abs(values[name])
-    }
+    known = {k: e for k, e in errors.items() if e <= transfer.INTERVAL * abs(values[k])}
     for name, error in known.items():
         step = STEP * abs(values[name])
         change = (signals({**values, name: values[name] + step}) - at) * error / step
