@@ -26,7 +26,11 @@ from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria import surrogate_controller
 from stickslip.identification.fitting import identifiability, multistart
 from stickslip.identification.fitting.conservative import conservative
-from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
+from stickslip.identification.fitting.identifiability import (
+    LEVELS,
+    NOT_IDENTIFIABLE,
+    Identifiability,
+)
 from stickslip.identification.selection import choose, folds, mismatch, prediction
 from stickslip.identification.sliding import friction_curve
 from stickslip.identification.stages import friction_map, presliding, sliding
@@ -111,21 +115,22 @@ def is_repeated(ratio):
     return _repeated(rows, lambda: (1.0,), lambda: (9.0,))[0].compensated == 9.0
 
 
-def rivals():
-    """Return the laws that a log with a force error of 1 N, and 3 N of GMS, does not rule out."""
+def evidence():
+    """Return what a log tells whose F_s and sigma_0 are 1, and poorly identified."""
     found = [replace(predicted(law, error), parameters=FRICTION) for law, error in RIVALS]
     fitted = namespace(largest_friction=9.0, plausible=())
     known = {
-        name: namespace(value=1.0, low=0.9, high=1.1, identifiability="identifiable")
-        for name in SPACE.friction
+        one: namespace(value=1.0, low=0.1, high=99.0, identifiability=LEVELS[one in POOR])
+        for one in SPACE.friction
     }
     drive = namespace(fit=namespace(space=SPACE), known=known, law=SPACE.law, fitted=fitted)
     drive.held_out = namespace(predictions=found)
-    return set(compensator_trial.known_friction(drive).rivals)
+    return compensator_trial.known_friction(drive)
 
 
 SPACE = ParameterSpace.of(friction_law())
 RIVALS = (("lugre", 1.0), ("coulomb_stribeck", 3.0))
+POOR = ("F_s", "sigma_0")
 
 
 def is_growing():
@@ -766,7 +771,9 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "harm.WORSE": (lambda: TrialError(1.0, "", 1.0, 1.2).is_worse, True, False),
     "harm.REPEATED_ABOVE": (lambda: is_repeated(1.0), True, False),
     "harm.REPEATED_BELOW": (lambda: is_repeated(1.0), True, False),
-    "harm.RULED_OUT": (rivals, {"coulomb_stribeck"}, set()),
+    "harm.RULED_OUT": (lambda: set(evidence().rivals), {"coulomb_stribeck"}, set()),
+    "harm.RESERVE": (lambda: round(evidence().ranges["F_s"][1], 1), 11.7, 23.4),
+    "harm.WIDE": (lambda: evidence().ranges["sigma_0"], (0.5, 2.0), (0.25, 4.0)),
     "caution.GROWTH": (is_growing, True, False),
     "caution.TOO_LARGE": (lambda: is_too_large(0.3), False, True),
     "caution.PLATEAU": (lambda: is_hunting([0.0] * 800 + [10.0], 0.5), True, False),

@@ -12,3 +12,7 @@ REPEATED_BELOW = Threshold(1.25, "decision 62: single runs scatter by 5 to 10 %"
 """Ratio below which it is the mean of several runs: a single one may fail by chance."""
 RULED_OUT = Threshold(5.0, "decision 62")
 """Force error of a law over the least among the laws, above which no drive of that law is tried."""
+RESERVE = Threshold(1.3, "decision 62")
+"""Largest static friction of a drive on which a compensator is tried, over that in the log."""
+WIDE = Threshold(2.0)
+"""Value of one that is poorly identified on which a compensator is tried, over that taken."""

@@ -29,7 +29,6 @@ from stickslip.servo.velocity_loop import (
 )
 from stickslip.thresholds import control_match, harm
 from stickslip.trial.candidates import compare
-from stickslip.trial.family import RESERVE
 from stickslip.trial.guards import (
     NONE,
     Benefit,
@@ -53,8 +52,6 @@ command and force do not show its gains: feedforward harms most in a slow loop."
 SLOW = 50.0
 """Cut-off [Hz] behind which velocity error and force show the controller's gains, or a part of the
 sampling rate."""
-WIDE = 2.0
-"""Largest ratio to the value taken of one on which it is tried."""
 
 
 def try_compensator(
@@ -151,12 +148,12 @@ def known_friction(estimation: Estimation) -> Evidence:
     """
     space, known = estimation.fit.space, estimation.known
     taken = (known[name].value for name in space.bounded)
-    largest = RESERVE * max(estimation.fitted.largest_friction, *taken, 0.0)
+    largest = harm.RESERVE * max(estimation.fitted.largest_friction, *taken, 0.0)
     ranges = {}
     for name in space.friction:
         one = known[name]
         if one.identifiability != IDENTIFIABLE:
-            low, high = max(one.low, one.value / WIDE), min(one.high, one.value * WIDE)
+            low, high = max(one.low, one.value / harm.WIDE), min(one.high, one.value * harm.WIDE)
             if name in space.bounded:
                 high = min(one.high, largest)
             ranges[name] = (low, high)
