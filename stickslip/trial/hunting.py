@@ -26,7 +26,8 @@ def hunting(trial: Trial) -> list[Finding]:
     longer = dataclasses.replace(trial, v_cmd=np.concatenate([trial.v_cmd, held]))
     with longer.runs(compensated=True) as run:
         v = run.velocity()
-    findings, still = [], caution.STANDING * float(np.abs(trial.v_cmd).max())
+    findings = []
+    still = caution.STANDING * float(np.abs(trial.v_cmd).max())
     for begin, end in _plateaus(longer.v_cmd, round(caution.PLATEAU / trial.loop.T_s)):
         speed = abs(float(longer.v_cmd[begin]))
         swing = float(np.ptp(v[(begin + end) // 2 : end]))
