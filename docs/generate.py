@@ -156,7 +156,7 @@ def _thresholds() -> str:
 
     lines: list[str] = []
     for name, module in thresholds.modules().items():
-        lines += [f"### `{name}`", "", module.__doc__ or "", ""]
+        lines += [f"## `{name}`", "", module.__doc__ or "", ""]
         lines += ["| name | value | unit | meaning | evidence |", "|---|---|---|---|---|"]
         for one, value, meaning in thresholds.meanings(module):
             cells = f"`{one}`", f"{value:g}", value.unit, _plain(meaning), linked(value.evidence)
