@@ -15,7 +15,6 @@ from stickslip.compensators.entrants import Entrant
 from stickslip.presentation.markup import Html
 from stickslip.presentation.page import Section
 from stickslip.presentation.quantity import number
-from stickslip.servo.observer import LIMIT
 from stickslip.studies.arena.drawing import draw_circle, draw_pareto
 from stickslip.studies.arena.motion_commands import COMMANDS, RADIUS
 from stickslip.studies.arena.protocol import Arena
@@ -27,6 +26,7 @@ from stickslip.studies.arena.table import (
     ranking,
     relative_errors,
 )
+from stickslip.thresholds import offer
 
 TEMPLATES = "studies/arena"
 TITLE = "Friction compensators compared"
@@ -56,7 +56,7 @@ def sections(arena: Arena, found: pd.DataFrame) -> list[Section]:
         f"{TEMPLATES}/protocol.j2",
         drives=[(one.name, one.title, one.law) for one in plan.drives],
         entrants=[(name, plan.entrant(name).title) for name in plan.entrants],
-        LIMIT=LIMIT,
+        LIMIT=offer.SENSITIVITY,
     )
     made = Section("Made with", f"{TEMPLATES}/script.j2", None, **_script(arena, found))
     shown = [_head(arena, found), _heat_maps(arena, found), pareto, _circle(arena, found), protocol]
@@ -92,7 +92,7 @@ def _heat_maps(arena: Arena, found: pd.DataFrame) -> Section:
         ranked={name: one.title for name, one in COMMANDS.items() if one.ranked},
         maps=maps,
         marked=_marked(arena),
-        LIMIT=LIMIT,
+        LIMIT=offer.SENSITIVITY,
     )
 
 
@@ -127,7 +127,7 @@ def _marked(arena: Arena) -> set[tuple[str, str, str]]:
         (drive, name, tuned_on)
         for (drive, name), document in arena.documents.items()
         for tuned_on, validated in document["validated"].items()
-        if not validated["peaks"].get("Ms", np.inf) <= LIMIT
+        if not validated["peaks"].get("Ms", np.inf) <= offer.SENSITIVITY
     }
 
 

@@ -9,11 +9,11 @@ import numpy as np
 import pandas as pd
 
 from stickslip.presentation.table import Column, Table
-from stickslip.servo.observer import LIMIT
 from stickslip.studies.arena.metrics import ERROR
 from stickslip.studies.arena.motion_commands import COMMANDS
 from stickslip.studies.arena.protocol import Arena, Plan
 from stickslip.studies.arena.validation import PER_STEP, WORST
+from stickslip.thresholds import offer
 
 COLUMNS = [
     *("drive", "law", "compensator", "command", "metric", "unit", "median", "worst"),
@@ -170,8 +170,8 @@ def _rows(arena: Arena, place: tuple[str, str]) -> Iterator[dict[str, Any]]:
         }
         peak = validated["peaks"].get("Ms", np.inf)
         reason = validated["reason"]
-        if not peak <= LIMIT:
-            reason = reason or f"Ms = {peak:.3g}, expected at most {LIMIT:g}"
+        if not peak <= offer.SENSITIVITY:
+            reason = reason or f"Ms = {peak:.3g}, expected at most {offer.SENSITIVITY:g}"
         same["reason"] = reason
         for command, metric, unit, values in validated["values"]:
             yield {

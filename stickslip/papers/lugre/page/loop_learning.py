@@ -17,6 +17,7 @@ from stickslip.papers.lugre.reproduction import Reproduction
 from stickslip.presentation import style
 from stickslip.presentation.page import Section
 from stickslip.presentation.quantity import number
+from stickslip.thresholds import kept
 from stickslip.tuning import loop_learning
 from stickslip.tuning.drive_model import PROBES
 from stickslip.tuning.loop_genes import GENES
@@ -58,7 +59,7 @@ def loop_learning_section(reproduction: Reproduction) -> Section:
     }
     values = {"settings": _settings(loops.best.algorithm), "genes": _genes(loops), "PROBES": PROBES}
     values |= {"learning": loop_learning, "seconds": training_motion().duration}
-    values |= {"found": found, "fed": fed, "mismatch": models[0].mismatch}
+    values |= {"found": found, "fed": fed, "kept": kept, "mismatch": models[0].mismatch}
     return section("Learning the loop", "loop_learning", reproduction, figures, **values)
 
 

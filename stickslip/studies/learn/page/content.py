@@ -17,7 +17,6 @@ from stickslip.logs import Finding
 from stickslip.presentation.page import Section
 from stickslip.presentation.quantity import percentage
 from stickslip.presentation.scale import WORDS, force_scale, velocity_scale
-from stickslip.servo.observer import LIMIT
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.page.figures import (
     draw_correlations,
@@ -34,7 +33,7 @@ from stickslip.studies.learn.page.signals import (
     steady_name,
 )
 from stickslip.studies.learn.page.stretches import stretches
-from stickslip.trial.benefit import WORSE
+from stickslip.thresholds import harm, offer
 from stickslip.trial.candidates import CompensatorComparison
 from stickslip.trial.guards import Benefit
 from stickslip.trial.observed import ObserverTrial
@@ -120,8 +119,8 @@ def compensation(
         compared=compared,
         tried=list(tables.errors(benefit)),
         relative=relative,
-        WORSE=WORSE,
-        LIMIT=LIMIT,
+        WORSE=harm.WORSE,
+        LIMIT=offer.SENSITIVITY,
     )
 
 
