@@ -156,8 +156,8 @@ def tests_of(mutant: Mutant, texts: dict[Path, str]) -> list[str]:
         r"^(?:def|class) ([A-Za-z]\w+)", mutant.path.read_text(encoding="utf-8"), re.MULTILINE
     )
     signs = {
-        rf"{package}\.{parts[-1]}\b|from {package} import [^\n]*\b{parts[-1]}\b": 4,
-        rf"\b({'|'.join(mutant.near) or '-'})\b": 4,
+        rf"{package}\.{parts[-1]}\b|from {package} import [^\n]*\b{parts[-1]}\b": 8,
+        rf"\b({'|'.join(mutant.near) or '-'})\b": 6,
         rf"\b({'|'.join({*public} - {'run', 'declare', 'main'}) or '-'})\b": 2,
         rf'"({"|".join(parts[-2:])})"': 2,
     }
@@ -227,11 +227,12 @@ def main() -> None:
     if options.out.exists():
         with options.out.open(newline="", encoding="utf-8") as file:
             rows = {(row[0], row[1]): row[2:] for row in csv.reader(file) if row[0] != HEAD[0]}
+    done = {key for key, row in rows.items() if "::" in row[0] or not options.again}
     with TemporaryDirectory() as folder:
         copy = Path(folder)
         env, killers = checkout(copy), set()
         for mutant in sample:
-            if mutant.row in rows or time.monotonic() - begun > 60.0 * options.minutes:
+            if mutant.row in done or time.monotonic() - begun > 60.0 * options.minutes:
                 continue
             path, since = copy / mutant.path.relative_to(ROOT), time.monotonic()
             source, end = path.read_bytes(), mutant.begin + len(mutant.old.encode())
