@@ -8,7 +8,7 @@ another operator. The sample takes the rooms in turn and, in a room, the kinds o
 The tests most likely to fail run until one does: those that import the module or name the function
 that was changed, then those of its folder. mutants.csv has a row for each mutant and is rewritten
 after each; mutants that it has are not tried again. Tests that also fail without a mutant are
-reported at the end.
+printed at the end.
 """
 
 from __future__ import annotations
@@ -35,14 +35,8 @@ ROOT = Path(__file__).parents[1]
 FOLDERS = ("fmi", "models", "cosim", "fmucheck", "ga", "stickslip")
 FINDER = "__editable___stickslip_0_1_0_finder"
 """Module by which an editable installation finds the packages in the checkout."""
-PAIRS = (
-    (ast.Lt, ast.LtE),
-    (ast.Gt, ast.GtE),
-    (ast.Eq, ast.NotEq),
-    (ast.Is, ast.IsNot),
-    (ast.In, ast.NotIn),
-)
-COMPARED = {one: other for pair in PAIRS for one, other in (pair, pair[::-1])}
+COMPARED = {ast.Lt: ast.LtE, ast.Gt: ast.GtE, ast.Eq: ast.NotEq, ast.Is: ast.IsNot}
+COMPARED |= {ast.In: ast.NotIn} | {other: one for one, other in COMPARED.items()}
 OF_C = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "+": "-", "-": "+"}
 TEXTS = ("'", '"', "f'", 'f"', "[")
 """How operands of + begin that have no -."""
@@ -152,9 +146,7 @@ def tests_of(mutant: Mutant, texts: dict[Path, str]) -> list[str]:
     """Return the files of tests that probably fail, the likeliest first."""
     parts = mutant.path.relative_to(ROOT).with_suffix("").parts
     package = ".".join(parts[:-1] if parts[0] == "stickslip" else ("stickslip", *parts[:-1]))
-    public = re.findall(
-        r"^(?:def|class) ([A-Za-z]\w+)", mutant.path.read_text(encoding="utf-8"), re.MULTILINE
-    )
+    public = re.findall(r"^(?:def|class) ([A-Za-z]\w+)", mutant.path.read_text(), re.MULTILINE)
     signs = {
         rf"{package}\.{parts[-1]}\b|from {package} import [^\n]*\b{parts[-1]}\b": 8,
         rf"\b({'|'.join(mutant.near) or '-'})\b": 6,
@@ -185,22 +177,18 @@ def checkout(folder: Path) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(folder / ".mapped")}
 
 
-def failures(
-    tests: Sequence[str], copy: Path, env: dict[str, str], limit: float, *words: str
-) -> list[str] | None:
-    """Run tests; return those that fail, or None when they take too long."""
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words, *tests]
-    pipe = subprocess.PIPE
-    with subprocess.Popen(
-        command, cwd=copy, env=env, stdout=pipe, stderr=pipe, text=True, start_new_session=True
-    ) as running:
+def failures(words: Sequence[str], copy: Path, env: dict[str, str], limit: float) -> list[str]:
+    """Run tests; return those that fail."""
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words]
+    how = {"cwd": copy, "env": env, "stderr": subprocess.DEVNULL, "start_new_session": True}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, **how) as running:
         try:
             shown, _ = running.communicate(timeout=limit)
         except subprocess.TimeoutExpired:
             os.killpg(running.pid, signal.SIGKILL)
-            return None
+            return ["TIME LIMIT"]
     found = re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", shown, re.MULTILINE)
-    return found or (["pytest itself"] if running.returncode not in (0, 5) else [])
+    return found or (["SURVIVED"] if running.returncode in (0, 5) else ["pytest::itself"])
 
 
 def main() -> None:
@@ -209,9 +197,8 @@ def main() -> None:
     parser.add_argument("--rooms", nargs="+", metavar="ROOM", help="default: all")
     parser.add_argument("--number", type=int, default=40, metavar="N")
     parser.add_argument("--seed", default="0")
-    parser.add_argument(
-        "--limit", type=float, default=60.0, metavar="S", help="of the tests of one"
-    )
+    parser.add_argument("--again", action="store_true", help="also those that survived before")
+    parser.add_argument("--limit", type=float, default=60.0, metavar="S", help="of one's tests")
     parser.add_argument("--minutes", type=float, default=1e9, help="begin no mutant after them")
     parser.add_argument("--out", type=Path, default=Path("mutants.csv"), metavar="FILE")
     options = parser.parse_args()
@@ -237,17 +224,15 @@ def main() -> None:
             path, since = copy / mutant.path.relative_to(ROOT), time.monotonic()
             source, end = path.read_bytes(), mutant.begin + len(mutant.old.encode())
             path.write_bytes(source[: mutant.begin] + mutant.text.encode() + source[end:])
-            found = failures(tests_of(mutant, texts), copy, env, options.limit, "-x")
+            result = failures(["-x", *tests_of(mutant, texts)], copy, env, options.limit)[0]
             path.write_bytes(source)
-            killers.update(found or ())
-            result = "TIME LIMIT" if found is None else found[0] if found else "SURVIVED"
             rows[mutant.row] = (result, f"{time.monotonic() - since:.0f}")
+            killers |= {result} if ".py::" in result else set()
             print(*mutant.row, result, sep=" | ", flush=True)
             with options.out.open("w", newline="", encoding="utf-8") as file:
                 csv.writer(file).writerows([HEAD, *(key + tuple(row) for key, row in rows.items())])
-        named = sorted(killers - {"pytest itself"})
-        for test in (failures(named, copy, env, 600.0) if named else None) or ():
-            print(f"fails without a mutant: {test}")
+        if killers:
+            print("the same without a mutant:", *failures(sorted(killers), copy, env, 600.0))
 
 
 if __name__ == "__main__":
