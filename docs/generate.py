@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 import stickslip
-from stickslip import cli
+from stickslip import cli, thresholds
 from stickslip.fmucheck import rules
 from stickslip.logs import read_recording
 
@@ -44,6 +44,7 @@ def write(folder: Path) -> None:
     _samples(folder / "samples")
     pages: dict[str, str | bytes] = {"api.rst": _api(), "cli.rst": _commands()}
     pages |= {"check-rules.inc": rules.table(), "hostile-cases.inc": _hostile()}
+    pages["thresholds.inc"] = _thresholds()
     for path in sorted((ROOT / "notebooks").glob("*.ipynb")):
         pages[f"{path.stem}.png"] = _picture(path)
     spec = find_spec("sphinx-mathjax-offline")
@@ -139,6 +140,27 @@ def _hostile() -> str:
                 about = re.sub(r"([\\|`*_<>\[\]])", r"\\\1", case.about)
                 says = case.says.replace("|", "\\|").replace("`", "'")
                 lines.append(f"| {about} | `{says}` |")
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _thresholds() -> str:
+    """Return the numbers that decide, a table for each decision."""
+    files = {int(path.name[:4]): path.name for path in (ROOT / "docs/decisions").glob("0*.md")}
+
+    def linked(evidence: str) -> str:
+        text = re.sub(r"docs/(\S+\.md)", r"[\1](\1)", evidence)
+        return re.sub(
+            r"decision (\d+)", lambda found: f"[{found[0]}](decisions/{files[int(found[1])]})", text
+        )
+
+    lines: list[str] = []
+    for name, module in thresholds.modules().items():
+        lines += [f"## `{name}`", "", module.__doc__ or "", ""]
+        lines += ["| name | value | unit | meaning | evidence |", "|---|---|---|---|---|"]
+        for one, value, meaning in thresholds.meanings(module):
+            cells = f"`{one}`", f"{value:g}", value.unit, _plain(meaning), linked(value.evidence)
+            lines.append(f"| {' | '.join(cells)} |")
         lines.append("")
     return "\n".join(lines)
 

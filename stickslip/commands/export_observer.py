@@ -12,6 +12,7 @@ from stickslip.commands.export_compensator import add_form_option, write_as
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.fmi.process import temporary_folder
 from stickslip.output import Answer
+from stickslip.thresholds import offer
 
 if TYPE_CHECKING:
     from stickslip.learned.file import LearnedFile
@@ -62,17 +63,16 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _refusals(learned: LearnedFile, observer: Compensator) -> list[str]:
-    from stickslip.servo.observer import LIMIT
 
     found = []
     if learned.observer_refusal:
         found.append(f"learn does not recommend the observer: {learned.observer_refusal}")
     if learned.loop is not None:
         peak = _peak(learned.loop, observer, learned.validation.height)
-        if not peak <= LIMIT:
+        if not peak <= offer.SENSITIVITY:
             found.append(
                 f"with the observer the loop has a peak sensitivity of {peak:.3g}; expected at "
-                f"most {LIMIT:g}"
+                f"most {offer.SENSITIVITY:g}"
             )
     return found
 

@@ -10,7 +10,6 @@ import numpy as np
 from stickslip.fmi.messages import quantity, scaled_unit
 from stickslip.logs.controller import Controller
 from stickslip.logs.delay import (
-    LARGE,
     Delay,
     aligned,
     force_delay,
@@ -25,14 +24,13 @@ from stickslip.logs.lost_rows import lost_rows
 from stickslip.logs.motion import kinematics
 from stickslip.logs.recording import Recording
 from stickslip.logs.saturation import saturation
+from stickslip.thresholds import log_content
 
 SIGNALS = tuple(
     field.name for field in fields(Recording) if field.type == "Array | None"
 )  # of a recording, by role
 PLAN = "stickslip plan --show"
 ONE_WAY = "F_c and the constant force cannot be told apart"
-LITTLE = 0.05
-"""Share of force or time below which a parameter is poorly identifiable."""
 
 
 def check_recording(
@@ -98,7 +96,7 @@ def _signals(recording: Recording, controller: Controller) -> Iterator[Finding]:
         what = f"a {controller.kind} controller, but no {controller.needs}"
         yield Finding("error", what, advice=f"give --column {controller.needs}=NAME")
     duration = float(recording.t[-1])
-    if duration < 1.0 or len(recording.t) < 500:
+    if duration < log_content.DURATION or len(recording.t) < log_content.SAMPLES:
         figure = f"{duration:.3g} s, {len(recording.t)} samples"
         yield Finding("warning", "the recording is short", figure, "log 10 s or more")
 
@@ -112,7 +110,7 @@ def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     share = f"{100.0 * step / recording.T_s / max(shown.top_speed, 1e-300):.2g} %"
     figure = f"step {size}; in the difference of two samples, {share} of the top speed"
     travel = float(np.ptp(recording.position)) / step
-    if travel < 100:
+    if travel < log_content.TRAVEL:
         advice = "move farther, or use a finer encoder"
         yield Finding("warning", "the whole travel is few encoder steps", f"{travel:.0f}", advice)
     else:
@@ -127,7 +125,7 @@ def _delays(recording: Recording, late: int) -> Iterator[Finding]:
         advice = "log force and position of the same instants, or shift the force by its delay"
         what = "the delay of the force ends at the bound of its search"
         yield Finding("warning", what, figure, advice, spoils="values")
-    elif delay and not delay.at_bound and (late or abs(delay.value) < LARGE * recording.T_s):
+    elif delay and not delay.at_bound and (late or not delay.is_large(recording.T_s)):
         yield _delayed("force", "the motion", delay, recording.T_s, taken_out=late)
     if recording.position is not None and recording.velocity is not None:
         motion = kinematics(recording)
@@ -156,10 +154,10 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     speeds = f"{factor * low:.2g} to {factor * high:.3g} {speed}"
     figure = f"{shown.moving:.1%} of the time, 90 % of it at {speeds}"
     advice = "move faster or longer; only presliding may be identifiable"
-    fine = shown.moving >= 2 * LITTLE
+    fine = shown.moving >= log_content.MOVING
     words = "the drive moves", "the drive hardly moves"
     yield Finding.either(fine, words, figure, advice)
-    if shown.spacing < 20:
+    if shown.spacing < log_content.SPACING:
         figure = f"{shown.spacing:.0f} samples between two"
         what = "reversals are too fast for the sample rate"
         yield Finding("warning", what, figure, "sample faster or move slower")
@@ -167,21 +165,21 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
         figure = f"{shown.reversals} reversals, and it slides in one direction only"
         advice = f"move it both ways, {PLAN} F_c"
         yield Finding("warning", ONE_WAY, figure, advice, spoils="values", hides=("F_c", "F_s"))
-    elif shown.reversals < 2:
+    elif shown.reversals < log_content.REVERSALS:
         figure = f"{shown.reversals} reversals"
         yield Finding("warning", "F_c and the offset are hard to separate", figure, f"{PLAN} F_c")
     if np.isfinite(shown.inertial):
         share = f"{shown.inertial:.1%} of the force"
         figure = f"accelerations up to {shown.acceleration:.3g} {unit}/s^2 cause {share}"
         words = "m is identifiable", "m is poorly identifiable"
-        yield Finding.either(shown.inertial >= LITTLE, words, figure, f"{PLAN} m")
-    if high < 3 * low:
+        yield Finding.either(shown.inertial >= log_content.INERTIAL, words, figure, f"{PLAN} m")
+    if high < log_content.SPEEDS * low:
         figure = f"only speeds of {speeds}"
         yield Finding("warning", "b and F_c are hard to separate", figure, f"{PLAN} b F_c")
     share = f"{shown.slow:.1%} of the motion, {shown.slow_samples} samples"
     figure = f"{share} below {quantity(shown.slow_speed, f'{unit}/s')}"
     words = "F_s and v_s may be identifiable", "F_s and v_s are poorly identifiable"
-    yield Finding.either(shown.slow >= LITTLE, words, figure, f"{PLAN} F_s v_s")
+    yield Finding.either(shown.slow >= log_content.SLOW, words, figure, f"{PLAN} F_s v_s")
     turn, advice = shown.turn_around, f"{PLAN} sigma_0 sigma_1"
     if turn is None:
         what = "sigma_0 and sigma_1 are not identifiable"
@@ -192,6 +190,7 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
         f"{turn.times} velocity reversals; friction reverses within"
         f" {quantity(turn.distance, unit)}{counts} and {turn.samples:.0f} samples"
     )
-    fine = turn.times * turn.samples >= 100 and turn.counts >= 3 and turn.samples >= 3
+    fine = turn.times * turn.samples >= log_content.TURNS
+    fine &= min(turn.counts, turn.samples) >= log_content.TURN
     words = "sigma_0 and sigma_1 may be identifiable", "sigma_0 and sigma_1 are poorly identifiable"
     yield Finding.either(fine, words, figure, advice)

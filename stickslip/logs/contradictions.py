@@ -12,32 +12,18 @@ from stickslip.logs.finding import Finding
 from stickslip.logs.motion import Kinematics, basis, kinematics
 from stickslip.logs.reading import Reading
 from stickslip.logs.recording import Recording
-from stickslip.logs.unit_factors import EQUALS, described_ratio, near_factor
+from stickslip.logs.unit_factors import described_ratio, near_factor
 from stickslip.logs.units import QUANTITIES, Unit, quantity_key, sized_unit
 from stickslip.servo.measurement import Array, smoothed
+from stickslip.thresholds import log_unit
 
 RATE = "d(position)/dt"
-ALIKE, SAME = 0.8, 0.98
-"""Correlation from which one signal is the other's image, and from which a factor below
-``SMALL`` is one of units: a controller that follows badly may be off by as much."""
-SMALL = 20.0
-UNLIKE = 0.3
-"""Correlation below which two signals are not of one axis: noise and other axes have up to 0.23 if
-their motions are not alike, velocities of sound logs 0.99, commands of drives that stick 0.74."""
-SHARED, MOVING = 0.1, 0.1
-"""Share of the force below which it is not that of the motion: noise and other axes have up to
-0.09, drives that slip a few times in a log 0.15, others 0.4 to 1; share of the time in motion
-from which this is known."""
 DELAYS = 9
 """Delays of the force that are tried."""
-FOLLOWS = 2.0
-"""Ratio up to which a signal follows its command."""
 LATE, FILTERED = 0.1, 0.01
 """Share of the log by which a signal may be later than its command, and a velocity late."""
 CUTOFF = 0.02
 """Of the low-pass before a comparison, in sampling frequencies because the time may be wrong."""
-FASTER, SLOWER = 200.0, 20.0
-"""How much faster or slower than its log a controller may run."""
 
 
 def contradictions(reading: Reading) -> Iterator[Finding]:
@@ -53,26 +39,29 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
         signals[RATE] = motion.v
     speed = "velocity" if "velocity" in signals else RATE
     for a, b, most, late in (
-        (RATE, "velocity", EQUALS, FILTERED),
-        ("position", "position_command", FOLLOWS, LATE),
-        (speed, "velocity_command", FOLLOWS, LATE),
-        ("force", "force_command", FOLLOWS, LATE),
+        (RATE, "velocity", log_unit.EQUALS, FILTERED),
+        ("position", "position_command", log_unit.FOLLOWS, LATE),
+        (speed, "velocity_command", log_unit.FOLLOWS, LATE),
+        ("force", "force_command", log_unit.FOLLOWS, LATE),
     ):
         if a not in signals or b not in signals:
             continue
         if (best := _unlike(signals, a, b, late)) is not None:
-            yield _unrelated(b, a, f"a correlation of {best:.2f}; expected at least {UNLIKE:g}")
+            figure = f"a correlation of {best:.2f}; expected at least {log_unit.UNLIKE:g}"
+            yield _unrelated(b, a, figure)
         ratio, high, low = _likeness(signals[a], signals[b], late)
-        if high >= ALIKE:
+        if high >= log_unit.IMAGE:
             yield from _contradiction(reading, a, b, (ratio, high), most=most)
-        elif low <= -SAME and high < ALIKE / 2:
+        elif low <= -log_unit.SURE_IMAGE and high < log_unit.IMAGE / 2:
             yield from _contradiction(reading, a, b, (-ratio, -low), most=most)
-    if "force" in signals and (share := _shared(recording, signals["force"], motion)) < SHARED:
+    share = _shared(recording, signals["force"], motion) if "force" in signals else 1.0
+    if share < log_unit.SHARED:
         figure = f"{share:.1%} of it is like inertia, viscous and Coulomb friction of that motion"
-        yield _unrelated("force", "the motion", f"{figure}; expected at least {SHARED:.0%}")
+        figure += f"; expected at least {log_unit.SHARED:.0%}"
+        yield _unrelated("force", "the motion", figure)
     if T_s := reading.controller.T_s:
         ratio = recording.T_s / T_s
-        if not 1 / SLOWER <= ratio <= FASTER:
+        if not 1 / log_unit.SLOWER <= ratio <= log_unit.FASTER:
             what = "the log's time and the controller's T_s contradict each other"
             figure = f"{recording.T_s:.4g} s and {T_s:.4g} s, a factor of {described_ratio(ratio)}"
             advice = "--gain T_s is in s; a unit of the log's time is set by --unit time=ms"
@@ -93,7 +82,7 @@ def _shared(recording: Recording, force: Array, motion: Kinematics) -> float:
     The force may be late; most of a chance likeness is that of slow motions.
     """
     moving = np.abs(motion.v) > motion.floor
-    if np.mean(moving) < MOVING:
+    if np.mean(moving) < log_unit.MOVING:
         return 1.0
     way = smoothed(np.sign(motion.v) * moving, recording.T_s, motion.cutoff)
     columns, _ = basis(np.column_stack([np.ones_like(way), motion.v, motion.a, way]))
@@ -130,7 +119,7 @@ def _unlike(signals: dict[str, Array], a: str, b: str, late: float) -> float | N
     others = [a, "force"] if a != "force" and "command" in b and "force" in signals else [a]
     found = [_likeness(signals[one], signals[b], late)[1:] for one in others]
     best = max(max(high, -low) for high, low in found)
-    return best if best < UNLIKE else None
+    return best if best < log_unit.UNLIKE else None
 
 
 def _contradiction(
@@ -145,7 +134,8 @@ def _contradiction(
         yield Finding("error", what, figure, f"give {_scaled(reading, b, -1)}; {leave}")
     figure = f"{b} is {abs(ratio):.4g} times {a}"
     factor, name = near_factor(abs(ratio)) or (0.0, "")
-    if factor and (likeness > SAME or not 1 / SMALL < factor < SMALL):
+    is_small = 1 / log_unit.SMALL < factor < log_unit.SMALL
+    if factor and (likeness > log_unit.SURE_IMAGE or not is_small):
         ends = {b: 1 / factor, a: factor}
         if a == RATE:
             ends = {b: 1 / factor, "position": factor, "time": 1 / factor}

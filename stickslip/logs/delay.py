@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stickslip.logs.motion import basis, kinematics, left, rigid, unexplained
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import log_delay
 
 CUTOFF = 50.0
 """Low-pass of what is compared [Hz]."""
@@ -26,10 +27,6 @@ NOTHING = 1e-7
 AS_WELL = 3e-4
 """Share of the variance of a signal that may be left: the shortest of such delays is taken. A force
 that switches is that of Coulomb friction alone, 10 to 30 ms early, too: 5e-8 to 1e-5 are left."""
-LARGE = 2.0
-"""Samples from which on a delay is more than that of a sampled loop."""
-EXPLAINS = 0.5
-"""Share of the unexplained force that may be left once a delay is taken out."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +41,12 @@ class Delay:
     at_bound: bool = False
 
     def known(self, T_s: float) -> bool:
-        """Whether it is known to half a sample."""
-        return 2 * self.standard_error < 0.5 * T_s
+        """Whether it is known to a part of a sample."""
+        return 2 * self.standard_error < log_delay.KNOWN * T_s
+
+    def is_large(self, T_s: float) -> bool:
+        """Whether it is more than that of a loop sampled at this period [s]."""
+        return abs(self.value) >= log_delay.REPORTED * T_s
 
 
 def force_delay(recording: Recording) -> Delay | None:
@@ -154,7 +155,7 @@ def samples_late(recording: Recording) -> int:
     delays, too; taking those out explains no more of the force.
     """
     delay = force_delay(recording)
-    if delay is None or delay.at_bound or abs(delay.value) < LARGE * recording.T_s:
+    if delay is None or delay.at_bound or not delay.is_large(recording.T_s):
         return 0
     samples = round(delay.value / recording.T_s)
     return samples if _explains(recording, samples) else 0
@@ -181,7 +182,7 @@ def _explains(recording: Recording, samples: int) -> bool:
         return False
     mass = np.linalg.lstsq(drive.columns, drive.force[drive.used], rcond=None)[0][0]
     rest = left(drive.columns, drive.force[drive.used])
-    return bool(mass > 0 and rest < EXPLAINS * unexplained(recording))
+    return bool(mass > 0 and rest < log_delay.EXPLAINS * unexplained(recording))
 
 
 def aligned(recording: Recording, samples: int) -> Recording:

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from stickslip.logs.motion import Kinematics, kinematics, rigid, sliding
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array, smoothed
+from stickslip.thresholds import log_content
 
 SLOW = 0.01
 """Share of the top speed below which motion counts as slow."""
-MINORITY = 0.01
 TURNED = 0.63
 """Share of its swing that friction covers during a reversal."""
 
@@ -52,7 +52,7 @@ class Excitation:
     slow_samples : as many samples
     speeds : 5 % and 95 % of the moving time are slower [m/s]
     reversals : of the direction
-    one_way : whether it slides in one direction only, with ``MINORITY`` in the other
+    one_way : whether it slides in one direction only, with ``log_content.ONE_WAY`` in the other
     spacing : median samples between two reversals; inf with fewer
     acceleration : 99 % of the samples have less [m/s^2]
     mass : of a rigid drive with Coulomb and viscous friction, fitted while sliding [kg]
@@ -112,7 +112,7 @@ def _one_way(recording: Recording, motion: Kinematics) -> bool:
     """Tell whether fast motion, if there is any, has one direction."""
     ahead = motion.v[sliding(motion, recording.T_s)] > 0.0
     share = float(np.mean(ahead)) if len(ahead) else 0.5
-    return min(share, 1.0 - share) < MINORITY
+    return min(share, 1.0 - share) < log_content.ONE_WAY
 
 
 def reversals(recording: Recording, motion: Kinematics) -> NDArray[np.intp]:

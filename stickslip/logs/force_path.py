@@ -13,30 +13,17 @@ import scipy
 
 from stickslip.logs.delay import force_delay
 from stickslip.logs.finding import Finding
-from stickslip.logs.motion import FEWEST, kinematics, left, rigid, rigid_columns
+from stickslip.logs.motion import kinematics, left, rigid, rigid_columns
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array, smoothed
+from stickslip.thresholds import log_content, log_force
 
 LEVELS = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.925, 0.95, 0.97, 0.98, 0.99, 0.995)
 """Quantiles of the force that are tried as a limit."""
-EXPLAINED = 0.25
-"""Largest share of the unexplained force that may remain with a limit."""
-FLAT, PILED = 0.02, 0.005
-"""Distance from the largest force, relative, of a limit; smallest share of the samples there."""
-BEYOND = 0.03
-"""Share of the limit by which the motion shows more force on average."""
 LAGS = np.geomspace(0.5, 100.0, 20)
 """Time constants of a low-pass that are tried [samples]."""
 OWN = (0.0, 0.5, 0.7, 0.85, 1.0)
 """Shares of the time constant by which a low-pass makes a delay, of those that are tried."""
-EXACT = 0.005
-"""Unexplained share of the force below which no low-pass is looked for."""
-LAGGED = 0.35
-"""Largest share of the unexplained force that may remain with a low-pass."""
-ALIKE = 0.7
-"""The same, of what remains with that low-pass on motion and force alike."""
-ATTENUATED = 0.02
-"""Relative change of the mass by a low-pass that counts."""
 
 
 def force_path(recording: Recording) -> Iterator[Finding]:
@@ -67,7 +54,8 @@ def _before_limit(recording: Recording, force: Array) -> Finding | None:
     )
     rests = [left(drive.columns, one) for one in clipped]
     best = int(np.argmin(rests))
-    if best == 0 or not rests[best] < EXPLAINED * left(drive.columns, drive.force[drive.used]):
+    whole = left(drive.columns, drive.force[drive.used])
+    if best == 0 or not rests[best] < log_force.LIMITED * whole:
         return None
     share = float(np.mean(np.abs(force) > limits[best]))
     figure = f"{np.abs(force).max():.4g}, while the motion shows at most {limits[best]:.4g}"
@@ -84,15 +72,15 @@ def _clipped(recording: Recording, force: Array) -> Finding | None:
     where the largest force is that of a drive at constant speed, or one that was commanded.
     """
     least, limit = np.quantile(force, (0.001, 0.999)).tolist()
-    at = force > (1.0 - FLAT) * limit
-    extreme = at | (force < (1.0 - FLAT) * least)
+    at = force > (1.0 - log_force.AT_LIMIT) * limit
+    extreme = at | (force < (1.0 - log_force.AT_LIMIT) * least)
     motion = kinematics(recording)
-    if np.mean(at) < PILED or (drive := rigid(recording, motion)) is None:
+    if np.mean(at) < log_force.PILED or (drive := rigid(recording, motion)) is None:
         return None
     reach = max(1, round(0.5 / (motion.cutoff * recording.T_s)))
     near = np.convolve(extreme, np.ones(2 * reach + 1), mode="same") > 0.5
     below, above = ~near[drive.used], at[drive.used]
-    if min(below.sum(), above.sum()) < FEWEST:
+    if min(below.sum(), above.sum()) < log_content.SLIDING:
         return None
     used = drive.force[drive.used]
     fit, every = (
@@ -103,7 +91,8 @@ def _clipped(recording: Recording, force: Array) -> Finding | None:
     rest, whole = (
         float(np.sum((used[below] - drive.columns[below] @ one) ** 2)) for one in (fit, every)
     )
-    if shown < (1.0 + BEYOND) * float(np.mean(np.abs(used[above]))) or rest > EXPLAINED * whole:
+    least = (1.0 + log_force.BEYOND) * float(np.mean(np.abs(used[above])))
+    if shown < least or rest > log_force.LIMITED * whole:
         return None
     figure = f"{limit:.4g} for {np.mean(at):.1%} of the time, while the motion shows {shown:.4g}"
     advice = "log it with a larger range, or a gentler motion"
@@ -126,7 +115,7 @@ def _low_passed(recording: Recording) -> Finding | None:
     every = rigid_columns(motion, recording.T_s)
     force = spline(recording.t + late)
     plain, mass = _fitted(drive.columns, force[drive.used])
-    if plain <= EXACT**2 * float(np.sum(drive.force[drive.used] ** 2)):
+    if plain <= log_force.EXACT**2 * float(np.sum(drive.force[drive.used] ** 2)):
         return None
     trials = []
     for lag in LAGS:
@@ -141,7 +130,7 @@ def _low_passed(recording: Recording) -> Finding | None:
             for own in OWN
         ]
     rest, unfiltered, lag, filtered = min(trials)
-    if rest > min(LAGGED * plain, ALIKE * filtered) or abs(unfiltered / mass - 1.0) < ATTENUATED:
+    if not _is_low_pass(rest, plain, filtered, abs(unfiltered / mass - 1.0)):
         return None
     frequency = 1.0 / (2.0 * np.pi * lag * recording.T_s)
     figure = (
@@ -150,6 +139,12 @@ def _low_passed(recording: Recording) -> Finding | None:
     advice = "log it without a filter, or position and command with the same"
     what = "the force in the log is low-passed"
     return Finding("warning", what, figure, advice, spoils="values")
+
+
+def _is_low_pass(rest: float, plain: float, filtered: float, change: float) -> bool:
+    """Tell whether a low-pass, with its rest, explains the force, and changes the mass."""
+    most = min(log_force.LAGGED * plain, log_force.LAGGED_ALIKE * filtered)
+    return rest <= most and change >= log_force.ATTENUATED
 
 
 def _fitted(columns: Array, force: Array) -> tuple[float, float]:

@@ -14,12 +14,10 @@ from stickslip.logs.finding import Finding, Severity
 from stickslip.logs.interpolation import better_method, interpolated
 from stickslip.logs.jumps import continuous
 from stickslip.logs.recording import Motion
-from stickslip.logs.sampling import EVEN, FILLED, even_clock, mean_period
+from stickslip.logs.sampling import even_clock, mean_period
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
-
-SHORTEST = 20
-"""Fewest samples of a recording."""
+from stickslip.thresholds import log_clock, log_content
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +54,9 @@ def even_grid(
         When no stretch without gaps is long enough, or its times do not rise.
     """
     findings: list[Finding] = []
-    if len(t) < SHORTEST:
-        raise RecordingError(f"{table.path}: {len(t)} samples; expected at least {SHORTEST}")
+    if len(t) < log_content.FEWEST:
+        least = f"{log_content.FEWEST:g}"
+        raise RecordingError(f"{table.path}: {len(t)} samples; expected at least {least}")
     usual = mean_period(t)
     if not 1e-9 <= usual <= 1e4:
         raise RecordingError(
@@ -77,11 +76,11 @@ def even_grid(
     T_s = (t[-1] - t[0]) / count
     grid = t[0] + np.arange(count + 1) * T_s
     off = np.abs((t - t[0]) / T_s - np.round((t - t[0]) / T_s))
-    even = len(t) == len(grid) and float(np.max(off)) <= EVEN
-    if not even and (jitter := float(np.sqrt(np.mean(off**2)))) > EVEN:
+    even = len(t) == len(grid) and float(np.max(off)) <= log_clock.EVEN
+    if not even and (jitter := float(np.sqrt(np.mean(off**2)))) > log_clock.EVEN:
         figure = f"{jitter:.2g} of the sample period {T_s:.4g} s (rms)"
         advice = "if the samples are even and only the clock is not, give --sample-period"
-        severity: Severity = "warning" if jitter > 0.1 else "note"
+        severity: Severity = "warning" if jitter > log_clock.UNEVEN else "note"
         findings.append(Finding(severity, "times are uneven", figure, advice))
     missing = len(grid) - len(t)
     result = {}
@@ -117,11 +116,11 @@ def _longest(
         if not np.isfinite(signal).any():
             raise RecordingError(f"{table.path}: {role}: no finite number in the whole column")
         for begin, end in runs(~np.isfinite(signal)):
-            if end - begin > FILLED or begin == 0 or end == len(t):
+            if end - begin > log_clock.FILLED or begin == 0 or end == len(t):
                 usable[begin:end] = False
                 where = f"rows {table.row(begin)} to {table.row(end - 1)}"
                 findings.append(Finding("warning", f"{role} has no numbers in {where}"))
-    breaks = np.flatnonzero(np.diff(t) > (FILLED + 1.5) * usual) + 1
+    breaks = np.flatnonzero(np.diff(t) > (log_clock.FILLED + 1.5) * usual) + 1
     for k in breaks:
         gap = f"{t[k] - t[k - 1]:.3g} s before row {table.row(int(k))}"
         findings.append(Finding("warning", "a gap in time", gap))
@@ -132,10 +131,10 @@ def _longest(
         for begin, end in runs(usable[first:last])
     ]
     begin, end = max(stretches, key=lambda s: t[s[1] - 1] - t[s[0]], default=(0, 0))
-    if end - begin < SHORTEST:
+    if end - begin < log_content.FEWEST:
         raise RecordingError(
             f"{table.path}: the longest stretch without gaps has {end - begin} samples; expected "
-            f"at least {SHORTEST}"
+            f"at least {log_content.FEWEST:g}"
         )
     if end - begin < len(t):
         figure = f"{t[begin]:.6g} to {t[end - 1]:.6g} s, {(end - begin) / len(t):.1%} of the rows"

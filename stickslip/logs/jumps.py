@@ -9,25 +9,13 @@ from numpy.typing import NDArray
 from stickslip.fmi.messages import quantity
 from stickslip.logs.finding import Finding
 from stickslip.logs.recording import Motion
-from stickslip.logs.sampling import FILLED
 from stickslip.logs.steps import step_of
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import log_clock, log_jump
 
-FAR = 1.0
-"""Smallest jump, in the largest step between two other rows. Deviations of a step from its
-neighbours are at most 0.22 of that on sound logs (200 Hz, stick-slip), if they stand out."""
-STANDS_OUT = 10.0
-"""Smallest jump, in what three of four of the steps around it deviate by, and two encoder steps."""
 AROUND = 17
 """Steps around one, with itself."""
-BACK = 0.1
-"""Share of a jump by which the next one may differ that goes back to where it began."""
-EQUAL = 0.01
-"""Relative difference of jumps of the same size: the speed may change near them."""
-FEWEST = 2
-"""Jumps of the same size that show a counter which restarts, if the size is not that of a turn or
-of a word."""
 WORDS = tuple(2.0**n for n in range(8, 33))
 """Counts after which a counter restarts."""
 
@@ -45,10 +33,10 @@ def jumps(t: Array, x: Array) -> tuple[NDArray[np.intp], Array, Array]:
     off = np.zeros(len(steps))  # the two at each end have too few neighbours
     off[2:-2] = steps[2:-2] - np.median(beside, axis=0) * times[2:-2]
     usual = scipy.ndimage.percentile_filter(np.abs(off), 75, size=AROUND)
-    noise = STANDS_OUT * (usual + 2.0 * step_of(x))
+    noise = log_jump.STANDS_OUT * (usual + 2.0 * step_of(x))
     stands_out = np.abs(off) > noise
     largest = float(np.max(np.abs(steps[2:-2][~stands_out[2:-2]]), initial=0.0))
-    found = np.flatnonzero(stands_out & (np.abs(off) > FAR * largest))
+    found = np.flatnonzero(stands_out & (np.abs(off) > log_jump.FAR * largest))
     return found, off[found], noise[found]
 
 
@@ -94,9 +82,9 @@ def _restart(role: str, x: Array, sizes: Array, tolerance: Array) -> float | Non
     words = [word * step for word in WORDS if step and abs(word * step - size) <= slack]
     turn = [2.0 * np.pi] if abs(size - 2.0 * np.pi) <= min(slack, 0.1) else []
     if (
-        np.any(np.abs(np.abs(sizes) - size) > np.maximum(EQUAL * size, tolerance))
+        np.any(np.abs(np.abs(sizes) - size) > np.maximum(log_jump.EQUAL * size, tolerance))
         or np.nanmax(x) - np.nanmin(x) > size + slack
-        or (len(sizes) < FEWEST and not words and not turn)
+        or (len(sizes) < log_jump.FEWEST and not words and not turn)
         or (role == "velocity" and not words)
     ):
         return None
@@ -134,8 +122,8 @@ def _lost(
     lost: list[int] = []
     rest = np.ones(len(at), dtype=bool)
     for k in range(len(at) - 1):
-        back = abs(sizes[k] + sizes[k + 1]) <= max(BACK * abs(sizes[k]), tolerance[k])
-        if rest[k] and back and at[k + 1] - at[k] <= FILLED:
+        back = abs(sizes[k] + sizes[k + 1]) <= max(log_jump.BACK * abs(sizes[k]), tolerance[k])
+        if rest[k] and back and at[k + 1] - at[k] <= log_clock.FILLED:
             rest[k : k + 2] = False
             lost += range(at[k] + 1, at[k + 1] + 1)
     return np.array(lost, dtype=np.intp), rest

@@ -7,6 +7,7 @@ import scipy
 
 from stickslip.logs.finding import Finding
 from stickslip.logs.recording import Recording
+from stickslip.thresholds import log_force
 
 WINDOW = 7
 """Number of differences of the position in the moving median."""
@@ -14,7 +15,6 @@ ALIKE = 0.25
 """Largest deviation of the neighbours of a jump from that median, relative: steady motion."""
 STEPS = 5.0
 """Encoder steps per row from which one row can be distinguished from two."""
-EVENTS = 5
 
 
 def lost_rows(recording: Recording) -> Finding | None:
@@ -37,7 +37,7 @@ def lost_rows(recording: Recording) -> Finding | None:
     ratio = steps[fast] / usual[fast]
     missing = np.round(ratio) - 1.0
     found = (missing >= 1.0) & (np.abs(ratio - np.round(ratio)) < 0.3 * missing)
-    if np.sum(found) < EVENTS:
+    if np.sum(found) < log_force.LOST_ROWS:
         return None
     share = float(np.sum(missing[found]) / (len(ratio) + np.sum(missing[found])))
     figure = f"{share:.2%}, the position jumps {np.sum(found)} times by a multiple of its step"

@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import CUTOFF, Array, derivative, smoothed
+from stickslip.thresholds import log_content
 
 FASTEST = 0.1
 """Low-pass cutoff at most, in sampling frequencies."""
-FEWEST = 50
-"""Sliding samples to which a rigid drive is fitted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +98,7 @@ class Rigid:
 def rigid(recording: Recording, motion: Kinematics) -> Rigid | None:
     """Return the equations of a rigid drive, None without a force or with few samples sliding."""
     used = sliding(motion, recording.T_s)
-    if recording.force is None or used.sum() < FEWEST:
+    if recording.force is None or used.sum() < log_content.SLIDING:
         return None
     columns = rigid_columns(motion, recording.T_s)[used]
     return Rigid(used, columns, smoothed(recording.force, recording.T_s, motion.cutoff))

@@ -13,10 +13,7 @@ from stickslip.logs.finding import Finding
 from stickslip.logs.motion import kinematics
 from stickslip.logs.reading import Reading
 from stickslip.logs.recording import Motion
-
-SHOWN = 0.05
-"""Share of the force that inertia makes, from which the mass shows."""
-
+from stickslip.thresholds import log_content, log_unit
 
 _Limits = dict[str, tuple[float, float]]
 
@@ -52,8 +49,6 @@ UNUSUAL: dict[Motion, _Limits] = {
 """Figures beyond these are asked about."""
 LONGEST: dict[Motion, float] = {"linear": 2.0, "rotary": math.inf}
 """Travel [m] beyond which a position that states no unit is asked about."""
-SLOWEST = 0.05
-"""Sample period [s] beyond which a time that states no unit is asked about."""
 
 
 def check_units(reading: Reading) -> tuple[Finding, ...]:
@@ -64,7 +59,7 @@ def check_units(reading: Reading) -> tuple[Finding, ...]:
 def implausible(reading: Reading) -> Iterator[Finding]:
     """Yield extreme figures, as errors until they are corrected or confirmed."""
     recording, assumed = reading.recording, reading.assumed
-    if "time" in assumed and recording.T_s > SLOWEST:
+    if "time" in assumed and recording.T_s > log_unit.SLOWEST:
         figure = f"{recording.T_s:.4g} s from one sample to the next, and time states no unit"
         advice = "give --unit time=ms, or --unit time=s if it is so"
         yield Finding("error", "the sampling is very slow", figure, advice)
@@ -86,9 +81,10 @@ def implausible(reading: Reading) -> Iterator[Finding]:
         largest = float(np.quantile(np.abs(recording.force), 0.99))
         figures["force"] = largest, "N m" if rotary else "N"
         work = float(recording.force[1:] @ np.diff(motion.x))
-        if shown.inertial > SHOWN and shown.mass < 0.0 and shown.coulomb < 0.0 and work < 0.0:
+        seen = shown.inertial > log_content.INERTIAL
+        if seen and shown.mass < 0.0 and shown.coulomb < 0.0 and work < 0.0:
             yield _against_motion(reading, shown.mass, shown.coulomb)
-        elif shown.inertial > SHOWN and shown.mass > 0.0:
+        elif seen and shown.mass > 0.0:
             figures["mass"] = shown.mass, "kg m^2" if rotary else "kg"
     for name, (value, per) in figures.items():
         if question := _asked(reading, name, value, value, unit=per):

@@ -22,9 +22,10 @@ from stickslip.logs.roles import assign_roles, named_quantity
 from stickslip.logs.sampling import even_rows, on_one_clock
 from stickslip.logs.steps import step_of
 from stickslip.logs.table import LogTable
-from stickslip.logs.unit_factors import EQUALS, described_ratio, near_factor
+from stickslip.logs.unit_factors import described_ratio, near_factor
 from stickslip.logs.units import Unit, sized_unit
 from stickslip.servo.measurement import Array, derivative
+from stickslip.thresholds import log_unit
 
 MOST_FEEDFORWARD = 2.0
 """Largest velocity feedforward of a cascade, a share of the velocity command."""
@@ -213,7 +214,7 @@ def _unused_time(table: LogTable, period: float, time: Channel) -> Finding:
         t = signal_of(table, time)
         t = t[np.isfinite(t)]
         spacing = float(np.ptp(t)) / (len(t) - 1) if len(t) > 1 else 0.0
-        if spacing and not 1 / EQUALS < spacing / period < EQUALS:
+        if spacing and not 1 / log_unit.EQUALS < spacing / period < log_unit.EQUALS:
             what = "the column of time and --sample-period contradict each other"
             ratio = described_ratio(spacing / period)
             figure = f"{spacing:.4g} s and {period:.4g} s a row, a factor of {ratio}"
@@ -264,7 +265,7 @@ def _encoder_step(
         figure = f"{shown:.4g} and {given:.4g}, a factor near {factor[1]}"
         advice = "correct --encoder-step or the unit of the position, --unit position=UNIT"
         findings.append(Finding("error", what, figure, advice))
-    elif shown and abs(shown / given - max(1, round(shown / given))) > 0.05:
+    elif shown and abs(shown / given - max(1, round(shown / given))) > log_unit.STEP:
         figure = f"{given:.4g} given, {shown:.4g} found"
         advice = "check scale and unit of the position"
         findings.append(Finding("warning", "the position moves in other steps", figure, advice))

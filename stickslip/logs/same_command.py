@@ -11,17 +11,12 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.signal import correlate, correlation_lags, find_peaks
 
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import transfer
 
-TOLERANCE = 0.01
-"""Difference of two commands that are the same, as a share of the largest speed near by."""
 ROUNDING = 1e-4
 """The same as a share of the largest speed in the log."""
 NEAR = 0.1
 """How far the largest speed near by is looked for [s]."""
-SHORTEST = 0.3
-"""Shortest stretch [s]."""
-MOVING = 0.01
-"""Share of the largest speed above which a command moves the drive."""
 LAGS = 20
 """Lags of the second log that are tried, of each kind."""
 
@@ -40,7 +35,7 @@ def same_command(first: Array, second: Array, T_s: float) -> list[Stretch]:
 
     No sample belongs to two stretches. The lag with the most motion in common comes first.
     """
-    least = max(2, round(SHORTEST / T_s))
+    least = max(2, round(transfer.STRETCH / T_s))
     free = np.ones(len(first), dtype=bool), np.ones(len(second), dtype=bool)
     found: list[Stretch] = []
     lags = _lags(first, second)
@@ -57,7 +52,7 @@ def same_command(first: Array, second: Array, T_s: float) -> list[Stretch]:
 
 def is_moving(command: Array) -> NDArray[np.bool_]:
     """Return where (n,) a velocity command moves the drive."""
-    return np.asarray(np.abs(command) > MOVING * np.max(np.abs(command), initial=0.0))
+    return np.asarray(np.abs(command) > transfer.MOVING * np.max(np.abs(command), initial=0.0))
 
 
 def period(command: Array, T_s: float) -> int | None:
@@ -67,7 +62,7 @@ def period(command: Array, T_s: float) -> int | None:
     lags, difference = _difference(command, command)
     for k in find_peaks(-difference)[0]:
         lag = int(lags[k])
-        if not SHORTEST / T_s < lag <= n / 2:
+        if not transfer.STRETCH / T_s < lag <= n / 2:
             continue
         runs = list(_runs(command, command, lag, (everywhere, everywhere), T_s=T_s, least=1))
         if [run.n for run in runs] == [n - lag]:
@@ -133,7 +128,8 @@ def _runs(
     one, other = slice(begin, begin + n), slice(begin - lag, begin - lag + n)
     a, b = first[one], second[other]
     reach = 2 * max(1, round(NEAR / T_s)) + 1
-    tolerance = TOLERANCE * maximum_filter1d(np.abs(a), reach) + ROUNDING * np.max(np.abs(first))
+    tolerance = transfer.SAME * maximum_filter1d(np.abs(a), reach)
+    tolerance = tolerance + ROUNDING * np.max(np.abs(first))
     # A sample more or less: the logs are not sampled at the same instants of the command.
     same = (b <= maximum_filter1d(a, 3) + tolerance) & (b >= minimum_filter1d(a, 3) - tolerance)
     same &= free[0][one] & free[1][other]

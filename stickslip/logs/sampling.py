@@ -13,23 +13,12 @@ from stickslip.logs.interpolation import better_method, interpolated
 from stickslip.logs.steps import clock_step
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import log_clock
 
-FILLED = 5
-"""Consecutive missing samples that are interpolated; where more are missing, the log is cut."""
-EVEN = 0.01
-"""Deviation of times from an even grid that is ignored, in sample periods."""
 SPAN = 16
 """Rows over which a period is averaged: rounding is divided by as much, and few rows are lost."""
 FOLLOWED = 4096
 """Most rows to which the period of a clock that drifts is fitted."""
-ROUNDED = 1.1
-"""Largest deviation of times from a regular clock that is their rounding, in steps of the clock:
-those of a regular clock deviate by one, and by what the fit of a period adds."""
-STILL = 0.25
-"""Motion between rows with equal times up to which they are of one instant, in that between the
-rows beside them: 1 with a rounded clock."""
-IN_TURN = 0.2
-"""Share of a channel's numbers that a blank follows, from which it was sampled at its own times."""
 
 
 def mean_period(t: Array) -> float:
@@ -57,7 +46,7 @@ def regular_times(t: Array, period: float) -> Array | None:
         if np.all(np.diff(numbers) > 0):
             for degree in (1, 3):
                 fit = np.polynomial.Polynomial.fit(numbers, t, degree)
-                if np.ptp(t - fit(numbers)) <= ROUNDED * step:
+                if np.ptp(t - fit(numbers)) <= log_clock.ROUNDED * step:
                     return np.asarray(fit(numbers))
     return None
 
@@ -143,8 +132,10 @@ def even_rows(
 def _in_turn(signals: Mapping[str, Array]) -> str:
     """Return the role of a channel whose numbers and blanks alternate; empty if there is none."""
     known = {role: np.isfinite(signal) for role, signal in signals.items()}
-    own = (r for r, one in known.items() if np.sum(one[:-1] & ~one[1:]) > IN_TURN * np.sum(one))
-    return next(own, "")
+    for role, one in known.items():
+        if np.sum(one[:-1] & ~one[1:]) > log_clock.IN_TURN * np.sum(one):
+            return role
+    return ""
 
 
 def _check_instants(table: LogTable, t: Array, signals: Mapping[str, Array]) -> None:
@@ -157,7 +148,8 @@ def _check_instants(table: LogTable, t: Array, signals: Mapping[str, Array]) -> 
     """
     steps = np.abs(np.diff(signals.get("position", t)))
     equal = np.flatnonzero(np.diff(t)[1:-1] == 0) + 1
-    if np.nansum(steps[equal]) < STILL * np.nansum(steps[equal - 1] + steps[equal + 1]) / 2:
+    beside = np.nansum(steps[equal - 1] + steps[equal + 1]) / 2
+    if np.nansum(steps[equal]) < log_clock.STILL * beside:
         raise RecordingError(
             f"{table.path}: row {table.row(int(equal[0]) + 1)}: the same time and position as in "
             f"the row before, but other values ({equal.size} such rows); expected one row per "
@@ -175,7 +167,7 @@ def even_clock(table: LogTable, t: Array, period: float, findings: list[Finding]
     """
     found = regular_times(t, period)
     if found is not None:
-        if float(np.max(np.abs(found - t))) <= EVEN * period:
+        if float(np.max(np.abs(found - t))) <= log_clock.EVEN * period:
             return t
         figure = f"a row each {mean_period(found):.6g} s, in steps of {clock_step(t):.4g} s"
         findings.append(Finding("note", "times are those of a regular clock, rounded", figure))
@@ -221,18 +213,18 @@ def on_one_clock(
     rows, times, fastest = own[base]
     result, moved = {base: signals[base][rows]}, []
     for role, (mine, at, period) in own.items():
-        if period > (FILLED + 1) * fastest:
+        if period > (log_clock.FILLED + 1) * fastest:
             raise RecordingError(
                 f"{table.path}: {role} was sampled each {period:.4g} s, and the {base} each "
-                f"{fastest:.4g} s; expected at most {FILLED + 1} times less often; log it faster, "
-                f"or leave it out with --column {role}=none"
+                f"{fastest:.4g} s; expected at most {log_clock.FILLED + 1:g} times less often; log "
+                f"it faster, or leave it out with --column {role}=none"
             )
         if len(mine) == len(rows) and np.array_equal(at, times):
             result[role] = signals[role][mine]
             continue
         method = better_method(at, signals[role][mine])
         after = np.clip(np.searchsorted(at, times), 1, len(at) - 1)
-        far = at[after] - at[after - 1] > (FILLED + 1.5) * period
+        far = at[after] - at[after - 1] > (log_clock.FILLED + 1.5) * period
         far |= (times < at[0]) | (times > at[-1])
         drawn = interpolated(at, signals[role][mine], times, method)
         result[role] = np.where(far, np.nan, drawn)

@@ -18,18 +18,7 @@ from stickslip.logs.motion import kinematics
 from stickslip.logs.recording import Recording
 from stickslip.logs.steps import step_of
 from stickslip.servo.measurement import Array, smoothed
-
-FLAT = 0.02
-"""Distance of a force from its extreme, relative, up to which it stays there."""
-STATED = 0.995
-"""Share of a stated limit from which a force is at it."""
-SHORTEST = 3
-"""Samples at an extreme."""
-MORE = 0.05
-"""Share of the extreme by which more is asked for, beyond a step of a coarse converter; a loop
-without a limit has 0 where its force stays equal."""
-SELDOM = 0.002
-"""Share of the samples at a limit up to which it is not reported."""
+from stickslip.thresholds import log_force
 
 
 def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
@@ -48,20 +37,20 @@ def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
         for sign in (1.0, -1.0):
             one = sign * force
             most = float(np.quantile(one, 0.999))
-            level = STATED * limit if limit else (1.0 - FLAT) * most
+            level = log_force.AT_STATED * limit if limit else (1.0 - log_force.AT_LIMIT) * most
             if level > 0.0:
                 demand = _demand(recording, name, sign, one < level, level=level)
-                least = MORE * level + step
+                least = log_force.DEMANDED * level + step
                 for begin, end in runs(one >= level):
                     part = slice(begin, end)
                     more = _more(demand, part, level) > least if demand else bool(limit)
-                    marked[part] |= more and end - begin >= SHORTEST
+                    marked[part] |= more and end - begin >= log_force.PLATEAU
         most, share = float(np.max(np.abs(force))), float(np.mean(marked))
-        if share > (0.0 if limit else SELDOM):
+        if share > (0.0 if limit else log_force.SELDOM):
             advice = "there it does not follow its command; log a gentler motion"
             what = f"{name} saturates at {float(np.max(np.abs(force[marked]))):.4g}"
             yield Finding("warning", what, f"{share:.2%}", advice, spoils="intervals")
-        if limit and most > 1.05 * limit:
+        if limit and most > log_force.EXCEEDED * limit:
             figure = f"{most:.4g} against {limit:.4g}"
             advice = "check unit and scale, and that it was logged behind the limit"
             what = f"{name} exceeds the force limit"

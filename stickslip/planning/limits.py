@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 from numbers import Real
 
 from stickslip.errors import UsageError
+from stickslip.thresholds import experiment
 
 
 def _is_like(value: object, model: object) -> bool:
@@ -80,14 +81,17 @@ class Limits:
                 f"stroke and travel leave {self.room:g} m or rad; expected at least"
                 f" {self.presliding[0]:g}, the smallest of the small moves"
             )
-        if self.duration < 2.0:
-            raise UsageError(f"duration = {self.duration:g} s: expected at least 2 s")
-        if not 100.0 <= self.rate <= 1e5:
-            raise UsageError(f"rate = {self.rate:g} Hz: expected 100 to 100,000 Hz")
-        if self.duration * self.rate > 2e7:
+        if self.duration < experiment.DURATION:
+            raise UsageError(
+                f"duration = {self.duration:g} s: expected at least {experiment.DURATION:g} s"
+            )
+        slowest, fastest = experiment.SLOWEST, experiment.FASTEST
+        if not slowest <= self.rate <= fastest:
+            raise UsageError(f"rate = {self.rate:g} Hz: expected {slowest:g} to {fastest:,.0f} Hz")
+        if self.duration * self.rate > experiment.SAMPLES:
             raise UsageError(
                 f"duration = {self.duration:g} s at rate = {self.rate:g} Hz: expected at most "
-                "20 million samples; shorten it or lower the rate"
+                f"{experiment.SAMPLES / 1e6:g} million samples; shorten it or lower the rate"
             )
 
     @property

@@ -18,6 +18,7 @@ from stickslip.rigs.contract import Command, Log
 from stickslip.rigs.limits import RigLimits, Watch
 from stickslip.rigs.remote import Refused, RemoteRig
 from stickslip.servo.datasheet import Datasheet
+from stickslip.thresholds import rig_motion
 
 CODE = Path(__file__).with_name("plc") / "StickslipRig.st"
 BLOCK = 400
@@ -36,8 +37,6 @@ REFUSALS = {
 }
 TCP = 48898
 """Port of an ADS router."""
-PACE, PACED = 1.5, 0.5
-"""By which factor the controller's clock may differ from this one's, over motions this long [s]."""
 ANSWER = 1.0
 """Within which a controller that runs the function block answers a start [s]."""
 
@@ -101,7 +100,8 @@ class AdsRig(RemoteRig):
         before, begun = self._clock(), time.monotonic()
         log = super()._run(command, limits)
         shown, took = self._clock() - before, time.monotonic() - begun
-        if took > PACED and not 1.0 / PACE < shown / took < PACE:
+        pace = rig_motion.PACE
+        if took > rig_motion.PACED and not 1.0 / pace < shown / took < pace:
             raise RigError(
                 f"{self.name}: {took:.3g} s took {shown:.3g} s there; expected T_s = {self.T_s:g} "
                 "s to be the period in which the PLC calls StickslipRig"

@@ -28,11 +28,10 @@ from stickslip.servo.measurement import Array
 from stickslip.servo.specification import LoopSpecification
 from stickslip.servo.systems import Feed, build_fmus, feedforward
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
+from stickslip.thresholds import rig_motion
 
 COMMISSIONING = LoopSpecification(bandwidth=50.0, phase_margin=60.0, T_s=5e-4, tau_f=5e-4)
 """The loop of a recording: soft, so that it bears a third and three times its nominal mass."""
-CLOCK = 0.01
-"""Largest relative error of the mean spacing of a log's time."""
 
 
 def _values(what: str, given: object) -> Array:
@@ -181,7 +180,7 @@ def _wrong_log(log: object, command: Command) -> str:
     if not steps.min() > 0.0:
         k = int(np.argmin(steps)) + 1
         return f"t of the log does not rise at sample {k}, {log.t[k]:.6g} s; expected rising times"
-    if abs(spacing - T_s) > CLOCK * T_s:
+    if abs(spacing - T_s) > rig_motion.SPACING * T_s:
         return (
             f"t of the log has a spacing of {spacing:.6g} s; expected T_s = {T_s:.6g} s, as the "
             "command has. Give times in seconds"

@@ -20,15 +20,12 @@ from stickslip.rigs.limits import RigLimits
 from stickslip.rigs.lines import CHUNK, LOOP, PROTOCOL, crc_of
 from stickslip.servo.axis import ControlError
 from stickslip.servo.datasheet import Datasheet
+from stickslip.thresholds import rig_motion
 
-NEAR = 2e-5
-"""Distance from 0 at which a motion may begin [m]."""
 RETURNS, RETURN_SPEED, DWELL, K_X = 5, 0.02, 0.5, 20.0
 """Most moves back to 0, their speed [m/s], rest at their end [s] and position gain [1/s]."""
 MARGIN = 1e-3
 """By how much a move back may overshoot where it begins [m]."""
-STALL = 10.0
-"""After which a motion is given up of which no sample arrives [s]."""
 
 
 class Refused(RigError):
@@ -115,7 +112,7 @@ class RemoteRig(Rig):
             reply = self._request("read", motion=self._motion, **{"from": 0})
             with self._understood("read"):
                 x = float(reply["position"])
-            if abs(x) <= NEAR:
+            if abs(x) <= rig_motion.RETURNED:
                 return
             speed = min(RETURN_SPEED, 0.5 * self._limits.speed)
             moves = Limits(speed=speed, acceleration=1.0, rate=1.0 / self.T_s)
@@ -168,9 +165,9 @@ class RemoteRig(Rig):
                     complete = len(x) == len(F) == reply["samples"]
                 if new["x_enc"]:
                     moved = time.monotonic()
-                if time.monotonic() - moved > STALL:
+                if time.monotonic() - moved > (stall := rig_motion.STALL):
                     state, limit = "aborted", False
-                    reason = f"{len(x)} samples arrived, and none for {STALL:g} s; look at it"
+                    reason = f"{len(x)} samples arrived, and none for {stall:g} s; look at it"
                     self._stop(motion)
                     break
                 if complete:

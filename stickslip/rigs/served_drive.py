@@ -12,13 +12,10 @@ from stickslip import cosim
 from stickslip.cosim.signals.signals import Array
 from stickslip.errors import UsageError
 from stickslip.rigs.limits import RigLimits, Watch
+from stickslip.thresholds import rig_motion
 
 DECELERATION = 2.0
 """With which the drive is stopped [m/s^2]."""
-SETTLE, LONGEST_STOP = 0.1, 3.0
-"""Time at rest before the brake holds, and after which it does in any case [s]."""
-AT_REST = 1e-3
-"""Speed that counts as rest [m/s]."""
 MOST_SAMPLES = 10**9
 """Of all motions until the server is started again; a week at 2 kHz is more."""
 COMPONENT = "fmu"
@@ -188,8 +185,9 @@ class ServedDrive:
         self._v = max(0.0, abs(self._v) - change) * (1.0 if self._v > 0 else -1.0)
         self._x_cmd += self.T_s * self._v
         self._stopping += 1
-        rest = self._v == 0.0 and abs(self._velocity()) < AT_REST
+        rest = self._v == 0.0 and abs(self._velocity()) < rig_motion.AT_REST
         self._resting = self._resting + 1 if rest else 0
-        if self._resting * self.T_s >= SETTLE or self._stopping * self.T_s >= LONGEST_STOP:
+        resting, stopping = self._resting * self.T_s, self._stopping * self.T_s
+        if resting >= rig_motion.SETTLED or stopping >= rig_motion.LONGEST_STOP:
             self.state = "idle"
         return {"v_cmd": self._v, "a_cmd": 0.0, "x_cmd": self._x_cmd, "F_ff": 0.0}

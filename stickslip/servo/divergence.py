@@ -6,13 +6,7 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.servo.measurement import Array
-
-DIVERGED = 10.0
-"""Peak of a simulated velocity above which a loop has run away, over the largest commanded one.
-
-A loop that follows its command, or sticks and slips on it, stays below 4; one that does not passes
-10 within some tens of samples.
-"""
+from stickslip.thresholds import loop_fit
 
 
 class Diverged(cosim.SimulationError):
@@ -33,9 +27,9 @@ def require_bounded(v: Array, speed: float) -> None:
         When it has run away.
     """
     peak = float(np.max(np.abs(v)))
-    if not peak <= DIVERGED * speed:
+    if not peak <= loop_fit.RUNS_AWAY * speed:
         raise Diverged(
-            f"the simulated loop runs away: its velocity exceeds {DIVERGED:g} times the largest "
-            "commanded one; expected a loop that is stable with these gains; check their units and "
-            "signs, the delay and the mass"
+            f"the simulated loop runs away: its velocity exceeds {loop_fit.RUNS_AWAY:g} times the "
+            "largest commanded one; expected a loop that is stable with these gains; check their "
+            "units and signs, the delay and the mass"
         )

@@ -29,9 +29,8 @@ from stickslip.servo.axis import ControlError, check
 from stickslip.servo.sensitivity import OpenLoop, Response, peak_sensitivity
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.thresholds import offer
 
-LIMIT = 2.2
-"""Largest peak sensitivity of the loop with the observer."""
 MASSES = (0.9, 1.0, 1.1)
 """True masses, relative to that of the loop's axis, at which the limit holds."""
 REVERSALS = 0.1
@@ -39,11 +38,8 @@ REVERSALS = 0.1
 so that it excites high frequencies less than a step does."""
 FORCE_NOISE = 0.01
 """Standard deviation of the measured force where it is not given, relative to the friction."""
-HIDDEN, QUIET = 0.7, 0.02
-"""Error of reversals relative to none that the whole error may leave, and by how much that may grow
-where it leaves more."""
-WORTHWHILE = 0.9
-"""Largest error of reversals with an observer, relative to that without."""
+QUIET = 0.02
+"""Share by which the whole error may grow where the encoder hides friction in it."""
 LEAST_GAIN = 1e-3
 """Relative improvement below which the search ends."""
 Weights = tuple[float, float]
@@ -90,7 +86,7 @@ def design_observer(
     *,
     force_noise: float | None = None,
     masses: Sequence[float] = MASSES,
-    limit: float = LIMIT,
+    limit: float | None = None,
     order: int = 1,
 ) -> DesignedObserver:
     """Design the disturbance observer of a velocity loop.
@@ -102,7 +98,7 @@ def design_observer(
     force_noise : standard deviation of the measured motor force from sample to sample [N], by
         default ``FORCE_NOISE`` of the friction
     masses : true masses at which the limit must hold, relative to that of the loop's axis
-    limit : largest peak sensitivity
+    limit : largest peak sensitivity; by default ``thresholds.offer.SENSITIVITY``
     order : of the random walk that the disturbance is taken for, 1 or 2
 
     Raises
@@ -110,6 +106,7 @@ def design_observer(
     ControlError
         When the loop exceeds the limit without an observer, or none reduces the expected error.
     """
+    limit = offer.SENSITIVITY if limit is None else limit
     check("encoder_step", encoder_step, loop.axis.unit("m"), encoder_step > 0.0, expected="above 0")
     check("friction", friction, loop.axis.unit("N"), friction > 0.0, expected="above 0")
     check("limit", limit, "1", limit > 1.0, expected="above 1")
@@ -127,9 +124,9 @@ def design_observer(
             f" {limit:g}; lower K_p or K_i"
         )
     best = search.best(without)
-    if best.reversal > HIDDEN * without.reversal:
+    if best.reversal > offer.HIDDEN * without.reversal:
         best = replace(search, loudest=(1.0 + QUIET) * without.error).best(without)
-    if best.reversal > WORTHWHILE * without.reversal or not (best.observer and best.weights):
+    if best.reversal > offer.WORTHWHILE * without.reversal or not (best.observer and best.weights):
         raise ControlError(
             f"no disturbance observer with a peak sensitivity of at most {limit:g} reduces what"
             " reversals of friction leave without adding more noise; the controller alone is as"

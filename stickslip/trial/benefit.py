@@ -31,20 +31,16 @@ from stickslip.identification.criteria.runs import Runs
 from stickslip.models import Law
 from stickslip.progress import steps
 from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.divergence import DIVERGED, require_bounded
+from stickslip.servo.divergence import require_bounded
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.thresholds import harm, loop_fit
 from stickslip.trial.family import MOVES, Command, Drive
 from stickslip.trial.single_run import axis_values, in_loop
 
-WORSE = 1.005
-"""Largest ratio of the error with the compensator to that without it, on a drive of the family; the
-true drive differs from all of them, and may then be worse by one or two per cent."""
 SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.4, 0.3, 0.2, 0.1)
 LEVELS = tuple(np.linspace(0.99, 1.01, 8).tolist())
 """Levels of friction at which a run is repeated where it sticks and slips."""
-CLOSE = (0.9, 1.25)
-"""Ratios between which a run is repeated: a single one may pass or fail by chance."""
 FIGURES = ("velocity", "position")
 """What errors are of; that of the position counts in a cascade."""
 _LEAST = 1e-9  # ratio that counts as none
@@ -137,7 +133,7 @@ class TrialError:
     @property
     def is_worse(self) -> bool:
         """Whether the error grows by more than allowed."""
-        return not self.ratio <= WORSE
+        return not self.ratio <= harm.WORSE
 
 
 Rows = tuple[TrialError, ...]
@@ -208,7 +204,7 @@ class Benefit:
             return (
                 f"the simulated loop {where} on a drive with {worst.drive} runs away"
                 f" {'with the whole force' if math.isfinite(worst.without) else 'without it, too'}:"
-                f" its velocity exceeds {DIVERGED:g} times the largest commanded one"
+                f" its velocity exceeds {loop_fit.RUNS_AWAY:g} times the largest commanded one"
             )
         error = "position" if worst.figure == "position" else "tracking"
         factor, unit = self.shown(worst)
@@ -222,8 +218,8 @@ class Benefit:
     def refusal(self) -> str:
         """Why a compensator that is not acceptable is refused, and what to do."""
         return (
-            f"{self.reason}; expected at most {WORSE:g} times, and no share of the force down to"
-            f" {SHARES[-1]:g} keeps that; raise K_p, learn from a log that shows more, or"
+            f"{self.reason}; expected at most {harm.WORSE:g} times, and no share of the force"
+            f" down to {SHARES[-1]:g} keeps that; raise K_p, learn from a log that shows more, or"
             " compensate faster commands only"
         )
 
@@ -392,7 +388,7 @@ def _rows(drive: Drive, command: Command, without: Errors, compensated: Errors) 
 
 def _repeated(rows: Rows, without: Callable[[], Errors], compensated: Callable[[], Errors]) -> Rows:
     """Return the rows of a cell; if a ratio is close to the limit, with means of several runs."""
-    if not any(CLOSE[0] < row.ratio < CLOSE[1] for row in rows):
+    if not any(harm.REPEATED_ABOVE < row.ratio < harm.REPEATED_BELOW for row in rows):
         return rows
     means = zip(rows, without(), compensated(), strict=True)
     return tuple(replace(row, without=one, compensated=two) for row, one, two in means)

@@ -24,15 +24,10 @@ from stickslip.errors import UsageError
 from stickslip.models import Law
 from stickslip.servo.axis import ControlError
 from stickslip.servo.chain_response import ChainResponse, frequencies
-from stickslip.servo.observer import (
-    FORCE_NOISE,
-    LIMIT,
-    DesignedObserver,
-    design_observer,
-    expected_errors,
-)
+from stickslip.servo.observer import FORCE_NOISE, DesignedObserver, design_observer, expected_errors
 from stickslip.servo.sensitivity import OpenLoop, Response
 from stickslip.servo.systems import Compensator
+from stickslip.thresholds import offer
 from stickslip.trial.family import LEVELS
 from stickslip.trial.guards import Bench, Benefit, Variant, feedforward
 from stickslip.trial.observed import (
@@ -48,8 +43,6 @@ from stickslip.trial.observed import (
 
 AUTO = "auto"
 """Name that stands for the compensator that does best, and for the law that a log shows."""
-SAME = 0.05
-"""Relative difference of mean ratios up to which the simpler compensator is taken."""
 QUICK = 3
 """Drives of the family on which candidates are compared first: as fitted, less, more friction."""
 TRIED = 2
@@ -128,7 +121,7 @@ class CompensatorComparison:
             return next((row for row in self.rows if row.name == self.asked), self.rows[-1])
         acceptable = [row for row in self.rows if row.acceptable]
         least = min(row.mean for row in acceptable)
-        near = [row for row in acceptable if row.mean <= (1.0 + SAME) * least]
+        near = [row for row in acceptable if row.mean <= (1.0 + offer.SIMPLER) * least]
         return min(near, key=lambda row: (row.simplicity, row.mean))
 
     @property
@@ -155,7 +148,7 @@ class CompensatorComparison:
         if one.benefit is None:
             return (
                 f"no compensator that is nowhere worse than none leaves less than"
-                f" {1.0 / (1.0 + SAME):.2g} of the error"
+                f" {1.0 / (1.0 + offer.SIMPLER):.2g} of the error"
             )
         return (
             f"{one.name} leaves {one.mean:.3g} of the error without compensation, the next simpler,"
@@ -392,7 +385,7 @@ class _Candidates(ExitStack):
     def _within(self, part: Part, values: Mapping[str, float]) -> Iterator[ObserverDesign]:
         """Yield an observer if its peak sensitivity is within the limit."""
         peaks = [response.peak for response in self._measured(part, values)]
-        if peaks and max(peaks) <= LIMIT:
+        if peaks and max(peaks) <= offer.SENSITIVITY:
             observer = Compensator("observer", part.model, values)
             observer = replace(observer, values=observer.parameters(self.bench.loop))
             yield ObserverDesign(observer, max(peaks), self._without)
@@ -418,7 +411,7 @@ class _Candidates(ExitStack):
         least, best = cost([axis.response() for axis in self._axes]), 0.0
         for value in self._grid(part):
             responses = self._measured(part, {**values, gene: value})
-            if not responses or max(one.peak for one in responses) > LIMIT:
+            if not responses or max(one.peak for one in responses) > offer.SENSITIVITY:
                 continue
             if (found := cost(responses)) < least:
                 least, best = found, value

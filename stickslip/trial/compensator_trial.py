@@ -10,7 +10,6 @@ import numpy as np
 from scipy.signal import lfilter
 
 from stickslip.catalog.space import ParameterSpace
-from stickslip.identification.controller.controller_check import AGREES
 from stickslip.identification.criteria.motion import encoder_noise, position_of
 from stickslip.identification.estimation import Estimation, LearnSettings
 from stickslip.identification.fitting.conservative import bounded_by
@@ -28,8 +27,8 @@ from stickslip.servo.velocity_loop import (
     close_velocity_loop,
     design_velocity_loop,
 )
+from stickslip.thresholds import control_match, harm
 from stickslip.trial.candidates import compare
-from stickslip.trial.family import RESERVE
 from stickslip.trial.guards import (
     NONE,
     Benefit,
@@ -47,18 +46,12 @@ from stickslip.trial.guards import (
 from stickslip.trial.observed import FEEDFORWARD, kalman_designs, try_observer
 from stickslip.trial.simulated import Loops, SimulatedTrial
 
-RULED_OUT = 5.0
-"""Ratio to the least force error among the laws above which values of a law are ruled out."""
 CAUTIOUS = (0.4, 60.0)
 """Bandwidth, over that of the paper's loop, and phase margin [degrees] of a velocity loop whose
 command and force do not show its gains: feedforward harms most in a slow loop."""
 SLOW = 50.0
 """Cut-off [Hz] behind which velocity error and force show the controller's gains, or a part of the
 sampling rate."""
-SHOWN = 0.9
-"""Share of the force that gains must explain to be taken."""
-WIDE = 2.0
-"""Largest ratio to the value taken of one on which it is tried."""
 
 
 def try_compensator(
@@ -155,12 +148,12 @@ def known_friction(estimation: Estimation) -> Evidence:
     """
     space, known = estimation.fit.space, estimation.known
     taken = (known[name].value for name in space.bounded)
-    largest = RESERVE * max(estimation.fitted.largest_friction, *taken, 0.0)
+    largest = harm.RESERVE * max(estimation.fitted.largest_friction, *taken, 0.0)
     ranges = {}
     for name in space.friction:
         one = known[name]
         if one.identifiability != IDENTIFIABLE:
-            low, high = max(one.low, one.value / WIDE), min(one.high, one.value * WIDE)
+            low, high = max(one.low, one.value / harm.WIDE), min(one.high, one.value * harm.WIDE)
             if name in space.bounded:
                 high = min(one.high, largest)
             ranges[name] = (low, high)
@@ -174,7 +167,7 @@ def known_friction(estimation: Estimation) -> Evidence:
     for prediction in found:
         law = prediction.candidate.law
         is_rival = law.name != estimation.law.name and not prediction.candidate.is_level
-        if is_rival and prediction.force <= RULED_OUT * least:
+        if is_rival and prediction.force <= harm.RULED_OUT * least:
             bounded = bounded_by(prediction.parameters, ParameterSpace.of(law), largest)
             rivals[law.name] = _of_drive(bounded)
             if prediction.force < own:
@@ -205,7 +198,8 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
     rotary = reading.recording.rotary
     axis = Axis(known["m"].value, max(known["b"].value, 0.0), reading.tau_i or 0.0, rotary)
     T_s = estimation.recording.T_s
-    rejected = estimation.controller is not None and estimation.controller.error > AGREES
+    check = estimation.controller
+    rejected = check is not None and check.error > control_match.EXACT
     if controller.K_p and not (controller.P_x or controller.I_x or rejected):
         gains = {name: getattr(controller, name) for name in ("tau_f", "K_p", "K_i", "K_x")}
         share = controller.velocity_feedforward
@@ -245,5 +239,6 @@ def shown_gains(recording: Recording) -> tuple[float, float] | None:
     gains, *_ = np.linalg.lstsq(regressors, output, rcond=None)
     rest = output - regressors @ gains
     K_p, K_i, *_ = gains.tolist()
-    shown = K_p > 0.0 and K_i >= 0.0 and np.var(rest) < (1.0 - SHOWN) * np.var(output)
+    most = (1.0 - control_match.GAINS_SHOWN) * np.var(output)
+    shown = K_p > 0.0 and K_i >= 0.0 and np.var(rest) < most
     return (K_p, K_i) if shown else None

@@ -20,6 +20,7 @@ from stickslip.cosim import Trapezoid
 from stickslip.models import Law
 from stickslip.models.export.units import motion_unit
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import harm
 
 Values = Mapping[str, float]
 
@@ -30,8 +31,6 @@ MOVES = {"micro-steps": (3.0, 20.0, 0.01), "short moves": (30.0, 200.0, 0.1)}
 share of the travel."""
 LEVELS = (0.5, 1.5)
 """Shares of the fitted friction."""
-RESERVE = 1.3
-"""Largest static friction on which a compensator is tried, over that which the log shows."""
 UNEVEN = 0.1
 """Share by which friction differs by direction, and along the guide."""
 PERIOD = 0.4
@@ -182,7 +181,7 @@ def _more_at_rest(law: Law, values: Values, slow: float) -> Values:
 
     Where the log has little slow motion, a fit puts the rise below the speeds that it has.
     """
-    higher = {name: RESERVE * values[name] for name in ParameterSpace.of(law).bounded}
+    higher = {name: harm.RESERVE * values[name] for name in ParameterSpace.of(law).bounded}
     speeds = [one.name for one in law.parameters.values() if one.shown_by and one.unit == "m/s"]
     return {**values, **higher, **{name: max(values[name], slow) for name in speeds}}
 

@@ -20,6 +20,7 @@ from stickslip.servo.divergence import require_bounded
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.thresholds import caution
 from stickslip.trial.benefit import Bench, Variant
 from stickslip.trial.family import Drive
 from stickslip.trial.single_run import Finding, axis_values, in_loop
@@ -30,8 +31,6 @@ MOVES = (3.5, 25.5, 250.5)
 """Lengths of small moves before a hold, in encoder steps."""
 RISE = 20
 """Samples of such a move."""
-RESOLVED = 2.0
-"""Encoder steps that a drive at rest may swing: one less is not seen by the controller."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,7 @@ class Hold:
 
     def hunts(self, limit: float) -> bool:
         """Tell whether it goes to and fro, farther than a limit [m]."""
-        return self.swing > limit and self.reversals >= 2
+        return self.swing > limit and self.reversals >= caution.REVERSALS
 
 
 def hold_time(loop: VelocityLoop, friction: Mapping[str, float], step: float) -> float:
@@ -84,7 +83,7 @@ def holds(bench: Bench, variants: Iterable[Variant]) -> dict[str, Hold]:
     return {
         variant.name: max(
             (_held(bench, drive, variant) for drive in [bench.drives[0], *drives]),
-            key=lambda hold: (hold.reversals >= 2, hold.swing),
+            key=lambda hold: (hold.reversals >= caution.REVERSALS, hold.swing),
         )
         for variant in variants
     }
@@ -92,7 +91,7 @@ def holds(bench: Bench, variants: Iterable[Variant]) -> dict[str, Hold]:
 
 def hunting_at_rest(found: Mapping[str, Hold], compensated: Variant, step: float) -> list[Finding]:
     """Return a finding where a drive hunts with a variant; ``found`` has that of none as well."""
-    hold, limit = found[compensated.name], RESOLVED * step
+    hold, limit = found[compensated.name], caution.SWING * step
     if not hold.hunts(limit):
         return []
     message = (
@@ -132,7 +131,7 @@ def _held(bench: Bench, drive: Drive, variant: Variant) -> Hold:
         Hold(float(np.ptp(half)), reversals(half, 0.5 * step), 0.5 * n * loop.T_s)
         for half in halves
     ]
-    worst = max(found, key=lambda hold: (hold.reversals >= 2, hold.swing))
+    worst = max(found, key=lambda hold: (hold.reversals >= caution.REVERSALS, hold.swing))
     return replace(worst, drive=drive.name, unit=loop.axis.unit("um"))
 
 

@@ -9,14 +9,11 @@ import numpy as np
 
 from stickslip.servo.axis import Axis
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import caution
 from stickslip.trial.single_run import Finding, Trial
 
 HOLD = 1.0
 """For how long the end of the command is held, to see what goes on there [s]."""
-STILL = 0.01
-"""Velocity that counts as rest for a law without v_s, as share of the fastest command."""
-PLATEAU = 0.3
-"""From which duration on a constant command is a plateau [s]."""
 
 
 def hunting(trial: Trial) -> list[Finding]:
@@ -30,10 +27,11 @@ def hunting(trial: Trial) -> list[Finding]:
     with longer.runs(compensated=True) as run:
         v = run.velocity()
     findings = []
-    for begin, end in _plateaus(longer.v_cmd, round(PLATEAU / trial.loop.T_s)):
+    still = caution.STANDING * float(np.abs(trial.v_cmd).max())
+    for begin, end in _plateaus(longer.v_cmd, round(caution.PLATEAU / trial.loop.T_s)):
         speed = abs(float(longer.v_cmd[begin]))
         swing = float(np.ptp(v[(begin + end) // 2 : end]))
-        limit = max(speed, trial.friction.get("v_s", STILL * float(np.abs(trial.v_cmd).max())))
+        limit = max(speed, trial.friction.get("v_s", still))
         if swing > limit:
             findings.append(_finding(speed, swing, limit, trial.loop.axis))
     return sorted(findings, key=lambda finding: finding.limit / finding.figure)[:1]

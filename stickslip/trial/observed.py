@@ -14,10 +14,11 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from stickslip.servo.axis import ControlError
-from stickslip.servo.observer import LIMIT, DesignedObserver, design_observer
+from stickslip.servo.observer import DesignedObserver, design_observer
 from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_filter import Observer
+from stickslip.thresholds import offer
 from stickslip.trial.guards import Bench, Benefit, TrialError, Variant
 
 SLOWER = 0.3
@@ -178,7 +179,7 @@ def kalman_designs(
     for share in SHARES:
         observer = replace(slowest.observer, share=share)
         peak = max(peak_sensitivity(bench.loop, observer, k * bench.loop.axis.m) for k in masses)
-        if peak <= LIMIT:
+        if peak <= offer.SENSITIVITY:
             yield _designed(observer, peak, without)
 
 

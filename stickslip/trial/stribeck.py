@@ -19,10 +19,9 @@ import numpy as np
 
 from stickslip.servo.measurement import Array
 from stickslip.servo.stribeck_curve import level, slope
+from stickslip.thresholds import caution
 from stickslip.trial.single_run import Finding, Trial
 
-LIMIT = 3.0
-"""Natural logarithm of how much a deviation may grow while the command passes: 20-fold."""
 _SPEEDS = 60
 
 
@@ -37,7 +36,7 @@ def stribeck(trial: Trial) -> list[Finding]:
     # Below the least speed the bristle does not slide, and holds as a spring
     at = np.maximum(np.interp(speed, grid, rates, left=0.0), 0.0)
     figure = _longest(at * trial.loop.T_s)
-    if figure <= LIMIT:
+    if figure <= caution.GROWTH:
         return []
     worst = float(speed[at.argmax()])
     falls, damping = -float(slope(trial.friction, worst)), trial.loop.K_p + trial.loop.axis.b
@@ -45,10 +44,10 @@ def stribeck(trial: Trial) -> list[Finding]:
     message = (
         f"at {1e3 * worst:.3g} {unit('mm/s')} friction falls by {falls:.4g} {unit('N s/m')} against"
         f" a damping K_p + b of {damping:.4g} {unit('N s/m')}, and while the command is at such"
-        f" speeds a deviation grows by e^{figure:.3g}; expected at most e^{LIMIT:g}; raise K_p, or"
-        " pass these speeds faster"
+        f" speeds a deviation grows by e^{figure:.3g}; expected at most e^{caution.GROWTH:g}; raise"
+        " K_p, or pass these speeds faster"
     )
-    return [Finding("stribeck", figure, LIMIT, "1", message=message)]
+    return [Finding("stribeck", figure, caution.GROWTH, "1", message=message)]
 
 
 def growth_rate(trial: Trial, v: float) -> float:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from stickslip.catalog.space import ParameterSpace
+from stickslip.thresholds import caution
 from stickslip.trial.single_run import Finding, Run, Trial
 
-LEAST = 0.2
-"""Share by which a compensator's force should be allowed to be too large."""
 MOST = 1.0
 """Share at which the search ends: twice the friction is as wrong as none."""
 _BOUND = 1.96
@@ -49,15 +48,15 @@ def _scaled(run: Run, share: float) -> float:
 
 def _too_large(run: Run, without: float) -> list[Finding]:
     share = tolerated(run, without)
-    if share >= LEAST:
+    if share >= caution.TOO_LARGE:
         return []
     force = f"a force {100 * share:.0f} % too large" if share else "this force"
     message = (
         f"{force} makes the tracking error at least as large as without a"
-        f" compensator, {_speed(run, without)}; expected {100 * LEAST:g} % or more; raise K_p,"
-        " or do not compensate on this command"
+        f" compensator, {_speed(run, without)}; expected {100 * caution.TOO_LARGE:g} % or more;"
+        " raise K_p, or do not compensate on this command"
     )
-    return [Finding("over-compensation", share, LEAST, "1", message=message)]
+    return [Finding("over-compensation", share, caution.TOO_LARGE, "1", message=message)]
 
 
 def _at_bounds(run: Run, without: float, errors: Mapping[str, float]) -> list[Finding]:

@@ -21,6 +21,7 @@ from threadpoolctl import threadpool_limits
 from stickslip import cosim, ga, models
 from stickslip.catalog.parameters import PAPER, friction_law, scaled_start
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import kept
 from stickslip.tuning.loop_genes import FEEDFORWARD, PLAIN
 from stickslip.tuning.loop_runs import LoopBench, LoopRuns
 from stickslip.work.execution import Execution
@@ -31,12 +32,6 @@ PROBES = (
     PLAIN | {"K_p": 0.75, "K_i": 0.5, "m_ff": 0.5, "share": 0.7, "observed": 0.1},
 )
 """Loops that the drive runs: the reference, and such as a search tries."""
-AGREES = 0.12
-"""RMS of the logarithms of errors, relative to the drive's, with which what was identified is good
-enough: 0.02 to 0.04 where the law is that of the drive, as runs scatter, 0.1 with ripple, asymmetry
-and friction that depends on the position, 0.3 to 0.9 where the drive has another law."""
-GOOD = 0.05
-"""The same, with which a search ends."""
 NOISIEST = 0.5
 """Largest noise of the encoder of a model, in steps of it."""
 STEEPER = 2.0
@@ -46,17 +41,11 @@ drive that has it, loops were taken that stick and slip, with 1.5 to 1.7 times t
 reference."""
 LAWS = ("lugre", "elasto_plastic", "gms", "dahl", "coulomb_stribeck", "armstrong")
 """Laws of models. That of Leuven is left out, as it takes fifty times as long to run as LuGre."""
-HOPELESS = 2.0
-"""How many times the least mismatch at the start a law has that is not tried: the drive's own law
-had up to 1.7 times the least, from the friction that LuGre shows."""
 ROUNDS = (60, 300)
 """Candidates in the search of a law's parameters: of each law, and of the best ``FINALISTS``. After
 60 the drive's own law is first or second (Armstrong, GMS, elasto-plastic); after 300 it has a
 mismatch of 0.04 to 0.10, by chance of the search."""
 FINALISTS = 2
-ALIKE = 1.3
-"""By what factor further models that are used may be less like the drive than the best: searches of
-one law from two seeds differ by as much and more."""
 WIDE = 4.0
 """By what factor a parameter may differ from its start: LuGre identifies 0.57 of the stiffness of a
 drive of GMS friction, and 1.55 of one of Armstrong's."""
@@ -203,7 +192,7 @@ class LawSearch:
         on_generation: Callable[[ga.Optimiser], object] | None,
     ) -> None:
         """Search until so many candidates were run, or the model is good."""
-        self._algorithm.limits = ga.Limits(evaluations=evaluations, target=GOOD)
+        self._algorithm.limits = ga.Limits(evaluations=evaluations, target=kept.ERRS_WELL)
         best = ga.learn(self._algorithm, self._cost, executor, on_generation).best
         self.model = replace(self._cost.model(best.values), mismatch=best.cost)
 
@@ -240,14 +229,14 @@ def fit_models(
 
         own = bench.rig.law.name if bench.rig.law.name in LAWS else LAWS[0]
         found = [begun(own)]
-        if found[0].model.mismatch > AGREES:
+        if found[0].model.mismatch > kept.ERRS_ALIKE:
             found += [begun(law) for law in LAWS if law != own]
-            most = HOPELESS * min(one.model.mismatch for one in found)
+            most = kept.HOPELESS * min(one.model.mismatch for one in found)
             found = [one for one in found if one.model.mismatch <= most]
             for evaluations in ROUNDS:
                 for one in found:
-                    if min(each.model.mismatch for each in found) > GOOD:
+                    if min(each.model.mismatch for each in found) > kept.ERRS_WELL:
                         one.to(evaluations, executor, on_generation)
                 found = sorted(found, key=lambda one: one.model.mismatch)[:FINALISTS]
     least = found[0].model.mismatch
-    return [one.model for one in found if one.model.mismatch <= ALIKE * least]
+    return [one.model for one in found if one.model.mismatch <= kept.FURTHER * least]

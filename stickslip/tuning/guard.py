@@ -20,12 +20,6 @@ from stickslip.evaluation.motions import Motion, Stroke, strokes
 from stickslip.evaluation.validation import covered
 from stickslip.servo.measurement import Array
 
-WORSE = 1.1
-"""Largest ratio of an RMS error to that of the start with which a result is kept.
-
-The mean of five runs scatters by 1 to 6 %; what only fits the training command leaves 1.2 to 16
-times the error of the start. Of compensators that have the law of their drive none exceeds it.
-"""
 FAST, UPTO = 20.0, 0.2
 """Speed that starts and reversals reach, in v_s, and the time in which they do [s]."""
 CREEP, CREEPING, RAMP = (0.1, 0.3, 1.0, 3.0), 1.2, 5e-3

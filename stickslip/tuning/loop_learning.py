@@ -21,6 +21,7 @@ from threadpoolctl import threadpool_limits
 from stickslip import cosim, ga
 from stickslip.servo.axis import ControlError
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import kept
 from stickslip.tuning.drive_model import PROBES, DriveModel, start_model
 from stickslip.tuning.loop_genes import FEEDFORWARD, GENES, PLAIN, TunedLoop
 from stickslip.tuning.loop_runs import LoopBench, LoopRuns, by_kind
@@ -28,9 +29,6 @@ from stickslip.work.execution import Execution
 
 LEVELS = (0.7, 1.3)
 """Friction of the models, relative to the drive's own: what temperature and wear change."""
-LIMIT = 1.98
-"""Largest peak sensitivity Ms of a candidate. Textbooks allow 2.0, by which the gain margin is at
-least 2 and the phase margin 29 degrees; 1 % is left for the error of the identified mass."""
 POWER = 8
 """Exponent of the mean over the ratios: with 8, one that is a quarter smaller than the largest
 counts a tenth as much as it."""
@@ -46,9 +44,6 @@ FINALISTS = 4
 REPEATS = 3
 JITTER = 1e-4
 """How often, and by how much their genes change in between: as no drive runs twice alike."""
-NO_WORSE = 1.02
-"""Largest ratio to the reference, of any error and of the force, with which a loop is taken: runs
-from other places within a step of the encoder scatter by 1 to 5 %, medians of three by 1.6 %."""
 FORCE = "change of the force"
 
 Ratios = dict[tuple[str, float], float]
@@ -188,8 +183,8 @@ class LoopCost:
         except ControlError as error:
             raise ga.CandidateFailed(str(error)) from error
         Ms = tuned.peak_sensitivity()
-        if not Ms <= LIMIT:
-            raise ga.CandidateFailed(f"Ms = {Ms:.3g}, expected at most {LIMIT:g}")
+        if not Ms <= kept.SENSITIVITY:
+            raise ga.CandidateFailed(f"Ms = {Ms:.3g}, expected at most {kept.SENSITIVITY:g}")
         return mean_of(self.ratios(tuned))
 
     def close(self) -> None:
@@ -263,7 +258,7 @@ def _choose(study: LoopStudy, cost: LoopCost, algorithm: ga.Optimiser) -> Learne
     tried += [("feedforward", FEEDFORWARD), ("reference", PLAIN)]
     rng = np.random.default_rng(study.seed)
     found = [(chosen, genes, _typical(study, cost, genes, rng)) for chosen, genes in tried]
-    good = [one for one in found[:-1] if max(one[2].values()) <= NO_WORSE]
+    good = [one for one in found[:-1] if max(one[2].values()) <= kept.LOOP_WORSE]
     chosen, genes, ratios = min([*good, found[-1]], key=lambda one: mean_of(one[2]))
     tuned, evaluations = study.loop(genes), algorithm.evaluations
     return LearnedLoop(

@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 from stickslip.catalog.estimate import Estimate
-from stickslip.tuning.guard import WORSE, guard_motion, relative_errors
+from stickslip.thresholds import kept
+from stickslip.tuning.guard import guard_motion, relative_errors
 from stickslip.tuning.learning import Study
 from stickslip.tuning.linear_fit import Bench, fit
 
 ROUNDS = 2
-MARGIN = WORSE - 1.0
-"""By how much a fit may cost more than the start: the scatter of repeated runs."""
 
 Chosen = Literal["refined", "start"]
 
@@ -77,7 +76,7 @@ def refine(study: Study) -> Refinement:
         runs = bench.run(fit(study, runs).values)
     now, then = (relative_errors(motion, slow, one.gaps[2], study.rig.T_s) for one in (runs, start))
     ratio, what = max((now[name] / then[name], name) for name in now)
-    if runs.cost <= (1.0 + MARGIN) * start.cost and ratio <= WORSE:
+    if runs.cost <= kept.FIT_WORSE * start.cost and ratio <= kept.FIT_WORSE:
         final = fit(study, runs)
         values = runs.values
         estimates = {n: Estimate(x, x * final.errors[n]) for n, x in values.items()}
@@ -91,7 +90,7 @@ def refine(study: Study) -> Refinement:
     remark = (
         f"the fit costs {runs.cost / start.cost:.3g} times as much as what learning began with "
         f"and leaves up to {ratio:.3g} times its error in slow motions ({what}); expected at most "
-        f"{1.0 + MARGIN:g} times each"
+        f"{kept.FIT_WORSE:g} times each"
     )
     alone = fit(study, start).alone
     return Refinement(

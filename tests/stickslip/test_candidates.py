@@ -13,13 +13,13 @@ from stickslip.errors import UsageError
 from stickslip.servo.axis import Axis
 from stickslip.servo.chain_response import frequencies
 from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.observer import LIMIT
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.sensitivity import OpenLoop
 from stickslip.servo.velocity_filter import Observer, VelocityFilter
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
+from stickslip.thresholds import offer
 from stickslip.trial.benefit import Benefit
-from stickslip.trial.candidates import SAME, CompensatorComparison, Row, compare, law_of, offered
+from stickslip.trial.candidates import CompensatorComparison, Row, compare, law_of, offered
 from stickslip.trial.guards import Evidence, TrialError, bench_of, best_of, family, feedforward
 
 AXIS = Axis(80.0, 100.0, 1e-3)
@@ -50,8 +50,10 @@ def test_the_best_is_chosen_and_robust(compared):
     assert {"none", "static", "lugre"} < set(rows)
     assert {row.simplicity for row in found.rows} == {0, 1, 2, 3, 4}
     assert found.chosen.acceptable
-    assert found.chosen.mean <= (1.0 + SAME) * min(r.mean for r in found.rows if r.acceptable)
-    assert all(row.sensitivity <= LIMIT for row in found.rows)
+    assert found.chosen.mean <= (1.0 + offer.SIMPLER) * min(
+        r.mean for r in found.rows if r.acceptable
+    )
+    assert all(row.sensitivity <= offer.SENSITIVITY for row in found.rows)
     assert found.simpler.simplicity < found.chosen.simplicity
     assert f"{found.simpler.name}, leaves {found.simpler.mean:.3g}" in found.sentence
 

@@ -18,9 +18,10 @@ from stickslip.identification.estimation import candidate_fmus
 from stickslip.logs import Recording
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.divergence import DIVERGED, Diverged, require_bounded
+from stickslip.servo.divergence import Diverged, require_bounded
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.velocity_loop import design_velocity_loop
+from stickslip.thresholds.loop_fit import RUNS_AWAY
 from stickslip.trial.guards import Bench, Drive, commands, feedforward
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
@@ -38,12 +39,12 @@ def loop():
     return design_velocity_loop(AXIS, LOOP)
 
 
-@pytest.mark.parametrize("peak", [np.nan, np.inf, -1.01 * DIVERGED, 1.01 * DIVERGED])
+@pytest.mark.parametrize("peak", [np.nan, np.inf, -1.01 * RUNS_AWAY, 1.01 * RUNS_AWAY])
 def test_a_velocity_far_beyond_the_command_is_no_result(peak):
     v = np.array([0.0, peak, 1.0])
     with pytest.raises(Diverged, match="runs away"):
         require_bounded(v, 1.0)
-    require_bounded(np.array([0.0, 0.99 * DIVERGED]), 1.0)
+    require_bounded(np.array([0.0, 0.99 * RUNS_AWAY]), 1.0)
 
 
 @pytest.mark.parametrize("gains", UNSTABLE.values(), ids=UNSTABLE)

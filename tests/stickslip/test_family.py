@@ -190,12 +190,6 @@ def test_close_to_the_limit_the_mean_of_runs_counts(single, mean):
     assert row.is_worse == (mean > 1.005)
 
 
-@pytest.mark.parametrize("single", [0.3, 1.3, np.inf])
-def test_far_from_the_limit_no_run_is_repeated(single):
-    rows = (TrialError(0.04, "one", 1.0, single),)
-    assert _repeated(rows, pytest.fail, pytest.fail) is rows
-
-
 def test_the_best_is_acceptable_and_has_the_smallest_errors():
     def benefit(*ratios):
         rows = tuple(TrialError(0.04, "one", 1.0, ratio) for ratio in ratios)

@@ -18,6 +18,7 @@ from stickslip.progress import Progress
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.systems import build_loop, feedforward, servo_loop
 from stickslip.servo.tuned_pi import tuned_pi
+from stickslip.thresholds import kept
 from stickslip.tuning import drive_model, loop_learning
 from stickslip.tuning.drive_model import DriveModel, start_model
 from stickslip.tuning.loop_genes import CHAIN, FEEDFORWARD, GENES, PLAIN
@@ -182,7 +183,7 @@ def test_what_is_worse_than_the_reference_in_anything_is_not_taken(study, monkey
     assert max(found.ratios.values()) <= 1.0
     tried = loop_learning.FINALISTS + 2
     assert found.runs == 1 + found.evaluations + tried * loop_learning.REPEATS
-    monkeypatch.setattr(loop_learning, "NO_WORSE", 0.1)
+    monkeypatch.setattr(kept, "LOOP_WORSE", 0.1)
     assert learn_loop(study).chosen == "reference"
 
 
@@ -190,9 +191,9 @@ def test_where_the_search_finds_nothing_the_feedforward_is_kept_or_the_reference
     study, monkeypatch
 ):
     monkeypatch.setattr(loop_learning, "FINALISTS", 0)
-    monkeypatch.setattr(loop_learning, "NO_WORSE", 1.1)
+    monkeypatch.setattr(kept, "LOOP_WORSE", 1.1)
     assert learn_loop(study).chosen == "feedforward"
-    monkeypatch.setattr(loop_learning, "NO_WORSE", 0.9)  # it leaves all of small moves
+    monkeypatch.setattr(kept, "LOOP_WORSE", 0.9)  # it leaves all of small moves
     assert learn_loop(study).chosen == "reference"
 
 

@@ -9,10 +9,10 @@ import pytest
 from stickslip.catalog.parameters import friction_law
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.observer import LIMIT
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 from stickslip.studies.learn import tables
+from stickslip.thresholds import offer
 from stickslip.trial.guards import Evidence, bench_of, family, feedforward
 from stickslip.trial.observed import BOTH, OBSERVER, ObserverTrial, kalman_designs, try_observer
 
@@ -45,7 +45,7 @@ def test_an_observer_takes_the_place_of_a_feedforward_that_harms(observed):
     assert observed.alone.acceptable
     assert observed.alone.mean_ratio < 0.6
     assert observed.refusal(OBSERVER) == ""
-    assert observed.designed.sensitivity <= LIMIT
+    assert observed.designed.sensitivity <= offer.SENSITIVITY
 
 
 def test_both_are_better_than_the_feedforward(observed):

@@ -15,19 +15,14 @@ from stickslip.identification.criteria.known_loop import NO_LIMIT
 from stickslip.identification.criteria.motion import position_of
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array, smoothed
+from stickslip.thresholds import control_match
 
-AGREES = 0.01
-"""Largest relative error of the commanded force of a known controller."""
 SHARE = 1.0 / 50.0
 """Cut-off of the low-pass, as a share of the sample rate: noise of the force is no disagreement."""
 SHIFTS = range(5)  # samples by which the logged force may be older than the command
-FACTOR = 0.1
-"""Share of the force, and of the error, that a factor alone may leave, to be the error's cause."""
 LIMITED = "limit of the force as the log shows it"
 LEVELS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999, 1.0)
 """Quantiles of the force that are tried as its limit."""
-BETTER = 0.5
-"""Share of the error that another form of the controller may leave, to be believed."""
 
 
 @dataclass(frozen=True)
@@ -85,12 +80,12 @@ def check_controller(
         trials = forms(gains, T_s)
         checks = [compared(trial, form) for form, trial in trials.items()]
         check = _believed(checks[0], min(checks, key=lambda check: check.error))
-        if check.error > AGREES and "u_max" not in gains:
+        if check.error > control_match.EXACT and "u_max" not in gains:
             form = ", ".join(filter(None, (check.form, LIMITED)))
             limits = np.quantile(np.abs(force), LEVELS)
             limited = [compared({**trials[check.form], "u_max": at}, form) for at in limits]
             best = min(limited, key=lambda check: check.error)
-            check = best if best.error <= AGREES else check
+            check = best if best.error <= control_match.EXACT else check
     return replace(check, factor=_factor(force, T_s, check))
 
 
@@ -103,11 +98,11 @@ def _factor(force: Array, T_s: float, check: ControllerCheck) -> float:
     )
     factor = float(late @ commanded) / (float(commanded @ commanded) or 1.0)
     rest = np.linalg.norm(late - factor * commanded) / (np.linalg.norm(late) or 1.0)
-    return factor if rest < FACTOR * min(1.0, check.error) else 1.0
+    return factor if rest < control_match.OUT_OF_SCALE * min(1.0, check.error) else 1.0
 
 
 def _believed(own: ControllerCheck, other: ControllerCheck) -> ControllerCheck:
-    return other if other.error < BETTER * own.error else own
+    return other if other.error < control_match.OTHER_FORM * own.error else own
 
 
 def _compared(

@@ -6,11 +6,12 @@ import numpy as np
 
 from stickslip.catalog.parameters import friction_law
 from stickslip.errors import UsageError
-from stickslip.identification.controller.controller_check import AGREES, ControllerCheck
+from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.controller.initial_state import is_running
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.estimation.task import Task
+from stickslip.thresholds import control_match
 
 
 def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
@@ -35,7 +36,7 @@ def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
         return inverse, "the controller is not known, so the loop cannot be run again"
     if np.isnan(check.error):
         return loop, "the controller is known and no force was logged"
-    if check.error > AGREES:
+    if check.error > control_match.EXACT:
         return inverse, (
             f"the controller given commands a force that differs by {100 * check.error:.2g} % from "
             "the one logged, so the loop is not known well enough to run it again"

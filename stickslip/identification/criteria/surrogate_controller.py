@@ -21,6 +21,7 @@ from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.fitting.fit import Fit, linearised
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array, smoothed
+from stickslip.thresholds import loop_fit
 
 RUNS = 8
 ROUNDS = 3
@@ -28,10 +29,6 @@ BANDWIDTH = 0.02
 """Bandwidth of the surrogate's velocity loop, as a share of the sample rate."""
 LOOSE = 0.5
 """Standard error of a coordinate above which it is not corrected."""
-COARSE = 0.005
-"""Speed of one encoder step per sample, as share of the top speed, that biases the fit."""
-ALIKE = 2.0
-"""Largest ratio of the mean squares of bootstrap samples and recording."""
 
 
 def coarse(inverse: InverseModel, recording: Recording) -> bool:
@@ -41,7 +38,7 @@ def coarse(inverse: InverseModel, recording: Recording) -> bool:
     correction made the result for a measured axis (EMPS) worse.
     """
     top = float(np.quantile(np.abs(inverse.motion.v), 0.99))
-    return recording.encoder_step / inverse.T_s > COARSE * top
+    return recording.encoder_step / inverse.T_s > loop_fit.COARSE * top
 
 
 def correct_inverse(inverse: InverseModel, fitted: Fit, seed: int) -> tuple[Fit, Array, bool]:
@@ -64,8 +61,12 @@ def correct_inverse(inverse: InverseModel, fitted: Fit, seed: int) -> tuple[Fit,
             q = at.q + np.where(loose, 0.0, own)
             q = space.inside(q)
             at = linearised(inverse.over(space), q, fitted.noise)
-    alike = 1.0 / ALIKE < ratios[0] < ALIKE
-    return replace(at, covariance=fitted.covariance), fitted.q - at.q, alike
+    return replace(at, covariance=fitted.covariance), fitted.q - at.q, is_alike(ratios[0])
+
+
+def is_alike(ratio: float) -> bool:
+    """Tell whether a ratio of mean squares, resimulated to recorded, is that of a like loop."""
+    return 1.0 / loop_fit.ALIKE < ratio < loop_fit.ALIKE
 
 
 def surrogate_loop(inverse: InverseModel, values: Values) -> KnownLoop:

@@ -15,11 +15,8 @@ from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
 from stickslip.logs import Finding
+from stickslip.thresholds import loop_fit
 
-MODEL_ERROR = 2.0
-"""Largest ratio of the loop's residual to that from encoder and noise."""
-DRIFT, SIGNIFICANT = 0.03, 5.0
-"""Smallest relative change of friction over a recording that is one, and in standard errors."""
 SLIDING = 0.3
 """Share of the highest speed above which the drive slides."""
 LIKE = 40
@@ -28,8 +25,6 @@ SPANS = 10
 """Parts of a recording that are left out in turn for that standard error."""
 LEAST = 0.01
 """Smallest share of a fitted value that a parameter may have which a fault hides."""
-NEAR = 0.01
-"""Distance from a bound of the delay that counts as none [samples]."""
 
 
 def found_faults(
@@ -51,19 +46,20 @@ def found_faults(
     u = fitted.space
     index = u.index("delay")
     delay, low, high = (float(q[index]) for q in (fitted.q, u.lower, u.upper))
-    at_low = delay - low < NEAR and criterion != OutputError.name  # no lag is a drive without one
-    if at_low or high - delay < NEAR:
+    near = loop_fit.DELAY_AT_BOUND
+    at_low = delay - low < near and criterion != OutputError.name  # no lag is a drive without one
+    if at_low or high - delay < near:
         figure = f"{delay:.3g} samples or {1e3 * delay * u.units[index]:.3g} ms"
         advice = "log force and position of the same instants, or shift the force by its delay"
         what = "the delay of the force ends at the bound of the fit"
         yield Finding("warning", what, figure, advice, spoils="intervals")
     law = u.law
-    if criterion == OutputError.name and not law.is_smooth and model_error > MODEL_ERROR:
+    if criterion == OutputError.name and not law.is_smooth and model_error > loop_fit.MODEL_ERROR:
         what = f"the simulated loop with the law {law.title} does not follow the recording"
         figure = f"its residual is {model_error:.2g} times what encoder and noise explain"
         yield Finding("warning", what, figure, "take the values as coarse", spoils="intervals")
     drift, error = change
-    if abs(drift) > max(DRIFT, SIGNIFICANT * error):
+    if abs(drift) > max(loop_fit.CHANGE, loop_fit.CHANGE_CERTAIN * error):
         what = "friction changes over the recording"
         figure = f"by {100.0 * drift:+.2g} % from its beginning to its end, +-{100.0 * error:.2g} %"
         advice = "run the drive until it is warm, and log again"

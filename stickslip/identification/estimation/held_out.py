@@ -16,7 +16,7 @@ from stickslip.identification.selection import (
     predict,
     predictions,
 )
-from stickslip.identification.selection.mismatch import LARGE, Cause, is_mismatch, mismatch
+from stickslip.identification.selection.mismatch import Cause, is_large, mismatch
 from stickslip.identification.selection.position import along_the_travel
 from stickslip.identification.selection.prediction import held_out
 from stickslip.logs import Finding
@@ -57,7 +57,7 @@ def check_held_out(
     own = predict(inverse, found, candidate, gains, residual=residual)
     tried = task.choice.predictions if task.choice else ()
     causes: list[Cause] = []
-    if is_mismatch(own) or own.relative > LARGE:
+    if is_large(own):
         if not tried:
             further = [one for one in candidates() if one != candidate]
             tried = tuple(

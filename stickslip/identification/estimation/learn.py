@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_limits
 from stickslip import ga
 from stickslip.catalog.parameters import friction_law, presliding
 from stickslip.catalog.space import Values
-from stickslip.identification.controller.controller_check import AGREES, check_controller
+from stickslip.identification.controller.controller_check import check_controller
 from stickslip.identification.controller.criterion_choice import choose
 from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
@@ -30,12 +30,7 @@ from stickslip.identification.estimation.estimation import (
     Searches,
     restored,
 )
-from stickslip.identification.estimation.faults import (
-    MODEL_ERROR,
-    change_of_friction,
-    found_faults,
-    hidden,
-)
+from stickslip.identification.estimation.faults import change_of_friction, found_faults, hidden
 from stickslip.identification.estimation.held_out import check_held_out
 from stickslip.identification.estimation.task import LearnSettings, Task
 from stickslip.identification.fitting.bootstrap import RUNS, Resimulation, UnbiasedFit, correct
@@ -47,25 +42,18 @@ from stickslip.identification.fitting.identifiability import (
     profiles,
     unreliable,
 )
-from stickslip.identification.fitting.multistart import (
-    SURE,
-    best_fit,
-    select,
-    variants,
-    without_stribeck,
-)
+from stickslip.identification.fitting.multistart import best_fit, select, variants, without_stribeck
 from stickslip.identification.fitting.search import Search, search, solve_linear
-from stickslip.identification.fitting.start import CONTRADICTED, Start, begin
+from stickslip.identification.fitting.start import Start, begin
 from stickslip.identification.sliding.friction_curve import VARYING, Interval
 from stickslip.progress import SILENT, Progress, step
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import control_match, curve_shown, law_choice, loop_fit
 
 UNEXPLAINED = 4.0
 """Residual of the loop, over encoder steps and noise, above which another minimum is looked for."""
 BASIN = 1e-2
 """Relative change of the sum of squares at which the fit ends that only finds another minimum."""
-VARIES = 5e-3
-"""Force that no law has, as share of friction, with which the loop's intervals do not hold."""
 LAG = 0.2
 """Initial lag of the force behind its command, in samples."""
 F_0_DEVIATION = 0.01
@@ -144,7 +132,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
         errors |= {name: one.standard_error for name, one in sliding.items()}
         step(1, 3)
         change = change_of_friction(inverse, found.parameters)
-        believed = check is not None and not check.error > AGREES
+        believed = check is not None and not check.error > control_match.EXACT
         held_out = check_held_out(
             inverse, found, task, task.gains if believed else None, scale=scale
         )
@@ -193,13 +181,13 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
 
 def _not_explained(corrected: UnbiasedFit, start: Start) -> str:
     """Return why the simulated loop does not explain the recording; empty if it does."""
-    if corrected.model_error > MODEL_ERROR:
+    if corrected.model_error > loop_fit.MODEL_ERROR:
         return (
             f"the loop's residual is {corrected.model_error:.2g} times what encoder and noise "
             "explain"
         )
     apart = start.disagreement(corrected.fit.parameters)
-    if apart > CONTRADICTED:
+    if apart > curve_shown.CONTRADICTED:
         return (
             f"mass or friction of the simulated loop lie {apart:.2g} half-widths of its interval "
             "from what sliding motion shows"
@@ -207,7 +195,7 @@ def _not_explained(corrected: UnbiasedFit, start: Start) -> str:
     if start.curve is not None:
         friction = float(np.median(start.curve.value))
         for name, force in start.curve.varying.items():
-            if force > VARIES * friction:
+            if force > curve_shown.VARIES * friction:
                 return f"{VARYING[name]} by {force / friction:.2%} of friction"
     return ""
 
@@ -229,7 +217,7 @@ def _search(
         # Coarse encoder steps, and slips shorter than the low-pass, bias the curve more than its
         # exponent does.
         is_biased = coarse(inverse, task.recording) or not presliding(inverse.law)
-        sure = 0.0 if is_biased else SURE
+        sure = 0.0 if is_biased else law_choice.EXPONENT
         selection = select(variants(inverse, found), sure)
         found = replace(selection.fit, covariance=selection.fit.covariance + selection.ambiguity)
         fits.append(found)

@@ -22,14 +22,10 @@ from stickslip.identification.fitting.identifiability import (
 )
 from stickslip.models import LawParameter
 from stickslip.servo.measurement import smoothed
+from stickslip.thresholds import identifiable
 
-SOFTEST = 0.5
-"""Least share of a fitted stiffness or damping: a contact that is far too soft pushes after the
-motion, and one without damping swings."""
 CREEP = 0.1
 """Share of the highest speed up to which friction towards rest shows."""
-BEYOND = 1.25
-"""Ratio to the largest force that the recording shows, above which a value is reduced to it."""
 
 
 def conservative(
@@ -53,9 +49,10 @@ def conservative(
             taken[name] = replace(one, value=value, template=_template(name, VALUE, one))
     for name, bound in space.bounded.items():
         one, least = known[name], taken[bound].value
+        most = max(identifiable.BEYOND * largest, least)
         if one.identifiability == NOT_IDENTIFIABLE:
             value, what = least, bound
-        elif one.identifiability != IDENTIFIABLE and one.value > max(BEYOND * largest, least):
+        elif one.identifiability != IDENTIFIABLE and one.value > most:
             value, what = max(largest, least), VALUE
         else:
             value, what = max(one.value, least), ""
@@ -91,7 +88,7 @@ def _weakest(parameter: LawParameter, one: Identifiability) -> float:
     if parameter.weakest == "high":
         return one.high
     is_contact = (parameter.force, parameter.length) == (1, -1)
-    return max(one.low, SOFTEST * one.value if is_contact else 0.0)
+    return max(one.low, identifiable.SOFTEST * one.value if is_contact else 0.0)
 
 
 def _template(name: str, what: str, one: Identifiability) -> str:

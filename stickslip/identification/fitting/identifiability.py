@@ -18,15 +18,12 @@ from stickslip.catalog.space import ParameterSpace, Values
 from stickslip.identification.fitting.fit import Fit, inverse_information
 from stickslip.identification.sliding.friction_curve import Interval
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import identifiable
 
-WELL, WEAKLY = 0.05, 0.3
-"""Relative half-widths of a 95 % interval up to which a parameter is identifiable, or weakly so."""
 IDENTIFIABLE = "identifiable"
 WEAKLY_IDENTIFIABLE = "weakly identifiable"
 NOT_IDENTIFIABLE = "not identifiable"
 LEVELS = (IDENTIFIABLE, WEAKLY_IDENTIFIABLE, NOT_IDENTIFIABLE)
-PRIOR_DOMINATED = 0.5
-"""Standard error, as share of the prior standard deviation, above which the prior decides."""
 VALUE = "{value}"
 """Place of the value in a template."""
 POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
@@ -108,10 +105,10 @@ def _classified(
     if space.is_log[space.index(name)] and value > 0.0 and interval.low > 0.0:
         half = value * 0.5 * float(np.log(interval.high / interval.low))
     relative = half / abs(value) if value else np.inf
-    if not shown or relative > WEAKLY:
+    if not shown or relative > identifiable.WEAKLY:
         level = NOT_IDENTIFIABLE
         said = f"not identifiable in this experiment; {_remedy(name, space)}"
-    elif relative > WELL:
+    elif relative > identifiable.WELL:
         level = WEAKLY_IDENTIFIABLE
         said = f"{WEAKLY_IDENTIFIABLE}, +-{100 * relative:.2g} %; {_remedy(name, space)}"
     else:
@@ -149,7 +146,7 @@ def _is_prior_dominated(name: str, fitted: Fit) -> bool:
     if name not in space.bounded:  # F_s = F_c is a finding, no bound of the search
         room = min(room, fitted.q[index] - space.lower[index])
     spread = float(np.sqrt(fitted.covariance[index, index]))
-    return bool(room < AT_BOUND) or spread > PRIOR_DOMINATED * deviation
+    return bool(room < AT_BOUND) or spread > identifiable.PRIOR_DOMINATED * deviation
 
 
 def profiles(

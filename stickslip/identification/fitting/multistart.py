@@ -14,16 +14,13 @@ from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, i
 from stickslip.identification.fitting.start import Start
 from stickslip.progress import steps
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import law_choice
 
 STEEPER = 0.5
 WIDER = 1.5
 """Ratio of v_s with the exponent 2 to that with 1, for the same friction."""
-SURE = 0.99
-"""Ratio of mean squares below which one variant counts as better than the preferred one."""
 AMBIGUITY = 0.6
 """Standard error, as share of the distance between two fits, where neither is better."""
-WORTH = 1.1
-"""Factor by which the mean square must fall before F_s > F_c is accepted where it hardly shows."""
 
 
 def best_fit(inverse: InverseModel, start: Start, values: Values) -> Fit:
@@ -56,7 +53,7 @@ def without_stribeck(criterion: Criterion, found: Fit) -> Fit:
     q = found.q.copy()
     q[[space.index(name) for name in space.bounded]] = 0.0
     flat = fit(criterion.over(space.level()), [q])
-    return flat if flat.noise < WORTH * found.noise else found
+    return flat if flat.noise < law_choice.RISE_WORTH * found.noise else found
 
 
 def variants(criterion: Criterion, found: Fit, ftol: float = FTOL) -> list[Fit]:
@@ -96,13 +93,13 @@ class Selection:
     ambiguity: Array
 
 
-def select(fits: Sequence[Fit], sure: float = SURE) -> Selection:
+def select(fits: Sequence[Fit], sure: float | None = None) -> Selection:
     """Select the first fit, or the best of those that leave less than ``sure`` times its variance.
 
     Where neither of two fits is sure, the interval of 95 % contains both. With ``sure = 0`` the
     first fit is always selected, and is never sure.
     """
-    first = fits[0]
+    first, sure = fits[0], law_choice.EXPONENT if sure is None else sure
     better = [one for one in fits[1:] if one.noise < sure * first.noise]
     best = min(better, key=lambda one: one.noise, default=first)
     ambiguity = np.zeros_like(best.covariance)

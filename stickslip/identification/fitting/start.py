@@ -16,6 +16,7 @@ from stickslip.identification.criteria.scaling import SI, Scale
 from stickslip.identification.sliding.friction_curve import FrictionCurve, Interval, friction_curve
 from stickslip.logs import Recording
 from stickslip.servo.stribeck_curve import level
+from stickslip.thresholds import curve_shown
 
 FAST = 0.1  # of the top speed: below it sign(v) is not friction
 DELAYS = np.arange(-3.0, 10.01, 0.5)  # in samples
@@ -24,8 +25,6 @@ PRESLIDING = {False: 2e-4, True: 3e-2}
 DECADES = 3.0
 """Largest distance of a law's parameters from their prior means, in decades."""
 RISE = 1.2  # F_s / F_c
-CONTRADICTED = 1.5
-"""Distance between loop and sliding motion, in half-widths, above which the law is not right."""
 STEEPEST = 20.0  # largest F_s / F_c
 
 
@@ -71,7 +70,7 @@ class Start:
         found = self.sliding
         if self.curve is None or not found:
             return found
-        if self.disagreement(values) <= CONTRADICTED:
+        if self.disagreement(values) <= curve_shown.CONTRADICTED:
             own = {name: found[name] for name in ("b", "F_0")}
             return found | {
                 name: replace(one, value=float(np.clip(values[name], one.low, one.high)))

@@ -8,9 +8,7 @@ from dataclasses import dataclass
 from stickslip.catalog.parameters import unit_of
 from stickslip.identification.selection.folds import is_less
 from stickslip.identification.selection.prediction import Prediction
-
-GAIN = 0.7
-"""Error, over that of Coulomb and viscous friction, at which no parameter need be identified."""
+from stickslip.thresholds import law_choice
 
 
 @dataclass(frozen=True)
@@ -41,7 +39,8 @@ def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice
     able = [
         one
         for one in predictions
-        if one.candidate.is_level or ((one.shown or one.force < GAIN * simplest) and not one.fails)
+        if one.candidate.is_level
+        or ((one.shown or one.force < law_choice.UNIDENTIFIED * simplest) and not one.fails)
     ]
     best = min(able, key=lambda one: one.force)
     tied = [one for one in able if not is_better(best, one)]

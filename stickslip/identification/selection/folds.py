@@ -9,14 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import law_choice
 
 FOLDS = 5
 BLOCKS = 40
 """Blocks of equal duration; every fifth is held out at once."""
-TIE = 2.0
-"""Standard errors of the difference of two mean squares up to which two laws are tied."""
-MARGIN = 0.98
-"""Ratio of two errors above which they are tied in any case."""
 
 
 @dataclass(frozen=True)
@@ -60,11 +57,11 @@ def is_less(one: Array, other: Array) -> bool:
     Either the difference of the mean squares or their ratio must be significant: where one law
     fails in few blocks only, the difference has a large standard error.
     """
-    if np.mean(one) > MARGIN**2 * np.mean(other):
+    if np.mean(one) > law_choice.MARGIN**2 * np.mean(other):
         return False
     least = np.finfo(float).tiny
     ratio = np.log(np.maximum(other, least) / np.maximum(one, least))
     return any(
-        bool(np.mean(gain) > TIE * np.std(gain, ddof=1) / np.sqrt(len(gain)))
+        bool(np.mean(gain) > law_choice.TIE * np.std(gain, ddof=1) / np.sqrt(len(gain)))
         for gain in (other - one, ratio)
     )

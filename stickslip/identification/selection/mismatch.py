@@ -9,17 +9,7 @@ from stickslip.identification.selection.candidates import candidates
 from stickslip.identification.selection.choice import choose, is_better
 from stickslip.identification.selection.prediction import Prediction
 from stickslip.logs import Finding
-
-NOTED, SPOILED = 1.5, 2.0
-"""Ratios of the error to the one explained above which it is a warning, and spoils intervals."""
-SMALLEST = 0.02
-"""Unexplained force, as share of the measured one, that is not worth a warning."""
-BEATEN = 0.7
-"""Error of another law, over that of the law, that is a mismatch in any case."""
-LARGE = 0.1
-"""Error, as share of the force, from which on the other laws are tried in any case."""
-MOST = 0.5
-"""Share of the unexplained mean square that a cause must remove to be named as the likely one."""
+from stickslip.thresholds import misfit
 
 
 @dataclass(frozen=True)
@@ -40,7 +30,12 @@ class Cause:
 
 def is_mismatch(found: Prediction) -> bool:
     """Tell whether a law leaves more force than noise and steps explain."""
-    return found.ratio > NOTED and found.unexplained > SMALLEST * found.measured
+    return found.ratio > misfit.NOTED and found.unexplained > misfit.SMALLEST * found.measured
+
+
+def is_large(found: Prediction) -> bool:
+    """Tell whether a law leaves so much of the force that the others are to be tried."""
+    return is_mismatch(found) or found.relative > misfit.LARGE
 
 
 def is_beaten(found: Prediction, others: Sequence[Prediction]) -> bool:
@@ -48,7 +43,7 @@ def is_beaten(found: Prediction, others: Sequence[Prediction]) -> bool:
 
     The drive of a wrong law may oscillate when it is simulated, which looks like noise.
     """
-    return any(one.force < BEATEN * found.force and is_better(one, found) for one in others)
+    return any(one.force < misfit.BEATEN * found.force and is_better(one, found) for one in others)
 
 
 def mismatch(
@@ -82,14 +77,14 @@ def mismatch(
     if tested:
         left = ", ".join(f"{cause.name} leaves {cause.left:.3g} {unit}" for cause in tested)
         figure += f"; causes tested: {left}"
-    likely = [cause for cause in tested if _removes(cause, found) > MOST]
+    likely = [cause for cause in tested if _removes(cause, found) > misfit.LIKELY]
     advice = likely[0].advice if likely else "take the values as coarse"
     yield Finding(
         "warning",
         f"the law {found.candidate.title} does not explain the force",
         figure,
         advice,
-        spoils="intervals" if is_beaten(found, others) or found.ratio > SPOILED else "",
+        spoils="intervals" if is_beaten(found, others) or found.ratio > misfit.SPOILED else "",
     )
 
 

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip.catalog.parameters import presliding
 from stickslip.catalog.space import ParameterSpace
-from stickslip.identification.controller.controller_check import AGREES, check_controller
+from stickslip.identification.controller.controller_check import check_controller
 from stickslip.identification.controller.initial_state import fmu_gains
 from stickslip.identification.criteria.candidate_fmus import candidate_fmus
 from stickslip.identification.criteria.inverse_model import EDGE, ForceCost, InverseModel
@@ -20,7 +20,7 @@ from stickslip.identification.criteria.motion import against_motion
 from stickslip.identification.criteria.scaling import Scale, recording_scale
 from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, inverse_information
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, identifiability
-from stickslip.identification.fitting.multistart import SURE, select, variants
+from stickslip.identification.fitting.multistart import select, variants
 from stickslip.identification.fitting.search import solve_linear
 from stickslip.identification.fitting.start import Start, begin
 from stickslip.identification.selection.candidates import Candidate, candidates
@@ -30,6 +30,7 @@ from stickslip.identification.selection.noise import encoder_error, explained
 from stickslip.logs import Recording
 from stickslip.progress import steps
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import control_match, law_choice
 
 POINTS = 32
 """Points at which the friction parameters are tried before the fits."""
@@ -41,8 +42,6 @@ STEPS = (1.0, 0.3, 1.0)
 """Shares of the Gauss steps from the fit of all samples to that of a fold; bad ones are skipped."""
 AT_BOUND = 1e-6
 """Distance from a bound below which a coordinate stays there."""
-RISES = 2.0
-"""Standard errors by which friction must rise towards rest to be seen to do so."""
 THIN = 4
 """Every fourth sample starts the fits; the low-pass leaves less than a quarter of the band."""
 
@@ -147,7 +146,7 @@ def _believed(recording: Recording, gains: Mapping[str, float]) -> Mapping[str, 
     """Return the gains, with the controller's initial state, if they command the logged force."""
     with candidate_fmus() as fmus:
         check = check_controller(fmus, recording, fmu_gains(gains))
-    return check.gains if check.error <= AGREES else None
+    return check.gains if check.error <= control_match.EXACT else None
 
 
 def predict(
@@ -188,7 +187,8 @@ def _shown(fitted: Fit) -> tuple[str, ...]:
     space, errors, degrees = fitted.space, fitted.errors(), BLOCKS - len(fitted.q)
     spread = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
     rises = any(
-        fitted.q[space.index(name)] > RISES * spread[space.index(name)] for name in space.bounded
+        fitted.q[space.index(name)] > law_choice.RISES * spread[space.index(name)]
+        for name in space.bounded
     )
     names = dict.fromkeys((*presliding(space.law), *(space.rise if rises else ())))
     known = {name: identifiability(name, fitted, errors, degrees) for name in names}
@@ -249,7 +249,7 @@ def _fitted(inverse: InverseModel, candidate: Candidate, scale: Scale) -> Fit:
     with InverseModel(inverse.fmus, thinned, cutoff, law=candidate.law) as thin:
         criterion = thin.over(space)
         starts = [space.encode(start.line), *_points(criterion, start, space)]
-        found = select(variants(criterion, fit(criterion, starts)), SURE).fit
+        found = select(variants(criterion, fit(criterion, starts)), law_choice.EXPONENT).fit
     return fit(inverse.over(found.space), [found.q])
 
 

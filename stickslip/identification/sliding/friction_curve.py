@@ -28,6 +28,7 @@ from stickslip.identification.criteria.motion import position_noise
 from stickslip.identification.criteria.scaling import Scale
 from stickslip.identification.sliding.regression import Regression, regress
 from stickslip.servo.measurement import Array, derivative, smoothed
+from stickslip.thresholds import curve_shown
 
 SHARE = 1.0 / 16.0
 """Cut-off of the low-pass, as a share of the rate of the rows."""
@@ -46,8 +47,6 @@ GUARDS = (0.32, 0.64)
 """Distances from rows that are not used, in periods of the cut-off."""
 HARMONICS, KNOTS, STEPS = 40, 10, 6
 """Size of the bases along the guide, over speed, and over the travel since a reversal."""
-LEAST = 300
-"""Rows that a regression needs."""
 LONGEST = 1 << 6
 """Largest number of samples in a row."""
 SPEEDS = 12
@@ -62,9 +61,6 @@ VARYING = {
     "drift": "friction drifts",
 }
 """Groups of regressors that no friction law has, for people."""
-CLEAR = 6.0
-"""Root mean square of such a force, in standard errors, from which it is certain; with a law alone
-it was 4 at most on seven simulated drives, 14 and above on three with ripple of 3 %."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +135,7 @@ def friction_curve(
     FrictionCurve or None
         None where the drive slides too little.
     """
-    if len(position) < 8 * LEAST:
+    if len(position) < 8 * curve_shown.ROWS:
         return None
     t = T_s * np.arange(len(position))
     force = np.interp(t - delay, t, force) if delay else force
@@ -168,7 +164,7 @@ def friction_curve(
         for i in range(3)
     )
     low, high = (value - width)[3:], (value + width)[3:]
-    certain = np.all(forces > CLEAR * errors, axis=0)
+    certain = np.all(forces > curve_shown.CERTAIN * errors, axis=0)
     forces = forces.mean(axis=0).tolist()
     varying = {
         name: force for name, force, sure in zip(VARYING, forces, certain, strict=True) if sure
@@ -181,7 +177,7 @@ def friction_curve(
 def _samples_per_row(position: Array, T_s: float, noise: float) -> int:
     """Return the least number, a power of two, with which noise does not bias the mass."""
     q = 2
-    while q < LONGEST and len(position) // (4 * q) > LEAST:
+    while q < LONGEST and len(position) // (4 * q) > curve_shown.ROWS:
         cutoff = SHARE / (q * T_s)
         a = derivative(derivative(smoothed(position, T_s, cutoff), T_s), T_s)
         # White noise of this deviation, twice differentiated behind the two passes of the filter.
@@ -270,7 +266,7 @@ class _Rows:
 
     def speeds(self, distance: float, guard: float) -> Array | None:
         used = self.used(distance, guard)
-        if len(used) < LEAST:
+        if len(used) < curve_shown.ROWS:
             return None
         low, high = np.quantile(np.abs(self.v[used]), SPAN)
         return np.geomspace(low, high, SPEEDS)
@@ -283,7 +279,7 @@ class _Rows:
         Beside them: root mean squares of the forces of ``VARYING``, and their standard errors.
         """
         used = self.used(distance, guard)
-        if len(used) < LEAST:
+        if len(used) < curve_shown.ROWS:
             return None
         speed, ahead = np.maximum(np.abs(self.v), self.slowest), self.ahead[:, np.newaxis]
         force = self.force[used]

@@ -13,13 +13,11 @@ from stickslip.identification.stages.sliding import measure_sliding
 from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, measured_velocity
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.thresholds import stage
 
 CREEP = 0.2  # standard deviation of break-away from F_s: bristles that creep break away earlier
 RAMP = 4.0  # duration of a break-away ramp [s]
 HIGHER = 1.2  # each ramp ends this much higher, so that a stage that slides does not go far
-LEAST_RISE = 0.02  # (F_s - F_c) / F_c below which v_s does not show
-SLIDING = 2e-3  # velocity that counts as break-away: no bristle creeps as fast [m/s]
-CERTAIN = 20  # samples to the end of the ramp that are all faster
 
 _NORMAL, _WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
 _WEIGHTS /= _WEIGHTS.sum()
@@ -115,7 +113,7 @@ def measure_friction(rig: Rig, loop: VelocityLoop, coarse_F_c: float) -> Frictio
         for value, error in zip(values, np.sqrt(np.diag(spread)[:4]), strict=True)
     )
     reason = ""
-    if F_s.value - F_c.value < LEAST_RISE * F_c.value:
+    if F_s.value - F_c.value < stage.RISE * F_c.value:
         reason = f"does not rise towards rest: F_s = {F_s.value:.4g} N and F_c = {F_c.value:.4g} N"
     elif fit.active_mask[3] or not 0.0 < v_s.standard_error < UNKNOWN * v_s.value:
         reason = f"shows no v_s at {slowest:.3g} to {fastest:.3g} m/s, which the loop holds"
@@ -168,8 +166,8 @@ def _break_away(rig: Rig, direction: float, first: float) -> tuple[float, float]
     end = min(max(abs(first), 1e-3 * peak), peak)
     while True:
         log = rig.push(direction * end * t / RAMP)
-        slow = np.flatnonzero(np.abs(measured_velocity(log.x_enc, rig.T_s)) <= SLIDING)
-        if len(slow) and slow[-1] < len(t) - CERTAIN:
+        slow = np.flatnonzero(np.abs(measured_velocity(log.x_enc, rig.T_s)) <= stage.BREAKAWAY)
+        if len(slow) and slow[-1] < len(t) - stage.BREAKAWAY_SAMPLES:
             return float(np.abs(log.F_m[: slow[-1] + 1]).max()), end / RAMP
         if end == peak:
             break

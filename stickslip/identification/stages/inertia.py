@@ -10,12 +10,12 @@ from stickslip.catalog.estimate import Estimate, covariance
 from stickslip.errors import IdentificationError
 from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, smoothed
+from stickslip.thresholds import stage
 
 FREQUENCY = 5.0  # of the force [Hz]
 CYCLES = 10
 SHARE = 0.3  # of the peak force
 CUTOFF = 100.0  # low-pass on all signals alike [Hz]
-STEPS = 4.0  # of the data sheet's encoder, that the smallest change of position may be
 FAST = 0.5  # of the top speed: below it bristles turn around, and sign(v) is not friction
 
 
@@ -72,14 +72,14 @@ def measure_inertia(rig: Rig) -> Inertia:
     t = rig.samples(CYCLES / FREQUENCY)
     amplitude = SHARE * rig.datasheet.peak_force
     log = rig.push(amplitude * np.cos(2.0 * np.pi * FREQUENCY * t))
-    if np.ptp(log.x_enc) < 100 * rig.datasheet.encoder_step:
+    if np.ptp(log.x_enc) < stage.TRAVEL * rig.datasheet.encoder_step:
         raise IdentificationError(
             f"inertia: a force of {amplitude:.3g} N at {FREQUENCY:g} Hz moved the stage by "
-            f"{np.ptp(log.x_enc):.3g} m only; expected at least 100 encoder steps"
+            f"{np.ptp(log.x_enc):.3g} m only; expected at least {stage.TRAVEL:g} encoder steps"
         )
     changes = np.abs(np.diff(log.x_enc))
     step, expected = changes[changes > 0.0].min(), rig.datasheet.encoder_step
-    if step > STEPS * expected:
+    if step > stage.ENCODER_STEP * expected:
         raise IdentificationError(
             f"inertia: the position changes by {step:.3g} m at least; expected steps of "
             f"{expected:.3g} m, encoder_step of the data sheet. Give that of the drive"

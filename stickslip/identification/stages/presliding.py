@@ -14,6 +14,7 @@ from stickslip.catalog.parameters import presliding
 from stickslip.models import LawParameter
 from stickslip.rigs.contract import Log, Rig
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import stage
 
 LEVELS = (0.6, 0.0, -0.6, 0.3, -0.3, 0.7, 0.1, -0.5, 0.5, -0.7, 0.2, -0.2, 0.65, -0.4, 0.4, 0.0)
 """Force steps in shares of the force that the stage holds."""
@@ -21,7 +22,6 @@ HOLD = 0.1  # of each level [s]
 RATIOS = (0.3, 1.5)  # of damping, at which the fit starts
 MOST = 700.0  # largest logarithm of a parameter that is tried
 FARTHEST = np.log(1e3)  # from the start, of a parameter that counts as found
-POOR = 0.2  # share of the deflection that a fit leaves, above which it counts as poor
 STIFFER = np.geomspace(1.0, 30.0, 30)  # than force over deflection, where the law has no damping
 
 
@@ -125,7 +125,7 @@ def _evaluated(fit: OptimizeResult, start: Array, left: float) -> tuple[Array, A
     unseen = (near != fit.x) | (errors == 0.0) | (errors > UNKNOWN)
     errors[unseen] = UNKNOWN
     warning = "not all parameters of the law show" if unseen.any() else ""
-    if left > POOR:
+    if left > stage.POOR:
         warning = f"the fitted law leaves {100.0 * left:.0f} % of the deflection"
     return near, errors, warning
 

@@ -15,17 +15,15 @@ from stickslip.errors import IdentificationError
 from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.thresholds import stage
 
 SPEEDS = np.geomspace(0.25e-3, 40e-3, 12)  # [m/s]
 FAST = 3e-3  # from this speed on the whole guide is travelled, below it the beginning [m/s]
 GUIDE, BEGINNING = 0.100, 0.010  # [m]
 BLOCK = 0.0025  # of the guide, over which the force is averaged [m]
 SETTLE, LEAD = 2.0, 0.010  # before that, at most [s] and [m]
-EVEN, SLOW = 0.2, 20.0
-"""Most that a speed that is held fluctuates, as a share, below this frequency [Hz]: about 0.05 on
-sound drives, but 0.2 to 0.3 at the lowest speeds with a coarse encoder or a slow amplifier, which
-are then left out; 0.4 and more on a light one that sticks and slips."""
-LEAST = 4  # speeds that are held: with the break-away as many points as the fit has unknowns
+SLOW = 20.0
+"""Frequency below which the fluctuation of a speed counts [Hz]."""
 
 
 @dataclass(frozen=True)
@@ -63,11 +61,12 @@ def measure_sliding(rig: Rig, loop: VelocityLoop) -> Sliding:
     """
     tried = [_forth_and_back(rig, loop, speed) for speed in SPEEDS]
     held = [run is not None for run in tried]
-    if sum(held) < LEAST:
+    if sum(held) < stage.SPEEDS_HELD:
         raise IdentificationError(
             f"constant velocity: the loop holds {sum(held)} of {len(held)} speeds from "
-            f"{SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s within {100.0 * EVEN:.0f} %, expected at least "
-            f"{LEAST}; check tau_i and encoder_step of the data sheet, or raise the bandwidth"
+            f"{SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s within {100.0 * stage.HELD:.0f} %, expected at "
+            f"least {stage.SPEEDS_HELD:g}; check tau_i and encoder_step of the data sheet, or "
+            "raise the bandwidth"
         )
     runs = [run for run in tried if run is not None]
     halves = [0.5 * (forces[0] - forces[1]) for forces, _ in runs]
@@ -104,7 +103,7 @@ def _forth_and_back(rig: Rig, loop: VelocityLoop, speed: float) -> tuple[Array, 
     v = np.gradient(smoothed(log.x_enc, rig.T_s, SLOW), rig.T_s)
     parts = [[way & (block == k) for k in range(n)] for way in (forward, back)]
     for part in parts:
-        if not (all(map(np.any, part)) and np.std(v[np.any(part, axis=0)]) < EVEN * speed):
+        if not (all(map(np.any, part)) and np.std(v[np.any(part, axis=0)]) < stage.HELD * speed):
             return None
     forces = [[log.F_m[samples].mean() for samples in part] for part in parts]
     free = np.cumsum(log.F_m) * rig.T_s / loop.axis.m

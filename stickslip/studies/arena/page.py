@@ -15,12 +15,12 @@ from stickslip.compensators.entrants import Entrant
 from stickslip.presentation.markup import Html, element, join, paragraph, quiet, table, tile
 from stickslip.presentation.page import Illustration, Section, made_with
 from stickslip.presentation.quantity import number
-from stickslip.servo.observer import LIMIT
 from stickslip.studies.arena.drawing import draw_circle, draw_pareto
 from stickslip.studies.arena.motion_commands import COMMANDS, RADIUS
 from stickslip.studies.arena.protocol import Arena
 from stickslip.studies.arena.table import ALL, budget_text, ranking, relative_errors
 from stickslip.studies.arena.validation import PER_STEP, WORST
+from stickslip.thresholds import offer
 
 TITLE = "Friction compensators compared"
 FIGURES = ("pareto", "circle")
@@ -90,7 +90,7 @@ def _heat_maps(arena: Arena, found: pd.DataFrame) -> Section | None:
     ]
     if plan.nominal is not None:
         parts.append(_heat_map(arena, found, carried=True))
-    marked = "" if not _marked(arena) else f" * Ms above {LIMIT:g}."
+    marked = "" if not _marked(arena) else f" * Ms above {offer.SENSITIVITY:g}."
     parts.append(
         quiet(
             "Mean and worst are over the drives. A run that fails, or a loop that is unstable,"
@@ -160,7 +160,7 @@ def _marked(arena: Arena) -> set[tuple[str, str, str]]:
         (drive, name, tuned_on)
         for (drive, name), document in arena.documents.items()
         for tuned_on, validated in document["validated"].items()
-        if not validated["peaks"].get("Ms", np.inf) <= LIMIT
+        if not validated["peaks"].get("Ms", np.inf) <= offer.SENSITIVITY
     }
 
 
@@ -286,8 +286,8 @@ def _protocol(arena: Arena) -> Section:
         table(("Entrant", ""), entrants, "Entrants", (0, 1)),
         quiet(
             "What tunes does not know the parameters of a drive. Linear loops are limited to Ms"
-            f" {LIMIT:g} while tuning. Start values are coarse, with the errors of a data sheet,"
-            " and the same for all entrants. arena.csv has every metric."
+            f" {offer.SENSITIVITY:g} while tuning. Start values are coarse, with the errors of a"
+            " data sheet, and the same for all entrants. arena.csv has every metric."
         ),
     )
 

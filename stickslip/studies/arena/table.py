@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from stickslip.servo.observer import LIMIT
 from stickslip.studies.arena.metrics import ERROR
 from stickslip.studies.arena.motion_commands import COMMANDS
 from stickslip.studies.arena.protocol import Arena, Plan
+from stickslip.thresholds import offer
 
 COLUMNS = [
     *("drive", "law", "compensator", "command", "metric", "unit", "median", "worst"),
@@ -121,8 +121,8 @@ def _rows(arena: Arena, place: tuple[str, str]) -> Iterator[dict[str, Any]]:
         }
         peak = validated["peaks"].get("Ms", np.inf)
         reason = validated["reason"]
-        if not peak <= LIMIT:
-            reason = reason or f"Ms = {peak:.3g}, expected at most {LIMIT:g}"
+        if not peak <= offer.SENSITIVITY:
+            reason = reason or f"Ms = {peak:.3g}, expected at most {offer.SENSITIVITY:g}"
         same["reason"] = reason
         for command, metric, unit, values in validated["values"]:
             yield {

@@ -19,11 +19,11 @@ from stickslip.servo.axis import ControlError
 from stickslip.servo.chain_response import ChainResponse, Robustness
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.measurement import Array
-from stickslip.servo.observer import LIMIT
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.studies.arena.budget import Budget
 from stickslip.studies.arena.course import Course
 from stickslip.studies.arena.motion_commands import Training, moves, sweep
+from stickslip.thresholds import offer
 from stickslip.tuning.learning import VelocityCost
 
 SLIDING = 0.5
@@ -165,8 +165,10 @@ class _Trial:
             robust = self.robustness(tuned)
         except ControlError as error:
             raise ga.CandidateFailed(str(error)) from error
-        if not robust.peak <= LIMIT:
-            raise ga.CandidateFailed(f"Ms = {robust.peak:.3g}, expected at most {LIMIT:g}")
+        if not robust.peak <= offer.SENSITIVITY:
+            raise ga.CandidateFailed(
+                f"Ms = {robust.peak:.3g}, expected at most {offer.SENSITIVITY:g}"
+            )
         self.costs[-1] = self.error(tuned, robust)
         return self.costs[-1]
 

@@ -14,10 +14,10 @@ import pandas as pd
 from stickslip import models
 from stickslip.fmi.files import atomic_write
 from stickslip.models.firmware import write_compensator
-from stickslip.servo.observer import LIMIT
 from stickslip.studies.arena.drives import Drive
 from stickslip.studies.arena.protocol import Arena, found_of
 from stickslip.studies.arena.table import relative_errors
+from stickslip.thresholds import offer
 
 FOLDER = "winners"
 
@@ -30,7 +30,7 @@ def winners(arena: Arena, found: pd.DataFrame) -> dict[str, str]:
         ranked = errors[drive.name].dropna().sort_values(kind="stable")
         for name in map(str, ranked.index):
             peaks = arena.documents[drive.name, name]["validated"][drive.name]["peaks"]
-            if peaks.get("Ms", np.inf) <= LIMIT:
+            if peaks.get("Ms", np.inf) <= offer.SENSITIVITY:
                 chosen[drive.name] = name
                 break
     return chosen

@@ -33,14 +33,9 @@ from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
 from stickslip.studies.learn.recorded import read_rig
 from stickslip.studies.learn.tracking import with_tracking
+from stickslip.thresholds import control_match
 from stickslip.trial.candidates import law_of
 from stickslip.trial.compensator_trial import loops_of_log, try_compensator
-
-FOREIGN = 0.3
-"""Relative error of the controller's force above which a rig's log is not of what it was sent.
-
-Noise of 3 N beside friction of 6 N makes 0.1, a position that is 10 % too large makes 10.
-"""
 
 
 def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
@@ -68,12 +63,12 @@ def check_rig(reading: Reading) -> Iterator[Finding]:
     scaled, _ = against_motion(scale.recording(reading.recording))
     with candidate_fmus() as fmus:
         check = check_controller(fmus, scaled, scale.values(gains))
-    if check.error > FOREIGN and check.factor == 1.0:
+    if check.error > control_match.FOREIGN and check.factor == 1.0:
         yield Finding(
             "warning",
             "the rig's log is not that of the loop and the command that it was sent",
             f"the controller's force differs by {check.error:.2g} of the logged one; expected at "
-            f"most {FOREIGN:g}",
+            f"most {control_match.FOREIGN:g}",
             "check that move returns time in s, position in m and force in N with their signs, and "
             "applies the gains",
             spoils="values",

@@ -19,9 +19,8 @@ from stickslip.identification.estimation import candidate_fmus
 from stickslip.logs import Reading, Recording
 from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.learned import LearnedFromRecording
+from stickslip.thresholds import control_match
 
-AGREES = 0.05
-"""Relative difference up to which the controller given is that of the log."""
 SETTLING = 0.02
 """Share of a log that does not count where it begins in motion: the compensator has to start."""
 
@@ -49,7 +48,7 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
         check = estimation.controller
         if check is not None and check.error > 0.0:
             differs = "commands the logged force within"
-            if check.error > AGREES:
+            if check.error > control_match.NEAR:
                 differs = "differs from the logged force by"
             name += f", which {differs} {max(100.0 * check.error, 0.01):.2g} %"
     else:

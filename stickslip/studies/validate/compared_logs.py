@@ -26,17 +26,14 @@ from stickslip.evaluation.tracking import (
 from stickslip.logs import Recording
 from stickslip.logs.same_command import Stretch, is_moving, period, same_command
 from stickslip.servo.measurement import Array
+from stickslip.thresholds import transfer
 
 Samples = NDArray[np.intp]
 
 EDGE = 4.0
 """Periods of the low-pass of measured velocities at either end of a log that do not count."""
-LEAST = 0.2
-"""Share of the motion of the shorter log that must be in common."""
 PARTS = 10
 """Parts of the logs where the command does not repeat."""
-FEWEST = 3
-"""Repetitions from which on they are the parts."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +108,7 @@ def common(without: Recording, compensated: Recording) -> tuple[Recording, list[
     moving = is_moving(first)
     shared = sum(int(moving[run.first : run.first + run.n].sum()) for run in stretches)
     whole = min(int(moving.sum()), int(is_moving(second).sum()))
-    if shared < LEAST * whole or not shared:
+    if shared < transfer.IN_COMMON * whole or not shared:
         speeds = " and ".join(f"{1e3 * np.max(np.abs(v)):.3g}" for v in (first, second))
         unit = "mrad/s" if without.motion == "rotary" else "mm/s"
         raise UsageError(
@@ -212,7 +209,7 @@ def _parts(command: Array, stretches: list[Stretch], T_s: float) -> tuple[Sample
             own = (np.arange(run.first, run.first + run.n) - moved.start) // repeats
             parts.append(last + np.clip(own, 0, whole - 1))
             last += whole
-        if last >= FEWEST:
+        if last >= transfer.REPETITIONS:
             return np.concatenate(parts), True
     n = sum(run.n for run in stretches)
     return np.arange(n) * PARTS // n, False

@@ -30,6 +30,7 @@ from stickslip.identification.selection.noise import encoder_error, explained
 from stickslip.logs import Recording
 from stickslip.servo.divergence import Diverged
 from stickslip.servo.measurement import Array, smoothed
+from stickslip.thresholds import transfer
 
 SPANS = 10
 """Parts of a log, in which errors are told apart, and of which each is left out in turn."""
@@ -37,8 +38,6 @@ SEEDS = (1, 2, 3)
 """Of the noise in simulated loops."""
 FRICTION = "friction"
 """Name of the change of friction as a whole."""
-KNOWN = 0.15
-"""Relative standard error up to which the interval of a parameter explains errors."""
 STEP = 0.01
 """Relative change of a parameter that gives the derivative of a signal by it."""
 
@@ -212,7 +211,7 @@ def _spread(signals: Callable[[Values], Array], values: Values, errors: Values) 
     at = signals(values)
     total = np.zeros(at.shape[:-1])
     # An open interval would explain anything.
-    known = {name: error for name, error in errors.items() if error <= KNOWN * abs(values[name])}
+    known = {k: e for k, e in errors.items() if e <= transfer.INTERVAL * abs(values[k])}
     for name, error in known.items():
         step = STEP * abs(values[name])
         change = (signals({**values, name: values[name] + step}) - at) * error / step

@@ -9,16 +9,9 @@ import numpy as np
 
 from stickslip.catalog.parameters import unit_of
 from stickslip.catalog.space import Values
-from stickslip.identification.estimation.faults import DRIFT, MODEL_ERROR, SIGNIFICANT
-from stickslip.servo.divergence import DIVERGED
 from stickslip.studies.validate.log_prediction import FRICTION, Change, LogPrediction
+from stickslip.thresholds import control_match, loop_fit, transfer
 
-SMALL = 0.05
-"""Relative error of the force up to which it is small, whatever explains it."""
-MATERIAL = {"m": 0.02, "b": 0.05, FRICTION: 0.02, "F_0": 0.02}
-"""Least change that counts: of the mass, or as a share of the friction F_c."""
-AGREES = 0.05
-"""Relative difference up to which a controller is that of the log."""
 SIGNALS = {
     "force": "force, inverse model",
     "position": "position, loop simulated",
@@ -40,17 +33,17 @@ def verdict(found: LogPrediction, values: Values) -> tuple[str, ...]:
     reasons = [_explained(name, one.ratio) for name, one in found.signals.items()]
     if changes:
         first = f"the drive of this log differs from the learned one; force error {share}"
-    elif force.ratio <= MODEL_ERROR:
+    elif force.ratio <= loop_fit.MODEL_ERROR:
         first = f"the learned drive holds for this log; force error {share}"
-        if any(one.ratio > MODEL_ERROR for one in found.signals.values()):
+        if any(one.ratio > loop_fit.MODEL_ERROR for one in found.signals.values()):
             first = f"the learned drive explains the force of this log, but not its loop; {share}"
-    elif force.relative <= SMALL:
+    elif force.relative <= transfer.SMALL:
         first = f"the learned drive predicts the force of this log within {share}"
     else:
         first = f"the learned drive does not explain this log; force error {share}"
     reasons += [_sentence(name, change, found, values) for name, change in changes.items()]
     drift, error = found.drift
-    if abs(drift) > max(DRIFT, SIGNIFICANT * error):
+    if abs(drift) > max(loop_fit.CHANGE, loop_fit.CHANGE_CERTAIN * error):
         reasons.append(
             f"friction changes by {100.0 * drift:+.2g} % from begin to end of the log, "
             f"+-{100.0 * error:.2g} %"
@@ -58,10 +51,11 @@ def verdict(found: LogPrediction, values: Values) -> tuple[str, ...]:
     check = found.check
     if check is not None and found.goodness.simulated is None:
         reasons.append(
-            f"the loop, simulated, runs away: its velocity exceeds {DIVERGED:g} times the largest "
-            "commanded one, so there are no figures of it; check units and signs of the gains"
+            f"the loop, simulated, runs away: its velocity exceeds {loop_fit.RUNS_AWAY:g} times "
+            "the largest commanded one, so there are no figures of it; check units and signs of "
+            "the gains"
         )
-    if check is not None and check.error > AGREES:
+    if check is not None and check.error > control_match.NEAR:
         reasons.append(
             f"the controller differs from the logged force by {100.0 * check.error:.2g} %: its "
             "gains are others, or a compensator was running"
@@ -70,11 +64,11 @@ def verdict(found: LogPrediction, values: Values) -> tuple[str, ...]:
 
 
 def _explained(name: str, ratio: float) -> str:
-    if ratio <= MODEL_ERROR:
+    if ratio <= loop_fit.MODEL_ERROR:
         return f"{SIGNALS[name]}: noise, encoder steps and intervals explain the error"
     return (
         f"{SIGNALS[name]}: the error is {ratio:.2g} times what noise, encoder steps and intervals "
-        f"explain (at most {MODEL_ERROR:g} is good)"
+        f"explain (at most {loop_fit.MODEL_ERROR:g} is good)"
     )
 
 
@@ -82,9 +76,14 @@ def material(found: LogPrediction, values: Values) -> Iterator[tuple[str, Change
     """Yield the changes that are significant and large enough to matter, with their names."""
     top = float(np.max(np.abs(found.goodness.velocity_recorded)))
     level = values["F_c"]
-    sizes = {"m": values["m"], "b": level / top if top else math.inf, FRICTION: 1.0, "F_0": level}
+    least = {
+        "m": transfer.MASS * values["m"],
+        "b": transfer.VISCOUS * (level / top) if top else math.inf,
+        FRICTION: transfer.FRICTION,
+        "F_0": transfer.OFFSET * level,
+    }
     for name, change in found.changes.items():
-        if change.is_significant and abs(change.value) > MATERIAL[name] * sizes[name]:
+        if change.is_significant and abs(change.value) > least[name]:
             yield name, change
 
 

@@ -5,9 +5,9 @@ import pytest
 from scipy.signal import lfilter
 
 from stickslip.identification.criteria.output_error import OutputError, predictor_error
-from stickslip.identification.estimation.learn import MODEL_ERROR
 from stickslip.identification.fitting.bootstrap import Resimulation, correct
 from stickslip.identification.fitting.fit import linearised
+from stickslip.thresholds import loop_fit
 from stickslip.trial.compensator_trial import shown_gains
 
 pytestmark = pytest.mark.slow
@@ -41,8 +41,8 @@ def test_a_bad_fit_does_not_pass_for_noise(off, recorded, candidates):
         bad = linearised(criterion.over(best.space), q, variance)
         with Resimulation(criterion, candidates, learned.recording, learned.gains) as again:
             told = correct(criterion, bad, again, 0)
-    assert told.found / told.expected < MODEL_ERROR
-    assert (told.model_error > MODEL_ERROR) == (off > 0.0)
+    assert told.found / told.expected < loop_fit.MODEL_ERROR
+    assert (told.model_error > loop_fit.MODEL_ERROR) == (off > 0.0)
 
 
 def test_a_recording_shows_the_gains_of_its_controller(recorded):

@@ -14,6 +14,7 @@ from stickslip.errors import LimitError, RigError, UsageError
 from stickslip.rigs import ads_rig
 from stickslip.rigs.remote import RemoteRig
 from stickslip.servo import datasheet
+from stickslip.thresholds import rig_motion
 from tests.stickslip.rigs.plc import controller
 
 pytestmark = [
@@ -43,7 +44,7 @@ def command_of(rig, n=450):
 @pytest.fixture(autouse=True)
 def _unpaced(monkeypatch):
     """A busy machine may call the function block late."""
-    monkeypatch.setattr(ads_rig, "PACE", math.inf)
+    monkeypatch.setattr(rig_motion, "PACE", math.inf)
     monkeypatch.setattr(ads_rig, "ANSWER", 10.0)
 
 

@@ -7,11 +7,11 @@ from stickslip import models
 from stickslip.servo.axis import Axis
 from stickslip.servo.chain_response import LOWEST, SAMPLES, ChainResponse
 from stickslip.servo.datasheet import LOOP
-from stickslip.servo.observer import LIMIT
 from stickslip.servo.sensitivity import OpenLoop, peak_sensitivity
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 from stickslip.servo.velocity_loop import design_velocity_loop
+from stickslip.thresholds import offer
 
 COMPENSATORS = [name for name in models.model_names() if models.load_model(name).ports]
 
@@ -80,7 +80,7 @@ def test_start_values_leave_the_papers_loop_robust(fmus, loop, model):
     with ChainResponse(fmus, loop, [Compensator("one", model)]) as response:
         peak = response.of(loop, {}, 6.0).peak
     alone = peak_sensitivity(loop)
-    assert alone * 0.999 < peak <= LIMIT
+    assert alone * 0.999 < peak <= offer.SENSITIVITY
     takes = set(models.load_model(model).ports.inputs.values())
     feeds_back = bool(takes & {"x_enc", "F_motor", "u"}) and model != "adaptive_scale"
     assert (peak > 1.0002 * alone) == feeds_back

@@ -12,7 +12,7 @@ from stickslip import cosim
 from stickslip.cosim.control import measure_response
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP
-from stickslip.servo.observer import LIMIT, MASSES, design_observer
+from stickslip.servo.observer import MASSES, design_observer
 from stickslip.servo.sensitivity import OpenLoop, peak_sensitivity
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
@@ -22,6 +22,7 @@ from stickslip.servo.velocity_loop import (
     close_velocity_loop,
     design_velocity_loop,
 )
+from stickslip.thresholds import offer
 
 PAPER = design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LOOP)
 WEAK = close_velocity_loop(Axis(2.0, 4.0, 1e-3), 1e-3, 0.0, 150.0, 2000.0)
@@ -54,11 +55,11 @@ def test_any_loop_gets_an_observer_within_the_limit(seed):
     assert designed.reversal < 0.8 * designed.reversal_without
     w = 2 * np.pi * np.geomspace(1e-4, 0.5, 5000) / loop.T_s
     for share in (0.9, 0.97, 1.0, 1.06, 1.1):
-        assert peak_sensitivity(loop, designed.observer, share * m) <= LIMIT * 1.001
+        assert peak_sensitivity(loop, designed.observer, share * m) <= offer.SENSITIVITY * 1.001
     opened = OpenLoop(loop)
     opened.z = np.exp(1j * w * loop.T_s)
     u, x = by_feedback(loop, designed.observer, opened.z)
-    assert max(np.abs(u).max(), np.abs(x).max()) <= LIMIT * 1.001
+    assert max(np.abs(u).max(), np.abs(x).max()) <= offer.SENSITIVITY * 1.001
 
 
 def by_feedback(loop, observer, z):
@@ -152,7 +153,7 @@ def test_a_velocity_filter_in_the_loop_counts_on_the_observers_force():
     opened = OpenLoop(loop)
     np.testing.assert_allclose(opened.response().at_command, 1 / (1 + loop.open_loop(opened.z)))
     designed = design_observer(loop, 4e-7, 6.0)
-    assert designed.sensitivity <= LIMIT
+    assert designed.sensitivity <= offer.SENSITIVITY
     assert not np.isfinite(peak_sensitivity(loop, replace(designed.observer, share=50.0)))
 
 
@@ -161,7 +162,7 @@ def test_a_faster_observer_than_the_limit_allows_is_not_taken():
     designed = design_observer(PAPER, 1e-12, 600.0, force_noise=0.0, limit=1.9, masses=(1.0,))
     assert 1.7 < designed.sensitivity <= 1.9
     wider = design_observer(PAPER, 1e-12, 600.0, force_noise=0.0, masses=(0.8, 1.0, 1.25))
-    assert wider.sensitivity <= LIMIT
+    assert wider.sensitivity <= offer.SENSITIVITY
     assert max(peak_sensitivity(PAPER, designed.observer, s * 5.557) for s in (0.8, 1.25)) > 1.9
 
 
@@ -171,7 +172,7 @@ def test_an_observer_of_order_2_is_designed_within_the_limit():
     assert designed.reversal < 0.5 * designed.reversal_without
     worst = max(peak_sensitivity(PAPER, designed.observer, s * 5.557) for s in MASSES)
     assert worst == pytest.approx(designed.sensitivity, rel=1e-6)
-    assert worst <= LIMIT
+    assert worst <= offer.SENSITIVITY
 
 
 def test_a_coarse_encoder_slows_the_observer():
@@ -181,7 +182,7 @@ def test_a_coarse_encoder_slows_the_observer():
 
 def test_loops_without_room_for_an_observer_say_why():
     fast = close_velocity_loop(PAPER.axis, PAPER.T_s, PAPER.tau_f, 1.5 * PAPER.K_p, PAPER.K_i)
-    assert peak_sensitivity(fast, m=min(MASSES) * fast.axis.m) > LIMIT
+    assert peak_sensitivity(fast, m=min(MASSES) * fast.axis.m) > offer.SENSITIVITY
     with pytest.raises(ControlError, match=r"alone has a peak sensitivity of .*; lower K_p or K_i"):
         design_observer(fast, 4e-7, 6.0)
     swift = design_velocity_loop(Axis(60.0, 6.0), LoopSpecification(600.0, 40.0, 1.2e-4))

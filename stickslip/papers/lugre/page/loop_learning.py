@@ -18,16 +18,10 @@ from stickslip.presentation import style
 from stickslip.presentation.markup import Html, paragraph, quiet, table
 from stickslip.presentation.page import Illustration, Section
 from stickslip.presentation.quantity import number, percent, unit
+from stickslip.thresholds import kept
 from stickslip.tuning.drive_model import PROBES
 from stickslip.tuning.loop_genes import GENES
-from stickslip.tuning.loop_learning import (
-    LEVELS,
-    LIMIT,
-    NEAR,
-    NO_WORSE,
-    POWER,
-    LearnedLoop,
-)
+from stickslip.tuning.loop_learning import LEVELS, NEAR, POWER, LearnedLoop
 from stickslip.tuning.loop_runs import training_motion
 
 MEANINGS = {
@@ -69,9 +63,9 @@ def loop_learning_section(reproduction: Reproduction) -> Section:
             f"drive. {_models(loops)} The cost is the mean, with the power {POWER}, of the "
             "tracking errors and of the change of the force from sample to sample, each relative "
             f"to the tuned PI controller; ratios above {NEAR:g} cost more, and a candidate with a "
-            f"peak sensitivity Ms above {LIMIT:g} is not run. The best are run again, and one is "
-            "taken only if nothing is worse than with the tuned PI controller, by more than "
-            f"{percent(NO_WORSE - 1.0, 0)}."
+            f"peak sensitivity Ms above {kept.SENSITIVITY:g} is not run. The best are run again, "
+            "and one is taken only if nothing is worse than with the tuned PI controller, by more "
+            f"than {percent(kept.LOOP_WORSE - 1.0, 0)}."
         ),
         Illustration(
             "fig3_scheme",

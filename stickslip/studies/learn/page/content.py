@@ -23,7 +23,6 @@ from stickslip.presentation.quantity import (
     with_error,
 )
 from stickslip.presentation.scale import WORDS, force_scale, velocity_scale
-from stickslip.servo.observer import LIMIT
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.page.figures import (
     draw_correlations,
@@ -40,7 +39,7 @@ from stickslip.studies.learn.page.signals import (
     steady_name,
 )
 from stickslip.studies.learn.page.stretches import stretches
-from stickslip.trial.benefit import WORSE
+from stickslip.thresholds import harm, offer
 from stickslip.trial.candidates import CompensatorComparison
 from stickslip.trial.guards import Benefit
 from stickslip.trial.observed import ObserverTrial
@@ -135,7 +134,7 @@ def compensation(
     compared: CompensatorComparison | None = None,
 ) -> Section:
     """Return the section with the table of tracking errors, and what other parts leave."""
-    verdict = f"The error is nowhere larger than {WORSE:g} times that without the compensator."
+    verdict = f"The error is nowhere larger than {harm.WORSE:g} times that without the compensator."
     if not benefit.acceptable:
         verdict = f"The compensator increases the tracking error: {benefit.reason}."
     elif benefit.share < 1.0:
@@ -178,7 +177,7 @@ def _compared(compared: CompensatorComparison) -> list[Html]:
         paragraph(
             f"Compensators that were tried on the same drives: {compared.sentence}. The peak"
             f" sensitivity $M_s$ of the loop is the largest for all masses that the log"
-            f" allows; with an observer, at most {LIMIT:g}."
+            f" allows; with an observer, at most {offer.SENSITIVITY:g}."
         ),
         tables.compensators(compared).html(RELATIVE),
     ]
@@ -196,8 +195,8 @@ def _observer(observed: ObserverTrial) -> list[Html]:
             "leaves, without a model of friction, and compensates "
             f"{percentage(share)} of it. It is feedback: with it the peak "
             f"sensitivity of the loop is {number(designed.sensitivity, 3)} instead of "
-            f"{number(designed.without, 3)}, at most {LIMIT:g} for all masses that the log allows. "
-            f"Recommended: {observed.recommended or 'none of them'}."
+            f"{number(designed.without, 3)}, at most {offer.SENSITIVITY:g} for all masses that the "
+            f"log allows. Recommended: {observed.recommended or 'none of them'}."
         ),
         tables.parts(observed).html(RELATIVE),
     ]

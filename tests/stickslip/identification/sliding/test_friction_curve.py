@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stickslip.identification.estimation.learn import VARIES
 from stickslip.identification.sliding.friction_curve import FrictionCurve, friction_curve
+from stickslip.thresholds import curve_shown
 
 T_S = 5e-4
 M, B, F_C, F_S, V_S, F_0 = 3.0, 20.0, 4.0, 7.0, 2e-3, 0.8
@@ -54,7 +54,7 @@ def test_a_plain_drive_is_found_within_narrow_intervals() -> None:
     assert found.mass.high - found.mass.low < 0.04 * M
     assert found.value == pytest.approx(curve(found.speed), rel=0.01)
     assert np.all(found.high - found.low < 0.1 * found.value)
-    assert all(force < VARIES * F_C for force in found.varying.values())
+    assert all(force < curve_shown.VARIES * F_C for force in found.varying.values())
 
 
 @pytest.mark.parametrize("imperfection", [{"guide": 0.1}, {"ripple": 0.5}], ids=str)

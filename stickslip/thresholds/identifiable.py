@@ -1,0 +1,14 @@
+"""How well a log identifies a parameter, and which value the compensator takes of it."""
+
+from stickslip.thresholds import Threshold
+
+WELL = Threshold(0.05)
+"""Relative half-width of a 95 % interval above which a parameter is only weakly identifiable."""
+WEAKLY = Threshold(0.3)
+"""The same above which it is not, and the compensator takes the value with the weakest force."""
+PRIOR_DOMINATED = Threshold(0.5)
+"""Standard error as a share of the prior's, above which a parameter is not identifiable."""
+SOFTEST = Threshold(0.5, "decision 62: 0.01 of the stiffness leaves 3.5 times the error")
+"""Share of a fitted stiffness or damping below which the compensator does not take it."""
+BEYOND = Threshold(1.25)
+"""Static friction over the largest force in the log above which it is reduced to that force."""

@@ -1,0 +1,21 @@
+"""Whether what was tuned on a drive or its models is taken, and which models are."""
+
+from stickslip.thresholds import Threshold
+
+FIT_WORSE = Threshold(1.1, "decision 124: means of five runs scatter by 1 to 6 %")
+"""Cost of a fit of the friction, and its error in slow motions, over the start's, above which the
+start is kept; what only fits the training command leaves 1.2 to 16 times its error."""
+LOOP_WORSE = Threshold(1.02, "runs within an encoder step scatter by 1 to 5 %, medians by 1.6 %")
+"""Error or force of a learned loop over that of the reference above which it is not taken."""
+SENSITIVITY = Threshold(1.98, "2.0 of textbooks, less 1 % for the error of the identified mass")
+"""Peak sensitivity above which a candidate of the loop is not run."""
+ERRS_ALIKE = Threshold(
+    0.12, "decision 131: 0.1 with ripple and asymmetry, 0.3 to 0.9 of another law"
+)
+"""RMS of logarithms of a model's errors over the drive's above which other laws are searched."""
+ERRS_WELL = Threshold(0.05)
+"""The same, up to which a search ends."""
+HOPELESS = Threshold(2.0, "the drive's own law had up to 1.7 times the least")
+"""The same over the least among the laws at their start, above which a law is not searched."""
+FURTHER = Threshold(1.3, "searches of one law from two seeds differ by as much")
+"""The same over that of the best model, up to which a further model is used beside it."""

@@ -1,0 +1,16 @@
+"""Which friction law explains a log, and which of its parts the log shows."""
+
+from stickslip.thresholds import Threshold
+
+TIE = Threshold(2.0, "decision 60")
+"""Standard errors over blocks of the difference of two squared errors up to which laws are tied."""
+MARGIN = Threshold(0.98, "decision 60")
+"""Ratio of two errors above which they are tied in any case."""
+UNIDENTIFIED = Threshold(0.7, "decision 60: 0.87 to 0.92 on EMPS, where no parameter is identified")
+"""Error over Coulomb's below which a law takes part though none of its parameters is identified."""
+RISES = Threshold(2.0)
+"""Standard errors by which friction must rise towards rest to be seen to do so."""
+RISE_WORTH = Threshold(1.1)
+"""Growth of the mean square without a rise towards rest, up to which the rise is left out."""
+EXPONENT = Threshold(0.99, "decision 32: 100 logs of exponent 1 differed by up to 0.7 %")
+"""Ratio of mean squares below which another exponent is taken; above it the intervals hold both."""

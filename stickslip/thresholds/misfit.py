@@ -1,0 +1,17 @@
+"""Whether the user is warned that a friction law does not explain a log, and of which cause."""
+
+from stickslip.thresholds import Threshold
+
+NOTED = Threshold(1.5, "decision 60")
+"""Error where a law was not fitted, over that of noise, above which there is a warning."""
+SPOILED = Threshold(2.0, "decision 60")
+"""The same ratio above which the intervals do not hold either."""
+SMALLEST = Threshold(0.02, "decision 60")
+"""Unexplained force, as a share of the measured one, up to which there is no warning."""
+BEATEN = Threshold(0.7)
+"""Error of another law over that of the law, below which there is a warning whatever noise
+explains: a wrong drive may oscillate when it is simulated, which looks like noise."""
+LARGE = Threshold(0.1, "decision 60")
+"""Error as a share of the force above which the other laws are tried in any case."""
+LIKELY = Threshold(0.5)
+"""Share of the unexplained mean square that a cause removes above which it is the likely one."""

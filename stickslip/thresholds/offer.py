@@ -1,0 +1,12 @@
+"""Which compensator is recommended: feedforward, observer, both or none."""
+
+from stickslip.thresholds import Threshold
+
+SIMPLER = Threshold(0.05, "decision 78")
+"""Relative difference of mean error ratios up to which the simpler compensator is taken."""
+SENSITIVITY = Threshold(2.2, "decision 63")
+"""Largest peak sensitivity of the loop with an observer, at all masses; above it there is none."""
+WORTHWHILE = Threshold(0.9)
+"""Error of friction's reversals with an observer over that without, above which there is none."""
+HIDDEN = Threshold(0.7)
+"""The same ratio above which a coarse encoder hides friction, so that reversals alone count."""
