@@ -2,34 +2,32 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import fields
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
 from stickslip.errors import UsageError
 from stickslip.planning import Limits
-from stickslip.rigs.ads_rig import AdsRig
+from stickslip.rigs.contract import Rig
 from stickslip.rigs.limits import RigLimits
-from stickslip.rigs.remote import RemoteRig
-from stickslip.rigs.socket_rig import SocketRig
 from stickslip.servo.datasheet import Datasheet
 from stickslip.toml_files import NUMBER, PAIR, TABLE, TEXT, WHOLE, Kind, checked, read_toml
 
-KINDS: dict[str, tuple[Callable[..., RemoteRig], dict[str, Kind]]] = {
-    "socket": (SocketRig, {"patience": NUMBER, "retry": NUMBER}),
-    "ads": (AdsRig, {"port": WHOLE, "symbol": TEXT, "ip": TEXT, "patience": NUMBER}),
-}
-"""Keys that say where the drive is, with the kind of rig, and its further arguments."""
+KINDS: dict[type, Kind] = {float: NUMBER, int: WHOLE, str: TEXT, type(None): TEXT}
+"""What a key of the file has to be, by the type of the argument's default."""
 PAIRS = ("travel", "frequency", "slow", "presliding")
 
 
-def open_rig(path: Path | str, law: str = "lugre") -> tuple[RemoteRig, Limits]:
+def open_rig(path: Path | str, law: str = "lugre") -> tuple[Rig, Limits]:
     """Connect to the rig that a TOML file describes; return it with the limits of experiments.
 
-    The file has ``socket = "HOST:PORT"`` or ``ads = "NETID"``, further arguments of ``SocketRig``
-    or ``AdsRig`` by name, and the sections ``[datasheet]``, ``[limits]`` (``RigLimits``) and
-    ``[experiment]`` (``Limits``). All values are in SI units.
+    One key names the kind of rig, an entry point of the group ``stickslip.rigs``, and its value
+    says where the drive is, such as ``socket = "HOST:PORT"`` or ``ads = "NETID"``. Other keys are
+    keyword arguments of that class; the sections are ``[datasheet]``, ``[limits]`` (``RigLimits``)
+    and ``[experiment]`` (``Limits``). All values are in SI units.
 
     Parameters
     ----------
@@ -38,7 +36,8 @@ def open_rig(path: Path | str, law: str = "lugre") -> tuple[RemoteRig, Limits]:
     Raises
     ------
     UsageError
-        When the file cannot be read, or a key is missing, unknown or has a wrong value.
+        When the file cannot be read, no such kind of rig is installed, or a key is missing, unknown
+        or has a wrong value.
     RigError
         When nobody answers.
     """
@@ -50,20 +49,30 @@ def open_rig(path: Path | str, law: str = "lugre") -> tuple[RemoteRig, Limits]:
         )
         limits = RigLimits(**_section(content, "limits", RigLimits, _names(RigLimits)))
         experiment = Limits(**_section(content, "experiment", Limits, ()))
-        where = _place(content)
-        kind, further = KINDS[where]
-        given = checked(content, {where: TEXT, **further})
+        name, rig = _kind(content)
+        further = inspect.signature(rig).parameters.values()
+        named = {
+            one.name: KINDS[type(one.default)] for one in further if one.kind is one.KEYWORD_ONLY
+        }
+        given = checked(content, {name: TEXT, **named})
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from None
-    return kind(given.pop(where), sheet, limits, law, **given), experiment
+    return rig(given.pop(name), sheet, limits, law, **given), experiment
 
 
-def _place(content: Collection[str]) -> str:
-    """Return the one key that says where the drive is."""
-    found = [name for name in KINDS if name in content]
+def _kind(keys: Collection[str]) -> tuple[str, Callable[..., Rig]]:
+    """Return the one key that names an installed kind of rig, and the class of that kind."""
+    installed = entry_points(group="stickslip.rigs")
+    found = [name for name in installed.names if name in keys]
     if len(found) != 1:
-        raise UsageError('expected socket = "HOST:PORT" or ads = "NETID"')
-    return found[0]
+        kinds, got = ", ".join(sorted(installed.names)), ", ".join(map(repr, keys)) or "none"
+        raise UsageError(
+            f"expected one key that names an installed kind of rig ({kinds}); got {got}"
+        )
+    try:
+        return found[0], installed[found[0]].load()
+    except (ImportError, AttributeError) as fault:
+        raise UsageError(f"{installed[found[0]].value} cannot be imported ({fault})") from None
 
 
 def _names(kind: type) -> list[str]:

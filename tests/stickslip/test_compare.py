@@ -51,7 +51,7 @@ def test_values_intervals_and_error_ratios_stand_side_by_side(tmp_path, capsys):
     assert by_old.split() == ["old", "dahl", "none:", "refused", "-", "-", "-"]
     table = pd.read_csv(out / "parameters.csv")
     assert list(table["value"]) == [6.0, 5.0, 6.15, 1.0]
-    assert "95 % interval" in (out / "compare.html").read_text()
+    assert "Values with their 95 % intervals" in (out / "compare.html").read_text()
     assert main(["verify", str(out)]) == 0
 
 

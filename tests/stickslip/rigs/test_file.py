@@ -30,6 +30,21 @@ stroke = 0.05
 FRICTION = {"F_s": 8.9, "F_c": 6.0, "v_s": 5.6e-4, "sigma_0": 3.9e5, "sigma_1": 4400.0, "b": 6.6}
 
 
+BENCH = """
+import numpy as np
+from stickslip import Log, Rig
+
+class Bench(Rig):
+    def __init__(self, place, datasheet, limits, law, *, friction=8.0, axis="x"):
+        super().__init__(datasheet, 5e-4, limits, law)
+        self.name, self._F = f"{place} {axis}", friction
+
+    def move(self, command):
+        x = np.concatenate([[0.0], np.cumsum(command.velocity[:-1])]) * self.T_s
+        return Log(np.arange(len(x)) * self.T_s, x, self._F * np.sign(command.velocity))
+"""
+
+
 @pytest.fixture
 def described(tmp_path):
     """Return a function that writes the file of a rig at a port."""
@@ -64,8 +79,12 @@ def test_a_file_gives_the_rig_its_limits_and_the_experiment(fmus, described):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("socket", "sockets", 'expected socket = "HOST:PORT" or ads = "NETID"'),
-        ("[datasheet]", 'ads = "1.2.3.4.5.6"\n[datasheet]', "expected socket"),
+        (
+            "socket",
+            "bus",
+            "expected one key that names an installed kind of rig (ads, socket); got 'bus'",
+        ),
+        ("[datasheet]", 'ads = "1.2.3.4.5.6"\n[datasheet]', "(ads, socket); got 'socket', 'ads'"),
         ('socket = "localhost:1"', "socket = 5020", "socket = 5020: expected a text"),
         ("[datasheet]", 'retry = "soon"\n[datasheet]', "retry = 'soon': expected a number"),
         ("[datasheet]", 'symbol = "MAIN.rig"\n[datasheet]', "no key 'symbol'"),
@@ -104,6 +123,32 @@ def test_validate_runs_both_motions_on_the_drive_once(fmus, described, learned, 
             assert row["velocity"] == "measured"
             assert row["with"] < 0.7 * row["without"]
     assert len(list((out / "motions").glob("*.npz"))) == 2
+
+
+def test_a_package_of_others_adds_a_kind_of_rig(tmp_path, learned, monkeypatch, capsys):
+    (tmp_path / "bench.py").write_text(BENCH)
+    (tmp_path / "bench-1.0.dist-info").mkdir()
+    names = "[stickslip.rigs]\nbench = bench:Bench\nbroken = bench:Absent\n"
+    (tmp_path / "bench-1.0.dist-info" / "entry_points.txt").write_text(names)
+    monkeypatch.syspath_prepend(tmp_path)
+    path, out = tmp_path / "rig.toml", tmp_path / "validated"
+
+    def validate(key):
+        path.write_text(RIG.replace('socket = "localhost:{port}"', key))
+        return main(["validate", str(learned), "--rig", str(path), "--out", str(out)])
+
+    assert validate('bench = "rack 2"\nfriction = 7.5\naxis = "y"') == 0
+    for log in (out / "motions").glob("*.npz"):
+        assert set(np.abs(np.load(log)["F_m"])) == {0.0, 7.5}
+    for key, said in (
+        ('bench = "rack 2"\naxis = 2', "axis = 2: expected a text"),
+        ('bench = "rack 2"\nlaw = "dahl"', "no key 'law'"),
+        ('broken = "rack 2"', "bench:Absent cannot be imported"),
+        ('bus = "rack 2"', "kind of rig (ads, bench, broken, socket); got 'bus'"),
+    ):
+        capsys.readouterr()
+        assert validate(key) != 0
+        assert said in capsys.readouterr().err
 
 
 def test_what_learn_does_not_recommend_is_not_run_on_a_drive(fmus, described, learned, capsys):
