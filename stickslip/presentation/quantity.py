@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from markupsafe import Markup
 
@@ -82,7 +83,7 @@ def percent(share: float, digits: int = 1) -> str:
 
 
 def ranged(
-    row: Mapping[Hashable, float], name: str, show: Callable[[float], str] = "{:.3f}".format
+    row: Mapping[Any, float], name: str, show: Callable[[float], str] = "{:.3f}".format
 ) -> str:
     """Return the median of a row and below it, where it has one, its range."""
     ends = [show(row[end]) for end in (f"{name}{LOW}", f"{name}{HIGH}") if end in row]

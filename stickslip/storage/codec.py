@@ -2,7 +2,7 @@
 
     @dataclass(frozen=True)
     class Hold:
-        swing: float = entry("m")
+        swing: float = field(metadata=entry("m"))
         reversals: int
 
     encode(Hold(1e-6, 3)) == {"swing": {"value": 1e-6, "unit": "m"}, "reversals": 3}
@@ -15,8 +15,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, Field, field, fields, is_dataclass
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from dataclasses import MISSING, Field, fields, is_dataclass
+from typing import Any, TypeVar, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -27,8 +27,8 @@ Unit = str | Mapping[str, str] | Callable[[str], str]
 """A unit, or the units of values by their names."""
 
 
-def entry(unit: Unit = "", key: str = "", *, stored: bool = True, **default: Any) -> Any:
-    """Return a field of a dataclass.
+def entry(unit: Unit = "", key: str = "", *, stored: bool = True) -> dict[str, Any]:
+    """Return the metadata of a field of a dataclass.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def entry(unit: Unit = "", key: str = "", *, stored: bool = True, **default: Any
     key : its name in files, by default that of the field
     stored : whether files have it
     """
-    return field(metadata={"unit": unit, "key": key, "stored": stored}, **default)
+    return {"unit": unit, "key": key, "stored": stored}
 
 
 def units(kind: Any) -> dict[str, str]:
@@ -88,8 +88,7 @@ def decode(kind: type[T], data: Any) -> T:
     ValueError
         When the data are not of this kind; names the entry.
     """
-    found: Any = _decoded(kind, data, kind.__name__)
-    return found
+    return cast(T, _decoded(kind, data, kind.__name__))
 
 
 def _stored(kind: Any) -> list[Field[Any]]:

@@ -55,9 +55,9 @@ class Drive:
     parameters : start values of the drive FMU: friction, and what else differs
     """
 
-    name: str = entry(key="drive")
+    name: str = field(metadata=entry(key="drive"))
     law: str
-    parameters: Values = entry(start_unit)
+    parameters: Values = field(metadata=entry(start_unit))
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ steps, where the integral never rests.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -47,11 +47,11 @@ class Hold:
     unit : of a millionth of a position, for people
     """
 
-    swing: float = entry("m")
+    swing: float = field(metadata=entry("m"))
     reversals: int
-    duration: float = entry("s")
+    duration: float = field(metadata=entry("s"))
     drive: str = ""
-    unit: str = entry(stored=False, default="um")
+    unit: str = field(default="um", metadata=entry(stored=False))
 
     def hunts(self, limit: float) -> bool:
         """Tell whether it goes to and fro, farther than a limit [m]."""

@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
@@ -17,22 +17,22 @@ from stickslip.storage.codec import decode, encode, entry, state, units
 
 @dataclass(frozen=True)
 class Part:
-    size: float = entry("m")
+    size: float = field(metadata=entry("m"))
     name: str = ""
-    remark: str = entry(stored=False, default="none")
+    remark: str = field(default="none", metadata=entry(stored=False))
 
 
 @dataclass(frozen=True)
 class Whole:
     parts: Mapping[str, Part]
     order: tuple[str, ...]
-    force: float = entry("N", key="F")
+    force: float = field(metadata=entry("N", key="F"))
     best: Part | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    t: Array = entry("s")
+    t: Array = field(metadata=entry("s"))
 
 
 WHOLE = Whole({"a": Part(1e-6, "left")}, ("a",), 2.5, Part(math.nan))

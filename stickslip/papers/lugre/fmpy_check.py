@@ -8,7 +8,7 @@ was learned.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 
@@ -35,7 +35,7 @@ class Comparison:
 
     samples: int
     different: int
-    largest: float = entry("N", key="largest_difference")
+    largest: float = field(metadata=entry("N", key="largest_difference"))
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class SecondOpinion:
     """
 
     tool: str
-    comparisons: Mapping[str, Comparison] = entry(key="runs")
+    comparisons: Mapping[str, Comparison] = field(metadata=entry(key="runs"))
 
 
 def second_opinion(

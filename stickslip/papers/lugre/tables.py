@@ -5,7 +5,7 @@ In Table 2 the truth of the drive enters.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from math import nan
 from typing import Any
@@ -241,10 +241,11 @@ def fixed(name: str, head: str, digits: int) -> Column:
 
 def searches(loops: LoopTuning) -> Table:
     """Return what the seeds found, and their errors in the validation."""
-    titles = STAGES | {"learned": "a candidate"}
+    titles = {one.chosen: one.chosen for one in loops.learned} | STAGES
+    titles["learned"] = "a candidate"
     columns = (
         Column("seed", head="Seed"),
-        Column("chosen", head="Chosen", cell=lambda row: titles.get(row["chosen"], row["chosen"])),
+        Column("chosen", head="Chosen", cell=lambda row: titles.get(row["chosen"], "")),
         fixed("cost", "Cost", 3),
         fixed("median", "Median error", 2),
         fixed("largest", "Largest error", 2),
@@ -289,7 +290,7 @@ def panel(study: PublishedStudy) -> Table:
 SHOWN = METRICS | {"E_x": "$E_x$"}
 
 
-def error_name(row: Mapping[Hashable, object]) -> str:
+def error_name(row: Mapping[Any, object]) -> str:
     """Return what an error of ``Evaluation.table`` is of."""
     region = str(row["region"]).replace(" um", " µm")
     return f"{str(row['motion']).capitalize()}, {region}, {SHOWN[str(row['metric'])]}"

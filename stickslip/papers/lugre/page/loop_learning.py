@@ -113,7 +113,7 @@ def _setting(settings: ga.Settings, name: str) -> str:
 
 
 def _genes(loops: LoopTuning) -> list[tuple[str, ...]]:
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for gene in GENES:
         values = [one.genes[gene.name] for one in loops.learned]
         rows.append(
