@@ -107,8 +107,8 @@ def execution_of(options: argparse.Namespace, checkpoint: Path | None) -> Iterat
 def _kept(execution: Execution, options: argparse.Namespace) -> list[Path]:
     """Return the existing checkpoints; each of several seeds has its own."""
     n = _seeds(options)
-    seeds = range(options.seed, options.seed + n) if n > 1 else ()
-    paths = [execution.of_seed(seed).checkpoint for seed in seeds] or [execution.checkpoint]
+    seeds = range(options.seed, options.seed + n) if n > 1 else [0]
+    paths = [execution.of_seed(seed, n).checkpoint for seed in seeds]
     return [path for path in paths if path is not None and path.exists()]
 
 

@@ -33,9 +33,11 @@ class Execution:
     checkpoint: Path | None = None
     resume: bool = False
 
-    def of_seed(self, seed: int) -> Execution:
+    def of_seed(self, seed: int, seeds: int) -> Execution:
         """Return how one of several searches runs: with a checkpoint of its own."""
         path = self.checkpoint
+        if seeds == 1:
+            return self
         own = path and path.with_name(f"{path.stem}.seed{seed}{path.suffix}")
         return replace(self, checkpoint=own)
 

@@ -75,17 +75,20 @@ def interrupt(*_):
     raise KeyboardInterrupt
 
 
-def test_ctrl_c_before_and_after_the_search(monkeypatch, tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("seeds", "name"), [(5, "learning.checkpoint.seed0.json"), (1, "learning.checkpoint.json")]
+)
+def test_ctrl_c_before_and_after_the_search(monkeypatch, tmp_path, capsys, seeds, name):
+    command = ["reproduce", "--out", str(tmp_path), "--seeds", str(seeds)]
     monkeypatch.setattr("stickslip.papers.lugre.reproduction.reproduce", interrupt)
-    assert main(["reproduce", "--out", str(tmp_path)]) == 130
+    assert main(command) == 130
     assert capsys.readouterr().err == "stickslip: interrupted\n"
 
     def searched(*given):
-        given[-1].of_seed(0).checkpoint.touch()
+        given[-1].of_seed(0, seeds).checkpoint.touch()
         interrupt()
 
     monkeypatch.setattr("stickslip.papers.lugre.reproduction.reproduce", searched)
-    assert main(["reproduce", "--out", str(tmp_path)]) == 130
-    kept = tmp_path / "learning.checkpoint.seed0.json"
-    message = f"interrupted; the state of the search is kept in {kept}; continue with --resume"
-    assert capsys.readouterr().err == f"stickslip: {message}\n"
+    assert main(command) == 130
+    message = f"the state of the search is kept in {tmp_path / name}; continue with --resume"
+    assert capsys.readouterr().err == f"stickslip: interrupted; {message}\n"

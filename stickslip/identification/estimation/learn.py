@@ -32,7 +32,7 @@ from stickslip.identification.estimation.estimation import (
 )
 from stickslip.identification.estimation.faults import change_of_friction, found_faults, hidden
 from stickslip.identification.estimation.held_out import check_held_out
-from stickslip.identification.estimation.task import LearnSettings, Task
+from stickslip.identification.estimation.task import Task
 from stickslip.identification.fitting.bootstrap import RUNS, Resimulation, UnbiasedFit, correct
 from stickslip.identification.fitting.conservative import conservative, largest_friction
 from stickslip.identification.fitting.fit import BLOCKS, ROUGH, Fit, fit, plausible, value_errors
@@ -43,7 +43,7 @@ from stickslip.identification.fitting.identifiability import (
     unreliable,
 )
 from stickslip.identification.fitting.multistart import best_fit, select, variants, without_stribeck
-from stickslip.identification.fitting.search import Search, search, solve_linear
+from stickslip.identification.fitting.search import search, solve_linear
 from stickslip.identification.fitting.start import Start, begin
 from stickslip.identification.sliding.friction_curve import VARYING, Interval
 from stickslip.progress import SILENT, Progress, step
@@ -208,10 +208,10 @@ def _search(
 ) -> tuple[Fit, Searches]:
     """Search with each seed, finish each locally, and return the best with a table of all."""
     fits, algorithms, rows = [], [], []
-    for seed in range(task.settings.seed, task.settings.seed + task.settings.seeds):
-        algorithm = search(
-            inverse, start, seed, _of_seed(task.settings, seed), on_generation=on_generation
-        )
+    how, first, seeds = task.settings.search, task.settings.seed, task.settings.seeds
+    for seed in range(first, first + seeds):
+        own = replace(how, execution=how.execution.of_seed(seed, seeds))
+        algorithm = search(inverse, start, seed, own, on_generation=on_generation)
         values = solve_linear(inverse, start, algorithm.best.values)
         found = without_stribeck(inverse, best_fit(inverse, start, values))
         # Coarse encoder steps, and slips shorter than the low-pass, bias the curve more than its
@@ -232,13 +232,6 @@ def _search(
         )
     best = int(np.argmin([found.noise for found in fits]))
     return fits[best], Searches(pd.DataFrame(rows), algorithms[best])
-
-
-def _of_seed(settings: LearnSettings, seed: int) -> Search:
-    """Return how to search; each of several seeds has a checkpoint of its own."""
-    if settings.seeds == 1:
-        return settings.search
-    return replace(settings.search, execution=settings.search.execution.of_seed(seed))
 
 
 def _output_error(

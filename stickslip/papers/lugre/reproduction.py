@@ -233,8 +233,8 @@ def _tuned(
     learned = []
     for seed in range(options.seed, options.seed + options.loop_seeds):
         progress.stage(f"learning the loop, seed {seed}")
-        own = replace(searched, seed=seed)
-        learned.append(learn_loop(own, progress.generation, execution.of_seed(seed)))
+        own, how = replace(searched, seed=seed), execution.of_seed(seed, options.loop_seeds)
+        learned.append(learn_loop(own, progress.generation, how))
     progress.stage("what each step brings")
     identified = {name: one.value for name, one in found.start.items()}
     return validate_loops(
