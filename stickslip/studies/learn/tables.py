@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -80,14 +81,12 @@ def parameters(estimation: Estimation) -> Table:
 def laws(estimation: Estimation) -> Table:
     """Return the force error of each law that was tried, where it was not fitted."""
     unit = unit_of("F_c", rotary=estimation.recording.rotary)
-    known = {"unit": unit, "digits": 3}
+    force = partial(Column, digits=3, unit=unit)
     columns = (
         Column("law", "", "law", "Friction law"),
-        Column(
-            "held_out_error", ".3g", f"error [{unit}]", f"Error where not fitted [{unit}]", **known
-        ),
+        force("held_out_error", ".3g", f"error [{unit}]", f"Error where not fitted [{unit}]"),
         share("relative", "Of the force", unit="1"),
-        Column("explained", ".3g", "noise and steps explain", f"Explained [{unit}]", **known),
+        force("explained", ".3g", "noise and steps explain", f"Explained [{unit}]"),
     )
     rows = [
         {
