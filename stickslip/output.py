@@ -90,6 +90,8 @@ def plain(value: Any) -> Any:
     """Return a value as JSON has it; a number that is not finite is null."""
     if isinstance(value, Mapping):
         return {str(key): plain(one) for key, one in value.items()}
+    if hasattr(value, "records"):  # a table of results
+        return plain(value.records())
     if hasattr(value, "to_dict"):  # a table of pandas, which need not be loaded to know
         return plain(value.to_dict("records"))
     if hasattr(value, "tolist"):  # an array or scalar of numpy

@@ -17,7 +17,6 @@ without it, has ``judge`` and ``visible`` where 2 has ``criterion`` and ``identi
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
 import re
 from collections.abc import Mapping
@@ -30,7 +29,7 @@ import numpy as np
 from stickslip.catalog.parameters import estimated, friction_law, unit_of
 from stickslip.cosim import SignalError, Simulation, Trapezoid
 from stickslip.errors import UsageError
-from stickslip.fmi.files import MOST_TEXT, atomic_write, parse_json, read_limited
+from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
 from stickslip.learned.writing import (
     AXIS_KEYS,
     DATASHEET,
@@ -51,6 +50,7 @@ from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
+from stickslip.storage.writing import write_json
 from stickslip.trial.guards import Drive, Evidence, family
 
 _UNITS = {"loop": LOOP_UNITS, "validation": TRAPEZOID, "datasheet": DATASHEET}
@@ -89,7 +89,8 @@ def save_learned(path: Path | str, simulation: Simulation) -> Path:
     if path.exists():
         document = LearnedFile(path).document
     document = {**document, "components": components}
-    return atomic_write(path, json.dumps(document, indent=2) + "\n")
+    write_json(document, path)
+    return path
 
 
 def load_learned(path: Path | str) -> dict[str, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from stickslip.cosim import Trapezoid
@@ -12,6 +12,7 @@ from stickslip.models.export.units import motion_unit
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.storage.codec import state, units
 from stickslip.versions import installed_versions
 
 SCHEMA = 2
@@ -34,7 +35,7 @@ LOOP_UNITS = {
     "L_v": "1/s",
     "L_d": "N/m",
 }
-DATASHEET = {"peak_force": "N", "tau_i": "s", "encoder_step": "m", "encoder_noise": "m"}
+DATASHEET = units(Datasheet)
 TRAPEZOID = {"height": "m/s", "slope": "m/s2", "plateau": "s", "begin": "s"}
 FILTER_KEYS = ("L_x", "L_v", "L_d")
 AXIS_KEYS = ("m", "b", "tau_i")
@@ -55,34 +56,21 @@ def loop_document(loop: VelocityLoop) -> dict[str, dict[str, Any]]:
         values |= {name: getattr(loop, name) for name in OUTER_KEYS}
     if loop.velocity_filter is not None:
         values |= {name: getattr(loop.velocity_filter, name) for name in FILTER_KEYS}
-    return stated(values, LOOP_UNITS, rotary=loop.axis.rotary)
+    return state(values, LOOP_UNITS, partial(motion_unit, rotary=loop.axis.rotary))
 
 
 def validation_document(command: Trapezoid, *, rotary: bool = False) -> dict[str, Any]:
     """Return a validation command as plain data, for the entry ``validation``."""
-    return stated(dataclasses.asdict(command), TRAPEZOID, rotary=rotary)
-
-
-def datasheet_document(sheet: Datasheet, *, rotary: bool = False) -> dict[str, Any]:
-    """Return what is known of motor and encoder as plain data, for the entry ``datasheet``."""
-    return stated({name: getattr(sheet, name) for name in DATASHEET}, DATASHEET, rotary=rotary)
-
-
-def stated(
-    values: Mapping[str, float], units: Mapping[str, str], *, rotary: bool
-) -> dict[str, dict[str, Any]]:
-    """Return values by name, each with its unit on this kind of drive."""
-    return {
-        name: {"value": value, "unit": motion_unit(units[name], rotary=rotary)}
-        for name, value in values.items()
-    }
+    of_drive = partial(motion_unit, rotary=rotary)
+    return state(dataclasses.asdict(command), TRAPEZOID, of_drive)
 
 
 def component_entry(one: Compensator, *, rotary: bool) -> dict[str, Any]:
     """Return a compensator without a friction law, as learned.json has it."""
-    units = {known.name: known.unit or "1" for known in load_model(one.model).variables}
+    own_units = {known.name: known.unit or "1" for known in load_model(one.model).variables}
     given = {name: float(value) for name, value in dict(one.values).items()}
-    return {"model": one.model, "parameters": stated(given, units, rotary=rotary)}
+    stated = state(given, own_units, partial(motion_unit, rotary=rotary))
+    return {"model": one.model, "parameters": stated}
 
 
 def law_entry(law: Law) -> dict[str, str]:

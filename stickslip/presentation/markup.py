@@ -1,97 +1,96 @@
-r"""HTML from small parts: text that is not markup yet is escaped, and symbols in it are set.
+r"""HTML from templates: text that is not markup yet is escaped, and symbols in it are set.
 
-A symbol is written as in matplotlib: ``$F_c$``, ``$\sigma_0$``, ``$E_{rms}$``.
+A symbol is written as in matplotlib: ``$F_c$``, ``$\sigma_0$``, ``$E_{rms}$``. A template ends in
+``.j2`` and is named by its path in the package; a text without that ending is a template itself.
+Templates have the functions of ``parts.j2`` and those of ``quantity``.
 """
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterator
 from html import escape, unescape
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import Environment, FunctionLoader, StrictUndefined
+from jinja2.ext import Extension
+from jinja2.lexer import Token, TokenStream
+from markupsafe import Markup
 
 from stickslip.fmi.messages import escaped
+from stickslip.presentation import quantity
+
+__all__ = ["Html", "fill", "parts", "text"]
 
 _SYMBOL = re.compile(r"\$(?:\\(?P<greek>[a-z]+)|(?P<latin>[A-Za-z]))(?:_\{?(?P<index>\w+)\}?)?\$")
+_WRAPPED = re.compile(r"(?<!>)\n(?!<)")
+"""The end of a line of prose."""
 
 
-class Html(str):
+class Html(Markup):
     """Text that is markup already."""
 
     __slots__ = ()
 
 
-def text(content: str) -> Html:
+def text(content: object) -> Markup:
     """Return a text as markup: escaped and with its symbols, unless it is markup already."""
-    return content if isinstance(content, Html) else Html(_SYMBOL.sub(_set, escaped(content)))
+    return content if isinstance(content, Markup) else Html(_symbols(escaped(str(content))))
 
 
-def _set(found: re.Match[str]) -> str:
-    """Return a symbol, its letter in italics and its index below the line."""
-    greek, index = found["greek"], found["index"]
-    letter = escape(unescape(f"&{greek};")) if greek else found["latin"]
-    return f"<i>{letter}</i>" + (f"<sub>{index}</sub>" if index else "")
+def _symbols(content: str) -> str:
+    """Return a text with its symbols set: letters in italics, indices below the line."""
+
+    def symbol(found: re.Match[str]) -> str:
+        greek, index = found["greek"], found["index"]
+        letter = escape(unescape(f"&{greek};")) if greek else found["latin"]
+        return f"<i>{letter}</i>" + (f"<sub>{index}</sub>" if index else "")
+
+    return _SYMBOL.sub(symbol, content)
 
 
-def element(name: str, *content: str, **attributes: str) -> Html:
-    """Return an element; attributes class_, aria_label are written class, aria-label."""
-    written = "".join(
-        f' {key.rstrip("_").replace("_", "-")}="{escaped(value)}"'
-        for key, value in attributes.items()
-    )
-    return Html(f"<{name}{written}>{join(content)}</{name}>")
+class _Prose(Extension):
+    """Sets the symbols of the text of a template, and joins its lines."""
+
+    def filter_stream(self, stream: TokenStream) -> Iterator[Token]:
+        for token in stream:
+            prose = token.type == "data"
+            value = _symbols(_WRAPPED.sub(" ", token.value)) if prose else token.value
+            yield Token(token.lineno, token.type, value)
 
 
-def join(parts: Iterable[str], between: str = "") -> Html:
-    """Return parts one after another, with markup in between."""
-    return Html(between.join(text(part) for part in parts))
+_ENVIRONMENT = Environment(
+    loader=FunctionLoader(lambda name: files("stickslip").joinpath(name).read_text("utf-8")),
+    extensions=[_Prose],
+    autoescape=True,
+    undefined=StrictUndefined,
+    finalize=text,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+_ENVIRONMENT.globals.update(vars(quantity), math=math)
+_ENVIRONMENT.filters.update(
+    symbol=quantity.symbol,
+    attribute=lambda content: Html(escaped(content)),
+    sentence=lambda content: f"{content[:1].upper()}{content[1:]}.",
+)
 
 
-def paragraph(*content: str) -> Html:
-    """Return a paragraph."""
-    return element("p", *content)
+def fill(template: str, **values: object) -> Html:
+    """Return a template with its values.
 
-
-def prose(content: str) -> Html:
-    """Return the text of a cell of a table that may take several lines."""
-    return element("span", content.replace("+-", "±"), class_="prose")
-
-
-def quiet(*content: str) -> Html:
-    """Return a paragraph that qualifies a table."""
-    return element("p", *content, class_="quiet")
-
-
-def table(
-    head: Sequence[str], rows: Iterable[Sequence[str]], caption: str, words: Collection[int] = (0,)
-) -> Html:
-    """Return a table that scrolls by itself where the page is narrow.
-
-    Parameters
-    ----------
-    head : titles of the columns
-    rows : cells, the first of which names the row
-    words : columns of words, set to the left; the others are numbers
+    Raises
+    ------
+    jinja2.UndefinedError
+        When a value is missing.
     """
-
-    def aligned(i: int) -> dict[str, str]:
-        return {"class_": "word"} if i in words else {"class_": "number"}
-
-    titles = join(element("th", cell, scope="col", **aligned(i)) for i, cell in enumerate(head))
-    body = []
-    for row in rows:
-        first = element("th", row[0], scope="row")
-        rest = join(element("td", cell, **aligned(i)) for i, cell in enumerate(row[1:], 1))
-        body.append(element("tr", first, rest))
-    whole = element(
-        "table",
-        element("caption", element("span", caption)),
-        element("thead", element("tr", titles)),
-        element("tbody", join(body, "\n")),
-    )
-    return element("div", whole, class_="scroll", tabindex="0", role="region", aria_label=caption)
+    named = template.endswith(".j2")
+    found = _ENVIRONMENT.get_template(template) if named else _ENVIRONMENT.from_string(template)
+    return Html(found.render(values))
 
 
-def tile(name: str, value: str, *beside: str) -> Html:
-    """Return a figure in large print with its name above it and remarks below it."""
-    lines = [("name", name), ("value", value), *(("beside", remark) for remark in beside)]
-    return element("div", *(element("span", c, class_=kind) for kind, c in lines), class_="tile")
+parts: Any = _ENVIRONMENT.get_template("presentation/parts.j2").module
+"""The functions of ``parts.j2``."""
+_ENVIRONMENT.globals.update({name: one for name, one in vars(parts).items() if callable(one)})

@@ -1,6 +1,6 @@
 """The page of a report: sections of text, figures and tables in one HTML file.
 
-    write_page(folder, "Friction of a drive", [Section("The fit", paragraph("..."), figure)])
+    write_page(folder, "Friction of a drive", [Section("The fit", "<p>...</p>")])
 
 The page holds its figures and its style, and needs no network. Each figure is also written as PNG
 and SVG, and opens to be zoomed where it has long lines. The same sections give the same bytes.
@@ -15,64 +15,19 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
-from string import Template
 
 from matplotlib.figure import Figure
 
 from stickslip.fmi.files import atomic_write
-from stickslip.fmi.messages import escaped
 from stickslip.presentation.interactive import Panel, panels, scripts
-from stickslip.presentation.markup import Html, element, join, paragraph, table, text
+from stickslip.presentation.markup import Html, fill, parts
 from stickslip.presentation.style import COLUMN, RESOLUTION, house_style
 from stickslip.versions import installed_versions
 
 PACKAGES = (
-    "stickslip",
-    "numpy",
-    "scipy",
-    "control",
-    "pandas",
-    "fmpy",
-    "ziglang",
-    "matplotlib",
-    "bokeh",
+    *("stickslip", "numpy", "scipy", "control", "pandas"),
+    *("fmpy", "ziglang", "matplotlib", "bokeh"),
 )
-_PAGE = Template("""\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<title>$title</title>
-<style>
-$style</style>
-</head>
-<body>
-<main>
-<h1>$title</h1>
-$sections
-</main>
-$scripts</body>
-</html>
-""")
-
-
-@dataclass(frozen=True)
-class Illustration:
-    """A figure of a section.
-
-    Attributes
-    ----------
-    name : of its files, without ``.png`` and ``.svg``
-    draw : draws it
-    alternative : text for readers who do not see the figure
-    """
-
-    name: str
-    draw: Callable[[], Figure]
-    alternative: str
-    caption: str
 
 
 class Section:
@@ -81,23 +36,34 @@ class Section:
     Parameters
     ----------
     title : its heading; empty for the head of the page
-    content : markup and illustrations in their order; a list of illustrations is one row
+    content : the name of a template, or its text; it calls ``figure(name, alternative)``, with the
+        caption as its content and a text for readers who do not see the figure
+    figures : what draws each of them, in the order of their numbers
+    values : of the template
     """
 
-    def __init__(self, title: str, *content: Html | Illustration | list[Illustration]) -> None:
+    def __init__(
+        self,
+        title: str,
+        content: str,
+        figures: Mapping[str, Callable[[], Figure]] | None = None,
+        **values: object,
+    ) -> None:
         self.title, self.content = title, content
-
-    def illustrations(self) -> list[Illustration]:
-        """Return its illustrations."""
-        parts = [part if isinstance(part, list) else [part] for part in self.content]
-        return [one for part in parts for one in part if isinstance(one, Illustration)]
+        self.figures, self.values = figures or {}, values
 
     def markup(self, pictures: Mapping[str, Picture]) -> Html:
-        """Return the section with its illustrations as drawn."""
-        parts = [_markup(part, pictures) for part in self.content]
-        if not self.title:
-            return join(parts, "\n")
-        return element("section", join([element("h2", self.title), *parts], "\n"))
+        """Return the section with its figures as drawn."""
+
+        def figure(name: str, alternative: str, caller: Callable[[], Html]) -> Html:
+            picture, number = pictures[name], [*pictures].index(name) + 1
+            kind = "column" if picture.width <= COLUMN else "page"
+            return Html(
+                parts.figure(name, alternative, caller(), picture=picture, kind=kind, number=number)
+            )
+
+        content = fill(self.content, figure=figure, made_with=made_with, **self.values)
+        return Html(parts.section(self.title, content)) if self.title else content
 
 
 def render(title: str, sections: Iterable[Section], pictures: Mapping[str, Picture]) -> str:
@@ -105,21 +71,22 @@ def render(title: str, sections: Iterable[Section], pictures: Mapping[str, Pictu
 
     Parameters
     ----------
-    pictures : the illustrations by name, in the order of their numbers
+    pictures : the figures by name, in the order of their numbers
     """
     opened = {name: picture.panels for name, picture in pictures.items() if picture.panels}
-    return _PAGE.substitute(
-        title=text(title),
-        style=files(__package__).joinpath("page.css").read_text(encoding="utf-8"),
-        sections=join((section.markup(pictures) for section in sections), "\n"),
-        scripts=f"{scripts(opened)}\n" if opened else "",
+    return fill(
+        "presentation/page.j2",
+        title=title,
+        style=Html(files(__package__).joinpath("page.css").read_text(encoding="utf-8")),
+        sections=[section.markup(pictures) for section in sections],
+        scripts=scripts(opened) if opened else "",
     )
 
 
 def write_page(
     folder: Path, title: str, sections: Sequence[Section], file: str = "report.html"
 ) -> list[Path]:
-    """Write each illustration as PNG and SVG, and the page.
+    """Write each figure as PNG and SVG, and the page.
 
     Parameters
     ----------
@@ -135,8 +102,8 @@ def write_page(
     OSError
         When the folder cannot be written.
     """
-    shown = [one for section in sections for one in section.illustrations()]
-    pictures = {one.name: Picture.of(one.draw) for one in shown}
+    drawn = {name: draw for section in sections for name, draw in section.figures.items()}
+    pictures = {name: Picture.of(draw) for name, draw in drawn.items()}
     written = []
     for name, picture in pictures.items():
         written.append(atomic_write(folder / f"{name}.png", picture.png))
@@ -145,53 +112,14 @@ def write_page(
     return [*written, atomic_write(folder / file, page)]
 
 
-def file_list(items: Mapping[str, str]) -> Html:
-    """Return the files in the folder of the page, each with a description."""
-    rows = (element("li", element("code", name), ": ", what) for name, what in items.items())
-    listed = element("ul", join(rows, "\n"))
-    return join([paragraph("The folder of this page also contains:"), listed])
-
-
-def commands(*lines: str) -> Html:
-    """Return commands of a shell, a line each."""
-    return element("pre", element("code", "\n".join(lines)))
-
-
 def made_with() -> Html:
     """Return a table of versions."""
     versions = installed_versions(PACKAGES)
     rows = [("Python", platform.python_version()), *versions.items()]
-    return table(("Package", "Version"), rows, "Versions", (0, 1))
+    return Html(parts.table(("Package", "Version"), rows, "Versions", (0, 1)))
 
 
-def _markup(
-    part: Html | Illustration | list[Illustration], pictures: Mapping[str, Picture]
-) -> Html:
-    if isinstance(part, list):
-        return element("div", join((_markup(one, pictures) for one in part), "\n"), class_="row")
-    if isinstance(part, Illustration):
-        return _figure(part, pictures[part.name], [*pictures].index(part.name) + 1)
-    return part
-
-
-def _figure(shown: Illustration, picture: Picture, number: int) -> Html:
-    """Return a picture on its card, with its number on the page and a caption."""
-    alternative = shown.alternative
-    image = Html(f'<img src="{picture.embedded()}" alt="{escaped(alternative)}">')
-    kind = "column" if picture.width <= COLUMN else "page"
-    card = element(
-        "div", image, class_="scroll", tabindex="0", role="region", aria_label=alternative
-    )
-    plot = {"data_plot": shown.name} if picture.panels else {}
-    return element(
-        "figure",
-        card,
-        element("figcaption", f"Figure {number}. ", shown.caption),
-        class_=kind,
-        **plot,
-    )
-
-
+MADE_WITH = Section("Made with", "{{ made_with() }}")
 MILLIMETRES = 25.4
 """In an inch, matplotlib's unit."""
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from markupsafe import Markup
 
 from stickslip.catalog.estimate import HIGH, LOW, Estimate
 from stickslip.catalog.parameters import parameter
 from stickslip.models import Law
-from stickslip.presentation.markup import Html, element, join
 
 SPACE = "\u00a0"
 """Does not break."""
@@ -16,6 +18,7 @@ SPACE = "\u00a0"
 METRICS = {"E_max": "$E_{max}$", "E_rms": "$E_{rms}$"}
 """Symbols of the errors (8a) and (8b), for pages and figures."""
 
+_RANGED = Markup('{}<span class="range">{}</span>')
 _SHOWN = {"m/s": (1e3, "mm/s")}
 """Units that read better than the SI unit of a parameter: factor and name."""
 
@@ -80,12 +83,12 @@ def percent(share: float, digits: int = 1) -> str:
 
 
 def ranged(
-    row: Mapping[Hashable, float], name: str, show: Callable[[float], str] = "{:.3f}".format
-) -> Html:
+    row: Mapping[Any, float], name: str, show: Callable[[float], str] = "{:.3f}".format
+) -> str:
     """Return the median of a row and below it, where it has one, its range."""
     ends = [show(row[end]) for end in (f"{name}{LOW}", f"{name}{HIGH}") if end in row]
     spread = "–".join(ends).replace(f"{SPACE}%–", "–")
-    return join([show(row[name]), *([element("span", spread, class_="range")] if ends else [])])
+    return _RANGED.format(show(row[name]), spread) if ends else show(row[name])
 
 
 def percentage(share: float) -> str:

@@ -22,9 +22,9 @@ from typing import Any
 
 import pandas as pd
 
-from stickslip.presentation.markup import Html
-from stickslip.presentation.markup import table as table_markup
-from stickslip.presentation.quantity import number
+from stickslip.presentation.markup import Html, parts
+from stickslip.presentation.quantity import number, percentage
+from stickslip.presentation.scale import Scale
 
 Row = Mapping[str, Any]
 
@@ -39,10 +39,12 @@ class Column:
     text : how a terminal shows it: a format of its value, or a function of the row
     title : its head on a terminal
     head : its head on a page
-    cell : what a page shows of a row; by default the number, or the text as it is
+    cell : what a page shows of a row; by default what a terminal does where that is a function,
+        else the number, or the text as it is
     digits : significant ones of a number on a page
     unit : with which files state its values
     stored : whether files have it
+    words : whether it is set to the left; by default unless its values are numbers
     """
 
     name: str
@@ -53,23 +55,48 @@ class Column:
     digits: int = 4
     unit: str = ""
     stored: bool = True
+    words: bool | None = None
 
     def on_terminal(self, row: Row) -> str:
         """Return the value of a row as a terminal shows it; a dash where it is not finite."""
         if callable(self.text):
             return self.text(row)
-        value = row[self.name]
+        value = row.get(self.name)
         return "-" if _plain(value) is None else format(value, self.text or "")
 
     def on_page(self, row: Row) -> str:
         """Return the value of a row as a page shows it."""
-        value = row[self.name] if self.cell is None else self.cell(row)
-        return number(value, self.digits) if isinstance(value, float) else str(value)
+        cell = self.cell or (self.text if callable(self.text) else None)
+        value = row.get(self.name) if cell is None else cell(row)
+        if value is None or isinstance(value, float):
+            return number(math.nan if value is None else value, self.digits)
+        return value if isinstance(value, str) else str(value)
 
     def in_file(self, row: Row) -> object:
         """Return the value of a row as plain data, with its unit where that is stated."""
-        value = _plain(row[self.name])
+        value = _plain(row.get(self.name))
         return {"value": value, "unit": self.unit} if self.unit else value
+
+
+def share(name: str, head: str, unit: str = "") -> Column:
+    """Return a column of shares in per cent."""
+
+    def shown(row: Row) -> str:
+        return f"{100.0 * row[name]:.3g} %"
+
+    return Column(
+        name, shown, head.lower(), head, cell=lambda row: percentage(row[name]), unit=unit
+    )
+
+
+def scaled(name: str, scale: Callable[[Row], Scale], head: str) -> Column:
+    """Return a column of values in the unit in which those of a row read best."""
+    return Column(name, lambda row: number(scale(row).factor * row[name], 3), head.lower(), head)
+
+
+def units(scale: Callable[[Row], Scale]) -> Column:
+    """Return the column of these units."""
+    return Column("unit", lambda row: scale(row).unit, head="", stored=False)
 
 
 @dataclass(frozen=True)
@@ -78,6 +105,12 @@ class Table:
 
     columns: Sequence[Column]
     rows: Sequence[Row]
+
+    @classmethod
+    def of(cls, columns: Sequence[Column], frame: pd.DataFrame) -> Table:
+        """Return a table with the rows of a DataFrame."""
+        rows: Any = frame.to_dict("records")
+        return cls(columns, rows)
 
     def text(self) -> str:
         """Return the lines of a terminal; words are set to the left, numbers to the right."""
@@ -96,7 +129,7 @@ class Table:
         shown = [column for column in self.columns if column.head is not None]
         words = [i for i, column in enumerate(shown) if not self._is_number(column)]
         cells = [[column.on_page(row) for column in shown] for row in self.rows]
-        return table_markup([column.head or "" for column in shown], cells, caption, words)
+        return Html(parts.table([one.head or "" for one in shown], cells, caption, words))
 
     def records(self) -> list[dict[str, object]]:
         """Return the rows as plain data; a number that is not finite is None."""
@@ -113,10 +146,13 @@ class Table:
     def frame(self) -> pd.DataFrame:
         """Return the rows as a DataFrame."""
         names = [column.name for column in self.columns if column.stored]
-        return pd.DataFrame([{name: row[name] for name in names} for row in self.rows])
+        return pd.DataFrame([{n: row.get(n) for n in names} for row in self.rows], columns=names)
 
     def _is_number(self, column: Column) -> bool:
-        return any(isinstance(row[column.name], float) for row in self.rows)
+        if column.words is not None:
+            return not column.words
+        kinds = {type(row.get(column.name)) for row in self.rows}
+        return any(issubclass(kind, (int, float)) and kind is not bool for kind in kinds)
 
 
 def _plain(value: object) -> object:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from numbers import Real
 
 from stickslip.errors import UsageError
 from stickslip.servo.axis import Axis
 from stickslip.servo.specification import LoopSpecification
+from stickslip.storage.codec import entry
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,12 @@ class Datasheet:
         When mass, peak_force or encoder_step is not a finite number above 0.
     """
 
-    mass: float = 5.5
-    peak_force: float = 205.0
-    tau_i: float = 1e-4
-    encoder_step: float = 4e-7
-    force_noise: float = 0.05
-    encoder_noise: float = 0.0
+    mass: float = field(default=5.5, metadata=entry(stored=False))
+    peak_force: float = field(default=205.0, metadata=entry("N"))
+    tau_i: float = field(default=1e-4, metadata=entry("s"))
+    encoder_step: float = field(default=4e-7, metadata=entry("m"))
+    force_noise: float = field(default=0.05, metadata=entry(stored=False))
+    encoder_noise: float = field(default=0.0, metadata=entry("m"))
 
     def __post_init__(self) -> None:
         for name in ("mass", "peak_force", "encoder_step"):

@@ -14,12 +14,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stickslip.catalog.parameters import friction_law
+from stickslip.catalog.parameters import friction_law, start_unit
 from stickslip.catalog.space import ParameterSpace
 from stickslip.cosim import Trapezoid
 from stickslip.models import Law
 from stickslip.models.export.units import motion_unit
 from stickslip.servo.measurement import Array
+from stickslip.storage.codec import entry
 from stickslip.thresholds import harm
 
 Values = Mapping[str, float]
@@ -54,9 +55,9 @@ class Drive:
     parameters : start values of the drive FMU: friction, and what else differs
     """
 
-    name: str
+    name: str = field(metadata=entry(key="drive"))
     law: str
-    parameters: Values
+    parameters: Values = field(metadata=entry(start_unit))
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ steps, where the integral never rests.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from stickslip.servo.divergence import require_bounded
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.storage.codec import entry
 from stickslip.thresholds import caution
 from stickslip.trial.benefit import Bench, Variant
 from stickslip.trial.family import Drive
@@ -46,11 +47,11 @@ class Hold:
     unit : of a millionth of a position, for people
     """
 
-    swing: float
+    swing: float = field(metadata=entry("m"))
     reversals: int
-    duration: float
+    duration: float = field(metadata=entry("s"))
     drive: str = ""
-    unit: str = "um"
+    unit: str = field(default="um", metadata=entry(stored=False))
 
     def hunts(self, limit: float) -> bool:
         """Tell whether it goes to and fro, farther than a limit [m]."""

@@ -1,11 +1,14 @@
 """``stickslip compare``: what several results say, side by side."""
 
 import json
+import re
 
 import pandas as pd
 import pytest
 
 from stickslip.cli import main
+from stickslip.presentation.table import Column
+from stickslip.studies.compare import compared, tables
 
 N = "N"
 
@@ -44,8 +47,8 @@ def test_values_intervals_and_error_ratios_stand_side_by_side(tmp_path, capsys):
     assert "5 [4.8, 5.2]" in line
     assert "(1)" in line  # not identifiable
     assert line.endswith(" old")  # apart from the first, which the third is not
-    assert by_new.split() == ["new", "lugre", "observer", "0.3", "0.7"]
-    assert by_old.split() == ["old", "dahl", "none:", "refused"]
+    assert by_new.split() == ["new", "lugre", "observer", "-", "0.3", "0.7"]
+    assert by_old.split() == ["old", "dahl", "none:", "refused", "-", "-", "-"]
     table = pd.read_csv(out / "parameters.csv")
     assert list(table["value"]) == [6.0, 5.0, 6.15, 1.0]
     assert "Values with their 95 % intervals" in (out / "compare.html").read_text()
@@ -91,3 +94,17 @@ def test_the_same_result_twice_is_refused(tmp_path, capsys):
     place = learned(tmp_path / "a", 6.0, 0.1)
     assert main(["compare", place, place]) in (1, 2)
     assert "the same result is named twice" in capsys.readouterr().err
+
+
+def test_a_further_column_is_on_terminal_page_and_in_files(tmp_path, capsys, monkeypatch):
+    further = Column("further", ".3g", "further", "Further")
+    monkeypatch.setattr(tables, "ERRORS", (*tables.ERRORS, further))
+    monkeypatch.setattr(compared, "error_ratios", lambda _: {"further": 0.75})
+    place, out = learned(tmp_path / "a", 6.0, 0.1), tmp_path / "out"
+    assert main(["compare", place, "--out", str(out)]) == 0
+    assert re.search(r"worst +further\n.* 0\.75\n", capsys.readouterr().out)
+    assert list(pd.read_csv(out / "errors.csv")["further"]) == [0.75]
+    page = (out / "compare.html").read_text()
+    assert page.index(">Further<") < page.index(">0.75<")
+    assert main(["--json", "compare", place]) == 0
+    assert json.loads(capsys.readouterr().out)["errors"][0]["further"] == 0.75

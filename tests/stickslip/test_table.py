@@ -3,7 +3,8 @@
 import math
 from dataclasses import replace
 
-from stickslip.presentation.table import Column, Table
+from stickslip.presentation.scale import Scale
+from stickslip.presentation.table import Column, Table, scaled, share, units
 
 TABLE = Table(
     (
@@ -57,3 +58,22 @@ def test_a_further_column_is_everywhere():
 
 def test_without_rows_there_are_titles():
     assert replace(TABLE, rows=[]).text() == "law  error [N]"
+
+
+def test_a_page_shows_what_a_function_of_the_row_returns_and_a_dash_for_what_is_absent():
+    shown = Column("error", lambda row: f"{row['law']} errs", "error", "Error")
+    table = replace(TABLE, columns=(shown, Column("absent", "", "absent", "Absent")))
+    assert ">LuGre errs<" in table.html("")
+    assert ">–<" in table.html("")
+    assert table.text().splitlines()[1].split() == ["LuGre", "errs", "-"]
+    assert table.records()[0]["absent"] is None
+
+
+def test_values_are_scaled_and_shares_are_in_per_cent():
+    def scale(row):
+        return Scale(1e3, "mN") if row["error"] < 1.0 else Scale(1.0, "N")
+
+    columns = (scaled("error", scale, "Error"), units(scale), share("error", "Share"))
+    table = replace(TABLE, columns=columns)
+    assert table.text().splitlines()[1].split() == ["123", "mN", "12.3", "%"]
+    assert ">12.3\u00a0%<" in table.html("")

@@ -11,13 +11,12 @@ from stickslip.learned.writing import (
     component_entry,
     law_entry,
     loop_document,
-    stated,
     validation_document,
     versions,
 )
-from stickslip.papers.lugre.fmpy_check import SecondOpinion
 from stickslip.papers.lugre.reproduction import Reproduction
 from stickslip.servo.paper_commands import VALIDATION
+from stickslip.storage.codec import encode, state
 from stickslip.tuning.drive_model import DriveModel
 from stickslip.tuning.loop_genes import GENES
 
@@ -27,18 +26,8 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
     learned, options, opinion = reproduction.refinement, reproduction.options, reproduction.opinion
     return {
         "schema": SCHEMA,
-        "parameters": {
-            name: {
-                "value": estimate.value,
-                "unit": unit_of(name),
-                "standard_error": estimate.standard_error,
-            }
-            for name, estimate in learned.estimates.items()
-        },
-        "start": {
-            name: {"value": known.value, "unit": unit_of(name)}
-            for name, known in reproduction.start.items()
-        },
+        "parameters": state(learned.estimates, unit_of),
+        "start": state({n: known.value for n, known in reproduction.start.items()}, unit_of),
         "coarse": dict(options.coarse),
         "result": learned.chosen,
         "slow_motions": learned.remark or None,
@@ -51,7 +40,7 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
         "loop": loop_document(reproduction.identification.loop),
         "loop_learning": _loop_learning_entry(reproduction),
         "validation": validation_document(VALIDATION),
-        "second_opinion": opinion and _opinion_document(opinion),
+        "second_opinion": opinion and {"output": "F_ff", **encode(opinion)},
         **law_entry(reproduction.identification.law),
         "versions": versions(),
     }
@@ -68,7 +57,7 @@ def _loop_learning_entry(reproduction: Reproduction) -> dict[str, Any]:
         "evaluations": best.evaluations,
         "runs": best.runs,
         "models": [_model_entry(model) for model in reproduction.loops.study.models],
-        "genes": stated(best.genes, {g.name: g.unit for g in GENES}, rotary=False),
+        "genes": state(best.genes, {g.name: g.unit for g in GENES}),
         "loop": loop_document(best.tuned.loop),
         "share": {"value": best.tuned.share, "unit": "1"},
         "feedforward": _friction_entry(best.tuned.law.name, best.tuned.friction),
@@ -85,17 +74,4 @@ def _model_entry(model: DriveModel) -> dict[str, Any]:
 
 
 def _friction_entry(law: str, friction: Mapping[str, float]) -> dict[str, Any]:
-    units = {name: start_unit(name) for name in friction}
-    return {"law": law, "parameters": stated(friction, units, rotary=False)}
-
-
-def _opinion_document(opinion: SecondOpinion) -> dict[str, Any]:
-    runs = {
-        name: {
-            "samples": one.samples,
-            "different": one.different,
-            "largest_difference": {"value": one.largest, "unit": "N"},
-        }
-        for name, one in opinion.comparisons.items()
-    }
-    return {"tool": opinion.tool, "output": "F_ff", "runs": runs}
+    return {"law": law, "parameters": state(friction, start_unit)}

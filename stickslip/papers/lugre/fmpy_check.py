@@ -8,7 +8,7 @@ was learned.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 
@@ -17,6 +17,7 @@ import numpy as np
 from stickslip import cosim
 from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.storage.codec import entry
 
 RECORDED, OUTPUT = "compensator.F_mean", "F_ff"
 
@@ -34,7 +35,7 @@ class Comparison:
 
     samples: int
     different: int
-    largest: float
+    largest: float = field(metadata=entry("N", key="largest_difference"))
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class SecondOpinion:
     """
 
     tool: str
-    comparisons: Mapping[str, Comparison]
+    comparisons: Mapping[str, Comparison] = field(metadata=entry(key="runs"))
 
 
 def second_opinion(

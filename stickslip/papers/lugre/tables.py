@@ -1,15 +1,43 @@
-"""Table 2 with what was found; here the truth of the drive enters."""
+"""The tables of the reproduction, as terminal and page show them.
+
+In Table 2 the truth of the drive enters.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
+from math import nan
 from typing import Any
 
 import pandas as pd
 
+from stickslip.catalog.estimate import HIGH, LOW
 from stickslip.catalog.parameters import PAPER, tabulated, unit_of
+from stickslip.evaluation.validation import reduction
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.stages import Estimate, Identification
+from stickslip.papers.lugre.loop_tuning import LoopTuning, spread
+from stickslip.papers.lugre.published import LOGARITHMIC, OURS, SQUARES, START, PublishedStudy
+from stickslip.papers.lugre.steps import (
+    FILTERED,
+    LEARNED,
+    REDUCTION_WITH_FILTER,
+    STEPS,
+    UNCOMPENSATED,
+    by_step,
+)
+from stickslip.presentation.quantity import (
+    METRICS,
+    number,
+    parameter_estimate,
+    parameter_unit,
+    parameter_value,
+    percent,
+    ranged,
+    symbol,
+)
+from stickslip.presentation.table import Column, Row, Table
 from stickslip.tuning.refinement import Refinement
 
 
@@ -105,3 +133,201 @@ def _remark(
             f"({100 * error_after:.2g} % after {100 * error_before:.2g} %)"
         )
     return remark
+
+
+def parameters(found: pd.DataFrame) -> Table:
+    """Return ``table2`` as a page shows it."""
+
+    def value(row: Row, name: str) -> str:
+        return parameter_value(row["parameter"], nan if row[name] is None else row[name])
+
+    def estimate(row: Row, name: str, spread: str) -> str:
+        return parameter_estimate(row["parameter"], Estimate(row[name], row[spread]))
+
+    def off(name: str) -> Column:
+        def cell(row: Row) -> str:
+            return percent(row[name] / row["drive"] - 1.0, 2) if row["drive"] else "–"
+
+        return Column(name, head=f"{name.capitalize()}, off by", cell=cell)
+
+    shown: dict[str, tuple[str, Callable[[Row], str]]] = {
+        "parameter": ("", lambda row: symbol(row["parameter"])),
+        "paper": ("Real stage (paper)", lambda row: value(row, "paper")),
+        "drive": ("Simulated drive", lambda row: value(row, "drive")),
+        "identified": ("Identified", lambda row: estimate(row, "identified", "identified_spread")),
+        "learned": ("Learned", lambda row: estimate(row, "learned", "spread")),
+    }
+    columns = (
+        *(Column(name, head=head, cell=cell) for name, (head, cell) in shown.items()),
+        *map(off, ("identified", "learned")),
+        Column("unit", head="Unit", cell=lambda row: parameter_unit(row["parameter"])),
+    )
+    return Table.of(columns, found)
+
+
+def table4(found: pd.DataFrame) -> Table:
+    """Return Table 4 as a terminal shows it, with the velocity filter where that was tried."""
+
+    def error(name: str, title: str, digits: int = 3) -> Column:
+        def shown(row: Row) -> str:
+            ends = [f"{row[end]:.3f}" for end in (f"{name}{LOW}", f"{name}{HIGH}") if end in row]
+            return f"{row[name]:.{digits}f}" + (f" ({'-'.join(ends)})" if ends else "")
+
+        return Column(name, shown, title)
+
+    def share(name: str, digits: int = 1) -> Column:
+        return Column(name, lambda row: f"{100 * row[name]:.{digits}f} %", "reduction")
+
+    columns = [
+        *(Column(name, "", name) for name in ("velocity", "region", "metric")),
+        Column("without", ".3f", "without"),
+        error("with", "with"),
+        share("reduction"),
+        error("paper_without", "paper: without", 2),
+        error("paper_with", "with", 2),
+        share("paper_reduction", 0),
+    ]
+    if FILTERED in found:
+        columns.append(error(FILTERED, "velocity filter: with"))
+        columns.append(share(REDUCTION_WITH_FILTER))
+    return Table.of(columns, found)
+
+
+STAGES = {
+    "none": "None",
+    "tuned_pi": "Tuned PI alone",
+    "identified": "+ identified friction",
+    "least_squares": "+ least squares",
+    "learned": "Loop learned",
+}
+"""The stages as the page names them."""
+
+
+def stages(loops: LoopTuning) -> Table:
+    """Return what each step leaves of the error of a PI controller tuned without a model."""
+
+    def errors(name: str) -> Column:
+        def shown(row: Row) -> str:
+            return spread(*row[name])
+
+        return Column(name, shown, name, name.capitalize(), words=False)
+
+    fitted = loops.table[loops.table["stage"] == "least_squares"]["evaluations"]
+    runs = {
+        "identified": "three experiments",
+        "least_squares": f"{fitted.max()} more",
+        "learned": f"{max(one.runs for one in loops.learned)} more",
+    }
+    found = loops.summary()
+    motions = list(found.columns.get_level_values(0).unique()[:-1])
+    columns = (
+        Column("stage", "", "stage", "", cell=lambda row: STAGES[row["stage"]]),
+        *map(errors, motions),
+        fixed("Ms", "Ms", 2),
+        Column("runs", head="Runs of the drive", words=False),
+    )
+    rows = [
+        {"stage": stage, "Ms": own["Ms"].iloc[0], "runs": runs.get(str(stage), "–")}
+        | {name: tuple(own[name]) for name in motions}
+        for stage, own in found.iterrows()
+    ]
+    return Table(columns, rows)
+
+
+def fixed(name: str, head: str, digits: int) -> Column:
+    """Return a column of numbers with so many decimals."""
+    return Column(name, lambda row: f"{row[name]:.{digits}f}", head, head)
+
+
+def searches(loops: LoopTuning) -> Table:
+    """Return what the seeds found, and their errors in the validation."""
+    titles = {one.chosen: one.chosen for one in loops.learned} | STAGES
+    titles["learned"] = "a candidate"
+    columns = (
+        Column("seed", head="Seed"),
+        Column("chosen", head="Chosen", cell=lambda row: titles.get(row["chosen"], "")),
+        fixed("cost", "Cost", 3),
+        fixed("median", "Median error", 2),
+        fixed("largest", "Largest error", 2),
+        fixed("Ms", "Ms", 2),
+        Column("evaluations", head="Candidates"),
+        Column("runs", head="Runs of the drive"),
+    )
+    found: dict[Any, Any] = loops.by_seed().to_dict("index")
+    return Table(columns, [{**found[one.seed], **vars(one)} for one in loops.learned])
+
+
+METHODS = {
+    START: "Coarse start",
+    OURS: "As published",
+    LOGARITHMIC: "As published, logarithmic genes",
+    SQUARES: "Least squares",
+}
+
+
+def panel(study: PublishedStudy) -> Table:
+    """Return what each method makes of the coarse starts."""
+
+    def left(name: str) -> Column:
+        head = name.replace("_", " ").capitalize()
+        share = partial(percent, digits=0)
+        return Column(name, ".3g", name, head, cell=lambda row: ranged(row, name, share))
+
+    def cost(row: Row) -> str:
+        return ranged(row, "cost", partial(number, digits=2))
+
+    found = study.panel()
+    columns = (
+        Column("method", "", "method", "", cell=lambda row: METHODS[row["method"]]),
+        Column("seeds", "d", "seeds", "Seeds"),
+        Column("runs", "d", "runs", "Runs", cell=lambda row: row["runs"] or "–"),
+        Column("cost", ".2g", "cost", "Cost (6) [m²/s²]", cell=cost),
+        *map(left, [name for name in found.columns[4:] if not name.endswith((LOW, HIGH))]),
+    )
+    return Table.of(columns, found)
+
+
+SHOWN = METRICS | {"E_x": "$E_x$"}
+
+
+def error_name(row: Mapping[Any, object]) -> str:
+    """Return what an error of ``Evaluation.table`` is of."""
+    region = str(row["region"]).replace(" um", " µm")
+    return f"{str(row['motion']).capitalize()}, {region}, {SHOWN[str(row['metric'])]}"
+
+
+def _by_step(found: pd.DataFrame) -> list[Column]:
+    """Return a column for each step that a table has, with its range."""
+
+    def step(name: str) -> Column:
+        return Column(name, head=STEPS[name], cell=lambda row: ranged(row, name))
+
+    return [step(name) for name in STEPS if name in found]
+
+
+def steps(table4: pd.DataFrame) -> Table:
+    """Return Table 4 with what each step leaves."""
+
+    def title(row: Row) -> str:
+        return f"{row['region'].capitalize()}, {METRICS[row['metric']]}"
+
+    found = by_step(table4)
+    columns = (Column("region", head="", cell=title), Column("velocity", head=""), *_by_step(found))
+    return Table.of(columns, found)
+
+
+def motions(found: pd.DataFrame) -> Table:
+    """Return the errors of motions, of the measured velocity and of the true one."""
+
+    def reduced(row: Row) -> str:
+        return percent(reduction(row[UNCOMPENSATED], row[LEARNED]))
+
+    columns = (
+        Column("metric", head="", cell=error_name),
+        Column("velocity", head=""),
+        Column("unit", head="Unit", cell=lambda row: row["unit"].replace("um", "µm")),
+        *_by_step(found),
+        Column(LEARNED, head="Reduction", cell=reduced),
+    )
+    groups = found.groupby(["region", "metric"], sort=False)
+    return Table.of(columns, pd.concat([errors for _, errors in groups]))

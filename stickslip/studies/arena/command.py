@@ -20,9 +20,7 @@ from stickslip.studies.arena.drive_names import drive_names, require_drives
 from stickslip.work.execution import Execution
 
 if TYPE_CHECKING:
-    import pandas as pd
-
-    from stickslip.studies.arena.protocol import Arena, Cell, Plan
+    from stickslip.studies.arena.protocol import Cell, Plan
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -70,7 +68,7 @@ def run(options: argparse.Namespace) -> Answer:
     """Run the arena, write its files and print the ranking; status 1 if a cell failed."""
     plan = _plan(options)
     from stickslip.studies.arena.protocol import run_arena
-    from stickslip.studies.arena.table import arena_table
+    from stickslip.studies.arena.table import arena_table, entrant_table
     from stickslip.studies.arena.writing import FILES, write_arena
 
     with reserved(options.out, FILES), TerminalProgress(live=options.live) as progress:
@@ -95,10 +93,14 @@ def run(options: argparse.Namespace) -> Answer:
         )
         table = arena_table(arena)
         write_arena(arena, table, options.out)
-    _print(arena, table)
+    ranking = entrant_table(table, arena.plan)
+    print(f"errors relative to {arena.plan.reference}: geometric mean and worst over the drives")
+    print(ranking.text())
+    for (drive, name), reason in arena.reasons.items():
+        print(f"{name} on {drive} failed: {reason}")
     print(f"all results are in {options.out}; open arena.html first")
     failed = [{"drive": d, "entrant": n, "reason": r} for (d, n), r in arena.reasons.items()]
-    document = {"folder": options.out, "table": table, "failed": failed}
+    document = {"folder": options.out, "table": table, "ranking": ranking, "failed": failed}
     return Answer(document, 1 if failed else 0)
 
 
@@ -126,18 +128,3 @@ def _plan(options: argparse.Namespace) -> Plan:
         seeds=options.seeds,
         seed=options.seed,
     )
-
-
-def _print(arena: Arena, table: pd.DataFrame) -> None:
-    """Print what became of each entrant over all drives."""
-    from stickslip.studies.arena.table import ranking
-
-    found = ranking(table, arena.plan)
-    width = max(map(len, found.index))
-    print(f"errors relative to {arena.plan.reference}: geometric mean and worst over the drives")
-    print(f"{'':{width}} {'tuned on the drive':>20} {'carried over':>20}")
-    for name, row in found.iterrows():
-        cells = "".join(f"{value:10.3f}" for value in row)
-        print(f"{name:{width}} {cells}".replace("nan", "  -"))
-    for (drive, name), reason in arena.reasons.items():
-        print(f"{name} on {drive} failed: {reason}")

@@ -18,13 +18,15 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stickslip import ga, models
-from stickslip.compensators.entrants import SPEED, Coarse, Entrant, Part, entrant
+from stickslip.compensators.entrants import SPEED, Entrant, Part, entrant
 from stickslip.errors import UsageError
 from stickslip.fmi.errors import Fault
-from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
+from stickslip.fmi.files import atomic_write, digest
 from stickslip.fmi.process import temporary_folder
 from stickslip.learned.writing import versions
 from stickslip.storage import MANIFEST, UNFINISHED, complete, staged
+from stickslip.storage.codec import decode, encode
+from stickslip.storage.writing import read_kept
 from stickslip.studies.arena.budget import Budget
 from stickslip.studies.arena.course import build_entrants
 from stickslip.studies.arena.drives import Drive
@@ -150,9 +152,9 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
     commands = [command.scaled(factor) for command in COMMANDS.values()]
     if cell.carried is not None:
         name, carried = cell.carried
-        tries[name] = found_of(carried)
+        tries[name] = decode(TuningResult, carried)
     for name, given in tries.items():
-        document["tuned"][name] = asdict(given)
+        document["tuned"][name] = encode(given)
         try:
             tuned = given.tuned(one, loop, sheet)
             peaks = sensitivities(cell.fmus, loop, one, tuned, given.coarse.friction, drive.mass)
@@ -169,11 +171,6 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
         finite = {key: peak for key, peak in peaks.items() if np.isfinite(peak)}
         document["validated"][name] = {**found_there.document(), "peaks": finite}
     return document
-
-
-def found_of(document: Mapping[str, Any]) -> TuningResult:
-    """Return what was tuned, from its document."""
-    return TuningResult(**{**document, "coarse": Coarse(**document["coarse"])})
 
 
 def run_arena(
@@ -211,7 +208,8 @@ def run_arena(
         for carries in (False, True):
             cells = _cells(plan, fmus, documents, carries=carries)
             for cell in cells if execution.resume else ():
-                if (known := _kept(unfinished, cell)) is not None:
+                path, origin = unfinished / f"{cell.name}.json", {"origin": _origin(cell)}
+                if (known := read_kept(path, origin)) is not None:
                     documents[cell.drive.name, cell.entrant] = known
                     kept += 1
             left = [cell for cell in cells if (cell.drive.name, cell.entrant) not in documents]
@@ -290,15 +288,4 @@ def _keep(unfinished: Path, cell: Cell, text: str) -> Mapping[str, Any]:
     document: dict[str, Any] = {**json.loads(text), "origin": _origin(cell)}
     with staged(unfinished, {"name": cell.name}) as staging:
         atomic_write(staging / f"{cell.name}.json", json.dumps(document) + "\n")
-    return document
-
-
-def _kept(unfinished: Path, cell: Cell) -> Mapping[str, Any] | None:
-    """Return an earlier result of a cell, if it is the one that would be found now."""
-    try:
-        document = parse_json(read_limited(unfinished / f"{cell.name}.json", MOST_TEXT))
-    except (OSError, ValueError):
-        return None
-    if not isinstance(document, dict) or document.get("origin") != _origin(cell):
-        return None
     return document

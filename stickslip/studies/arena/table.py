@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from stickslip.presentation.table import Column, Table
 from stickslip.studies.arena.metrics import ERROR
 from stickslip.studies.arena.motion_commands import COMMANDS
 from stickslip.studies.arena.protocol import Arena, Plan
+from stickslip.studies.arena.validation import PER_STEP, WORST
 from stickslip.thresholds import offer
 
 COLUMNS = [
@@ -58,7 +60,7 @@ def arena_table(arena: Arena) -> pd.DataFrame:
     keys = table["drive"].map(order) * len(entrants) + table["compensator"].map(entrants)
     table = table.assign(key=keys).sort_values("key", kind="stable")[COLUMNS]
     figures = ["median", "worst"]
-    table[figures] = table[figures].astype(float).map(lambda value: float(f"{value:.{DIGITS}g}"))
+    table[figures] = table[figures].astype(float).map(_rounded)
     return table.reset_index(drop=True)
 
 
@@ -98,6 +100,53 @@ def ranking(table: pd.DataFrame, plan: Plan) -> pd.DataFrame:
         columns[f"mean {label}"] = wide.apply(_geometric, axis=1)
         columns[f"worst {label}"] = wide.max(axis=1, skipna=False)
     return pd.DataFrame(columns)
+
+
+def points(table: pd.DataFrame, plan: Plan) -> pd.DataFrame:
+    """Return error, effort, learning time [s] and largest Ms over the drives, a row an entrant."""
+    here = table[table["tuned_on"] == table["drive"]]
+
+    def wide(metric: str) -> pd.DataFrame:
+        rows = here[here["metric"] == metric]
+        return rows.pivot_table("median", "compensator", "drive")
+
+    trapezoid = here[(here["metric"] == "variation") & (here["command"] == "T")]
+    variation = trapezoid.pivot_table("median", "compensator", "drive")
+    base = variation.loc["none" if "none" in variation.index else plan.reference]
+    columns = {
+        "error": ranking(table, plan)["mean here"],
+        "effort": np.exp(np.log(variation / base).mean(axis=1)),
+        "time": wide("motion until tuned").mean(axis=1),
+        "Ms": wide("Ms").max(axis=1),
+    }
+    return pd.DataFrame(columns).reindex(list(plan.entrants))
+
+
+RANKING = (
+    Column("compensator", "", "", "Entrant"),
+    Column("mean here", ".3f", "mean here", "Error", digits=3),
+    Column("worst here", ".3f", "worst"),
+    Column("mean carried", ".3f", "mean carried over"),
+    Column("worst carried", ".3f", "worst"),
+    Column("effort", head="Control effort", digits=3),
+    Column("time", head="Learning time [s]", digits=3),
+    Column("Ms", head="Largest Ms", digits=3),
+    Column(WORST, head="Changed drive", digits=3),
+    Column(PER_STEP, head="Resolution", digits=3),
+    Column("states", head="States", digits=3),
+)
+"""Means of an entrant over the drives; metrics of arena.csv by their names."""
+
+
+def entrant_table(table: pd.DataFrame, plan: Plan) -> Table:
+    """Return what became of each entrant over all drives."""
+    here = table[table["tuned_on"] == table["drive"]]
+    means = here.pivot_table("median", "compensator", "metric")
+    found = ranking(table, plan).join(points(table, plan))
+    found = found.join(means.drop(columns=means.columns.intersection(found.columns)))
+    found = found.reindex(columns=[one.name for one in RANKING[1:]]).astype(float)
+    rows = found.map(_rounded).rename_axis("compensator")
+    return Table.of(RANKING, rows.reset_index())
 
 
 def budget_text(plan: Plan) -> str:
@@ -170,6 +219,10 @@ def _relative(table: pd.DataFrame, reference: str) -> pd.DataFrame:
     means = pd.DataFrame(groups.agg(_geometric)).reset_index()
     both: pd.DataFrame = pd.concat([found, means.assign(command=ALL)], ignore_index=True)
     return both
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
 
 
 def _geometric(values: pd.Series[float]) -> float:

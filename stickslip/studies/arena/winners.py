@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Mapping
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from stickslip import models
-from stickslip.fmi.files import atomic_write
 from stickslip.models.firmware import write_compensator
+from stickslip.storage.codec import decode, encode
+from stickslip.storage.writing import write_json
 from stickslip.studies.arena.drives import Drive
-from stickslip.studies.arena.protocol import Arena, found_of
+from stickslip.studies.arena.protocol import Arena
 from stickslip.studies.arena.table import relative_errors
+from stickslip.studies.arena.tuning import TuningResult
 from stickslip.thresholds import offer
 
 FOLDER = "winners"
@@ -54,7 +54,7 @@ def write_winners(arena: Arena, found: pd.DataFrame, folder: Path) -> None:
 
 def _write(arena: Arena, drive: Drive, name: str, error: float, folder: Path) -> None:
     one, loop = arena.plan.entrant(name), drive.loop
-    tuned_on = found_of(arena.documents[drive.name, name]["tuned"][drive.name])
+    tuned_on = decode(TuningResult, arena.documents[drive.name, name]["tuned"][drive.name])
     tuned = tuned_on.tuned(one, loop, drive.sheet)
     folder.mkdir(parents=True)
     components = {}
@@ -80,9 +80,9 @@ def _write(arena: Arena, drive: Drive, name: str, error: float, folder: Path) ->
         "relative_error": error,
         "controller": {"K_p": tuned.loop.K_p, "K_i": tuned.loop.K_i},
         "components": components,
-        "tuned": asdict(tuned_on),
+        "tuned": encode(tuned_on),
     }
-    atomic_write(folder / "winner.json", json.dumps(document, indent=2) + "\n")
+    write_json(document, folder / "winner.json")
 
 
 def _export(

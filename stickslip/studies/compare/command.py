@@ -26,9 +26,10 @@ def declare(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> Answer:
     """Print two tables; write them with a page if there is a folder."""
     require_files(*options.places)
-    from stickslip.presentation.markup import paragraph
+    from stickslip.presentation.markup import fill
     from stickslip.presentation.page import picture_files, write_page
     from stickslip.storage import reserved, staged
+    from stickslip.storage.writing import write_tables
     from stickslip.studies.compare.compared import compare
     from stickslip.studies.compare.page import drives_sections
 
@@ -36,13 +37,14 @@ def run(options: argparse.Namespace) -> Answer:
     with reserved(options.out, files):
         found = compare(options.places)
         print(f"{found.side_by_side().to_string()}\n")
-        print(found.errors.set_index("name").to_string(float_format="{:.3g}".format, na_rep=""))
+        print(found.errors.text())
         if options.out is not None:
             command = {"name": "compare", "results": [str(place) for place in options.places]}
             with staged(options.out, command) as staging:
-                found.parameters.to_csv(staging / files[0], index=False, lineterminator="\n")
-                found.errors.to_csv(staging / files[1], index=False, lineterminator="\n")
-                head = paragraph(", ".join(found.errors["name"]))
+                frames = {"parameters": found.parameters.frame(), "errors": found.errors.frame()}
+                write_tables(frames, staging)
+                names = ", ".join(row["name"] for row in found.errors.rows)
+                head = fill("<p>{{ names }}</p>", names=names)
                 sections = drives_sections(found.parameters, head, "parameters", found.errors)
                 write_page(staging, "Results side by side", sections, files[-1])
             print(f"\nall results are in {options.out}; open {files[-1]} first")

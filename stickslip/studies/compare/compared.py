@@ -13,9 +13,9 @@ import pandas as pd
 from stickslip.errors import UsageError
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
 from stickslip.learned.file import LearnedFile
+from stickslip.presentation.table import Table
+from stickslip.studies.compare import tables
 
-PARAMETERS = ["name", "parameter", "unit", "value", "standard_error", "low", "high"]
-PARAMETERS += ["identifiability"]
 NORMAL = 1.96
 """Half-width of a 95 % interval over a standard error, where a file has no interval."""
 
@@ -26,14 +26,12 @@ class DriveComparison:
 
     Attributes
     ----------
-    parameters : a row for each parameter of each result; columns ``PARAMETERS``, SI units
-    errors : a row for each result: name, law, compensation, share of the feedforward, and how many
-        times the simulated tracking error of none it leaves, as the mean on the fitted drive and at
-        worst on the drives that the log supports; NaN where it was not tried
+    parameters : with the columns ``tables.PARAMETERS``
+    errors : with the columns ``tables.ERRORS``
     """
 
-    parameters: pd.DataFrame
-    errors: pd.DataFrame
+    parameters: Table
+    errors: Table
 
     def side_by_side(self) -> pd.DataFrame:
         """Return a row for each parameter and unit, a column for each result, as text.
@@ -41,9 +39,9 @@ class DriveComparison:
         The column ``differ`` names the results whose 95 % interval lies apart from that of the
         first one where both are known.
         """
-        names = list(self.errors["name"])
+        names = [row["name"] for row in self.errors.rows]
         rows = []
-        for key, of in self.parameters.groupby(["parameter", "unit"], sort=False):
+        for key, of in self.parameters.frame().groupby(["parameter", "unit"], sort=False):
             known = {row["name"]: row for row in of.to_dict("records")}
             row = dict.fromkeys(names, "")
             row |= {name: _shown(one) for name, one in known.items()}
@@ -54,11 +52,11 @@ class DriveComparison:
 
 
 def parameter_rows(name: str, parameters: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Return rows of ``Compared.parameters`` from the entry ``parameters`` of a learned.json."""
-    rows = []
+    """Return rows of ``DriveComparison.parameters`` from the ``parameters`` of a learned.json."""
+    rows, numbers = [], ("value", "standard_error", "low", "high")
     for parameter, one in parameters.items():
-        known = {column: one.get(column) for column in PARAMETERS[2:]}
-        known |= {n: float(one[n]) for n in PARAMETERS[3:7] if n == "value" or known[n] is not None}
+        known = {name: one.get(name) for name in ("unit", *numbers, "identifiability")}
+        known |= {n: float(one[n]) for n in numbers if n == "value" or known[n] is not None}
         if one.get("low") is None and one.get("standard_error") is not None:
             half = NORMAL * one["standard_error"]
             known |= {"low": one["value"] - half, "high": one["value"] + half}
@@ -91,7 +89,7 @@ def compare(places: Iterable[Path]) -> DriveComparison:
             errors.append({"name": name, **error_ratios(learned.document)})
         except (AttributeError, KeyError, TypeError, ValueError) as fault:
             raise UsageError(f"{file}: is no result of learn, reproduce or fleet") from fault
-    return DriveComparison(pd.DataFrame(parameters, columns=PARAMETERS), pd.DataFrame(errors))
+    return DriveComparison(Table(tables.PARAMETERS, parameters), Table(tables.ERRORS, errors))
 
 
 def _files(place: Path) -> list[Path]:
@@ -119,7 +117,7 @@ def _names(files: list[Path]) -> list[str]:
 
 
 def error_ratios(document: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a row of ``Compared.errors`` but for its name, from the content of a learned.json."""
+    """Return a row of ``DriveComparison.errors`` without its name, from a learned.json."""
     ratios = {"share": np.nan, "fitted": np.nan, "worst": np.nan}
     law = document.get("law", "lugre")
     if document.get("refusal"):

@@ -19,11 +19,11 @@ from stickslip.identification.fitting.identifiability import (
 )
 from stickslip.presentation.interactive import name_points
 from stickslip.presentation.markup import Html
-from stickslip.presentation.markup import table as markup_table
-from stickslip.presentation.page import Illustration, Section, made_with
-from stickslip.presentation.quantity import number, symbol
+from stickslip.presentation.page import MADE_WITH, Section
 from stickslip.presentation.style import GREY, INK, LINE, PAGE, THIN, WITH, WITHOUT, new_figure
+from stickslip.presentation.table import Table
 from stickslip.servo.measurement import Array
+from stickslip.studies.compare.tables import readable_unit
 
 LOOKS = {
     NOT_IDENTIFIABLE: (GREY, "white", THIN),
@@ -33,14 +33,6 @@ LOOKS = {
 """Colour of the line and of the inside of the dot, and width of the line [pt]."""
 NUMBERS = ("value", "low", "high", "truth")
 SYMBOLS = {"sigma_0": r"\sigma_0", "sigma_1": r"\sigma_1"}
-SCALES = {
-    ("v_s", "m/s"): (1e3, "mm/s"),
-    ("v_s", "rad/s"): (1e3, "mrad/s"),
-    ("sigma_0", "N/m"): (1e-6, "N/µm"),
-    ("sigma_0", "N.m/rad"): (1e-3, "N m/mrad"),
-    ("sigma_1", "N.s/m"): (1e-3, "N s/mm"),
-}
-"""Factors to units in which numbers are short; other units stay."""
 COLUMNS = 4
 PITCH = 4.2
 """From one drive's line to the next, where there is room [mm]."""
@@ -55,77 +47,40 @@ LONGEST = 190.0
 
 
 def drives_sections(
-    table: pd.DataFrame, head: Html, file: str, errors: pd.DataFrame | None = None
+    parameters: Table, head: Html, file: str, errors: Table | None = None
 ) -> list[Section]:
     """Return the sections of a page on several drives.
 
     Parameters
     ----------
-    table : a row for each parameter of each drive: name, parameter, unit, value, low, high,
-        identifiability; optionally truth, and source, which is shown unless it is log; a drive
-        that failed has a row without a parameter
+    parameters : with the columns ``tables.PARAMETERS``; optionally truth, and source, which is
+        shown unless it is log; a drive that failed has a row without a parameter
     head : what the page begins with
     file : name of the figure's files
-    errors : of the compensators, as ``results.compared`` has them
+    errors : of the compensators, with the columns ``tables.ERRORS``
     """
-    parts: list[Html | Illustration] = [head]
-    if table["parameter"].notna().any():
-        illustration = Illustration(
-            file,
-            partial(drives_figure, table),
-            "A panel for each parameter, a line with value and 95 % interval for each drive",
-            "Values with their 95 % intervals. What is not identifiable does not set the"
-            " range of its panel.",
-        )
-        parts.append(illustration)
-    sections = [Section("", *parts), Section("Parameters", _parameters(table))]
-    if errors is not None:
-        sections.append(Section("Compensators", _compensators(errors)))
-    return [*sections, Section("Made with", made_with())]
-
-
-def _parameters(table: pd.DataFrame) -> Html:
-    order = {name: k for k, name in enumerate(table["parameter"].dropna().unique())}
-    learned = table[table["parameter"].notna()].sort_values(
-        "parameter", kind="stable", key=lambda names: names.map(order)
-    )
-    rows = []
-    for row in learned.to_dict("records"):
-        factor, unit = readable_unit(row["parameter"], row["unit"])
-        known = [row[end] for end in ("low", "high") if pd.notna(row[end])]
-        bounds = " to ".join(number(factor * end) for end in known)
-        value, level = number(factor * row["value"]), row["identifiability"] or ""
-        rows.append((symbol(row["parameter"]), row["name"], value, bounds, unit, level))
-    heads = ("parameter", "result", "value", "95 % interval", "unit", "")
-    return markup_table(heads, rows, "Parameters by result", (0, 1, 4, 5))
-
-
-def _compensators(errors: pd.DataFrame) -> Html:
-    def shown(value: float) -> str:
-        return number(value, 4) if pd.notna(value) else ""
-
-    rows = [
-        (
-            row["name"],
-            row["law"],
-            row["compensation"],
-            *map(shown, (row["share"], row["fitted"], row["worst"])),
-        )
-        for row in errors.to_dict("records")
+    table = parameters.frame()
+    learned = [row for row in parameters.rows if isinstance(row.get("parameter"), str)]
+    order = {name: k for k, name in enumerate(dict.fromkeys(row["parameter"] for row in learned))}
+    rows = sorted(learned, key=lambda row: order[row["parameter"]])
+    figures = {file: partial(drives_figure, table)} if learned else {}
+    drives = {"head": head, "file": file, "drawn": bool(learned)}
+    sections = [
+        Section("", "studies/compare/drives.j2", figures, **drives),
+        Section(
+            "Parameters",
+            "{{ found.html('Parameters by result') }}",
+            found=Table(sorted(parameters.columns, key=lambda one: one.name != "parameter"), rows),
+        ),
     ]
-    heads = ("result", "law", "compensation", "share", "error ratio", "worst")
-    return markup_table(
-        heads,
-        rows,
-        "Simulated tracking error with the compensator over that without: on the fitted drive, and"
-        " the worst on the drives that the log supports",
-        (0, 1, 2),
-    )
-
-
-def readable_unit(parameter: str, unit: str) -> tuple[float, str]:
-    """Return factor and name of a unit in which the numbers of a parameter are short."""
-    return SCALES.get((parameter, unit), (1.0, unit.replace(".", " ")))
+    if errors is not None:
+        caption = (
+            "Simulated tracking error with the compensator over that without: on the fitted drive, "
+            "and the worst on the drives that the log supports"
+        )
+        found = {"found": errors, "caption": caption}
+        sections.append(Section("Compensators", "{{ found.html(caption) }}", None, **found))
+    return [*sections, MADE_WITH]
 
 
 def drives_figure(table: pd.DataFrame) -> Figure:

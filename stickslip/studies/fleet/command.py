@@ -17,8 +17,6 @@ from stickslip.storage import reserved
 from stickslip.work.execution import Execution
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from stickslip.studies.fleet.study import Fleet
     from stickslip.studies.fleet.table import Drive
     from stickslip.work.jobs import Outcome
@@ -56,7 +54,7 @@ def run(options: argparse.Namespace) -> Answer:
 
 def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> Answer:
     from stickslip.studies.fleet.study import learn_fleet
-    from stickslip.studies.fleet.writing import fleet_table, write_fleet
+    from stickslip.studies.fleet.writing import fleet_table, summary, write_fleet
 
     execution = Execution(options.workers, options.where, resume=options.resume)
     with TerminalProgress(live=options.live) as progress:
@@ -79,11 +77,13 @@ def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> Answer:
     table = fleet_table(fleet)
     write_fleet(fleet, table, options.out)
     _print_drives(fleet)
-    _print_parameters(table)
+    over = summary(table)
+    if over.rows:
+        print(f"\n{over.text()}\n")
     if fleet.kept:
         print(f"{fleet.kept} of {len(drives)} drives were learned before and kept")
     print(f"all results are in {options.out}; open fleet.html first")
-    document = {"folder": options.out, "table": table, "failed": fleet.reasons}
+    document = {"folder": options.out, "table": table, "summary": over, "failed": fleet.reasons}
     if not fleet.reasons:
         return Answer(document)
     print(
@@ -111,18 +111,3 @@ def _print_drives(fleet: Fleet) -> None:
         print(
             f"{drive.name:{width}}  {'; '.join([drive.kind, document['criterion'], *parameters])}"
         )
-
-
-def _print_parameters(table: pd.DataFrame) -> None:
-    """Print each parameter's range over the drives in which it is identifiable."""
-    from stickslip.studies.fleet.writing import summary
-
-    over = summary(table)
-    if over.empty:
-        return
-    heads = " ".join(f"{head:>11}" for head in over.columns[3:])
-    print(f"\n{'':8} {'':9} {'drives':>6} {heads}")
-    for name, unit, drives, *figures in over.itertuples(index=False, name=None):
-        numbers = " ".join(f"{figure:11.5g}" for figure in figures)
-        print(f"{name:8} {unit:9} {drives:6} {numbers}")
-    print()

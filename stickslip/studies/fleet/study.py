@@ -10,9 +10,10 @@ from typing import Any
 
 from stickslip import ga
 from stickslip.errors import UsageError
-from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
+from stickslip.fmi.files import digest
 from stickslip.learned.writing import SCHEMA, versions
 from stickslip.storage import MANIFEST, UNFINISHED, complete, refuse_foreign, staged
+from stickslip.storage.writing import read_kept, write_json
 from stickslip.studies.fleet.job import learn_drive
 from stickslip.studies.fleet.table import Drive, LogSource
 from stickslip.work.execution import Execution, stopped
@@ -79,7 +80,8 @@ def learn_fleet(
     if execution.resume:
         for drive in drives:
             files = (place / _learned(drive) for place in (unfinished, folder / "drives"))
-            documents = (_kept(file, origins[drive.name], seed) for file in files)
+            known = {"schema": SCHEMA, "fleet": origins[drive.name], "seed": seed}
+            documents = (read_kept(file, known | {"versions": versions()}) for file in files)
             if document := next((d for d in documents if d is not None), None):
                 learned[drive.name] = document
     kept = len(learned)
@@ -88,7 +90,7 @@ def learn_fleet(
         if outcome.learned:
             document = {**json.loads(outcome.learned), "fleet": origins[drive.name]}
             with staged(unfinished, {"name": drive.name}) as staging:
-                atomic_write(staging / _learned(drive), json.dumps(document, indent=2) + "\n")
+                write_json(document, staging / _learned(drive))
             learned[drive.name] = document
         else:
             reasons[drive.name] = outcome.reason
@@ -122,15 +124,3 @@ def _hash(path: Path) -> str | None:
         return digest(path)
     except OSError:
         return None  # the drive will fail, and say why
-
-
-def _kept(path: Path, origin: dict[str, Any], seed: int) -> dict[str, Any] | None:
-    """Return an earlier result, if it is the one that would be learned now."""
-    try:
-        document = parse_json(read_limited(path, MOST_TEXT))
-    except (OSError, ValueError):
-        return None
-    expected = {"schema": SCHEMA, "fleet": origin, "seed": seed, "versions": versions()}
-    if not isinstance(document, dict) or not expected.items() <= document.items():
-        return None
-    return document

@@ -2,32 +2,37 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
+from math import isnan
 from pathlib import Path
+from statistics import median
 from typing import Any
 
-import pandas as pd
-
-from stickslip.fmi.files import atomic_write
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.papers.lugre.reproduction import drive_truth
-from stickslip.presentation.markup import Html, element, join, paragraph
-from stickslip.presentation.markup import table as markup_table
+from stickslip.presentation.markup import fill
 from stickslip.presentation.page import Section, picture_files, write_page
-from stickslip.presentation.quantity import number, symbol
+from stickslip.presentation.table import Column, Table
 from stickslip.storage import completed
-from stickslip.studies.compare.compared import PARAMETERS, error_ratios, parameter_rows
-from stickslip.studies.compare.page import drives_sections, readable_unit
+from stickslip.storage.writing import write_json
+from stickslip.studies.compare.compared import error_ratios, parameter_rows
+from stickslip.studies.compare.page import drives_sections
+from stickslip.studies.compare.tables import ERRORS, PARAMETER, PARAMETERS, UNIT, value_column
 from stickslip.studies.fleet.study import TABLE, Fleet
 from stickslip.studies.fleet.table import Drive, Variant
 
-COLUMNS = [*PARAMETERS, "criterion", "source", "truth", "reason"]
-PAGE = "fleet.html"
-SUMMARY = ["parameter", "unit", "drives", "minimum", "median", "maximum"]
+COLUMNS = (*PARAMETERS, *map(Column, ("criterion", "source", "truth", "reason")))
+SUMMARY = (
+    PARAMETER,
+    UNIT,
+    Column("drives", text="d", title="drives", head="drives"),
+    *map(value_column, ("minimum", "median", "maximum")),
+)
+"""A row for each parameter and unit, over the drives in which it is identifiable."""
+PAGE, SUMMARY_TABLE = "fleet.html", "summary.csv"
 
 
-def fleet_table(fleet: Fleet) -> pd.DataFrame:
+def fleet_table(fleet: Fleet) -> Table:
     """Return what was learned, in SI units; the truth of variants enters here only.
 
     ``low`` and ``high`` bound the 95 % interval. A drive that failed has its name and the reason.
@@ -44,29 +49,36 @@ def fleet_table(fleet: Fleet) -> pd.DataFrame:
             {**row, **further, "truth": truth.get(row["parameter"])}
             for row in parameter_rows(drive.name, document["parameters"])
         ]
-    return pd.DataFrame(rows, columns=COLUMNS)
+    return Table(COLUMNS, rows)
 
 
-def summary(table: pd.DataFrame) -> pd.DataFrame:
-    """Return each parameter over the drives in which it is identifiable.
-
-    A row for each parameter and unit, with the number of drives, minimum, median and maximum.
-    """
-    seen = table[table["parameter"].notna() & (table["identifiability"] != NOT_IDENTIFIABLE)]
+def summary(table: Table) -> Table:
+    """Return each parameter over the drives in which it is identifiable."""
+    found: dict[tuple[str, str], list[float]] = {}
+    for row in table.rows:
+        if row.get("identifiability", NOT_IDENTIFIABLE) != NOT_IDENTIFIABLE:
+            found.setdefault((row["parameter"], row["unit"]), []).append(row["value"])
     rows = [
-        (name, unit, len(of), of["value"].min(), of["value"].median(), of["value"].max())
-        for (name, unit), of in seen.groupby(["parameter", "unit"], sort=False)
+        {
+            "parameter": name,
+            "unit": unit,
+            "drives": len(values),
+            "minimum": min(values),
+            "median": median(values),
+            "maximum": max(values),
+        }
+        for (name, unit), values in found.items()
     ]
-    return pd.DataFrame(rows, columns=SUMMARY)
+    return Table(SUMMARY, rows)
 
 
 def files_of(drives: Sequence[Drive]) -> list[str]:
     """Return the names of the files that ``write_fleet`` writes or removes."""
     learned = (_learned(drive.name) for drive in drives)
-    return [TABLE, "fleet.json", PAGE, *picture_files(["fleet"]), *learned]
+    return [TABLE, SUMMARY_TABLE, "fleet.json", PAGE, *picture_files(["fleet"]), *learned]
 
 
-def write_fleet(fleet: Fleet, table: pd.DataFrame, folder: Path) -> None:
+def write_fleet(fleet: Fleet, table: Table, folder: Path) -> None:
     """Write fleet.csv, fleet.json, drives/NAME/learned.json, and a page with a figure.
 
     Raises
@@ -77,35 +89,20 @@ def write_fleet(fleet: Fleet, table: pd.DataFrame, folder: Path) -> None:
     names = [drive.name for drive in fleet.drives]
     known = {name: fleet.learned.get(name) or {"reason": fleet.reasons[name]} for name in names}
     command = {"name": "fleet", "drives": names}
-    with completed(folder, command, files_of(fleet.drives), {TABLE: table}) as staging:
-        atomic_write(staging / "fleet.json", json.dumps({"drives": known}, indent=2) + "\n")
+    tables = {TABLE: table.frame(), SUMMARY_TABLE: summary(table).frame()}
+    with completed(folder, command, files_of(fleet.drives), tables) as staging:
+        write_json({"drives": known}, staging / "fleet.json")
         write_page(staging, "Fleet", _sections(fleet, table), PAGE)
         for name, document in fleet.learned.items():
-            atomic_write(staging / _learned(name), json.dumps(document, indent=2) + "\n")
+            write_json(document, staging / _learned(name))
 
 
-def _sections(fleet: Fleet, table: pd.DataFrame) -> list[Section]:
+def _sections(fleet: Fleet, table: Table) -> list[Section]:
     """Return the sections of the page; what compensators bring is there where it was tried."""
-    errors = pd.DataFrame(
-        [{"name": name, **error_ratios(document)} for name, document in fleet.learned.items()]
-    )
-    tried = len(errors) and errors["fitted"].notna().any()
-    head, over = _head(fleet), summary(table)
-    if len(over):
-        rows = []
-        for name, SI, drives, *values in over.itertuples(index=False, name=None):
-            factor, unit = readable_unit(name, SI)
-            rows.append((symbol(name), unit, str(drives), *(number(factor * v) for v in values)))
-        title = "Parameters over the drives in which they are identifiable"
-        head = join([head, markup_table(SUMMARY, rows, title, (0, 1))])
-    return drives_sections(table, head, "fleet", errors if tried else None)
-
-
-def _head(fleet: Fleet) -> Html:
-    """Return how many drives were learned, and why others were not."""
-    failed = [element("li", f"{name}: {reason}") for name, reason in fleet.reasons.items()]
-    learned = paragraph(f"{len(fleet.learned)} of {len(fleet.drives)} drives were learned.")
-    return join([learned, element("ul", join(failed, "\n"))]) if failed else learned
+    rows = [{"name": name, **error_ratios(document)} for name, document in fleet.learned.items()]
+    tried = any(not isnan(row["fitted"]) for row in rows)
+    head = fill("studies/fleet/head.j2", fleet=fleet, over=summary(table))
+    return drives_sections(table, head, "fleet", Table(ERRORS, rows) if tried else None)
 
 
 def _learned(name: str) -> str:

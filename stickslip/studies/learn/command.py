@@ -151,8 +151,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
         )
         print_estimation(learned.estimation)
         if learned.tracking:
-            rotary = learned.estimation.recording.rotary
-            terminal.print_tracking(learned.tracking, rotary=rotary)
+            terminal.print_tracking(learned.tracking, learned.estimation.recording.motion)
         if learned.trial:
             terminal.print_benefit(learned.benefit or learned.trial.benefit)
             if learned.trial.compared:

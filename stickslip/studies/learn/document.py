@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
-import pandas as pd
-
 from stickslip.catalog.parameters import start_unit, unit_of
-from stickslip.evaluation.tracking import Tracking
 from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.learned.writing import (
     OBSERVER_MODEL,
     SCHEMA,
     component_entry,
-    datasheet_document,
     law_entry,
     loop_document,
     validation_document,
     versions,
 )
+from stickslip.models.export.units import motion_unit
+from stickslip.output import plain
 from stickslip.servo.paper_commands import VALIDATION
+from stickslip.storage.codec import encode, state
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.learned import LearnedFromRecording
-from stickslip.trial.guards import Hold
 
 
 def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
@@ -37,17 +34,12 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         "F_0": {"value": estimation.F_0, "unit": unit_of("F_c", rotary=rotary)},
         "delay": {"value": estimation.delay, "unit": "s"},
         "T_s": {"value": estimation.recording.T_s, "unit": "s"},
-        **{
-            name: {"value": value, "unit": unit_of(name, rotary=rotary)}
-            for name, value in estimation.chosen.items()
-        },
+        **state(estimation.chosen, partial(unit_of, rotary=rotary)),
         "log": estimation.recording.source,
         "motion": estimation.recording.motion,
         "criterion": estimation.criterion,
         "reason": estimation.reason,
-        "relative_errors": {
-            name: _finite(value) for name, value in estimation.figures.errors().items()
-        },
+        "relative_errors": encode(estimation.figures.errors()),
         "prediction": {
             "laws": tables.laws(estimation).records(),
             "choice": estimation.choice and estimation.choice.reason,
@@ -70,11 +62,11 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
 def curve_document(curve: FrictionCurve, *, rotary: bool) -> dict[str, Any]:
     """Return friction at the speeds visited with its 95 % intervals, viscous friction with it."""
     speed, force = unit_of("v_s", rotary=rotary), unit_of("F_c", rotary=rotary)
-    friction = {key: getattr(curve, key).tolist() for key in ("value", "low", "high")}
+    friction = {key: plain(getattr(curve, key)) for key in ("value", "low", "high")}
     return {
-        "speed": {"value": curve.speed.tolist(), "unit": speed},
+        "speed": state(curve.speed, speed),
         "friction": {**friction, "unit": force},
-        "offset": {**vars(curve.offset), "unit": force},
+        "offset": state(curve.offset, force),
     }
 
 
@@ -85,39 +77,29 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
     """
     document = recording_document(learned) | {"refusal": learned.refusal}
     rotary = learned.estimation.recording.rotary
+    of_drive = partial(motion_unit, rotary=rotary)
     if learned.tracking is not None:
-        document["tracking"] = _tracking_document(learned.tracking)
+        tracking = learned.tracking
+        document["tracking"] = {
+            "loop": tracking.loop,
+            "command": tracking.command,
+            "measured": encode(tracking.measured),
+            "simulated": encode(tracking.errors()),
+        }
     if learned.trial is None:
         return document
     trial, benefit = learned.trial, learned.of_law or learned.trial.benefit
     if trial.holds:
-        document["hold"] = {name: _hold_document(one) for name, one in trial.holds.items()}
+        document["hold"] = encode(trial.holds, of_drive)
     return document | {
         "share": {"value": benefit.share, "unit": "1"},
-        "compensator": _with_units(benefit.variant.feedforward, rotary=rotary),
+        "compensator": state(benefit.variant.feedforward, start_unit, of_drive),
         **_feedforward_entry(learned),
         **_observer_entry(learned),
         "validation": validation_document(trial.command, rotary=rotary),
-        "datasheet": datasheet_document(trial.datasheet, rotary=rotary),
-        "family": [
-            {
-                "drive": drive.name,
-                "law": drive.law,
-                "parameters": _with_units(drive.parameters, rotary=rotary),
-            }
-            for drive in trial.drives
-        ],
-        "tracking_error": _rows(trial.table()),
-    }
-
-
-def _hold_document(hold: Hold) -> dict[str, Any]:
-    """Return how a cascade holds its position."""
-    return {
-        "swing": {"value": _finite(hold.swing), "unit": hold.unit[1:]},
-        "reversals": hold.reversals,
-        "duration": {"value": hold.duration, "unit": "s"},
-        "drive": hold.drive,
+        "datasheet": encode(trial.datasheet, of_drive),
+        "family": encode(trial.drives, of_drive),
+        "tracking_error": plain(trial.table()),
     }
 
 
@@ -160,30 +142,3 @@ def _observer_entry(learned: LearnedFromRecording) -> dict[str, Any]:
         }
     rows = tables.parts(observed).records()
     return {"compensation": learned.choice, "observer": entry, "error_ratio_of_parts": rows}
-
-
-def _rows(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """Return the rows of a table as plain data; a number that is not finite is None."""
-    return [
-        {str(key): _finite(x) if isinstance(x, float) else x for key, x in row.items()}
-        for row in table.to_dict("records")
-    ]
-
-
-def _with_units(values: Mapping[str, float], *, rotary: bool) -> dict[str, dict[str, Any]]:
-    """Return values of a law or of the drive FMU as plain data."""
-    return {
-        name: {"value": float(value), "unit": start_unit(name, rotary=rotary)}
-        for name, value in values.items()
-    }
-
-
-def _tracking_document(tracking: Tracking) -> dict[str, Any]:
-    errors = {name: dict(error.items()) for name, error in tracking.errors().items()}
-    measured = tracking.measured and dict(tracking.measured.items())
-    words = {"loop": tracking.loop, "command": tracking.command}
-    return words | {"measured": measured, "simulated": errors}
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from stickslip import models
-from stickslip.presentation.markup import paragraph
 from stickslip.presentation.page import Section, picture_files
 from stickslip.servo.deployment import deployed
 from stickslip.servo.systems import Compensator
@@ -116,14 +115,13 @@ def write_learned(
             learned.findings,
             staging,
             _trial_sections(shown),
-            opening=[*map(_notice, written.sentences), *_tracking_sections(shown)],
+            opening=[
+                *(Section("", "<p>{{ text }}.</p>", text=text) for text in written.sentences),
+                *_tracking_sections(shown),
+            ],
             forced=force,
         )
     return written
-
-
-def _notice(sentence: str) -> Section:
-    return Section("", paragraph(f"{sentence}."))
 
 
 def _trial_sections(learned: LearnedFromRecording) -> list[Section]:

@@ -2,22 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
 from stickslip.catalog.parameters import unit_of
+from stickslip.evaluation.tracking import (
+    FEEDFORWARD,
+    FRICTIONLESS,
+    NONE,
+    TRACKING_FIGURES,
+    Tracking,
+)
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
-from stickslip.presentation.markup import prose
+from stickslip.logs import Finding, Motion
+from stickslip.presentation.markup import parts as markup
 from stickslip.presentation.quantity import (
     interval,
     meaning,
     number,
-    percentage,
+    size_or_dash,
     symbol,
     with_error,
 )
-from stickslip.presentation.scale import Scale, parameter_scale
-from stickslip.presentation.table import Column, Row, Table
+from stickslip.presentation.scale import (
+    WORDS,
+    Scale,
+    parameter_scale,
+    position_scale,
+    velocity_scale,
+)
+from stickslip.presentation.table import Column, Row, Table, scaled, share, units
 from stickslip.trial.candidates import CompensatorComparison
-from stickslip.trial.guards import Benefit
+from stickslip.trial.guards import Benefit, TrialError
 from stickslip.trial.observed import ObserverTrial
 
 
@@ -46,7 +66,9 @@ def parameters(estimation: Estimation) -> Table:
         Column("low", text=lambda row: f"[{row['low']:.5g},", head="95 % interval", cell=ends),
         Column("high", text=lambda row: f"{row['high']:.5g}]"),
         Column("identifiability"),
-        Column("sentence", text="", head="How well", cell=lambda row: prose(row["sentence"])),
+        Column(
+            "sentence", text="", head="How well", cell=lambda row: markup.prose(row["sentence"])
+        ),
     )
     rows = [
         {"parameter": name, "meaning": "", "unit": unit_of(name, rotary=recording.rotary)}
@@ -59,31 +81,12 @@ def parameters(estimation: Estimation) -> Table:
 def laws(estimation: Estimation) -> Table:
     """Return the force error of each law that was tried, where it was not fitted."""
     unit = unit_of("F_c", rotary=estimation.recording.rotary)
+    force = partial(Column, digits=3, unit=unit)
     columns = (
-        Column("law", text="", title="law", head="Friction law"),
-        Column(
-            "held_out_error",
-            text=".3g",
-            title=f"error [{unit}]",
-            head=f"Error where not fitted [{unit}]",
-            digits=3,
-            unit=unit,
-        ),
-        Column(
-            "relative",
-            text=lambda row: f"{100.0 * row['relative']:.3g} %",
-            head="Of the force",
-            cell=lambda row: percentage(row["relative"]),
-            unit="1",
-        ),
-        Column(
-            "explained",
-            text=".3g",
-            title="noise and steps explain",
-            head=f"Explained [{unit}]",
-            digits=3,
-            unit=unit,
-        ),
+        Column("law", "", "law", "Friction law"),
+        force("held_out_error", ".3g", f"error [{unit}]", f"Error where not fitted [{unit}]"),
+        share("relative", "Of the force", unit="1"),
+        force("explained", ".3g", "noise and steps explain", f"Explained [{unit}]"),
     )
     rows = [
         {
@@ -98,9 +101,9 @@ def laws(estimation: Estimation) -> Table:
 
 
 RATIOS = (
-    Column("fitted", text=".3g", title="fitted drive", head="Fitted drive"),
-    Column("mean", text=".3g", title="mean", head="Mean"),
-    Column("worst", text=".4g", title="worst", head="Worst"),
+    Column("fitted", ".3g", "fitted drive", "Fitted drive"),
+    Column("mean", ".3g", "mean", "Mean"),
+    Column("worst", ".4g", "worst", "Worst"),
 )
 """Errors relative to those without compensation: of the fitted drive the geometric mean over the
 commands, that over all drives, and the largest."""
@@ -154,3 +157,98 @@ def parts(observed: ObserverTrial) -> Table:
         for name, one in observed.parts.items()
     ]
     return Table(columns, rows)
+
+
+def searches(estimation: Estimation) -> Table:
+    """Return the cost and the parameters that each search found."""
+    columns = (
+        Column("seed", head="Seed", words=True),
+        Column("cost", head="Cost"),
+        *(Column(name, head=symbol(name)) for name in estimation.fit.space.friction),
+    )
+    return Table.of(columns, estimation.searches.table)
+
+
+def findings(estimation: Estimation, found: Iterable[Finding]) -> Table:
+    """Return what reading and checks found and what was done about it, errors first."""
+    found = [*found]
+    faults = [fault for fault in estimation.faults if fault not in found]
+    done = [Finding("note", remark) for remark in estimation.remarks]
+    order = ("error", "warning", "note")
+
+    def words(name: str) -> Column:
+        return Column(name, head=name.capitalize(), cell=lambda row: markup.prose(row[name]))
+
+    columns = (Column("severity", head=""), *map(words, ("what", "figure", "advice")))
+    ordered = sorted([*found, *faults, *done], key=lambda finding: order.index(finding.severity))
+    return Table(columns, [vars(finding) for finding in ordered])
+
+
+def errors(benefit: Benefit) -> Iterator[tuple[str, str, Table]]:
+    """Yield what is of a figure of the errors on the simulated drives: its name, unit, table."""
+
+    def command(name: str, factor: float) -> Column:
+        def both(one: TrialError, arrow: str, show: Callable[[float], str]) -> str:
+            return f"{show(factor * one.without)} {arrow} {show(factor * one.compensated)}"
+
+        def on_page(row: Row) -> str:
+            return both(row[name], "→", lambda size: number(size, 3))
+
+        def text(row: Row) -> str:
+            return both(row[name], "->", size_or_dash)
+
+        return Column(name, text, name, name, cell=on_page, words=False)
+
+    for figure, shown in benefit.tables().items():
+        factor, unit = benefit.shown(shown[0])
+        rows: dict[str, dict[str, Any]] = {}
+        for one in shown:
+            rows.setdefault(one.drive, {"drive": one.drive})[one.command] = one
+        name = Column("drive", "", "simulated drive", "Simulated drive", cell=_drive_name)
+        commands = dict.fromkeys(row.command for row in shown)
+        columns = (name, *(command(one, factor) for one in commands))
+        what = "tracking" if len(shown) == len(benefit.rows) else figure
+        yield what, unit, Table(columns, list(rows.values()))
+
+
+def _drive_name(row: Row) -> str:
+    return str(row["drive"]).replace(" x ", " × ").replace("+-", "±")
+
+
+def tracking_scales(tracking: Tracking, motion: Motion) -> tuple[Scale, Scale]:
+    """Return the units of the errors of velocity and position."""
+    without = tracking.errors()[NONE]
+    size = np.array([without.velocity_rms]), np.array([without.position_rms])
+    return velocity_scale(motion, size[0]), position_scale(motion, size[1])
+
+
+def tracking(found: Tracking, motion: Motion) -> Table:
+    """Return tracking errors, measured and simulated, without and with the compensator."""
+    velocity, position = tracking_scales(found, motion)
+
+    def scale(row: Row) -> Scale:
+        return velocity if row["error"].startswith("velocity") else position
+
+    errors = {"Simulated, without": NONE, "Simulated, with": FEEDFORWARD}
+    errors["Simulated, no friction"] = FRICTIONLESS
+    sizes = found.errors() | ({"measured": found.measured} if found.measured else {})
+    columns = (
+        Column("error", lambda row: error_title(row["error"], motion), "error", "Error"),
+        units(scale),
+        *([scaled("measured", scale, "Measured, log")] if found.measured else ()),
+        *(scaled(name, scale, head) for head, name in errors.items()),
+        share("reduction", "Reduction"),
+    )
+    rows = [
+        {"error": key, "reduction": found.reduction(key)}
+        | {name: one.items()[key] for name, one in sizes.items()}
+        for key in TRACKING_FIGURES
+    ]
+    return Table(columns, rows)
+
+
+def error_title(error: str, motion: Motion) -> str:
+    """Return what a page calls an error of ``TRACKING_FIGURES``."""
+    what, size = error.split("_")
+    what = "velocity" if what == "velocity" else WORDS[motion][0]
+    return f"{what.capitalize()}, {'RMS' if size == 'rms' else 'maximum'}"

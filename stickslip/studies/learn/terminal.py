@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import groupby
 from typing import TextIO
 
 import numpy as np
 
-from stickslip.evaluation.tracking import TRACKING_FIGURES, Tracking
+from stickslip.evaluation.tracking import Tracking
 from stickslip.identification.estimation import Estimation
-from stickslip.presentation.quantity import size_or_dash
+from stickslip.logs import Motion
 from stickslip.studies.learn import tables
 from stickslip.trial.candidates import CompensatorComparison
 from stickslip.trial.guards import Benefit, Hold
 from stickslip.trial.observed import ObserverTrial
 
 TRACKING = "\ntracking error relative to none, on the same simulated drives and commands:"
-WIDTHS = (9, 9, 9, 13)
 
 
 def print_laws(estimation: Estimation) -> None:
@@ -32,22 +30,12 @@ def print_laws(estimation: Estimation) -> None:
 def print_benefit(benefit: Benefit, file: TextIO | None = None) -> None:
     """Print a row for each drive and a column for each command."""
     share = "" if benefit.share == 1.0 else f" at {benefit.share:g} of its force"
-    for figure, shown in benefit.tables().items():
-        factor, unit = benefit.shown(shown[0])
-        what = "tracking" if len(shown) == len(benefit.rows) else figure
+    for what, unit, table in tables.errors(benefit):
         print(
             f"\nRMS {what} error of simulated drives [{unit}], "
-            f"without -> with the compensator{share}:",
+            f"without -> with the compensator{share}:\n{table.text()}",
             file=file,
         )
-        commands = list(dict.fromkeys(row.command for row in shown))
-        print(f"{'simulated drive':40}" + "".join(f"{name:>18}" for name in commands), file=file)
-        for drive, rows in groupby(shown, key=lambda row: row.drive):
-            cells = (
-                f"{size_or_dash(factor * row.without)} -> {size_or_dash(factor * row.compensated)}"
-                for row in rows
-            )
-            print(f"{drive:40}" + "".join(f"  {cell:>16}" for cell in cells), file=file)
 
 
 def print_holds(holds: Mapping[str, Hold]) -> None:
@@ -81,25 +69,7 @@ def print_compared(compared: CompensatorComparison) -> None:
     print(compared.sentence)
 
 
-def print_tracking(tracking: Tracking, *, rotary: bool = False) -> None:
+def print_tracking(tracking: Tracking, motion: Motion) -> None:
     """Print RMS and maximum of the tracking errors, measured and simulated."""
-    print(
-        f"\ntracking error on {tracking.command}, in the loop of {tracking.loop}:\n"
-        "                      measured             simulated drive\n"
-        "                       the log  without     with  no friction  reduction"
-    )
-    errors = [tracking.measured, *tracking.errors().values()]
-    for key in TRACKING_FIGURES:
-        factor, unit, title = _tracking_figure(key, rotary=rotary)
-        cells = [f"{factor * error.items()[key]:.3g}" if error else "-" for error in errors]
-        shown = "".join(f"{cell:>{width}}" for cell, width in zip(cells, WIDTHS, strict=True))
-        print(f"{title:13}{unit:8}{shown} {100.0 * tracking.reduction(key):8.1f} %")
-
-
-def _tracking_figure(key: str, *, rotary: bool) -> tuple[float, str, str]:
-    """Return factor, unit and title of a figure of tracking errors."""
-    length, (what, size) = "rad" if rotary else "m", key.split("_")
-    title = f"{what} {size.upper() if size == 'rms' else size}"
-    if what == "velocity":
-        return 1e3, f"m{length}/s", title
-    return 1e6, f"u{length}", title
+    print(f"\ntracking error on {tracking.command}, in the loop of {tracking.loop}:")
+    print(tables.tracking(tracking, motion).text())

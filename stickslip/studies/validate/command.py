@@ -7,7 +7,6 @@ drive FMU, as in Table 4 of the paper, and the components of learned.json stand 
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +23,7 @@ from stickslip.commandline.rig_option import add_rig_option, rig_of
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.output import Answer
 from stickslip.storage import reserved
+from stickslip.storage.codec import encode
 
 if TYPE_CHECKING:
     from stickslip.learned.file import LearnedFile
@@ -92,9 +92,9 @@ def _on_log(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
         write_log_validation(found, learned, log.controller, options.out, command=command)
         print(f"all results are in {options.out}; open report.html first")
     first, *reasons = verdict(found, values)
-    changes = {name: asdict(change) for name, change in found.changes.items()}
+    changes = encode(found.changes)
     signals = {
-        name: asdict(error) | {"ratio": error.ratio} for name, error in found.signals.items()
+        name: encode(error) | {"ratio": error.ratio} for name, error in found.signals.items()
     }
     return {"verdict": first, "reasons": reasons, "signals": signals, "changes": changes}
 
@@ -124,11 +124,7 @@ def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str,
         )
         print(f"all results are in {options.out}; open report.html first")
     compared = {"measured": found.measured, "simulated": found.simulated}
-    reductions = {
-        kind: {name: asdict(reduction) for name, reduction in one.reductions.items()}
-        for kind, one in compared.items()
-        if one
-    }
+    reductions = {kind: encode(one.reductions) for kind, one in compared.items() if one}
     return {"sentences": sentences(found), "reductions": reductions}
 
 

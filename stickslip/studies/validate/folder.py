@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-import pandas as pd
-
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import Motion
 from stickslip.presentation.page import picture_files, write_page
@@ -45,10 +43,8 @@ def write_log_validation(
     """
     frames = {
         "prediction": tables.signals(found).frame(),
-        "changes": pd.DataFrame(
-            {"parameter": name, **vars(one)} for name, one in found.changes.items()
-        ),
-        "spans": found.spans,
+        "changes": tables.changes(found, learned.drive).frame(),
+        "spans": tables.spans(found).frame(),
     }
     sections = log.log_sections(found, learned.drive, learned.path.name, controller)
     with staged(folder, command) as staging:

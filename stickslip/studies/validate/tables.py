@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
+from stickslip.catalog.parameters import unit_of
+from stickslip.catalog.space import Values
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.logs import Motion
 from stickslip.models.export.units import motion_unit
-from stickslip.presentation.quantity import number, percentage
+from stickslip.presentation.quantity import interval, number, percentage, unit
 from stickslip.presentation.scale import (
     WORDS,
     Scale,
@@ -17,10 +20,12 @@ from stickslip.presentation.scale import (
     position_scale,
     velocity_scale,
 )
-from stickslip.presentation.table import Column, Row, Table
+from stickslip.presentation.table import Column, Row, Table, scaled, share, units
+from stickslip.studies.learn.tables import error_title
 from stickslip.studies.validate.compared_logs import LogComparison, TrackingComparison
-from stickslip.studies.validate.log_prediction import LogPrediction
+from stickslip.studies.validate.log_prediction import FRICTION, LogPrediction
 from stickslip.studies.validate.log_verdict import SIGNALS
+from stickslip.studies.validate.log_verdict import WORDS as CHANGES
 
 TITLES = {
     "force": "{0}, inverse model",
@@ -49,38 +54,81 @@ def signals(found: LogPrediction) -> Table:
     def scale(row: Row) -> Scale:
         return signal_scale(motion, row["signal"], row["error"])
 
-    def size(name: str, title: str) -> Column:
-        def scaled(row: Row) -> str:
-            return number(scale(row).factor * row[name], 3)
-
-        return Column(name, text=".3g", title=title, head=title.capitalize(), cell=scaled)
+    def size(name: str) -> Column:
+        return replace(scaled(name, scale, name.capitalize()), text=".3g")
 
     columns = (
         Column(
             "signal",
-            text=lambda row: SIGNALS[row["signal"]],
-            title="",
+            lambda row: SIGNALS[row["signal"]],
             head="Signal",
             cell=lambda row: signal_title(row["signal"], motion),
         ),
-        Column("unit", head="Unit", cell=lambda row: scale(row).unit, stored=False),
-        size("error", "error"),
-        Column(
-            "relative",
-            text=lambda row: f"{100.0 * row['relative']:.3g} %",
-            title="relative",
-            head="Relative",
-            cell=lambda row: percentage(row["relative"]),
-        ),
-        size("noise", "noise"),
-        size("intervals", "intervals"),
-        Column("ratio", text=".2g", title="ratio", head="Ratio", digits=2),
+        replace(units(scale), text=None, head="Unit"),
+        size("error"),
+        share("relative", "Relative"),
+        size("noise"),
+        size("intervals"),
+        Column("ratio", ".2g", "ratio", "Ratio", digits=2),
     )
     rows = [
-        {"signal": name, "unit": "", **vars(one), "ratio": one.ratio}
-        for name, one in found.signals.items()
+        {"signal": name, **vars(one), "ratio": one.ratio} for name, one in found.signals.items()
     ]
     return Table(columns, rows)
+
+
+def changes(found: LogPrediction, values: Values) -> Table:
+    """Return what has changed since the drive was learned, with 95 % intervals."""
+
+    def shown(row: Row) -> tuple[float, str]:
+        name = row["parameter"]
+        if name in ("m", FRICTION):
+            return 100.0 / (values["m"] if name == "m" else 1.0), "%"
+        return 1.0, unit(unit_of("b" if name == "b" else "F_c", rotary=found.recording.rotary))
+
+    def size(row: Row) -> str:
+        return number(shown(row)[0] * row["value"], 3)
+
+    def ends(row: Row) -> str:
+        return interval(*(shown(row)[0] * row[end] for end in ("low", "high")))
+
+    columns = (
+        Column("parameter", head="", cell=lambda row: CHANGES[row["parameter"]].capitalize()),
+        Column("value", head="Change", cell=size),
+        Column("low", head="95 % interval", cell=ends),
+        Column("high"),
+        Column("unit", head="Unit", cell=lambda row: shown(row)[1], stored=False),
+    )
+    rows = [{"parameter": name, **vars(change)} for name, change in found.changes.items()]
+    return Table(columns, rows)
+
+
+def spans(found: LogPrediction) -> Table:
+    """Return the errors in each part of a log."""
+    motion = found.recording.motion
+    titles = {
+        "force_bias": "Force, mean error in the direction of motion",
+        "force_error": "Force, RMS error",
+        "position_error": f"{WORDS[motion][0].capitalize()}, RMS error",
+    }
+
+    def size(name: str) -> Column:
+        scale = signal_scale(motion, name, float(found.spans[name].abs().max()))
+
+        def scaled(row: Row) -> str:
+            return number(scale.factor * row[name], 3)
+
+        return Column(name, head=f"{titles[name]} [{scale.unit}]", cell=scaled)
+
+    def time(row: Row) -> str:
+        return f"{number(row['begin'], 3)} to {number(row['end'], 3)}"
+
+    columns = (
+        Column("begin", head="Time [s]", cell=time, words=True),
+        Column("end"),
+        *map(size, found.spans.columns[2:]),
+    )
+    return Table.of(columns, found.spans)
 
 
 def kinds(found: LogComparison) -> Iterator[tuple[str, TrackingComparison]]:
@@ -98,33 +146,20 @@ def tracking(found: LogComparison, motion: Motion) -> Table:
         return what(motion, np.array([row["without"]]))
 
     def title(row: Row) -> str:
-        what, size = row["error"].split("_")
-        what = what if what == "velocity" else WORDS[motion][0]
-        return f"{row['kind']} {what}, {'RMS' if size == 'rms' else 'maximum'}"
-
-    def size(name: str) -> Column:
-        def scaled(row: Row) -> str:
-            return number(scale(row).factor * row[name], 3)
-
-        return Column(name, text=scaled, title=name, head=name.capitalize(), cell=scaled)
+        what = error_title(row["error"], motion)
+        return f"{row['kind'].capitalize()} {what[0].lower()}{what[1:]}"
 
     def ends(row: Row) -> str:
         return f"{percentage(row['low'])} … {percentage(row['high'])}"
 
     columns = (
         Column("kind"),
-        Column("error", text=title, head="", cell=lambda row: title(row).capitalize()),
-        Column("unit", text=lambda row: scale(row).unit, head="", cell=lambda row: scale(row).unit),
-        size("without"),
-        size("with"),
-        Column(
-            "reduction",
-            text=lambda row: f"{100.0 * row['reduction']:.1f} %",
-            title="reduction",
-            head="Reduction",
-            cell=lambda row: percentage(row["reduction"]),
-        ),
-        Column("low", text=ends, title="95 % interval", head="95 % interval", cell=ends),
+        Column("error", title, head=""),
+        replace(units(scale), stored=True),
+        scaled("without", scale, "Without"),
+        scaled("with", scale, "With"),
+        share("reduction", "Reduction"),
+        Column("low", ends, "95 % interval", "95 % interval"),
         Column("high"),
     )
     rows = [

@@ -42,6 +42,7 @@ def test_a_fleet_is_the_same_in_processes_and_on_dask(log, cluster, tmp_path, ca
         "fleet.svg",
         "learned.json",
         "manifest.json",
+        "summary.csv",
     }
     assert files(tmp_path / "processes") == results
     assert files(tmp_path / "dask") == results

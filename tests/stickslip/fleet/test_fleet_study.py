@@ -1,13 +1,18 @@
 """A fleet loses nothing: not to workers that die, not to Ctrl-C, not to a drive that fails."""
 
+import json
 import os
+import re
 from dataclasses import replace
+from functools import partial
 
 import pytest
 from fleet_jobs import Counting, Deadly, quick
 
 from stickslip.cli import main
 from stickslip.errors import UsageError
+from stickslip.presentation.table import Column
+from stickslip.studies.fleet import study, writing
 from stickslip.studies.fleet.study import learn_fleet
 from stickslip.studies.fleet.writing import fleet_table, write_fleet
 from stickslip.work.execution import Execution
@@ -146,3 +151,19 @@ def test_a_log_that_is_no_file_fails_and_is_not_waited_for(drives, tmp_path):
     source = replace(fleet[1].source, log=tmp_path / "pipe.csv")
     fleet = learn_fleet([fleet[0], replace(fleet[1], source=source)], tmp_path / "out")
     assert "no regular file" in fleet.reasons["b"]
+
+
+def test_a_further_column_is_on_terminal_page_and_in_files(drives, tmp_path, monkeypatch, capsys):
+    further, out = Column("further", "", "further", "Further"), tmp_path / "out"
+    monkeypatch.setattr(writing, "SUMMARY", (*writing.SUMMARY, further))
+    monkeypatch.setattr(study, "learn_fleet", partial(learn_fleet, job=quick))
+    drives("a", "b")
+    arguments = ["fleet", str(tmp_path / "table.csv"), "--out", str(out)]
+    assert main(arguments) == 0
+    assert re.search(r"maximum +further\nF_c ", capsys.readouterr().out)
+    assert (out / "summary.csv").read_text().startswith("parameter,unit,drives,minimum,median,max")
+    assert "further" in (out / "summary.csv").read_text().splitlines()[0]
+    assert ">Further<" in (out / "fleet.html").read_text()
+    assert main(["--json", *arguments]) == 0
+    (row,) = json.loads(capsys.readouterr().out)["summary"]
+    assert (row["drives"], row["further"]) == (2, None)

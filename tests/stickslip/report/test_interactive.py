@@ -12,7 +12,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from stickslip.presentation.interactive import keep, name_points, panels, plain
-from stickslip.presentation.page import Illustration, Section, write_page
+from stickslip.presentation.page import Section, write_page
 
 T = np.linspace(0.0, 2.0, 200)
 
@@ -36,6 +36,15 @@ def short() -> Figure:
     figure = Figure()
     figure.subplots().plot([0.0, 1.0], [0.0, 1.0])
     return figure
+
+
+def figures(*draws) -> Section:
+    """Return a section with figures by the names of what draws them."""
+    shown = {draw.__name__: draw for draw in draws}
+    content = (
+        "{% for name in names %}{% call figure(name, 'drawn') %}A figure.{% endcall %}{% endfor %}"
+    )
+    return Section("Figures", content, shown, names=list(shown))
 
 
 def decoded(page: str, name: str) -> str:
@@ -81,20 +90,19 @@ def test_a_thinned_line_opens_with_the_points_that_were_kept():
 
 
 def test_a_page_carries_data_and_library_of_what_opens(tmp_path):
-    one, other = (Illustration(draw.__name__, draw, "drawn", "A figure.") for draw in (long, short))
-    write_page(tmp_path, "Both", [Section("Figures", one, other)], "both.html")
+    write_page(tmp_path, "Both", [figures(long, short)], "both.html")
     page = (tmp_path / "both.html").read_text()
     assert re.findall('data-plot="(.*?)"', page) == ["long"]
     assert json.loads(decoded(page, "plots")) == {"long": json.loads(json.dumps(panels(long())))}
     assert "Bokeh" in decoded(page, "bokeh")
-    write_page(tmp_path, "Other", [Section("Figures", other)], "other.html")
+    write_page(tmp_path, "Other", [figures(short)], "other.html")
     assert "<script" not in (tmp_path / "other.html").read_text()
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="Chromium is not installed here")
 def test_a_browser_opens_the_figure(tmp_path):
-    write_page(tmp_path, "One", [Section("", Illustration("long", long, "drawn", "A figure."))])
+    write_page(tmp_path, "One", [figures(long)])
     page = tmp_path / "report.html"
     click = "<script>setTimeout(() => document.querySelector('button.open').click(), 500)</script>"
     page.write_text(page.read_text().replace("</body>", f"{click}</body>"))

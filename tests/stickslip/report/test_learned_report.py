@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from html import unescape
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -24,6 +25,10 @@ from stickslip.presentation.page import Picture
 from stickslip.presentation.quantity import interval, number
 from stickslip.presentation.scale import Scale, thinned
 from stickslip.presentation.style import house_style, new_figure
+from stickslip.presentation.table import Column, Table
+from stickslip.studies.learn import tables
+from stickslip.studies.learn.command import print_estimation
+from stickslip.studies.learn.document import recording_document
 from stickslip.studies.learn.page import FIGURES, content, sections, write_estimation_report
 from stickslip.studies.learn.page.signals import residual
 
@@ -123,8 +128,7 @@ def written(request, tmp_path_factory):
 
 def drawing(name, estimation):
     """Return what draws a figure of the page."""
-    found = [one for part in sections(estimation, (), ()) for one in part.illustrations()]
-    return next(one.draw for one in found if one.name == name)
+    return next(one.figures[name] for one in sections(estimation, (), ()) if name in one.figures)
 
 
 def words(folder):
@@ -265,6 +269,31 @@ def test_pictures_bear_an_estimation_that_knows_nothing():
         for name in ("force", "profiles"):
             drawing(name, blind)().draw_without_rendering()
     assert "≈ 6" in content.learned(blind).markup({})
+
+
+@pytest.mark.usefixtures("without_pictures")
+def test_a_further_column_is_on_terminal_page_and_in_files(tmp_path, monkeypatch, capsys):
+    given, further = tables.parameters, Column("drive", "", "", "Further")
+
+    def parameters(estimation):
+        table = given(estimation)
+        rows = [{**row, "drive": f"X{row['parameter']}"} for row in table.rows]
+        return Table((*table.columns, further), rows)
+
+    monkeypatch.setattr(tables, "parameters", parameters)
+    estimation = made(n=2000)
+    print_estimation(estimation)
+    write_estimation_report(estimation, (), tmp_path)
+    document = recording_document(SimpleNamespace(estimation=estimation, known_loop=None, seed=0))
+    assert re.search(r"^F_c .* XF_c$", capsys.readouterr().out, re.M)
+    assert "Further" in words(tmp_path)
+    assert "XF_c" in words(tmp_path)
+    assert pd.read_csv(tmp_path / "parameters.csv").set_index("parameter")["drive"]["F_c"] == "XF_c"
+    assert document["parameters"]["F_c"]["drive"] == "XF_c"
+
+
+def test_markup_is_not_shown_as_text(written):
+    assert "<span" not in words(written[2])
 
 
 def test_a_thinned_signal_keeps_its_extremes_and_its_order():

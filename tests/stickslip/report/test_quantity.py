@@ -1,8 +1,9 @@
 """Numbers, values with errors, intervals and symbols as pages show them."""
 
 import pytest
+from jinja2 import UndefinedError
 
-from stickslip.presentation.markup import text
+from stickslip.presentation.markup import fill, text
 from stickslip.presentation.quantity import interval, number, with_error
 
 
@@ -42,3 +43,14 @@ def test_symbols_are_set_and_all_other_text_is_escaped():
     for plain in ("costs $5 to $6", "$F_c", "$<b>$"):
         assert "<" not in text(plain)
     assert "<b" not in text(r"$\lt_b$")
+
+
+def test_templates_escape_values_set_symbols_and_join_lines():
+    shown = fill("<p>{{ name }} of\n$F_c$</p>\n<p></p>", name="<b> $v$")
+    assert shown == "<p>&lt;b&gt; <i>v</i> of <i>F</i><sub>c</sub></p>\n<p></p>"
+    assert fill('<i title="{{ name | attribute }}">', name='"$v$"') == '<i title="&quot;$v$&quot;">'
+
+
+def test_a_value_that_a_template_lacks_is_an_error():
+    with pytest.raises(UndefinedError, match="'name' is undefined"):
+        fill("{{ name }}")

@@ -30,7 +30,6 @@ from stickslip.identification.stages import (
 from stickslip.papers.lugre.fmpy_check import Comparison, SecondOpinion
 from stickslip.papers.lugre.loop_tuning import FRICTION, STAGES, LoopTuning
 from stickslip.papers.lugre.page import FIGURES, TITLE, sections, write_report
-from stickslip.papers.lugre.page.as_published import METHODS
 from stickslip.papers.lugre.page.identification import PRIOR
 from stickslip.papers.lugre.published import (
     LOGARITHMIC,
@@ -42,6 +41,7 @@ from stickslip.papers.lugre.published import (
 )
 from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, drive_truth
 from stickslip.papers.lugre.steps import STEPS
+from stickslip.papers.lugre.tables import METHODS
 from stickslip.presentation.page import Picture, render
 from stickslip.presentation.quantity import number, parameter_estimate, parameter_value, percent
 from stickslip.presentation.style import house_style
@@ -243,8 +243,7 @@ def render_page(reproduction):
 
 def drawing(name, reproduction):
     """Return what draws a figure of the page."""
-    found = [one for section in sections(reproduction) for one in section.illustrations()]
-    return next(one.draw for one in found if one.name == name)
+    return next(one.figures[name] for one in sections(reproduction) if name in one.figures)
 
 
 @pytest.fixture(scope="module")

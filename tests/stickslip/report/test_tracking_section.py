@@ -22,7 +22,7 @@ def tracked(measured=None):
 
 
 def words(section):
-    pictures = {one.name: Picture.of(one.draw) for one in section.illustrations()}
+    pictures = {name: Picture.of(draw) for name, draw in section.figures.items()}
     return re.sub("<[^>]*>", "|", section.markup(pictures)).replace("\u00a0", " ")
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from stickslip.papers.lugre.page.as_published import study_section
+from stickslip.papers.lugre.page.diagrams import draw_loops
 from stickslip.papers.lugre.page.identification import identification_section
-from stickslip.papers.lugre.page.learning import friction_section
-from stickslip.papers.lugre.page.loop import design_section, use_section
 from stickslip.papers.lugre.page.loop_learning import loop_learning_section
 from stickslip.papers.lugre.page.result import head
+from stickslip.papers.lugre.page.section import section
 from stickslip.papers.lugre.page.validation import (
     motions_section,
     steps_section,
@@ -34,20 +35,21 @@ FILES = ("report.html", *picture_files(FIGURES))
 
 def sections(reproduction: Reproduction) -> Sequence[Section]:
     """Return the sections of the page; a study that was not made has none."""
-    study = reproduction.published
+    study, loop = reproduction.published, reproduction.identification.loop
+    draw = partial(draw_loops, loop, reproduction.truth, reproduction.options)
     found = (
         head(reproduction),
-        design_section(reproduction),
+        section("The loop", "loop", reproduction, {"fig2_loops": draw}),
         identification_section(reproduction),
-        friction_section(reproduction),
+        section("Learning the friction", "learning", reproduction),
         loop_learning_section(reproduction),
         validation_section(reproduction.validation, reproduction.table4()),
         steps_section(reproduction),
         study_section(study) if study else None,
         motions_section(reproduction),
-        use_section(reproduction),
+        section("Using the results", "use", reproduction),
     )
-    return [section for section in found if section is not None]
+    return [one for one in found if one is not None]
 
 
 def write_report(reproduction: Reproduction, folder: Path) -> list[Path]:

@@ -12,16 +12,15 @@ from stickslip import ga
 from stickslip.catalog.parameters import friction_law
 from stickslip.papers.lugre.loop_tuning import LoopTuning
 from stickslip.papers.lugre.page.diagrams import draw_flow, draw_scheme
-from stickslip.papers.lugre.page.loop_tuning import NAMES
+from stickslip.papers.lugre.page.section import section
 from stickslip.papers.lugre.reproduction import Reproduction
 from stickslip.presentation import style
-from stickslip.presentation.markup import Html, paragraph, quiet, table
-from stickslip.presentation.page import Illustration, Section
-from stickslip.presentation.quantity import number, percent, unit
+from stickslip.presentation.page import Section
+from stickslip.presentation.quantity import number
 from stickslip.thresholds import kept
+from stickslip.tuning import loop_learning
 from stickslip.tuning.drive_model import PROBES
 from stickslip.tuning.loop_genes import GENES
-from stickslip.tuning.loop_learning import LEVELS, NEAR, POWER, LearnedLoop
 from stickslip.tuning.loop_runs import training_motion
 
 MEANINGS = {
@@ -48,64 +47,20 @@ PAPER_TABLE3 = {
 def loop_learning_section(reproduction: Reproduction) -> Section:
     """Return the section on the learning of the loop."""
     loops = reproduction.loops
-    below, above = (f"{level:g}" for level in LEVELS)
-    seconds = number(training_motion().duration, 2)
-    return Section(
-        "Learning the loop",
-        paragraph(
-            "The five parameters of friction are found by regression. What no regression finds is "
-            "the loop: its gains, how much of the identified friction and inertia to feed "
-            "forward, and how fast an observer corrects the rest. There an evolutionary search "
-            f"helps. A candidate runs a motion of {seconds} s, with starts and reversals, slow "
-            "reversals, creep and small moves at speeds of the validation and between them, once "
-            f"on the drive, whose encoder and motor force show the velocity, and on models of it, "
-            f"FMUs with {below} and {above} times its friction, which no one can command on a "
-            f"drive. {_models(loops)} The cost is the mean, with the power {POWER}, of the "
-            "tracking errors and of the change of the force from sample to sample, each relative "
-            f"to the tuned PI controller; ratios above {NEAR:g} cost more, and a candidate with a "
-            f"peak sensitivity Ms above {kept.SENSITIVITY:g} is not run. The best are run again, "
-            "and one is taken only if nothing is worse than with the tuned PI controller, by more "
-            f"than {percent(kept.LOOP_WORSE - 1.0, 0)}."
-        ),
-        Illustration(
-            "fig3_scheme",
-            partial(draw_scheme, reproduction),
-            "Block diagram: the search sets the parameters of controller, compensator "
-            "and observer so that drive and models follow the command",
-            "The learning scheme, as Fig. 3 of the paper, with the loop as what is learned. The "
-            "drive runs once for each candidate.",
-        ),
-        Illustration(
-            "fig4_flow",
-            partial(draw_flow, reproduction),
-            "Flow chart of the four steps of the learning",
-            "The steps of the learning, Fig. 4 of the paper, with the settings of this run.",
-        ),
-        Illustration(
-            "fig5_fitness",
-            partial(draw_fitness, loops),
-            "Best cost over the evaluations, median and range over seeds",
-            f"Cost of the best candidate over the evaluations, as Fig. 5 of the paper: median and "
-            f"range over {len(loops.learned)} seeds. It is a mean of ratios to the tuned PI "
-            f"controller, and more where one exceeds {NEAR:g}.",
-        ),
-        _settings(reproduction),
-        _genes(loops),
-        _outcomes(loops),
-    )
-
-
-def _models(loops: LoopTuning) -> str:
-    """Return what the models are, and how well they err like the drive."""
-    best, found, fed = loops.study.models[0], "what was identified", ""
-    if best.fitted:
-        titles = [friction_law(model.law).title for model in loops.study.models]
+    found, fed, models = "what was identified", "", loops.study.models
+    if models[0].fitted:
+        titles = [friction_law(model.law).title for model in models]
         found = f"{' or '.join(titles)}, fitted to the drive’s errors"
         fed = f" The feedforward has the {titles[0]} friction, too."
-    return (
-        f"Their friction is {found}: in {len(PROBES)} loops their errors differ from those of the "
-        f"drive by {percent(best.mismatch, 0)} (RMS of the logarithms).{fed}"
-    )
+    figures = {
+        "fig3_scheme": partial(draw_scheme, reproduction),
+        "fig4_flow": partial(draw_flow, reproduction),
+        "fig5_fitness": partial(draw_fitness, loops),
+    }
+    values = {"settings": _settings(loops.best.algorithm), "genes": _genes(loops), "PROBES": PROBES}
+    values |= {"learning": loop_learning, "seconds": training_motion().duration}
+    values |= {"found": found, "fed": fed, "kept": kept, "mismatch": models[0].mismatch}
+    return section("Learning the loop", "loop_learning", reproduction, figures, **values)
 
 
 def draw_fitness(loops: LoopTuning) -> Figure:
@@ -128,8 +83,7 @@ def draw_fitness(loops: LoopTuning) -> Figure:
     return figure
 
 
-def _settings(reproduction: Reproduction) -> Html:
-    algorithm = reproduction.loops.best.algorithm
+def _settings(algorithm: ga.Optimiser) -> list[tuple[str, str, str]]:
     rows = [
         ("algorithm", algorithm.title, "genetic"),
         ("population", str(algorithm.batch), PAPER_TABLE3["population"]),
@@ -137,9 +91,7 @@ def _settings(reproduction: Reproduction) -> Html:
     ]
     if isinstance(algorithm, ga.GeneticAlgorithm):
         rows = _of_genetic(algorithm.settings)
-    rows.append(("evaluations", str(algorithm.evaluations), "1000"))
-    caption = f"Settings, preset “{reproduction.options.preset}”, beside Table 3"
-    return table(("", "This run", "Paper"), rows, caption)
+    return [*rows, ("evaluations", str(algorithm.evaluations), "1000")]
 
 
 def _of_genetic(settings: ga.Settings) -> list[tuple[str, str, str]]:
@@ -160,8 +112,8 @@ def _setting(settings: ga.Settings, name: str) -> str:
     return "continuous" if value is None else f"{value:g}"
 
 
-def _genes(loops: LoopTuning) -> Html:
-    best, rows = loops.best, []
+def _genes(loops: LoopTuning) -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = []
     for gene in GENES:
         values = [one.genes[gene.name] for one in loops.learned]
         rows.append(
@@ -169,46 +121,8 @@ def _genes(loops: LoopTuning) -> Html:
                 SYMBOLS.get(gene.name, gene.name),
                 MEANINGS[gene.name],
                 f"{number(gene.lower)} to {number(gene.upper)}",
-                number(best.genes[gene.name], 3),
+                number(loops.best.genes[gene.name], 3),
                 f"{number(min(values), 2)} to {number(max(values), 2)}",
             )
         )
-    head = ("Gene", "", "Searched", f"Seed {best.seed}, least cost", "All seeds")
-    return table(head, rows, "What is learned of the loop", (0, 1))
-
-
-def _outcomes(loops: LoopTuning) -> Html:
-    """Return what the seeds found, and the loop of the one that is written."""
-    found = loops.by_seed()
-    rows = [
-        (
-            str(one.seed),
-            {"learned": "a candidate"}.get(one.chosen, NAMES.get(one.chosen, one.chosen)),
-            f"{one.cost:.3f}",
-            f"{found['median'][one.seed]:.2f}",
-            f"{found['largest'][one.seed]:.2f}",
-            f"{one.Ms:.2f}",
-            str(one.evaluations),
-            str(one.runs),
-        )
-        for one in loops.learned
-    ]
-    head = (
-        "Seed", "Chosen", "Cost", "Median error", "Largest error", "Ms", "Candidates",
-        "Runs of the drive",
-    )  # fmt: skip
-    caption = "The searches; errors in the validation, relative to the tuned PI controller"
-    return Html(table(head, rows, caption, (1,)) + quiet(_written(loops.best)))
-
-
-def _written(best: LearnedLoop) -> str:
-    """Return the loop of the seed with the least cost, in units."""
-    loop = best.tuned.loop
-    observer = best.tuned.observer
-    return (
-        f"Seed {best.seed} has the least cost and is what learned_loop.ssp contains: "
-        f"$K_p$ = {number(loop.K_p)} {unit('N.s/m')}, $K_i$ = {number(loop.K_i)} N/m, "
-        rf"$\tau_f$ = {number(1e3 * loop.tau_f)} ms, feedforward of {number(loop.m_ff)} kg and of "
-        f"{percent(best.tuned.share)} of the {best.tuned.law.title} friction, and "
-        f"{percent(observer.share)} of the observer’s estimate."
-    )
+    return rows

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,69 +9,15 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 
 from stickslip.evaluation.motions import MOTIONS
-from stickslip.evaluation.scatter import PHASES
-from stickslip.papers.lugre.loop_tuning import FRICTION, STAGES, LoopTuning, spread
-from stickslip.papers.lugre.reproduction import Reproduction
+from stickslip.papers.lugre import tables
+from stickslip.papers.lugre.loop_tuning import FRICTION, STAGES, LoopTuning
 from stickslip.presentation import style
-from stickslip.presentation.markup import Html, paragraph, table
-from stickslip.presentation.page import Illustration
 
-NAMES = {
-    "none": "None",
-    "tuned_pi": "Tuned PI alone",
-    "identified": "+ identified friction",
-    "least_squares": "+ least squares",
-    "learned": "Loop learned",
-}
-"""The stages as the page names them."""
 LEVEL_LOOKS: Any = {
     0.7: {"marker": "v", "mfc": "white"},
     1.0: {"marker": "o", "mfc": style.WITH},
     1.3: {"marker": "^", "mfc": "white"},
 }
-
-
-def steps_at_a_glance(reproduction: Reproduction) -> tuple[Html | Illustration, ...]:
-    """Return what the page opens with: errors of each step, relative to a tuned PI controller."""
-    loops = reproduction.loops
-    return (
-        paragraph(f"{loops.sentence[0].upper()}{loops.sentence[1:]}."),
-        Illustration(
-            "loop_tuning",
-            partial(draw_stages, loops),
-            "Errors of four motions, step by step, relative to a tuned PI controller",
-            "What each step brings, in four motions: the error of the true velocity relative to "
-            "that of a PI controller whose gains are tuned without any model of friction. The "
-            "simulated drive has its own friction (circles), and 0.7 and 1.3 times as much, to "
-            "which nothing is learned again. Bars: range over "
-            f"{len(loops.learned)} seeds of the search. Each point is a median over "
-            f"{len(PHASES)} places within a step of the encoder from which the motion begins.",
-        ),
-        _stages(loops),
-    )
-
-
-def _stages(loops: LoopTuning) -> Html:
-    summary, rows = loops.summary(), []
-    for stage, name in NAMES.items():
-        own = summary.loc[stage]
-        cells = [spread(*own[motion.name]) for motion in MOTIONS]
-        rows.append((name, *cells, f"{own['Ms'].iloc[0]:.2f}", _cost(loops, stage)))
-    head = ("", *(motion.name.capitalize() for motion in MOTIONS), "Ms", "Runs of the drive")
-    caption = (
-        "Errors relative to the tuned PI controller alone: median [range] over friction "
-        f"× {', × '.join(f'{level:g}' for level in FRICTION)} and seeds"
-    )
-    return table(head, rows, caption)
-
-
-def _cost(loops: LoopTuning, stage: str) -> str:
-    if stage == "learned":
-        return f"{max(one.runs for one in loops.learned)} more"
-    if stage == "least_squares":
-        own = loops.table[loops.table["stage"] == stage]
-        return f"{own['evaluations'].max()} more"
-    return {"none": "–", "tuned_pi": "–", "identified": "three experiments"}[stage]
 
 
 def draw_stages(loops: LoopTuning) -> Figure:
@@ -95,7 +40,7 @@ def draw_stages(loops: LoopTuning) -> Figure:
         axes.yaxis.set_minor_locator(NullLocator())
         axes.yaxis.set_major_formatter(FormatStrFormatter("%g"))
         axes.grid(visible=True, axis="y")
-        labels = [NAMES[stage] for stage in STAGES]
+        labels = [tables.STAGES[stage] for stage in STAGES]
         axes.set_xticks(range(len(labels)), labels, rotation=40, ha="right", rotation_mode="anchor")
         style.name_panel(axes, letter, motion.name.capitalize())
     panels[0].set_ylabel("Error relative to tuned PI [1]")

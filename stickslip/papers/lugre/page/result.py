@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from stickslip import models
-from stickslip.papers.lugre.page.loop_tuning import steps_at_a_glance
+from stickslip.papers.lugre.loop_tuning import FRICTION
+from stickslip.papers.lugre.page.loop_tuning import draw_stages
+from stickslip.papers.lugre.page.section import section
 from stickslip.papers.lugre.reproduction import Reproduction
 from stickslip.papers.lugre.steps import FILTERED, REDUCTION_WITH_FILTER
-from stickslip.presentation.markup import Html, element, join, paragraph, tile
 from stickslip.presentation.page import Section
-from stickslip.presentation.quantity import (
-    METRICS,
-    number,
-    percent,
-    unit,
-)
+from stickslip.presentation.quantity import METRICS, number, percent, unit
 from stickslip.servo.systems import drive_law
 
 EFFECTS = {
@@ -29,25 +27,9 @@ FEEDS = {"nominal": "the nominal loop’s velocity", "command": "the velocity co
 
 
 def head(reproduction: Reproduction) -> Section:
-    """Return the paragraph of what was done, and the verdict."""
-    options = reproduction.options
-    search = reproduction.loops.best.algorithm
-    done = paragraph(
-        "This page reproduces “The Feedforward Friction Compensation of Linear Motor Using Genetic "
-        "Learning Algorithm”. The paper measured a real stage; all that is computed here is of a "
-        "simulated drive, built as an FMU. It was identified by three experiments; a velocity loop "
-        "was designed on what they found; least squares fitted the friction to runs of the drive; "
-        f"{search.title} then learned the loop, its gains and compensators together (preset "
-        f"“{options.preset}”, {len(reproduction.loops.learned)} seeds from {options.seed}, "
-        f"compensator input: {FEEDS[options.feed]}). Identification and learning used only "
-        "commands and measurements of the drive; its true parameters and its true velocity are "
-        "used to evaluate the result.",
-    )
-    glance = steps_at_a_glance(reproduction)
-    return Section("", done, *glance, _drive(reproduction), _verdict(reproduction))
-
-
-def _drive(reproduction: Reproduction) -> Html:
+    """Return what was done, what each step brings, and the verdict."""
+    table = reproduction.table4()
+    own = table[table["velocity"] == "measured"]
     start, law = drive_law(reproduction.options.truth)
     model = models.load_model("drive", law)
     variables = {v.name: v for v in model.variables if v.role == "parameter"}
@@ -58,25 +40,32 @@ def _drive(reproduction: Reproduction) -> Html:
     ]
     if model.law is not None and law != "lugre":
         changes.insert(0, f"friction law = {model.law.title} (instead of LuGre)")
-    text = f"changed for this run: {', '.join(changes)}" if changes else "the paper’s, Table 2"
-    switches = {name: v for name, v in variables.items() if v.type == "boolean"}
-    states = {
-        state: ", ".join(
-            EFFECTS.get(name, name) for name in switches if bool(reproduction.truth[name]) == state
-        )
+    switches = [name for name, v in variables.items() if v.type == "boolean"]
+    effects = {
+        state: [EFFECTS.get(n, n) for n in switches if bool(reproduction.truth[n]) == state]
         for state in (True, False)
     }
-    return paragraph(
-        f"Parameters of the simulated drive: {text}. Effects switched on: "
-        f"{states[True] or 'none'}; off: {states[False] or 'none'}.",
+    loops = reproduction.loops
+    return section(
+        "",
+        "result",
+        reproduction,
+        {"loop_tuning": partial(draw_stages, loops)},
+        feed=FEEDS[reproduction.options.feed],
+        FRICTION=[f"{level:g}" for level in FRICTION],
+        changes=changes,
+        effects=effects,
+        better=int((own["reduction"] > own["paper_reduction"]).sum()),
+        found=_tiles(reproduction),
     )
 
 
-def _verdict(reproduction: Reproduction) -> Html:
+def _tiles(reproduction: Reproduction) -> list[tuple[str, ...]]:
+    """Return the reductions of the measured errors, each with those beside it."""
     table = reproduction.table4()
     own, true = (table[table["velocity"] == shown] for shown in ("measured", "true"))
     extras = reproduction.extras.table4 if reproduction.extras else None
-    tiles = []
+    found = []
     for k, row in enumerate(own.to_dict("records")):
         beside = ["simulated drive", f"true velocity {percent(true['reduction'].iloc[k])}"]
         if FILTERED in true:
@@ -87,17 +76,5 @@ def _verdict(reproduction: Reproduction) -> Html:
             beside.append(f"all extras on {percent(reduced)}")
         beside.append(f"real stage (paper) {percent(row['paper_reduction'], 0)}")
         name = f"Motion {row['region']}, {METRICS[row['metric']]}"
-        tiles.append(tile(name, percent(row["reduction"]), *beside))
-    above = int((own["reduction"] > own["paper_reduction"]).sum())
-    text = f"by more than that of the real stage (paper) in {above} of {len(own)} measures"
-    if above == len(own):
-        text = "by more than that of the real stage (paper), in every measure"
-    return element(
-        "div",
-        paragraph(
-            "In the paper’s own loop, with the learned friction fed forward, compensation reduces "
-            f"the tracking error of the simulated drive, as its encoder shows it, {text}."
-        ),
-        element("div", join(tiles, "\n"), class_="tiles"),
-        class_="verdict",
-    )
+        found.append((name, percent(row["reduction"]), *beside))
+    return found

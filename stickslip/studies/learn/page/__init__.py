@@ -11,7 +11,6 @@ from stickslip.logs import Finding
 from stickslip.presentation.page import Section, picture_files, write_page
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.page import content
-from stickslip.studies.learn.page.laws import laws
 
 __all__ = ["FIGURES", "FILES", "sections", "write_estimation_report"]
 
@@ -43,7 +42,7 @@ def sections(
         *opening,
         content.learned(estimation),
         *further,
-        *([laws(estimation)] if estimation.held_out.predictions else []),
+        *([content.laws(estimation)] if estimation.held_out.predictions else []),
         content.criterion(estimation),
         content.log(estimation, findings),
         content.fit(estimation),

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.logs import Motion
 from stickslip.presentation import style
-from stickslip.presentation.markup import element, paragraph, quiet
-from stickslip.presentation.page import Illustration, Section, made_with
+from stickslip.presentation.page import MADE_WITH, Section
 from stickslip.presentation.quantity import number
 from stickslip.presentation.scale import WORDS, position_scale, thinned, velocity_scale
 from stickslip.studies.validate import tables
@@ -32,43 +31,27 @@ def comparison_sections(
     learned : name of the file of the learned drive
     controller : that of the log, for people
     """
-    without, compensated = logs
-    first, *rest = (f"{text[:1].upper()}{text[1:]}." for text in sentences(found))
-    seconds = number(sum(run.n for run in found.stretches) * float(found.t[1] - found.t[0]), 3)
     head = Section(
         "",
-        paragraph(
-            f"Tracking errors of {compensated}, recorded with the compensator running, and of "
-            f"{without}, recorded without it, where both had the same command: {seconds} s."
-        ),
-        element("div", paragraph(first), *map(paragraph, rest), class_="verdict"),
+        "<p>Tracking errors of {{ logs[1] }}, recorded with the compensator running, and of "
+        "{{ logs[0] }}, recorded without it, where both had the same command: {{ seconds }} s.</p>"
+        '<div class="verdict">{% for text in sentences %}<p>{{ text | sentence }}</p>{% endfor %}'
+        "</div>",
+        logs=logs,
+        seconds=number(sum(run.n for run in found.stretches) * float(found.t[1] - found.t[0]), 3),
+        sentences=sentences(found),
     )
-    return [head, _errors(found, motion, learned, controller), Section("Made with", made_with())]
-
-
-def _errors(found: LogComparison, motion: Motion, learned: str, controller: str) -> Section:
-    n = int(found.part.max()) + 1
-    parts = f"{n} repetitions of the command" if found.repeated else f"{n} equal parts of the logs"
-    texts = [
-        f"Intervals: jackknife over {parts}. A maximum is the mean over these of the largest error "
-        "in each. Velocities are derivatives of the encoder’s position through a low-pass.",
-        f"Simulated: the drive of {learned} along the same command, in the loop of {controller}."
-        if found.simulated
-        else "There is no simulated prediction, as the controller is not known: --controller and "
-        "--gain give it.",
-    ]
-    return Section(
+    errors = Section(
         "Tracking errors without and with the compensator",
-        Illustration(
-            FIGURES[0],
-            partial(draw_comparison, found, motion),
-            "Errors of velocity and position over time, without and with the compensator",
-            "Errors of velocity and position, without and with the compensator, where both logs "
-            "had the same command; time is that of the log without.",
-        ),
-        tables.tracking(found, motion).html("Tracking errors, measured in the logs and simulated"),
-        quiet(" ".join(texts)),
+        "studies/validate/page/comparison.j2",
+        {FIGURES[0]: partial(draw_comparison, found, motion)},
+        tracking=tables.tracking(found, motion),
+        found=found,
+        n=int(found.part.max()) + 1,
+        learned=learned,
+        controller=controller,
     )
+    return [head, errors, MADE_WITH]
 
 
 def draw_comparison(found: LogComparison, motion: Motion) -> Figure:

@@ -6,21 +6,18 @@ from functools import partial
 
 from matplotlib.figure import Figure
 
-from stickslip.catalog.parameters import unit_of
 from stickslip.catalog.space import Values
 from stickslip.identification.criteria.motion import position_of
 from stickslip.presentation import style
-from stickslip.presentation.markup import element, join, paragraph, quiet, table, tile
-from stickslip.presentation.page import Illustration, Section, made_with
-from stickslip.presentation.quantity import interval, number, percentage
-from stickslip.presentation.quantity import unit as printed
+from stickslip.presentation.page import MADE_WITH, Section
+from stickslip.presentation.quantity import percentage
 from stickslip.presentation.scale import WORDS as PLACES
 from stickslip.presentation.scale import Scale, force_scale, position_scale, thinned
 from stickslip.servo.measurement import Array
 from stickslip.studies.validate import tables
-from stickslip.studies.validate.log_prediction import FRICTION, LogPrediction
-from stickslip.studies.validate.log_verdict import WORDS, verdict
-from stickslip.studies.validate.tables import signal_scale, signal_title
+from stickslip.studies.validate.log_prediction import LogPrediction
+from stickslip.studies.validate.log_verdict import verdict
+from stickslip.studies.validate.tables import signal_title
 
 FIGURES = ("prediction",)
 
@@ -36,103 +33,46 @@ def log_sections(
     learned : name of the file of the learned drive
     controller : that of the log, for people
     """
-    return [
-        _head(found, values, learned, controller),
-        _signals(found),
-        _changes(found, values),
-        _spans(found),
-        Section("Made with", made_with()),
-    ]
-
-
-def _head(found: LogPrediction, values: Values, learned: str, controller: str) -> Section:
-    first, *reasons = (f"{text[:1].upper()}{text[1:]}." for text in verdict(found, values))
-    tiles = [
-        tile(signal_title(name, found.recording.motion), percentage(one.relative), "relative error")
+    motion = found.recording.motion
+    errors = [
+        (signal_title(name, motion), percentage(one.relative), "relative error")
         for name, one in found.signals.items()
     ]
-    recording = found.recording
-    return Section(
-        "",
-        paragraph(
-            f"{number(recording.t[-1], 4)} s of {recording.source} against the drive of {learned}, "
-            f"of which nothing was fitted again. Controller: {controller}."
+    return [
+        Section(
+            "",
+            "studies/validate/page/head.j2",
+            recording=found.recording,
+            verdict=verdict(found, values),
+            errors=errors,
+            learned=learned,
+            controller=controller,
         ),
-        element(
-            "div",
-            paragraph(first),
-            element("div", join(tiles, "\n"), class_="tiles"),
-            *(paragraph(reason.replace("+-", "±")) for reason in reasons),
-            class_="verdict",
+        Section(
+            "Recorded and predicted",
+            "studies/validate/page/prediction.j2",
+            {"prediction": partial(draw_prediction, found)},
+            signals=tables.signals(found),
+            loop=_loop(found),
         ),
-    )
-
-
-def _signals(found: LogPrediction) -> Section:
-    return Section(
-        "Recorded and predicted",
-        Illustration(
-            "prediction",
-            partial(draw_prediction, found),
-            "Recorded and predicted force over time, and the errors of force and position",
-            "(a) Force of the log, measured, and predicted from its motion by the learned drive; "
-            "(b) their difference, and its mean in the direction of motion in each part of the log"
-            + (
-                "; (c) position of the log less that of the simulated loop."
-                if _loop(found)
-                else "."
-            ),
+        Section(
+            "What has changed",
+            "<p>Changes of the learned drive that explain what the force leaves best. They are not "
+            "applied; an interval that contains 0 shows no change.</p>"
+            "{{ changes.html('Against the learned drive') }}",
+            changes=tables.changes(found, values),
         ),
-        tables.signals(found).html("Root mean square of recorded less predicted"),
-        quiet(
-            "Noise: what noise and the steps of encoder and force make, from simulated logs. "
-            "Intervals: at most what the standard errors of the parameters make. Ratio: of the "
-            "error to both; up to 2 is explained."
+        Section(
+            "Over the log",
+            "{{ spans.html('Errors in each part of the log') }}",
+            spans=tables.spans(found),
         ),
-    )
+        MADE_WITH,
+    ]
 
 
 def _loop(found: LogPrediction) -> bool:
     return found.goodness.simulated is not None
-
-
-def _changes(found: LogPrediction, values: Values) -> Section:
-    rotary, rows = found.recording.rotary, []
-    for name, change in found.changes.items():
-        if name in ("m", FRICTION):
-            factor, unit = 100.0 / (values["m"] if name == "m" else 1.0), "%"
-        else:
-            factor, unit = 1.0, printed(unit_of("b" if name == "b" else "F_c", rotary=rotary))
-        ends = interval(factor * change.low, factor * change.high)
-        rows.append((WORDS[name].capitalize(), number(factor * change.value, 3), ends, unit))
-    return Section(
-        "What has changed",
-        paragraph(
-            "Changes of the learned drive that explain what the force leaves best. They are not "
-            "applied; an interval that contains 0 shows no change."
-        ),
-        table(("", "Change", "95 % interval", "Unit"), rows, "Against the learned drive", (0, 3)),
-    )
-
-
-def _spans(found: LogPrediction) -> Section:
-    motion, table_of = found.recording.motion, found.spans
-    names = list(table_of.columns[2:])
-    titles = {
-        "force_bias": "Force, mean error in the direction of motion",
-        "force_error": "Force, RMS error",
-        "position_error": f"{PLACES[motion][0].capitalize()}, RMS error",
-    }
-    scales = {name: signal_scale(motion, name, float(table_of[name].abs().max())) for name in names}
-    rows = [
-        (
-            f"{number(row['begin'], 3)} to {number(row['end'], 3)}",
-            *(number(scales[name].factor * row[name], 3) for name in names),
-        )
-        for row in table_of.to_dict("records")
-    ]
-    head = ("Time [s]", *(f"{titles[name]} [{scales[name].unit}]" for name in names))
-    return Section("Over the log", table(head, rows, "Errors in each part of the log"))
 
 
 def draw_prediction(found: LogPrediction) -> Figure:

@@ -1,0 +1,37 @@
+"""A section of the page of a reproduction."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from matplotlib.figure import Figure
+
+from stickslip.evaluation.scatter import PHASES
+from stickslip.papers.lugre import tables
+from stickslip.papers.lugre.published import PAPER_COST
+from stickslip.papers.lugre.reproduction import Reproduced
+from stickslip.presentation.page import Section
+from stickslip.servo import paper_commands
+from stickslip.servo.datasheet import LOOP
+
+
+def section(
+    title: str,
+    template: str,
+    of: Reproduced | None = None,
+    figures: Mapping[str, Callable[[], Figure]] | None = None,
+    **values: object,
+) -> Section:
+    """Return the section of a template beside this file, which has the numbers of the paper."""
+    return Section(
+        title,
+        f"papers/lugre/page/{template}.j2",
+        figures,
+        reproduction=of,
+        tables=tables,
+        paper=paper_commands,
+        LOOP=LOOP,
+        PHASES=PHASES,
+        PAPER_COST=PAPER_COST,
+        **values,
+    )
