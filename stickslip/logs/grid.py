@@ -80,7 +80,7 @@ def even_grid(
     even = len(t) == len(grid) and float(np.max(off)) <= EVEN
     if not even and (jitter := float(np.sqrt(np.mean(off**2)))) > EVEN:
         figure = f"{jitter:.2g} of the sample period {T_s:.4g} s (rms)"
-        advice = "if the samples are even and only the clock is not, give --sample-period"
+        advice = "if the samples are even and only the clock is not, give <sample_period>"
         severity: Severity = "warning" if jitter > 0.1 else "note"
         findings.append(Finding(severity, "times are uneven", figure, advice))
     missing = len(grid) - len(t)
