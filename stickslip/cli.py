@@ -13,6 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple, NoReturn
 
+from stickslip.errors import settings_as_options
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.messages import harmless
 from stickslip.fmi.process import (
@@ -66,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     plain = argparse.Namespace(json=False, quiet=False, verbose=False, debug=False)
     options = _parser(given).parse_args(given, plain)
-    with interruptible(), messages(options):
+    with interruptible(), messages(options), settings_as_options():
         try:
             return _status(options)
         except KeyboardInterrupt as interruption:

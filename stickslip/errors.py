@@ -10,14 +10,68 @@ StickslipError(Fault)
         LimitError                      a limit refused a command, or aborted its motion
 """
 
+import os
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.messages import printable
 
+_COMMAND = "STICKSLIP_COMMAND"
+"""Variable of the environment of a command, and of the processes that it starts."""
+_SETTING = re.compile(
+    "<(column|compensator|confirm|controller|encoder_step|law|motion|rated_force|rated_torque"
+    "|sample_period|scale|span|unit)(?: ([^<>]+))?>"
+)
+
+
+@contextmanager
+def settings_as_options() -> Iterator[None]:
+    """Let messages name settings as options of the command line."""
+    os.environ[_COMMAND] = "1"
+    try:
+        yield
+    finally:
+        os.environ.pop(_COMMAND, None)
+
+
+def with_settings(text: str) -> str:
+    """Return a message in which settings are options in a command, and keywords in Python.
+
+    ``<sample_period 0.01>`` is ``--sample-period 0.01`` or ``sample_period=0.01``, and
+    ``<unit time=ms>`` is ``--unit time=ms`` or ``columns={"time": Column(unit="ms")}``.
+    """
+    return _SETTING.sub(_option if _COMMAND in os.environ else _keyword, text)
+
+
+def _option(found: re.Match[str]) -> str:
+    return f"--{found[1].replace('_', '-')} {found[2] or ''}".rstrip()
+
+
+def _keyword(found: re.Match[str]) -> str:
+    name, value = found.groups()
+    if name in ("column", "unit", "scale") and value:
+        pairs = re.findall(r"(\w+)=(.*?)(?= \w+=|$)", value)
+        part = name.replace("column", "name")
+        columns = (f'"{role}": Column({part}={_literal(text)})' for role, text in pairs)
+        return f"columns={{{', '.join(columns)}}}"
+    if name in ("confirm", "span") and value:
+        return f"{name}=({', '.join(map(_literal, value.split()))},)"
+    return f"{name}={_literal(value)}" if value else name
+
+
+def _literal(value: str) -> str:
+    """Return a value in quotes, but for a number or a placeholder in capitals."""
+    return value if re.fullmatch(r"[-+.\d]+(e[-+]?\d+)?|[A-Z]+", value) else f'"{value}"'
+
 
 class StickslipError(Fault):
     """A command cannot go on; the message is for the user."""
+
+    def __init__(self, message: str = "", *further: object) -> None:
+        super().__init__(with_settings(message), *further)
 
 
 class UsageError(StickslipError, ValueError):

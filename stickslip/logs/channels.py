@@ -105,17 +105,17 @@ def unit_fault(
         base = unit.name if unit.factor == 1 else unit_names(unit.quantity)[0]
         one = "100 %" if unit.name in ("%", "‰") else f"one {base}"
         if unit.name in ("%", "‰") and quantity_key(role) == "force":
-            advice = f"give --rated-{expected} VALUE or --scale {role}=VALUE, 100 % in {SI}"
+            advice = f"give <rated_{expected} VALUE> or <scale {role}=VALUE>, 100 % in {SI}"
             what = f"{role} is in {unit.name} of a rated {expected} that is not known"
             return Finding("error", what, "", advice)
         what = f"{role} is in {unit.name}, which is not a {expected} ({motion} motion)"
         advice = f"give a unit such as {expected_units(role, motion)}, or what {one} is in {SI}"
-        advice = f"{advice} with --scale {role}=NUMBER"
+        advice = f"{advice} with <scale {role}=NUMBER>"
         if (quantity_key(role), unit.quantity) in _COUNTED and unit.name not in ("%", "‰"):
             turn = " (360 deg divided by the counts per turn)" if motion == "rotary" else ""
-            advice = f"give --encoder-step, the size of one count{turn}, or {advice[5:]}"
+            advice = f"give <encoder_step>, the size of one count{turn}, or {advice[5:]}"
         if role not in ("time", "position", "force"):
-            advice = f"{advice}; --column {role}=none leaves it out"
+            advice = f"{advice}; <column {role}=none> leaves it out"
         return Finding("error", what, "", advice)
     named = named_quantity(name)
     elsewhere = () if quantity_key(role) == "force" else ("current", "voltage", "torque", "angle")
@@ -125,15 +125,15 @@ def unit_fault(
         what = f"a {named} by its name, without a unit"
     elif quantity_key(role) == "force" and description.rated is not None:
         what = f"a rated {expected} is given, but no unit"
-        return Finding("error", f"{role}: column '{name}'", what, f"give --unit {role}=% or =0.1%")
+        return Finding("error", f"{role}: column '{name}'", what, f"give <unit {role}=%> or 0.1%")
     elif _whole(table.numbers.get(name)):
         what = "whole numbers only, without a unit"
     else:
         return None
-    advice = f"give --unit {role}=UNIT, such as {expected_units(role, motion)}"
+    advice = f"give <unit {role}=UNIT>, such as {expected_units(role, motion)}"
     per = {"current": "A", "voltage": "V", "percentage": "1 %", "torque": "N.m"}.get(named or "")
-    other = ", or --motion rotary" if named == "torque" else ""
-    advice = f"{advice}, or --scale {role}=NUMBER, in {SI} per {per or '1'}{other}"
+    other = ", or <motion rotary>" if named == "torque" else ""
+    advice = f"{advice}, or <scale {role}=NUMBER>, in {SI} per {per or '1'}{other}"
     return Finding("error", f"{role}: column '{name}'", what, advice)
 
 
@@ -212,7 +212,7 @@ def assumed_units(channels: Sequence[Channel], motion: Motion) -> list[Finding]:
         for one in channels
         if one.unit is None and one.scale is None
     ]
-    figure, advice = "taken for " + ", ".join(assumed), "--unit ROLE=UNIT states another"
+    figure, advice = "taken for " + ", ".join(assumed), "<unit ROLE=UNIT> states another"
     return [Finding("note", "columns that state no unit", figure, advice)] if assumed else []
 
 

@@ -87,14 +87,14 @@ def _signals(recording: Recording, controller: Controller) -> Iterator[Finding]:
         yield Finding("error", "neither position nor velocity", advice="log one")
     if recording.force is None and recording.friction is None:
         if recording.force_command is None and controller.kind == "none":
-            advice = "log the motor's current, or give --controller"
+            advice = "log the motor's current, or give <controller>"
             yield Finding("error", "neither force nor friction", advice=advice)
         else:
             what = "no force was measured, only commanded"
             yield Finding("note", what, advice="the amplifier is taken to follow")
     if controller.needs and getattr(recording, controller.needs) is None:
         what = f"a {controller.kind} controller, but no {controller.needs}"
-        yield Finding("error", what, advice=f"give --column {controller.needs}=NAME")
+        yield Finding("error", what, advice=f"give <column {controller.needs}=NAME>")
     duration = float(recording.t[-1])
     if duration < log_content.DURATION or len(recording.t) < log_content.SAMPLES:
         figure = f"{duration:.3g} s, {len(recording.t)} samples"

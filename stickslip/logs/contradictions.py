@@ -64,15 +64,15 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
         if not 1 / log_unit.SLOWER <= ratio <= log_unit.FASTER:
             what = "the log's time and the controller's T_s contradict each other"
             figure = f"{recording.T_s:.4g} s and {T_s:.4g} s, a factor of {described_ratio(ratio)}"
-            advice = "--gain T_s is in s; a unit of the log's time is set by --unit time=ms"
+            advice = "the gain T_s is in s; a unit of the log's time is set by <unit time=ms>"
             yield Finding("error", what, figure, advice)
 
 
 def _unrelated(b: str, a: str, figure: str) -> Finding:
     """Return the error of a signal that has nothing in common with another."""
-    advice = f"choose the column of the same axis with --column {b}=NAME"
+    advice = f"choose the column of the same axis with <column {b}=NAME>"
     if b != "force":
-        advice = f"{advice}; --column {b}=none leaves it out"
+        advice = f"{advice}; <column {b}=none> leaves it out"
     return Finding("error", f"{b} is unrelated to {a}", figure, advice)
 
 
@@ -128,7 +128,7 @@ def _contradiction(
     """Yield the findings of two signals if b, an image of a, is not as large."""
     ratio, likeness = image
     what = f"{a} and {b} contradict each other"
-    leave = f"--column {b}=none leaves {b} out"
+    leave = f"<column {b}=none> leaves {b} out"
     if ratio < 0:
         figure = f"they have opposite signs, {b} is {ratio:.4g} times {a}"
         yield Finding("error", what, figure, f"give {_scaled(reading, b, -1)}; {leave}")
@@ -148,7 +148,7 @@ def _contradiction(
 
 
 def _corrections(reading: Reading, ends: dict[str, float]) -> str:
-    """Return options that multiply one of several signals, by role, by its factor."""
+    """Return settings that multiply one of several signals, by role, by its factor."""
     units = reading.units
     options = []
     known = [role for role in ends if role in units]
@@ -156,18 +156,18 @@ def _corrections(reading: Reading, ends: dict[str, float]) -> str:
         if reading.description.column(role).scale is not None:
             options.append(_scaled(reading, role, ends[role]))
         elif unit := _unit_for(reading, role, ends[role]):
-            options.append(f"--unit {role}={unit.name}")
+            options.append(f"<unit {role}={unit.name}>")
     if not options:
         names = " ".join(f"{role}=UNIT" for role in known)
-        return f"give their units with --unit {names}"
+        return f"give their units with <unit {names}>"
     return f"give {' or '.join(options)}" + (", whichever is wrong" if len(options) > 1 else "")
 
 
 def _scaled(reading: Reading, role: str, factor: float) -> str:
-    """Return the option that multiplies a signal by a factor."""
+    """Return the setting that multiplies a signal by a factor."""
     scale = reading.description.column(role).scale
     before = "" if scale is None else f"{scale}*"
-    return f"--scale {role}={before}{factor:.4g}"
+    return f"<scale {role}={before}{factor:.4g}>"
 
 
 def _unit_for(reading: Reading, role: str, factor: float) -> Unit | None:

@@ -104,7 +104,7 @@ def check_gains(kind: str, gains: Collection[str]) -> None:
     if kind == "none" and gains:
         kinds = ", ".join(get_args(Kind)[:-1])
         raise UsageError(
-            f"gain {sorted(gains)[0]}, but no controller; choose one with --controller: {kinds}"
+            f"gain {sorted(gains)[0]}, but no controller; choose one with <controller>: {kinds}"
         )
     given = set(gains) - COMMON
     if not any(needed <= given <= needed | optional for needed, optional in _TAKES[kind]):

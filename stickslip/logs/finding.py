@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from stickslip.errors import with_settings
+
 Severity = Literal["error", "warning", "note"]
 
 
@@ -17,7 +19,7 @@ class Finding:
     severity : error (nothing can be learned), warning (something will suffer), note
     what : was found
     figure : the number behind it, with its unit
-    advice : what to do; empty when nothing need be done
+    advice : what to do; empty when nothing need be done; settings as in ``errors.with_settings``
     spoils : "intervals" where the learned intervals are too narrow, "values" where the learned
         values are wrong
     hides : parameters that cannot be identified therefore
@@ -35,6 +37,10 @@ class Finding:
         """Return a note without advice, or a warning."""
         note, warning = words
         return cls("note", note, figure) if fine else cls("warning", warning, figure, advice)
+
+    def __post_init__(self) -> None:
+        for name in ("what", "advice"):
+            object.__setattr__(self, name, with_settings(getattr(self, name)))
 
     def __str__(self) -> str:
         figure = f": {self.figure}" if self.figure else ""

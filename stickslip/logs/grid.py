@@ -79,7 +79,7 @@ def even_grid(
     even = len(t) == len(grid) and float(np.max(off)) <= log_clock.EVEN
     if not even and (jitter := float(np.sqrt(np.mean(off**2)))) > log_clock.EVEN:
         figure = f"{jitter:.2g} of the sample period {T_s:.4g} s (rms)"
-        advice = "if the samples are even and only the clock is not, give --sample-period"
+        advice = "if the samples are even and only the clock is not, give <sample_period>"
         severity: Severity = "warning" if jitter > log_clock.UNEVEN else "note"
         findings.append(Finding(severity, "times are uneven", figure, advice))
     missing = len(grid) - len(t)

@@ -160,5 +160,5 @@ def _jumped(table: LogTable, t: Array, at: NDArray[np.intp], sizes: Array, unit:
     edges = np.concatenate([[0], at + 1, [len(t)]])
     k = int(np.argmax(np.diff(edges)))
     span = t[[edges[k], edges[k + 1] - 1]] + np.mean(np.diff(t)) * np.array([2.0, -2.0])
-    advice = f"cut the log there; --span {span[0]:.9g} {span[1]:.9g} is its longest part"
+    advice = f"cut the log there; <span {span[0]:.9g} {span[1]:.9g}> is its longest part"
     return Finding("error", "the position jumps, as no drive can", figure, advice)

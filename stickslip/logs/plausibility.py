@@ -61,14 +61,14 @@ def implausible(reading: Reading) -> Iterator[Finding]:
     recording, assumed = reading.recording, reading.assumed
     if "time" in assumed and recording.T_s > log_unit.SLOWEST:
         figure = f"{recording.T_s:.4g} s from one sample to the next, and time states no unit"
-        advice = "give --unit time=ms, or --unit time=s if it is so"
+        advice = "give <unit time=ms>, or <unit time=s> if it is so"
         yield Finding("error", "the sampling is very slow", figure, advice)
     shown, motion = excitation(recording), kinematics(recording)
     unit = "rad" if recording.rotary else "m"
     moved, suffix = ("velocity", "/s") if recording.position is None else ("position", "")
     if moved in assumed and (travel := float(np.ptp(motion.x))) > LONGEST[recording.motion]:
         figure = f"{travel:.4g} {unit}, and {moved} states no unit"
-        advice = f"give --unit {moved}=mm{suffix}, or --unit {moved}={unit}{suffix} if it is so"
+        advice = f"give <unit {moved}=mm{suffix}>, or <unit {moved}={unit}{suffix}> if it is so"
         yield Finding("error", "the travel is very long", figure, advice)
     if moved not in reading.units or not reading.timed:
         return  # an error already
@@ -97,7 +97,7 @@ def _against_motion(reading: Reading, mass: float, coulomb: float) -> Finding:
     figure = f"F = m a + b v + F_c sign(v) gives m = {mass:.3g} {kg} and F_c = {coulomb:.3g} {N}"
     scale = reading.description.column("force").scale
     before = "" if scale is None else f"{scale}*"
-    advice = f"give --scale force={before}-1, which turns its sign"
+    advice = f"give <scale force={before}-1>, which turns its sign"
     return Finding("error", "the force acts against the motion", figure, advice)
 
 
@@ -129,7 +129,7 @@ def _extreme(reading: Reading, name: str, figure: str, *, gross: bool) -> Findin
     unstated = [role for role in roles if role in reading.assumed]
     options = " ".join(f"{role}=UNIT" for role in unstated or roles)
     why = " (none is stated)" if unstated else " or the scales"
-    advice = f"correct the units{why}, --unit {options}, or give --confirm {name}"
+    advice = f"correct the units{why}, <unit {options}>, or give <confirm {name}>"
     if gross:
         return Finding("error", f"the {name} is extreme", figure, advice)
     return Finding("warning", f"the {name} is unusual", figure, advice, spoils="intervals")

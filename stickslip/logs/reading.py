@@ -186,9 +186,9 @@ def with_velocity_command(
 def _check_roles(table: LogTable, roles: dict[str, str], given: Description) -> None:
     """Check that there is a time and a motion."""
     if "time" not in roles and not given.sample_period:
-        missing, advice = "time", "--column time=NAME or --sample-period"
+        missing, advice = "time", "<column time=NAME> or <sample_period>"
     elif not {"position", "velocity"} & set(roles):
-        missing, advice = "position or velocity", "--column position=NAME"
+        missing, advice = "position or velocity", "<column position=NAME>"
     else:
         return
     names = ", ".join(table.names[:12])
@@ -202,7 +202,7 @@ def _check_rated(given: Description, motion: Motion) -> None:
     wrong, right = ("torque", "force") if motion == "linear" else ("force", "torque")
     if getattr(given, f"rated_{wrong}") is not None:
         raise UsageError(
-            f"--rated-{wrong}: the motion is {motion}; give --rated-{right}, or another --motion"
+            f"<rated_{wrong}>: the motion is {motion}; give <rated_{right}>, or another <motion>"
         )
 
 
@@ -215,14 +215,14 @@ def _unused_time(table: LogTable, period: float, time: Channel) -> Finding:
         t = t[np.isfinite(t)]
         spacing = float(np.ptp(t)) / (len(t) - 1) if len(t) > 1 else 0.0
         if spacing and not 1 / log_unit.EQUALS < spacing / period < log_unit.EQUALS:
-            what = "the column of time and --sample-period contradict each other"
+            what = "the column of time and <sample_period> contradict each other"
             ratio = described_ratio(spacing / period)
             figure = f"{spacing:.4g} s and {period:.4g} s a row, a factor of {ratio}"
-            advice = f"--sample-period is in s, not a rate; give --sample-period {spacing:.6g}"
+            advice = f"<sample_period> is in s, not a rate; give <sample_period {spacing:.6g}>"
             factor = near_factor(spacing / period)
             other = sized_unit(["time"], 1 / factor[0]) if factor else None
-            option = f", --unit time={other.name} without --sample-period" if other else ""
-            return Finding("error", what, figure, f"{advice}{option}, or --column time=none")
+            option = f", <unit time={other.name}> without <sample_period>" if other else ""
+            return Finding("error", what, figure, f"{advice}{option}, or <column time=none>")
     what = f"the sample period is used instead of column '{name}'"
     return Finding("note", what, f"{period:g} s")
 
@@ -261,9 +261,9 @@ def _encoder_step(
         return shown
     factor = near_factor(shown / given) if shown else None
     if factor and not 1 < factor[0] < 1e3:  # a log may have fewer digits than the encoder
-        what = "the steps of the position and --encoder-step contradict each other"
+        what = "the steps of the position and <encoder_step> contradict each other"
         figure = f"{shown:.4g} and {given:.4g}, a factor near {factor[1]}"
-        advice = "correct --encoder-step or the unit of the position, --unit position=UNIT"
+        advice = "correct <encoder_step> or the unit of the position, <unit position=UNIT>"
         findings.append(Finding("error", what, figure, advice))
     elif shown and abs(shown / given - max(1, round(shown / given))) > log_unit.STEP:
         figure = f"{given:.4g} given, {shown:.4g} found"

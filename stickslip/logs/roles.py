@@ -176,12 +176,12 @@ def assign_roles(table: LogTable, description: Description) -> tuple[dict[str, s
     if rest:
         more = [f"{len(rest) - _SHOWN} more"] if len(rest) > _SHOWN else []
         figure = f"{figure}; not used: {', '.join([*rest[:_SHOWN], *more])}"
-    advice = "--column ROLE=NAME overrides one, --column ROLE=none omits it"
+    advice = "<column ROLE=NAME> overrides one, <column ROLE=none> omits it"
     what = "columns detected by their names and units"
     remarks = [Finding("note", what, figure, advice)]
     if "force_command" in guesses and not {"force", "friction"} & {*found, *guesses}:
         what = f"'{guesses['force_command']}' is a set point of the force, not a measured one"
-        advice = "log the force or the current; --column force=none leaves it out"
+        advice = "log the force or the current; <column force=none> leaves it out"
         remarks.append(Finding("warning", what, advice=advice))
     return found | guesses, remarks
 
@@ -204,9 +204,10 @@ def _guesses(
         if len(best) > 1 and role == "time" and description.sample_period:
             continue
         if len(best) > 1:
-            several = " or ".join(f"{role}={name}" for name in best[:_SHOWN])
+            several = " or ".join(best[:_SHOWN])
             raise RecordingError(
-                f"{table.path}: which column is {role}? give --column {several}, or {role}=none"
+                f"{table.path}: which column is {role}, {several}? give <column {role}=NAME>, or "
+                f"<column {role}=none>"
             )
         guesses[role] = best[0]
     return guesses

@@ -124,7 +124,7 @@ def even_rows(
     if own := _in_turn(signals):
         raise RecordingError(
             f"{table.path}: {own} has numbers and blanks in turn; its samples have the times of "
-            "their rows; read it without --sample-period"
+            "their rows; read it without <sample_period>"
         )
     return _once(table, t, signals, findings)
 
@@ -217,7 +217,7 @@ def on_one_clock(
             raise RecordingError(
                 f"{table.path}: {role} was sampled each {period:.4g} s, and the {base} each "
                 f"{fastest:.4g} s; expected at most {log_clock.FILLED + 1:g} times less often; log "
-                f"it faster, or leave it out with --column {role}=none"
+                f"it faster, or leave it out with <column {role}=none>"
             )
         if len(mine) == len(rows) and np.array_equal(at, times):
             result[role] = signals[role][mine]

@@ -205,14 +205,14 @@ def law_of(compensator: str, law: str, absent: Sequence[str] = ()) -> str:
         if part.learns:
             why = "it is trained on the drive; 'stickslip arena --drive learned.json' compares it"
         elif part.model == ANY_LAW and part.law is not None:
-            why = f"--law is {law}"
+            why = f"<law> is {law}"
         elif part.ports and any(SIGNALS[one] in part.ports.inputs.values() for one in absent):
             why = f"it takes a signal that the controller lacks: {', '.join(absent)}"
         there = f"; there are {', '.join(known)}"
-        raise UsageError(f"--compensator {compensator}: '{part.name}': {why}{there}")
+        raise UsageError(f"<compensator {compensator}>: '{part.name}': {why}{there}")
     if [_is_feedforward(part) for part in chain] not in ([True], [False], [True, False]):
         raise UsageError(
-            f"--compensator {compensator}: expected a feedforward, an observer, or both in this"
+            f"<compensator {compensator}>: expected a feedforward, an observer, or both in this"
             " order, such as static+ekbf"
         )
     return law

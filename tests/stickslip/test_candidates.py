@@ -117,5 +117,5 @@ def test_the_law_is_that_of_the_compensator():
     assert law_of("dahl+ekbf", "auto") == "dahl"
     assert law_of("static+ekbf", "auto") == "auto"
     assert law_of("", "gms") == law_of("auto", "gms") == "gms"
-    with pytest.raises(UsageError, match="'gms': --law is lugre"):
+    with pytest.raises(UsageError, match="'gms': law is lugre"):
         law_of("gms", "lugre")

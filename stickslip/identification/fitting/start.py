@@ -136,7 +136,7 @@ def begin(model: InverseModel, recording: Recording, scale: Scale = SI) -> Start
         raise IdentificationError(f"{recording.source}: the drive does not move")
     m, b, F_c, F_0, delay = _line(model, top)
     if F_c <= 0.0 or (m <= 0.0 and not model.measures_friction):
-        advice = "check signs and units of force and position (--scale force=-1 turns a sign)"
+        advice = "check signs and units of force and position (<scale force=-1> turns a sign)"
         if float(model.force[model.used] @ v[model.used]) > 0.0:
             advice = "log a faster motion that slides further and accelerates: stickslip plan"
         given = {

@@ -64,7 +64,7 @@ def mismatch(
             "Coulomb and viscous friction alone",
             f"error of {found.moving.law:.3g} {unit} where it was not fitted, a regression leaves "
             f"{found.moving.regression:.3g} {unit}",
-            "give --law auto",
+            "give <law auto>",
             spoils="values",
         )
     if not (is_mismatch(found) or is_beaten(found, others)):
@@ -97,7 +97,7 @@ def _another_law(found: Prediction, others: Sequence[Prediction]) -> Iterator[Ca
     best = choose(ordered).chosen if ordered[0].candidate.is_level else min(ordered, key=_force)
     if best is not found and is_better(best, found):
         law = "auto" if best.candidate.is_level else best.candidate.law.name
-        yield Cause(f"another law, {best.candidate.title},", best.force, f"give --law {law}")
+        yield Cause(f"another law, {best.candidate.title},", best.force, f"give <law {law}>")
 
 
 def _force(one: Prediction) -> float:

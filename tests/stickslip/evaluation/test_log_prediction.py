@@ -12,6 +12,7 @@ from stickslip.learned.file import LearnedFile
 from stickslip.logs import Column, Description
 from stickslip.studies.validate.log_validation import read_log, validate_log
 from stickslip.studies.validate.log_verdict import material, verdict
+from stickslip.studies.validate.page.log import draw_prediction
 from tests.same_results import simulate_log
 
 pytestmark = pytest.mark.slow
@@ -66,6 +67,8 @@ def test_the_right_drive_holds_and_noise_explains_every_signal(learned, log):
     assert found.signals["position"].error < 4e-7  # the encoder's step
     assert not list(material(found, values))
     assert verdict(found, values)[0].startswith("the learned drive holds for this log")
+    lines = draw_prediction(found).axes[0].get_lines()
+    assert {"measured", "predicted"} <= {line.get_label() for line in lines}
 
 
 @pytest.mark.parametrize("gains", [None, GAINS])

@@ -124,7 +124,7 @@ def test_a_force_out_of_scale_names_the_factor(short, candidates):
     lost, fault = learned.faults
     assert lost == LOST
     assert fault.figure == "0.3 times as large"
-    assert "--scale force=3.33" in fault.advice
+    assert "Column(scale=3.33)" in fault.advice
     assert fault.spoils == "values"
     assert "identifiable" not in {known.identifiability for known in learned.known.values()}
     assert "weakly identifiable at best" in learned.known["F_c"].sentence

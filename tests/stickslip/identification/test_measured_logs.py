@@ -42,7 +42,7 @@ def sound(emps):
 def test_lugre_predicts_emps_worse_than_coulomb_and_viscous_friction(emps):
     own = emps.estimation.held_out.predictions[0].moving
     assert own.law > 1.3 * own.regression
-    assert "give --law auto" in emps.refusal
+    assert 'give law="auto"' in emps.refusal
     assert not emps.writes()
     assert all(one.identifiability != "identifiable" for one in emps.estimation.known.values())
 

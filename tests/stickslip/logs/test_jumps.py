@@ -110,7 +110,7 @@ def test_another_jump_is_an_error_with_its_row_size_and_remedy(read, tmp_path, s
     assert "error: the position jumps" in found
     told = re.search(r"by (\S+) (mm|µm) in row 4002", found)
     assert float(told[1]) * {"mm": 1e-3, "µm": 1e-6}[told[2]] == pytest.approx(size, rel=0.01)
-    begin, end = map(float, re.search(r"--span (\S+) (\S+) is", found).groups())
+    begin, end = map(float, re.search(r"span=\((\S+), (\S+),\) is", found).groups())
     reading = read_recording(tmp_path / "log.csv", Description(span=(begin, end)))
     assert not any("jumps" in str(finding) for finding in reading.findings)
     assert len(reading.recording.t) > 6000 / (times + 1) - 10

@@ -130,7 +130,7 @@ def test_options_alone_read_a_log(tmp_path):
         (["--controller", "PI", "--gain", "K_d=3"], "no 'K_d'"),
         (
             ["--gain", "K_p=3"],
-            "gain K_p, but no controller; choose one with --controller: P, PI, PID, cascade",
+            "gain K_p, but no controller; choose one with controller: P, PI, PID, cascade",
         ),
         (
             ["--rated-torque", "3N"],

@@ -134,5 +134,5 @@ def test_a_channel_that_is_far_slower_is_an_error(log, read):
 
 def test_a_sample_period_does_not_hide_channels_in_turn(log, read):
     """Half of the rows hold no position; a period for each row would be wrong."""
-    with pytest.raises(RecordingError, match="without --sample-period"):
+    with pytest.raises(RecordingError, match="without sample_period"):
         read(in_turn(log, 1), sample_period=1e-3)

@@ -44,11 +44,11 @@ def test_each_column_of_a_tool_has_its_role(line):
 
 
 AMBIGUOUS = {
-    "t;field.position0;field.position1;effort": "position=field.position0 or position=",
-    "t;x;commanded_position;ipo_position": "position_command=commanded_position or",
+    "t;field.position0;field.position1;effort": "position, field.position0 or field.p",
+    "t;x;commanded_position;ipo_position": "position_command, commanded_position or",
     "t;x;F [N];q_axis_current;current_motor": None,
-    "t;x;q_axis_current;current_motor": "force=q_axis_current or force=current_motor",
-    "t;ch1 [deg];ch2 [deg];torque": "position=ch1 or position=ch2",
+    "t;x;q_axis_current;current_motor": "force, q_axis_current or current_motor?",
+    "t;ch1 [deg];ch2 [deg];torque": "position, ch1 or ch2?",
 }
 
 
@@ -152,17 +152,17 @@ def test_units_that_tools_write(name):
 
 
 @pytest.mark.parametrize(
-    ("header", "option"),
+    ("header", "keyword"),
     [
-        ("t [s];position [counts];torque [Nm]", "--encoder-step"),
-        ("t [s];encoder_ticks;torque [Nm]", "--encoder-step"),
-        ("t [s];velocity [cnt/s];torque [Nm]", "--encoder-step"),
-        ("t [s];x [mm];Iq_measured [A];input_torque [Nm]", "--scale force=NUMBER"),
+        ("t [s];position [counts];torque [Nm]", "encoder_step"),
+        ("t [s];encoder_ticks;torque [Nm]", "encoder_step"),
+        ("t [s];velocity [cnt/s];torque [Nm]", "encoder_step"),
+        ("t [s];x [mm];Iq_measured [A];input_torque [Nm]", "Column(scale=NUMBER)"),
     ],
 )
-def test_a_unit_that_needs_a_scale_names_the_option(header, option, tmp_path):
+def test_a_unit_that_needs_a_scale_names_the_keyword(header, keyword, tmp_path):
     path = tmp_path / "log.csv"
     path.write_bytes(written(header))
     with pytest.raises(RecordingError) as caught:
         read_recording(path)
-    assert option in str(caught.value)
+    assert keyword in str(caught.value)

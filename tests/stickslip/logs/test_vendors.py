@@ -65,15 +65,15 @@ def test_a_share_of_a_rated_torque(name, tmp_path):
 @pytest.mark.parametrize(
     ("header", "given", "message"),
     [
-        ("x [mm];Iq [%]", {}, "of a rated force that is not known; give --rated-force VALUE"),
+        ("x [mm];Iq [%]", {}, "of a rated force that is not known; give rated_force=VALUE"),
         (
             "phi [deg];Moment [%]",
             {},
-            "give --rated-torque VALUE or --scale force=VALUE, 100 % in N.m",
+            'give rated_torque=VALUE or columns={"force": Column(scale=VALUE)}, 100 % in N.m',
         ),
-        ("x [mm];Moment [%]", {"rated_torque": 2.4}, "the motion is linear; give --rated-force"),
-        ("phi [deg];Moment [%]", {"rated_force": 2.4}, "give --rated-torque, or another --motion"),
-        ("x [mm];Kraft", {"rated_force": 9.0}, "a rated force is given, but no unit; give --unit"),
+        ("x [mm];Moment [%]", {"rated_torque": 2.4}, "the motion is linear; give rated_force"),
+        ("phi [deg];Moment [%]", {"rated_force": 2.4}, "give rated_torque, or another motion"),
+        ("x [mm];Kraft", {"rated_force": 9.0}, "a rated force is given, but no unit; give columns"),
     ],
 )
 def test_a_share_of_what_is_not_known(header, given, message, tmp_path):

@@ -21,7 +21,7 @@ def found(error, explained):
 def test_a_law_that_fails_beside_a_regression_has_wrong_values():
     (finding,) = mismatch(predicted("lugre", 0.12, fails=True), (), (), rotary=False)
     assert finding.spoils == "values"
-    assert finding.advice == "give --law auto"
+    assert finding.advice == 'give law="auto"'
     assert "0.12 N" in finding.figure
     assert "0.06 N" in finding.figure
     plain = predicted("coulomb_stribeck", 0.12, is_level=True, fails=True)
@@ -40,7 +40,7 @@ def test_causes_are_listed_with_their_figures_and_the_likely_one_is_advised():
     law = found(0.5, 0.1)
     (finding,) = mismatch(law, [predicted("gms", 0.12)], [delay], rotary=True)
     assert "another law, GMS, leaves 0.12 N m, a delay of 3 ms leaves 0.45 N m" in finding.figure
-    assert finding.advice == "give --law gms"
+    assert finding.advice == 'give law="gms"'
     (finding,) = mismatch(law, (), [delay], rotary=False)
     assert finding.advice == "take the values as coarse"
     likely = replace(delay, left=0.2)
