@@ -21,8 +21,15 @@ from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
 HERE = Path(__file__).parent
-REPRODUCED = ("cli", "committed_results", "drive_model", "learned_loop", "loop_learning", "results")
-"""Files test_*.py that need a whole reproduction, which takes a minute: one worker runs them."""
+REPRODUCED = {
+    f"tests/stickslip/{name}.py"
+    for name in (
+        *("commands/test_learned_loop", "papers/lugre/test_committed_results"),
+        *("papers/lugre/test_reproduction", "papers/lugre/test_results", "test_cli"),
+        *("tuning/test_drive_model", "tuning/test_loop_learning"),
+    )
+}
+"""Files that need a whole reproduction, which takes a minute: one worker runs them."""
 CASES = 1
 """Of each test in a folder that has parameters, so many cases belong to the quick tier."""
 
@@ -76,11 +83,9 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
     """Spread files over workers, those that need a whole reproduction as one."""
     from xdist.scheduler import LoadFileScheduling
 
-    needing = {f"tests/stickslip/test_{name}.py" for name in (*REPRODUCED, "reproduction")}
-
     class ByFile(LoadFileScheduling):
         def _split_scope(self, nodeid: str) -> str:
             file = super()._split_scope(nodeid)
-            return "reproduction" if file in needing else file
+            return "reproduction" if file in REPRODUCED else file
 
     return ByFile(config, log)

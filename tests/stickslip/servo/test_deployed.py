@@ -28,7 +28,7 @@ from stickslip.servo.velocity_loop import (
 from stickslip.trial.guards import commands
 from tests.models.firmware import structured_text
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 T_S = 5e-4  # s
 GUIDE = (ROOT / "docs" / "deploying.md").read_text(encoding="utf-8")
 AXIS = Axis(1.0, 2.0, 1e-4)

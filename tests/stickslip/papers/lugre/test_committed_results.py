@@ -13,9 +13,9 @@ from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import VALIDATION
-from tests.stickslip.result_tolerance import differences
+from tests.stickslip.papers.lugre.result_tolerance import differences
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[4]
 COMMITTED = ROOT / "results" / "paper"
 
 

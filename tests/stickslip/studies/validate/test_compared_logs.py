@@ -15,7 +15,7 @@ from stickslip.logs import Column, Description, Recording
 from stickslip.logs.same_command import Stretch, period, same_command
 from stickslip.studies.validate.compared_logs import common, compare
 from stickslip.studies.validate.log_validation import compare_logs, read_log
-from tests.stickslip.evaluation import plain_stage as stage
+from tests.stickslip.studies.validate import plain_stage as stage
 
 T_S = 1e-3
 
