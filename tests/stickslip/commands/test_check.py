@@ -1,7 +1,6 @@
 """``stickslip check``: what it prints and how it ends."""
 
 import json
-import zipfile
 
 import pytest
 
@@ -17,16 +16,9 @@ def sound(tmp_path_factory):
 
 
 @pytest.fixture
-def broken(sound, tmp_path):
+def broken(sound, edited, tmp_path):
     """The same FMU with a unit that nothing defines, and one warning."""
-    path = tmp_path / "broken.fmu"
-    with zipfile.ZipFile(sound) as old, zipfile.ZipFile(path, "w") as new:
-        for name in old.namelist():
-            content = old.read(name)
-            if name == "modelDescription.xml":
-                content = content.replace(b'unit="kg"', b'unit="stone"')
-            new.writestr(name, content)
-    return path
+    return edited(sound, tmp_path / "broken.fmu", {'unit="kg"': 'unit="stone"'})
 
 
 def test_a_sound_fmu_ends_with_status_0(sound, capsys):
@@ -81,7 +73,9 @@ def test_a_hanging_binary_is_given_up(tmp_path, capsys):
     assert "did not return in 1 s" in capsys.readouterr().out
 
 
-def test_each_fmu_of_a_package_is_checked_and_its_structure(sound, broken, tmp_path, capsys):
+def test_each_fmu_of_a_package_is_checked_and_its_structure(
+    sound, broken, edited, tmp_path, capsys
+):
     system = ss.System("two")
     system.add("a", sound)
     system.add("b", broken)
@@ -92,11 +86,8 @@ def test_each_fmu_of_a_package_is_checked_and_its_structure(sound, broken, tmp_p
     assert [one["errors"] for one in inner] == [0, 1] or [one["errors"] for one in inner] == [1, 0]
     assert all(one["file"].startswith(f"{path}/resources/") for one in inner)
 
-    cut = tmp_path / "cut.ssp"
-    with zipfile.ZipFile(path) as old, zipfile.ZipFile(cut, "w") as new:
-        for name in old.namelist():
-            content = old.read(name)
-            new.writestr(name, content.replace(b"resources/0_a.fmu", b"resources/gone.fmu"))
+    change = {"resources/0_a.fmu": "resources/gone.fmu"}
+    cut = edited(path, tmp_path / "cut.ssp", change, "SystemStructure.ssd")
     assert main(["check", str(cut), "--no-run"]) == 1
     out = capsys.readouterr().out
     assert "system-structure" in out

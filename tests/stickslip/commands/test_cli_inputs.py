@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import re
-import zipfile
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from stickslip import cosim, models
+from stickslip import cosim
 from stickslip.cli import main
 
 TIMES = ["--stop", "0.02", "--step", "0.001"]
-
-
-@pytest.fixture(scope="module")
-def stage(tmp_path_factory):
-    return models.build_fmu("stage", tmp_path_factory.mktemp("fmus"))
 
 
 def simulate(*arguments):
@@ -68,20 +62,7 @@ def test_a_variant_is_chosen(stage, tmp_path, capsys):
     assert "no variant 'lop'; did you mean 'loop'" in capsys.readouterr().err
 
 
-def edited(fmu, path, changes):
-    """Return a copy of an FMU with another description."""
-    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(path, "w") as new:
-        for name in old.namelist():
-            data = old.read(name)
-            if name == "modelDescription.xml":
-                for pattern, text in changes.items():
-                    data, n = re.subn(pattern.encode(), text.encode(), data)
-                    assert n
-            new.writestr(name, data)
-    return path
-
-
-def test_an_fmu_of_another_tool_with_dots_in_names_and_no_step(stage, force, tmp_path):
+def test_an_fmu_of_another_tool_with_dots_in_names_and_no_step(stage, force, edited, tmp_path):
     name, path = force
     changes = {f'name="{name}"': f'name="axis.{name}"', r' stepSize="[^"]*"': ""}
     fmu = edited(stage, tmp_path / "other.fmu", changes)

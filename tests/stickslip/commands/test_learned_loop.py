@@ -58,12 +58,15 @@ def test_a_loop_comes_back_as_it_was(learned, name):
     np.testing.assert_array_equal(again.acceleration.B, loop.acceleration.B)
 
 
-def test_an_older_file_has_no_loop(learned):
-    path = learned()
-    assert LearnedFile(path).loop is None
-    assert LearnedFile(path).validation == VALIDATION
-    assert LearnedFile(path).feed == "nominal"
-    assert LearnedFile(path).standard_errors == {}
+def test_what_an_older_file_lacks_has_a_default_and_the_rest_comes_back(learned):
+    file = LearnedFile(learned())
+    assert (file.loop, file.feed, file.standard_errors) == (None, "nominal", {})
+    assert (file.validation, file.datasheet) == (VALIDATION, Datasheet())
+    assert LearnedFile(learned(validation=validation_document(SLOW))).validation == SLOW
+    sheet = Datasheet(peak_force=40.0, tau_i=0.0, encoder_step=1e-6)
+    assert LearnedFile(learned(datasheet=datasheet_document(sheet))).datasheet == sheet
+    with pytest.raises(UsageError, match="datasheet: expected peak_force, tau_i, encoder_step"):
+        assert LearnedFile(learned(datasheet={"encoder_step": {"value": -1.0}})).datasheet
 
 
 @pytest.mark.parametrize("schema", [0, 3, True, "2", None, 1.5])
@@ -74,15 +77,11 @@ def test_a_file_of_another_schema_is_refused_in_one_line(learned, schema):
     assert LearnedFile(learned(schema=2)).friction == LearnedFile(learned()).friction
 
 
-def test_a_validation_command_comes_back(learned):
-    assert LearnedFile(learned(validation=validation_document(SLOW))).validation == SLOW
-
-
 def test_a_reproduction_writes_its_loop(results, reproduction):
-    loop = LearnedFile(results / "learned.json").loop
-    assert loop.K_p == reproduction.identification.loop.K_p
-    assert LearnedFile(results / "learned.json").validation == VALIDATION
-    assert set(LearnedFile(results / "learned.json").standard_errors) == set(LUGRE)
+    file = LearnedFile(results / "learned.json")
+    assert file.loop.K_p == reproduction.identification.loop.K_p
+    assert file.validation == VALIDATION
+    assert set(file.standard_errors) == set(LUGRE)
 
 
 @pytest.mark.parametrize(
@@ -164,14 +163,6 @@ def test_export_of_what_was_never_tried_is_refused_and_forced(learned, tmp_path,
     assert export(learned(tracking_error=[{"ratio": 0.5}]), tmp_path) == 0
     (line,) = capsys.readouterr().err.splitlines()
     assert "the force is that of the velocity command" in line
-
-
-def test_the_datasheet_of_a_log_comes_back(learned):
-    sheet = Datasheet(peak_force=40.0, tau_i=0.0, encoder_step=1e-6)
-    assert LearnedFile(learned(datasheet=datasheet_document(sheet))).datasheet == sheet
-    assert LearnedFile(learned()).datasheet == Datasheet()
-    with pytest.raises(UsageError, match="datasheet: expected peak_force, tau_i, encoder_step"):
-        assert LearnedFile(learned(datasheet={"encoder_step": {"value": -1.0}})).datasheet
 
 
 def test_export_refuses_what_makes_the_loop_worse_unless_forced(learned, tmp_path, capsys):

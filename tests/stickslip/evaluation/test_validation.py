@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from stickslip.evaluation.motions import regions_after, trapezoid, windows
+from stickslip.evaluation.motions import regions_after
 from stickslip.evaluation.validation import reduction, tracking_errors
 from stickslip.servo.measurement import CUTOFF, measured_velocity, smoothed
-from stickslip.servo.paper_commands import REGION, VALIDATION
+from stickslip.servo.paper_commands import REGION
 
 T_S = 5e-4
 
@@ -38,12 +38,6 @@ def test_errors_over_several_spans_are_those_of_all_their_samples():
     found = tracking_errors(t, error, [(0.1, 0.1 + 299 * T_S), (0.6, 0.6 + 99 * T_S)])
     assert found["E_max"] == 3.0
     assert found["E_rms"] == pytest.approx(np.sqrt((300 * 1.0 + 100 * 9.0) / 400))
-
-
-def test_the_trapezoid_is_one_of_the_motions():
-    motion = trapezoid(VALIDATION)
-    assert motion.command is VALIDATION
-    assert motion.regions == regions_after(windows(VALIDATION))
 
 
 def test_reduction_is_equation_9():

@@ -6,28 +6,12 @@ import numpy as np
 import pytest
 
 from stickslip import cosim, models
-from stickslip.catalog.parameters import PAPER
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP
-from stickslip.servo.systems import Compensator, build_fmus, build_loop
-from stickslip.servo.velocity_loop import design_velocity_loop
+from stickslip.servo.systems import Compensator, build_loop
 
 SECONDS, DRIFT_TIME = 24.0, 6.0
 SINE = cosim.SineSweep(frequency=(0.5, 0.5), amplitude=(0.02, 0.02), duration=SECONDS)
 FIXED = [Compensator("feedforward", "compensator")]
 ADAPTED = [*FIXED, Compensator("scale", "adaptive_scale", {"rate": 0.6})]
-
-
-@pytest.fixture(scope="module")
-def loop():
-    return design_velocity_loop(Axis(PAPER["m"], PAPER["b"], 1e-4), LOOP)
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("fmus")
-    build_fmus(folder, {})
-    return folder
 
 
 def track(fmus, loop, chain, **drive):
@@ -44,15 +28,15 @@ def track(fmus, loop, chain, **drive):
 @pytest.mark.parametrize("drift", [0.3, -0.3])
 @pytest.mark.parametrize("law", ["lugre", "gms", "coulomb_stribeck"])
 def test_the_adapted_feedforward_holds_its_error_on_a_drifting_drive(
-    folder, loop, tmp_path, law, drift
+    fmus, loop, tmp_path, law, drift
 ):
     """Friction changes by 30 %: the fixed one loses its error, the adapted one does not."""
     if law != "lugre":
         for name in ("drive", "compensator"):
             models.build_fmu(name, tmp_path, law=law)
         for name in ("nominal_loop", "velocity_controller", "adaptive_scale"):
-            (tmp_path / f"{name}.fmu").symlink_to(folder / f"{name}.fmu")
-    fmus = folder if law == "lugre" else tmp_path
+            (tmp_path / f"{name}.fmu").symlink_to(fmus / f"{name}.fmu")
+        fmus = tmp_path
     drifting = {"drift": drift, "drift_time": DRIFT_TIME}
     cold, _ = track(fmus, loop, FIXED)
     fixed, _ = track(fmus, loop, FIXED, **drifting)
@@ -63,16 +47,16 @@ def test_the_adapted_feedforward_holds_its_error_on_a_drifting_drive(
     assert result["scale.s"][-1] == pytest.approx(warm, abs=0.03)
 
 
-def test_behind_a_feedforward_it_leaves_the_loop_as_it_is_at_the_rate_0(folder, loop):
+def test_behind_a_feedforward_it_leaves_the_loop_as_it_is_at_the_rate_0(fmus, loop):
     """Bit for bit."""
     still = [*FIXED, Compensator("scale", "adaptive_scale", {"rate": 0.0})]
-    without, beside = (track(folder, loop, chain)[1] for chain in (FIXED, still))
+    without, beside = (track(fmus, loop, chain)[1] for chain in (FIXED, still))
     for name in without.names:
         assert without[name].tobytes() == beside[name].tobytes()
 
 
-def test_without_a_drift_it_stays(folder, loop):
+def test_without_a_drift_it_stays(fmus, loop):
     """With noise, and an encoder of 10 um."""
     noisy = {"noise": True, "noise_x": 1e-6, "noise_F": 0.5, "encoder_step": 1e-5}
-    _, result = track(folder, loop, ADAPTED, **noisy)
+    _, result = track(fmus, loop, ADAPTED, **noisy)
     assert np.abs(result["scale.s"] - 1.0).max() < 0.02

@@ -32,14 +32,6 @@ def reductions(make_rig, truth, m=5.557):
     return validate(rig, filtered, compensator, VALIDATION, plain=plain).table()
 
 
-def test_reductions_on_the_drive_of_table_2(make_rig):
-    table = reductions(make_rig, {})
-    measured, true = (table[table.velocity == name] for name in ("measured", "true"))
-    assert (measured.reduction.to_numpy() > [0.95, 0.97, 0.97, 0.98]).all()
-    assert (true.reduction > 0.95).all()
-    np.testing.assert_allclose(measured.without, measured.paper_without, rtol=0.05)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "truth",

@@ -14,7 +14,6 @@ from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.observer import LIMIT, MASSES, design_observer
 from stickslip.servo.sensitivity import OpenLoop, peak_sensitivity
-from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 from stickslip.servo.velocity_loop import (
     LoopSpecification,
@@ -84,13 +83,6 @@ def by_feedback(loop, observer, z):
     closed = control.interconnect(parts, inputs=["w", "n"], outputs=["u", "s"])
     response = closed(z)
     return response[0, 0], response[1, 1]
-
-
-@pytest.fixture(scope="module")
-def fmus(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("fmus")
-    build_fmus(folder, {})
-    return folder
 
 
 @pytest.mark.parametrize("loop", [PAPER, WEAK], ids=["the paper's", "weak"])

@@ -36,27 +36,28 @@ def test_a_file_that_finds_no_room_is_told_and_the_older_one_stays(tmp_path, cap
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
-def test_ctrl_c_leaves_no_process_and_no_folder(tmp_path):
+def test_ctrl_c_leaves_no_process_and_no_folder(log, tmp_path):
     """With a pool of processes, in the middle of learning; only the checkpoint stays."""
     temporary, out = tmp_path / "tmp", tmp_path / "out"
     temporary.mkdir()
     mark = f"ctrl-c-{os.getpid()}"
-    arguments = ["reproduce", "--workers", "2", "--pool", "processes", "--out", str(out)]
+    pool = ["--workers", "2", "--pool", "processes"]
+    checkpoint = out / "learning.checkpoint.json"
     with subprocess.Popen(
-        [sys.executable, "-m", "stickslip", *arguments],
+        [sys.executable, "-m", "stickslip", "learn", str(log), *pool, "--out", str(out)],
         env=os.environ | {"TMPDIR": str(temporary), "PYTHONPATH": str(ROOT), "MARK": mark},
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
     ) as process:
-        while not (out / "learning.checkpoint.seed0.json").exists() and process.poll() is None:
+        while not checkpoint.exists() and process.poll() is None:
             time.sleep(0.02)
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
         said = process.communicate()[1]
     assert process.returncode == 130, said
     assert said.startswith("stickslip: ")
     assert said.count("\n") == 1
-    assert {path.name for path in out.iterdir()} == {"learning.checkpoint.seed0.json"}
+    assert [*out.iterdir()] == [checkpoint]
     assert not list(temporary.iterdir())
     _assert_gone(mark)
 

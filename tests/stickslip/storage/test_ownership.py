@@ -1,7 +1,5 @@
 """Nothing is replaced or deleted that a manifest of ours does not list unchanged."""
 
-import json
-
 import pytest
 
 from stickslip.cli import main
@@ -113,10 +111,3 @@ def test_commands_compute_nothing_before_they_name_it(command, tmp_path, capsys,
         assert said.count("\n") == 1
         assert list(tmp_path.iterdir()) == [path]
         path.unlink()
-
-
-def test_what_a_reproduction_writes_is_what_was_looked_for(results):
-    listed = json.loads((results / "manifest.json").read_text())["sha256"]
-    files = set(reproduction_results.FILES)
-    complete = {name for name in files if "as_published" in name}  # only with --complete
-    assert set(listed) == files - complete

@@ -87,16 +87,12 @@ def test_a_damaged_manifest_ends_in_one_line(folder, capsys, content):
     assert f"{path}: not a manifest of results" in errors[0]
 
 
-def test_a_folder_or_manifest_that_is_not_there_is_told(folder, capsys):
-    (folder / "manifest.json").unlink()
-    assert "manifest.json: there is none" in verify(capsys, folder)[2][0]
+def test_a_folder_or_manifest_that_is_absent_a_link_or_a_pipe_is_told(folder, capsys):
+    path = folder / "manifest.json"
     assert "there is no such folder" in verify(capsys, folder / "a")[2][0]
     assert "there is no such folder" in verify(capsys, folder / "none")[2][0]
-
-
-def test_a_manifest_that_is_a_link_or_a_pipe_is_not_read(folder, capsys):
-    path = folder / "manifest.json"
     path.rename(folder / "real")
+    assert "manifest.json: there is none" in verify(capsys, folder)[2][0]
     path.symlink_to("real")
     assert "is a symbolic link" in verify(capsys, folder)[2][0]
     path.unlink()

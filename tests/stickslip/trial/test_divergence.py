@@ -33,11 +33,6 @@ UNSTABLE = {
 }
 
 
-@pytest.fixture(scope="module")
-def loop():
-    return design_velocity_loop(AXIS, LOOP)
-
-
 @pytest.mark.parametrize("peak", [np.nan, np.inf, -1.01 * DIVERGED, 1.01 * DIVERGED])
 def test_a_velocity_far_beyond_the_command_is_no_result(peak):
     v = np.array([0.0, peak, 1.0])

@@ -34,6 +34,7 @@ from stickslip.trial.guards import (
     family,
     feedforward,
 )
+from tests.kept import further
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
 TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
@@ -154,7 +155,7 @@ def test_friction_that_is_not_there_is_refused_or_reduced():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("v", [0.3e-3, 1e-3])
+@pytest.mark.parametrize("v", [1e-3, *further(0.3e-3)])
 def test_a_weak_loop_at_slow_speed_gets_a_small_share_of_exact_feedforward(v):
     """The paper's friction, K_p = 200 N s/m: feedforward multiplies the squared error."""
     command = Trapezoid(height=v, slope=20 * v, plateau=2.0, begin=0.1)
@@ -184,16 +185,14 @@ def test_an_error_that_is_not_finite_is_worse(without, compensated):
         assert worst.drive in benefit.reason
 
 
-@pytest.mark.parametrize(("single", "mean"), [(1.05, 1.0), (0.99, 1.05), (1.01, np.inf)])
-def test_close_to_the_limit_the_mean_of_runs_counts(single, mean):
-    [row] = _repeated((TrialError(0.04, "one", 1.0, single),), lambda: (1.0,), lambda: (mean,))
-    assert row.is_worse == (mean > 1.005)
-
-
-@pytest.mark.parametrize("single", [0.3, 1.3, np.inf])
-def test_far_from_the_limit_no_run_is_repeated(single):
-    rows = (TrialError(0.04, "one", 1.0, single),)
-    assert _repeated(rows, pytest.fail, pytest.fail) is rows
+def test_close_to_the_limit_the_mean_of_runs_counts_and_far_from_it_no_run_is_repeated():
+    for single, mean in ((1.05, 1.0), (0.99, 1.05), (1.01, np.inf)):
+        rows = (TrialError(0.04, "one", 1.0, single),)
+        [row] = _repeated(rows, lambda: (1.0,), lambda mean=mean: (mean,))
+        assert row.is_worse == (mean > 1.005)
+    for single in (0.3, 1.3, np.inf):
+        rows = (TrialError(0.04, "one", 1.0, single),)
+        assert _repeated(rows, pytest.fail, pytest.fail) is rows
 
 
 def test_the_best_is_acceptable_and_has_the_smallest_errors():
@@ -234,7 +233,7 @@ def test_drives_of_the_family_have_the_noise_of_the_log(tmp_path):
     assert ratios[1] > 1.1 * ratios[0]
 
 
-@pytest.mark.parametrize(("force", "length"), [(1e-6, 1e-3), (1e-3, 1e3), (1e5, 10.0)])
+@pytest.mark.parametrize(("force", "length"), [(1e-6, 1e-3), (1e5, 10.0)])
 def test_a_drive_of_another_size_is_tried_alike(tmp_path, force, length):
     """With the same equations in other units; a press of MN is not held at the paper's 205 N.
 

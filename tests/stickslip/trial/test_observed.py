@@ -39,16 +39,13 @@ def observed() -> ObserverTrial:
         return try_observer(bench, whole, kalman_designs(bench, FRICTION["F_c"], (0.9, 1.0, 1.2)))
 
 
-def test_an_observer_takes_the_place_of_a_feedforward_that_harms(observed):
+def test_an_observer_takes_the_place_of_a_feedforward_that_harms_and_both_are_better(observed):
     assert not observed.feedforward.acceptable
     assert observed.recommended == OBSERVER
     assert observed.alone.acceptable
     assert observed.alone.mean_ratio < 0.6
     assert observed.refusal(OBSERVER) == ""
     assert observed.designed.sensitivity <= LIMIT
-
-
-def test_both_are_better_than_the_feedforward(observed):
     parts = tables.parts(observed).frame().set_index("part")
     assert parts["mean"][BOTH] < parts["mean"]["feedforward"]
     assert parts["worst"][BOTH] < parts["worst"]["feedforward"]

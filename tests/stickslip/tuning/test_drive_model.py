@@ -23,10 +23,10 @@ SOFT = PLAIN | {"K_p": 0.6, "K_i": 0.4, "m_ff": 0.8, "share": 0.9, "observed": 0
 
 
 @pytest.fixture
-def bench_of(reproduction, make_rig):
+def bench_of(loop, make_rig):
     def bench(friction=None, **drive):
         own = {name: PAPER[name] for name in LUGRE} | (friction or {})
-        return LoopBench(make_rig(**drive), tuned_pi(reproduction.identification.loop), own)
+        return LoopBench(make_rig(**drive), tuned_pi(loop), own)
 
     return bench
 

@@ -39,8 +39,7 @@ SOME = {
 
 
 @pytest.fixture
-def study(reproduction, make_rig):
-    loop = reproduction.identification.loop
+def study(loop, make_rig):
     friction = {name: PAPER[name] for name in LUGRE}
     return LoopStudy(make_rig(), tuned_pi(loop), friction, limits=ga.Limits(evaluations=20))
 
@@ -136,11 +135,11 @@ SOFT = {
 }  # fmt: skip
 
 
-def test_a_loop_that_would_stick_and_slip_is_seen(reproduction, make_rig, monkeypatch):
+def test_a_loop_that_would_stick_and_slip_is_seen(loop, make_rig, monkeypatch):
     """With more friction, on a drive whose friction falls with the square of the speed."""
     found = {"F_s": 9.735, "F_c": 5.823, "v_s": 1.821e-3, "sigma_0": 389362.0, "sigma_1": 4468.0}
     rig = make_rig(delta=2.0, v_s=2e-3)
-    study = LoopStudy(rig, tuned_pi(reproduction.identification.loop), found)
+    study = LoopStudy(rig, tuned_pi(loop), found)
     ratios = []
     for exponent in (drive_model.STEEPER, 1.0):
         monkeypatch.setattr(drive_model, "STEEPER", exponent)

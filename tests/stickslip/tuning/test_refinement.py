@@ -12,16 +12,14 @@ from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.learning import Study
 from stickslip.tuning.refinement import refine
+from tests.kept import further
 
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture
-def study(reproduction, make_rig):
-    rig = make_rig()
-    found = reproduction.identification
-    v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
-    return Study(rig, found.loop, found.tuned, v_cmd)
+def study(identified, make_rig):
+    return study_of(make_rig(), identified)
 
 
 def start(study):
@@ -49,14 +47,13 @@ def test_stick_force_stays_above_coulomb_force(study):
     assert found.values["F_s"] >= found.values["F_c"]
 
 
-def study_of(rig):
-    found = identify(rig, LOOP)
+def study_of(rig, found=None):
+    found = found or identify(rig, LOOP)
     v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
-    known = {name: found.estimates[name] for name in LUGRE}
-    return Study(rig, found.loop, known, v_cmd)
+    return Study(rig, found.loop, {name: found.estimates[name] for name in LUGRE}, v_cmd)
 
 
-@pytest.mark.parametrize("seed", [0, 5])
+@pytest.mark.parametrize("seed", [0, *further(5)])
 def test_from_a_coarse_start_it_finds_friction_with_fewer_runs_than_ten_generations(study, seed):
     found = refine(replace(study, start=coarsened(study.start, draw_factors(seed))))
     assert found.runs < 100
@@ -64,6 +61,7 @@ def test_from_a_coarse_start_it_finds_friction_with_fewer_runs_than_ten_generati
     assert found.values["sigma_0"] == pytest.approx(PAPER["sigma_0"], rel=0.15)
 
 
+@pytest.mark.thorough
 def test_it_finds_friction_from_twice_the_friction_and_half_the_stiffness(study):
     poor = study.start | {
         "F_c": Estimate(12.0, 6.0),
@@ -100,9 +98,8 @@ def errors_of(study, values):
 @pytest.mark.parametrize(
     ("law", "seed"),
     [
-        ("gms", 0),
         ("lugre", 2),
-        pytest.param("leuven", 3, marks=pytest.mark.thorough),
+        *further(("gms", 0), ("leuven", 3)),
         *(
             pytest.param(law, seed, marks=[pytest.mark.thorough, *KNOWN.get((law, seed), ())])
             for law in ("gms", "elasto_plastic", "coulomb_stribeck", "dahl", "leuven", "lugre")

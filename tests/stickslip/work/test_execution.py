@@ -61,31 +61,26 @@ def test_only_a_checkpoint_that_the_user_named_is_kept(tmp_path):
 
 
 def test_ctrl_c_prints_one_line_on_how_to_continue(monkeypatch, tmp_path, capsys):
-    def interrupted(*_):
+    """In a search, before it and after it."""
+
+    def searching(*_):
         raise ga.Interrupted(tmp_path / "learning.checkpoint.json", 7, 58)
 
-    monkeypatch.setattr("stickslip.papers.lugre.reproduction.reproduce", interrupted)
-    assert main(["reproduce", "--out", str(tmp_path)]) == 130
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("stickslip: interrupted after 7 generations (58 evaluations); ")
-    assert "--resume" in line
+    def before(*_):
+        raise KeyboardInterrupt
 
-
-def interrupt(*_):
-    raise KeyboardInterrupt
-
-
-def test_ctrl_c_before_and_after_the_search(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr("stickslip.papers.lugre.reproduction.reproduce", interrupt)
-    assert main(["reproduce", "--out", str(tmp_path)]) == 130
-    assert capsys.readouterr().err == "stickslip: interrupted\n"
-
-    def searched(*given):
+    def after(*given):
         given[-1].of_seed(0).checkpoint.touch()
-        interrupt()
+        raise KeyboardInterrupt
 
-    monkeypatch.setattr("stickslip.papers.lugre.reproduction.reproduce", searched)
-    assert main(["reproduce", "--out", str(tmp_path)]) == 130
+    said = []
+    for interrupted in (searching, before, after):
+        monkeypatch.setattr("stickslip.papers.lugre.reproduction.reproduce", interrupted)
+        assert main(["reproduce", "--out", str(tmp_path)]) == 130
+        said.append(capsys.readouterr().err)
+    assert said[0].startswith("stickslip: interrupted after 7 generations (58 evaluations); ")
+    assert "--resume" in said[0]
     kept = tmp_path / "learning.checkpoint.seed0.json"
-    message = f"interrupted; the state of the search is kept in {kept}; continue with --resume"
-    assert capsys.readouterr().err == f"stickslip: {message}\n"
+    state = f"the state of the search is kept in {kept}; continue with --resume"
+    assert said[1:] == ["stickslip: interrupted\n", f"stickslip: interrupted; {state}\n"]
+    assert said[0].count("\n") == 1

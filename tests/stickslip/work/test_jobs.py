@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import nullcontext
 
 import pytest
 
@@ -27,15 +27,14 @@ def echoed(item: int, seed: int) -> Outcome:
     return Outcome(learned=str(item + seed))
 
 
-def test_a_cluster_gets_a_few_jobs_at_a_time_so_that_an_interruption_leaves_few(monkeypatch):
-    cluster = Cluster(max_workers=2)
+@pytest.fixture
+def cluster(monkeypatch):
+    with Cluster(max_workers=2) as cluster:
+        monkeypatch.setattr(ga, "executor", lambda *_: nullcontext(cluster))
+        yield cluster
 
-    @contextmanager
-    def opened(*_):
-        with cluster:
-            yield cluster
 
-    monkeypatch.setattr(ga, "executor", opened)
+def test_a_cluster_gets_a_few_jobs_at_a_time_so_that_an_interruption_leaves_few(cluster):
     done = {}
     run_jobs(echoed, range(100), 1, "tcp://somewhere", 1, done.__setitem__)
     assert {item: outcome.learned for item, outcome in done.items()} == {
@@ -44,22 +43,17 @@ def test_a_cluster_gets_a_few_jobs_at_a_time_so_that_an_interruption_leaves_few(
     assert cluster.most <= 2 * cluster.parts
 
 
-def test_an_interruption_leaves_no_more_than_what_runs(monkeypatch):
+@pytest.mark.usefixtures("cluster")
+def test_an_interruption_leaves_no_more_than_what_runs():
     begun = []
 
     def job(item: int, _: int) -> Outcome:
         begun.append(item)
         return Outcome()
 
-    @contextmanager
-    def opened(*_):
-        with Cluster(max_workers=2) as cluster:
-            yield cluster
-
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(ga, "executor", opened)
     with pytest.raises(KeyboardInterrupt):
         run_jobs(job, range(1000), 0, "tcp://somewhere", 1, interrupt)
     assert len(begun) <= 2 * Cluster.parts

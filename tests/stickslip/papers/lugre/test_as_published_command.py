@@ -1,9 +1,14 @@
 """``stickslip reproduce --as-published`` leaves what its help promises."""
 
+from dataclasses import replace
+from functools import partial
+
 import pandas as pd
 import pytest
 
+from stickslip import ga
 from stickslip.cli import main
+from stickslip.papers.lugre import published
 from stickslip.papers.lugre.folder import PUBLISHED_FILES
 
 pytestmark = pytest.mark.slow
@@ -11,10 +16,14 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
+    """Return what the command writes, with a tenth of the generations of the paper."""
     folder = tmp_path_factory.mktemp("published") / "results"
     drive = ["--set", "drive.F_c=4", "drive.F_s=5", "drive.m=8"]
     command = ["reproduce", "--as-published", "--seeds", "1", "--seed", "6"]
-    assert main([*command, "--out", str(folder), *drive]) == 0
+    short = partial(published.study_as_published, settings=replace(ga.PAPER, generations=10))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(published, "study_as_published", short)
+        assert main([*command, "--out", str(folder), *drive]) == 0
     return folder
 
 
@@ -23,10 +32,10 @@ def test_all_files_are_there_and_verified(folder):
     assert main(["verify", str(folder)]) == 0
 
 
-def test_tables_tell_the_seed_and_count_a_thousand_runs(folder):
+def test_tables_tell_the_seed_and_count_the_runs(folder):
     fitness = pd.read_csv(folder / "fitness.csv")
     assert set(fitness["seed"]) == {6}
-    assert fitness["runs"].iloc[-1] == 1000
+    assert fitness["runs"].iloc[-1] == 100
     assert set(pd.read_csv(folder / "learned.csv")["seed"]) == {6}
     panel = pd.read_csv(folder / "panel.csv")
     assert panel["method"].tolist() == ["start", "as_published", "logarithmic", "least_squares"]

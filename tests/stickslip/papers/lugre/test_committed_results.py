@@ -1,6 +1,5 @@
 """What the repository shows is what its code computes."""
 
-import re
 from pathlib import Path
 
 import pandas as pd
@@ -25,6 +24,7 @@ def test_the_committed_tables_are_those_of_this_code(results, name):
     assert differences(name, fresh, committed) == []
 
 
+@pytest.mark.thorough
 def test_last_digits_of_the_loop_leave_the_tables_within_the_tolerance(
     results, quiet, tmp_path, monkeypatch
 ):
@@ -64,9 +64,3 @@ def test_the_documents_quote_the_committed_table():
         table = pd.read_csv(COMMITTED / f"{file}.csv").query("velocity == 'measured'")
         figures = " | ".join(f"{value:.2f}" for value in table[column])
         assert f"| {label} | {figures} |" in page
-
-
-def test_the_readme_names_files_that_exist():
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    for target in re.findall(r"\]\(([^)#]+)\)", readme):
-        assert (ROOT / target).exists(), target

@@ -26,12 +26,8 @@ def test_compensation_reduces_the_errors_far_beyond_the_paper(reproduction):
     table = measured(reproduction.validation.table())
     assert (table.reduction > table.paper_reduction).all()
     assert (table.reduction.to_numpy() >= [0.85, 0.90, 0.85, 0.90]).all()
-
-
-def test_the_true_velocity_improves_too(reproduction, make_rig, reductions):
-    loop = reproduction.identification.loop
-    found = reductions(make_rig(), loop, reproduction.refinement.values, "true")
-    assert (found > 0.8).all()
+    whole = reproduction.validation.table()
+    assert (whole[whole.velocity == "true"].reduction > 0.8).all()
 
 
 def test_learned_coulomb_friction_is_within_1_percent_of_the_drive(reproduction):
@@ -46,6 +42,7 @@ def test_a_parameter_that_learning_made_worse_is_remarked(reproduction):
             assert ("farther from the drive" in row.remark) == worse
 
 
+@pytest.mark.thorough
 def test_a_changed_drive_is_learned_as_well(tmp_path, quiet):
     truth = {"m": 9.0, "F_c": 3.0, "F_s": 5.1, "sigma_0": 8e5}
     found = reproduce(Options(truth=truth, loop_seeds=0), tmp_path, quiet)
@@ -56,13 +53,11 @@ def test_a_changed_drive_is_learned_as_well(tmp_path, quiet):
 
 @pytest.mark.parametrize("command", [TRAINING, VALIDATION], ids=["training", "trapezoid"])
 @pytest.mark.parametrize("current_loop", [False, True])
-def test_with_exact_parameters_the_loop_is_the_nominal_loop(
-    reproduction, tmp_path, command, current_loop
-):
+def test_with_exact_parameters_the_loop_is_the_nominal_loop(loop, tmp_path, command, current_loop):
     """Fig. 2(a) reduces to Fig. 2(b): RMS(v - v_r) below 0.1 % of RMS(v)."""
     build_fmus(tmp_path, {"encoder": False, "dac": False, "current_loop": current_loop})
     exact = {name: PAPER[name] for name in LUGRE}
-    system = paper_loop(tmp_path, reproduction.identification.loop, exact)
+    system = paper_loop(tmp_path, loop, exact)
     record = ["drive.v", "nominal.v_r"]
     with system.prepare(step=LOOP.T_s, stop=10.0, record=record) as simulation:
         run = simulation.run(inputs={"v_cmd": command})

@@ -10,7 +10,7 @@ from stickslip.papers.lugre.fmpy_check import second_opinion
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.deployment import deployed
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
-from stickslip.servo.systems import FEEDS, Compensator, build_fmus, paper_loop
+from stickslip.servo.systems import FEEDS, Compensator, paper_loop
 from stickslip.servo.velocity_loop import design_velocity_loop
 
 pytestmark = pytest.mark.slow
@@ -22,13 +22,6 @@ COMMANDS = {
     "not at rest": 0.02 + 0.01 * np.sin(40 * T),
 }
 TUNED = {name: 1.07 * PAPER[name] for name in LUGRE}
-
-
-@pytest.fixture(scope="module")
-def fmus(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("fmus")
-    build_fmus(folder, {})
-    return folder
 
 
 def opinion(fmus, folder, own, feed="nominal", fmi=2):

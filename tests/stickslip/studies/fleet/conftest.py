@@ -39,3 +39,14 @@ def drives(tmp_path):
         return read_fleet(table)
 
     return make
+
+
+@pytest.fixture(scope="session")
+def files():
+    """Return what reads all files of a folder, by their places in it."""
+
+    def files(folder):
+        found = (path for path in folder.rglob("*") if path.is_file())
+        return {path.relative_to(folder): path.read_bytes() for path in found}
+
+    return files

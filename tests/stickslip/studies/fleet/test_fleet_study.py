@@ -16,12 +16,6 @@ from stickslip.work.jobs import DIED
 pytestmark = pytest.mark.slow
 
 
-def files(folder):
-    return {
-        path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()
-    }
-
-
 def written(folder, *arguments, **options):
     fleet = learn_fleet(*arguments, folder, **options)
     write_fleet(fleet, fleet_table(fleet), folder)
@@ -46,7 +40,7 @@ def test_a_worker_of_a_cluster_that_dies_costs_nothing(cluster, drives, tmp_path
 
 
 @pytest.mark.parametrize("where", ["serial", "threads"])
-def test_interrupted_and_resumed_is_the_same_as_never_interrupted(where, drives, tmp_path):
+def test_interrupted_and_resumed_is_the_same_as_never_interrupted(where, drives, files, tmp_path):
     fleet = drives("a", "b", "c", "d")
     out, diary = tmp_path / "out", tmp_path / "diary"
     execution = Execution(1 if where == "serial" else 2)

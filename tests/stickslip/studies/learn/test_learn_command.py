@@ -3,6 +3,7 @@
 import io
 import json
 import re
+from contextlib import redirect_stderr, redirect_stdout
 from functools import partial
 from itertools import pairwise
 
@@ -18,25 +19,46 @@ from stickslip.identification.estimation import Search
 from stickslip.presentation.page import Picture
 from stickslip.progress import shown_by, steps
 from stickslip.studies.learn.folder import FILES
+from tests.kept import further
 
 pytestmark = pytest.mark.slow
 
 
-UNTRIED = ("stickslip.studies.learn.log_learning.with_trial", lambda _, learned, __: learned)
-"""For what ends before the trial is looked at."""
+ARGUMENTS = ["--criterion", "inverse", "--seeds", "2", "--seed", "3"]
+STEPS: list[tuple[int, int]] = []
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _short():
+    """Search for a short time, and leave the figures of the page blank."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stickslip.identification.estimation.Search", partial(Search, evaluations=40))
+        patch.setattr("stickslip.presentation.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
+        yield
 
 
 @pytest.fixture(scope="module")
-def folder(log, tmp_path_factory):
+def learned(log, tmp_path_factory):
+    """Return a folder of results, its learned.json, and what was printed."""
     out = tmp_path_factory.mktemp("learned") / "out"
-    assert main(["learn", str(log), "--workers", "3", "--out", str(out)]) == 0
-    return out
+    arguments = ["learn", "--log", str(log), *ARGUMENTS, "--workers", "1", "--out", str(out)]
+    with (
+        redirect_stdout(io.StringIO()) as said,
+        redirect_stderr(io.StringIO()) as warned,
+        shown_by(lambda done, of: STEPS.append((done, of))),
+    ):
+        assert main(arguments) == 0
+    document = json.loads((out / "learned.json").read_text())
+    return out, document, said.getvalue(), warned.getvalue()
 
 
-def test_it_prints_parameters_with_intervals(log, capsys):
-    assert main(["learn", "--log", str(log), "--criterion", "inverse"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    known = {line.split()[0]: line for line in lines if "identifiable" in line}
+@pytest.fixture(scope="module")
+def folder(learned):
+    return learned[0]
+
+
+def test_it_prints_parameters_with_intervals(learned):
+    known = {line.split()[0]: line for line in learned[2].splitlines() if "identifiable" in line}
     assert {"F_s", "F_c", "v_s", "sigma_0", "sigma_1", "m", "b"} <= {*known}
     low, high = known["F_c"].split("[")[1].split("]")[0].split(", ")
     assert float(low) < 4.0 < float(high)
@@ -44,52 +66,11 @@ def test_it_prints_parameters_with_intervals(log, capsys):
 
 def test_the_folder_is_whole_and_keeps_no_checkpoint(folder):
     assert main(["verify", str(folder)]) == 0
-    files = {path.name for path in folder.iterdir()}
-    assert {"learned.json", "parameters.csv", "report.html", "compensator.fmu"} <= files
-    assert not [name for name in files if "checkpoint" in name]
-    assert files == {*FILES, "manifest.json"}
+    assert {path.name for path in folder.iterdir()} == {*FILES, "manifest.json"}
+    assert not [name for name in FILES if "checkpoint" in name]
 
 
-def test_workers_change_no_byte(log, folder, tmp_path):
-    assert main(["learn", "--log", str(log), "--workers", "1", "--out", str(tmp_path)]) == 0
-    for name in ("learned.json", "parameters.csv", "report.html"):
-        assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
-
-
-@pytest.mark.usefixtures("without_pictures")
-def test_ctrl_c_while_the_results_are_written_keeps_the_search(log, folder, tmp_path, capsys):
-    def interrupt(*_, **__):
-        raise KeyboardInterrupt
-
-    arguments = ["learn", "--log", str(log), "--out", str(tmp_path)]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(*UNTRIED)
-        patch.setattr("stickslip.studies.learn.folder.write_learned", interrupt)
-        assert main(arguments) == 130
-    checkpoint = tmp_path / "learning.checkpoint.json"
-    assert f"kept in {checkpoint}; continue with --resume" in capsys.readouterr().err
-    assert main([*arguments, "--resume"]) == 0
-    assert not checkpoint.exists()
-    assert (tmp_path / "learned.json").read_bytes() == (folder / "learned.json").read_bytes()
-
-
-STEPS: list[tuple[int, int]] = []
-TWO_SEEDS = ["--criterion", "inverse", "--seeds", "2", "--seed", "3"]
-
-
-@pytest.fixture(scope="module")
-def of_two_seeds(log, tmp_path_factory):
-    """Return what short searches find that are not interrupted."""
-    out = tmp_path_factory.mktemp("seeds") / "whole"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.identification.estimation.Search", partial(Search, evaluations=40))
-        patch.setattr("stickslip.presentation.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
-        with shown_by(lambda done, of: STEPS.append((done, of))):
-            assert main(["learn", "--log", str(log), *TWO_SEEDS, "--out", str(out)]) == 0
-    return out
-
-
-@pytest.mark.usefixtures("of_two_seeds")
+@pytest.mark.usefixtures("learned")
 def test_searching_judging_and_trying_tell_how_far_they_are():
     judged = STEPS.index((2, 3))
     assert STEPS[0] == (0, 3)  # starts of a fit, which ends when two lead to the same minimum
@@ -152,25 +133,22 @@ def test_a_live_view_of_drives_shows_how_far_their_parameters_lie_apart(monkeypa
     assert "--live: expected a terminal" in caplog.text
 
 
-@pytest.mark.usefixtures("without_pictures")
-@pytest.mark.parametrize("named", [False, pytest.param(True, marks=pytest.mark.thorough)])
-def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
-    named, log, of_two_seeds, tmp_path, capsys, monkeypatch
+@pytest.mark.usefixtures("untried")
+@pytest.mark.parametrize("named", [False, *further(True)])
+def test_ctrl_c_keeps_the_search_and_resumed_with_other_workers_no_byte_differs(
+    named, log, folder, tmp_path, capsys, monkeypatch
 ):
+    """Interrupted while the results are written, when checkpoints of all seeds are there."""
+
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(
-        "stickslip.identification.estimation.Search", partial(Search, evaluations=40)
-    )
-    arguments = ["learn", "--log", str(log), *TWO_SEEDS]
-    own = tmp_path / "out" / "learning.checkpoint.json"
-    path = tmp_path / "mine.json" if named else own
+    path = tmp_path / ("mine.json" if named else "out/learning.checkpoint.json")
+    arguments = ["learn", "--log", str(log), *ARGUMENTS, "--workers", "3"]
     arguments += ["--out", str(tmp_path / "out"), *(["--checkpoint", str(path)] if named else [])]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(*UNTRIED)
-        patch.setattr("stickslip.studies.learn.folder.write_learned", interrupt)
-        assert main(arguments) == 130
+    monkeypatch.setattr("stickslip.studies.learn.folder.write_learned", interrupt)
+    assert main(arguments) == 130
+    monkeypatch.undo()
     checkpoints = [path.with_suffix(f".seed{seed}.json") for seed in (3, 4)]
     assert f"kept in {checkpoints[0]}, {checkpoints[1]}; continue with" in capsys.readouterr().err
     checkpoints[0].unlink()
@@ -178,30 +156,27 @@ def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
     assert f"{checkpoints[1]}: an earlier run did not end" in capsys.readouterr().err
     assert main([*arguments, "--resume"]) == 0
     assert [checkpoint.exists() for checkpoint in checkpoints] == [named, named]
-    for whole in of_two_seeds.iterdir():
-        assert (tmp_path / "out" / whole.name).read_bytes() == whole.read_bytes()
+    for whole in folder.iterdir():
+        assert (tmp_path / "out" / whole.name).read_bytes() == whole.read_bytes(), whole.name
 
 
-def test_the_compensator_has_what_was_learned(folder, tmp_path):
-    learned = json.loads((folder / "learned.json").read_text())["parameters"]
+def test_the_compensator_has_what_was_learned(learned, tmp_path):
+    folder, document, *_ = learned
     given = ["--input", f"{tmp_path}/v.csv", "--record", "F_ff", "--out", f"{tmp_path}/F.csv"]
     (tmp_path / "v.csv").write_text("time,v_cmd\n0,0.02\n1,0.02\n")
     assert main(["simulate", str(folder / "compensator.fmu"), "--stop", "1", *given]) == 0
     last = float((tmp_path / "F.csv").read_text().splitlines()[-1].split(",")[-1])
-    share = json.loads((folder / "learned.json").read_text())["share"]["value"]
-    assert last == pytest.approx(share * learned["F_c"]["value"], rel=0.02)
+    expected = document["share"]["value"] * document["parameters"]["F_c"]["value"]
+    assert last == pytest.approx(expected, rel=0.02)
 
 
-def test_it_prints_and_writes_whether_compensation_helps(log, folder, capsys):
-    """With and without --out: no error of the family grows by more than 2 %."""
-    document = json.loads((folder / "learned.json").read_text())
+def test_it_prints_and_writes_whether_compensation_helps(learned):
+    """No error of the family grows by more than 2 %."""
+    folder, document, out, error = learned
     written = document["tracking_error"][0]["compensation"]
     rows = [row for row in document["tracking_error"] if row["compensation"] == written]
     assert len(rows) == len(document["family"]) * len({row["command"] for row in rows})
-    for row in rows:
-        assert row["ratio"] <= 1.02
-    assert main(["learn", "--log", str(log), "--judge", "inverse"]) == 0
-    out, error = capsys.readouterr()
+    assert all(row["ratio"] <= 1.02 for row in rows)
     table = out.split("RMS tracking error of simulated drives")[1].splitlines()
     assert {len(line.split("->")) for line in table[2:5]} == {6}
     first = document["tracking_error"][0]
@@ -210,12 +185,10 @@ def test_it_prints_and_writes_whether_compensation_helps(log, folder, capsys):
     report = (folder / "report.html").read_text(encoding="utf-8")
     opening = report.index("Tracking without and with the compensator")
     assert report.index("<h1>") < opening < report.index("Learned parameters")
-    tracking = document["tracking"]
-    assert tracking["measured"] is None  # no command was logged
-    simulated = tracking["simulated"]
-    assert simulated["with compensator"]["velocity_rms"] < (
-        0.8 * simulated["without compensator"]["velocity_rms"]
-    )
+    assert document["tracking"]["measured"] is None  # no command was logged
+    simulated = document["tracking"]["simulated"]
+    errors = [simulated[f"{how} compensator"]["velocity_rms"] for how in ("with", "without")]
+    assert errors[0] < 0.8 * errors[1]
     assert "tracking error on a trapezoid at the log's speed" in out
     assert "Whether compensation helps" in report
     parts = {row["part"]: row for row in document["error_ratio_of_parts"]}
@@ -225,23 +198,23 @@ def test_it_prints_and_writes_whether_compensation_helps(log, folder, capsys):
     recommended = both["acceptable"] and both["mean"] < parts["feedforward"]["mean"]
     assert (document["compensation"] == "feedforward + observer") == recommended
     assert (folder / "observer.fmu").exists() == recommended
-    assert ("export observer" in (folder / "report.html").read_text("utf-8")) == recommended
+    assert ("export observer" in report) == recommended
     assert document["observer"]["peak_sensitivity"]["value"] <= 2.2
 
 
-@pytest.mark.usefixtures("without_pictures")
-def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsys):
+def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsys, monkeypatch):
     """The check before learning sees only clear masses; here it sees none."""
     arguments = ["learn", "--log", str(log), "--scale", "force=5e-5", "--judge", "inverse"]
     arguments += ["--out", str(tmp_path)]
     assert main(arguments) == 1
     assert "kg, less than 0.001 kg" in capsys.readouterr().err
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.studies.learn.log_learning.check_units", lambda _: ())
-        assert main(arguments) == 0
-        assert "compensator.fmu is not written: error: the mass" in capsys.readouterr().err
-        assert (tmp_path / "learned.json").exists()
-        assert not (tmp_path / "compensator.fmu").exists()
+    module = "stickslip.studies.learn.log_learning"
+    monkeypatch.setattr(f"{module}.try_compensator", lambda *_: None)
+    monkeypatch.setattr(f"{module}.check_units", lambda _: ())
+    assert main(arguments) == 0
+    assert "compensator.fmu is not written: error: the mass" in capsys.readouterr().err
+    assert (tmp_path / "learned.json").exists()
+    assert not (tmp_path / "compensator.fmu").exists()
     assert main([*arguments, "--confirm", "mass"]) == 0
     assert (tmp_path / "compensator.fmu").exists()
 
@@ -258,7 +231,6 @@ def test_a_compensator_that_cannot_be_learned_is_refused_before_learning(log, ca
         assert message in capsys.readouterr().err
 
 
-@pytest.mark.usefixtures("without_pictures")
 def test_the_best_compensator_is_written_and_exported(log, tmp_path, capsys):
     """All forms of it are those of learned.json, and it is no worse than the default."""
     out = tmp_path / "out"

@@ -33,7 +33,7 @@ FINDINGS = (
     Finding("note", "it moves", "84 % of the time"),
     Finding("warning", "F_s & v_s hardly show", "3 %", "stickslip plan --show F_s v_s"),
 )
-KINDS = ("loop", "rotary", "friction", "dahl")
+KINDS = ("rotary", "friction")
 VALUES = {**PAPER, "F_0": 0.3, "delay": 1e-4, "delta": 2.0, "i": 1.0, "v_d": 0.0}
 
 
@@ -58,11 +58,11 @@ def algorithm():
 
 
 def made(kind="loop", n=30_000):
-    """An estimation of a sine.
+    """An estimation of a sine; where friction was measured, by Dahl's law.
 
     The law's first parameter is not identifiable, and the profile of its last one is too steep.
     """
-    law = friction_law("dahl" if kind == "dahl" else "lugre")
+    law = friction_law("dahl" if kind == "friction" else "lugre")
     space = ParameterSpace.of(law)
     hidden, *_, steep = space.friction
     values = {name: VALUES[name] for name in (*law.parameters, *DRIVE)}
@@ -154,18 +154,24 @@ def test_every_parameter_appears_with_interval_unit_and_sentence(written):
         assert interval(scale * known.low, scale * known.high).replace("\u00a0", " ") in text
     assert table.unit["F_c"] == ("N.m" if kind == "rotary" else "N")
     assert ("kg m²" in text) == (kind == "rotary")
-    assert ("mrad/s" if kind == "rotary" else "mm/s") in text or kind == "dahl"
-    assert ("LuGre" if kind != "dahl" else "Dahl") + " model of friction" in text
-    assert ("Stiffness of the contact at rest" in text) == (kind == "dahl")
+    assert ("mrad/s" if kind == "rotary" else "mm/s") in text or kind == "friction"
+    assert ("LuGre" if kind != "friction" else "Dahl") + " model of friction" in text
+    assert ("Stiffness of the contact at rest" in text) == (kind == "friction")
 
 
-def test_the_page_names_criterion_reason_and_errors(written):
+def test_the_page_names_criterion_errors_findings_and_files(written):
     kind, estimation, folder = written
     text = words(folder)
     assert f"Criterion: {estimation.criterion}, since {estimation.reason}." in text
     assert "12.3 %" in text
     assert ("0.015 %" in text) == (kind != "friction")
     assert not re.search(r"\bnan\b", text.lower())
+    for finding in FINDINGS:
+        assert all(part in text for part in (finding.what, finding.figure, finding.advice))
+    assert "the sign was turned" in text
+    assert text.index(FINDINGS[1].what) < text.index(FINDINGS[0].what)  # warnings first
+    assert "learned.json:" in text
+    assert "compensator.fmu:" not in text  # which is not there
 
 
 def test_what_is_not_visible_is_not_praised_and_an_experiment_is_named(written):
@@ -177,22 +183,6 @@ def test_what_is_not_visible_is_not_praised_and_an_experiment_is_named(written):
     assert f"≈ {number(estimation.known[name].value, 2)}".replace("\u00a0", " ") in text
     motion = " --motion rotary" if kind == "rotary" else ""
     assert f"stickslip plan --show {name}{motion}" in text
-
-
-def test_findings_stand_on_the_page_warnings_first(written):
-    text = words(written[2])
-    for finding in FINDINGS:
-        assert finding.what in text
-        assert finding.figure in text
-        assert finding.advice in text
-    assert "the sign was turned" in text
-    assert text.index(FINDINGS[1].what) < text.index(FINDINGS[0].what)
-
-
-def test_the_page_names_only_files_that_are_there(written):
-    text = words(written[2])
-    assert "learned.json:" in text
-    assert "compensator.fmu:" not in text
 
 
 def test_pictures_show_units_of_the_drive(written):
@@ -213,17 +203,16 @@ def test_a_profile_too_steep_for_its_interval_is_not_drawn(written):
     kind, _, folder = written
     texts, text = drawn(folder, "profiles"), words(folder)
     assert texts.count("profile not resolved") == 1
-    assert f"Not drawn for {'Fc' if kind == 'dahl' else 'σ1'}" in text
+    assert f"Not drawn for {'Fc' if kind == 'friction' else 'σ1'}" in text
 
 
 def test_a_disturbance_of_one_frequency_is_a_peak_of_the_spectrum():
     estimation = made("loop")
     figures, t = estimation.figures, estimation.recording.t
     disturbed = figures.simulated + 1e-6 * np.sin(2 * np.pi * 50.0 * t)
+    estimation = replace(estimation, figures=replace(figures, simulated=disturbed))
     with house_style():
-        figure = drawing(
-            "residual", replace(estimation, figures=replace(figures, simulated=disturbed))
-        )()
+        figure = drawing("residual", estimation)()
     (line,) = figure.axes[-1].get_lines()
     f, density = line.get_data()
     assert f[np.argmax(density)] == pytest.approx(50.0, abs=f[1] - f[0])
@@ -287,12 +276,9 @@ def test_a_prefix_leaves_the_value_as_it_is(exponent):
     assert 1.0 <= scale.factor * size < 1000.0
 
 
-@pytest.mark.parametrize(
-    ("criterion", "what"),
-    [("output error", "Position"), ("inverse model", "Force")],
-)
-def test_the_residual_is_that_of_the_criterion(criterion, what):
-    assert residual(replace(made(n=3000), criterion=criterion)).what == what
+def test_the_residual_is_that_of_the_criterion():
+    for criterion, what in (("output error", "Position"), ("inverse model", "Force")):
+        assert residual(replace(made(n=3000), criterion=criterion)).what == what
 
 
 def test_a_name_that_no_font_has_prints_no_warning(recwarn):

@@ -18,6 +18,7 @@ import pytest
 from stickslip.cli import main
 from stickslip.identification.estimation import Search
 from stickslip.presentation.page import Picture
+from tests.kept import further
 
 pytestmark = pytest.mark.slow
 
@@ -61,7 +62,7 @@ def simulated(m, F_c, F_s, v_s, deflection, b, top, dt=1e-3, n=6000, steps=25):
     return np.column_stack([t, *signals, v_cmd])
 
 
-@pytest.fixture(scope="module", params=DRIVES)
+@pytest.fixture(scope="module", params=["rotary", *further("linear")])
 def output(request, tmp_path_factory):
     """Return the kind of the drive, learned.json, and all text by what printed or wrote it."""
     kind, folder = request.param, tmp_path_factory.mktemp(request.param)

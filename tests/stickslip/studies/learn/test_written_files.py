@@ -56,25 +56,17 @@ def doubtful(sound):
     return replace(sound, estimation=replace(sound.estimation, faults=(fault,)))
 
 
+FEEDFORWARD, OBSERVER = {"compensator.fmu"}, {"observer.fmu"}
 KINDS = {
-    "sound": lambda sound: sound,
-    "share": lambda sound: tried(sound, alone=False, share=0.6),
-    "harmful": lambda sound: tried(sound, alone=False),
-    "observer": lambda sound: tried(sound, alone=True),
-    "doubtful": doubtful,
-    "untried": untried,
-    "untried observer": lambda sound: untried(sound, "ekbf"),
+    "sound": (lambda sound: sound, FMUS, FMUS),
+    "share": (lambda sound: tried(sound, alone=False, share=0.6), FEEDFORWARD, FEEDFORWARD),
+    "harmful": (lambda sound: tried(sound, alone=False), set(), FEEDFORWARD),
+    "observer": (lambda sound: tried(sound, alone=True), OBSERVER, FMUS),
+    "doubtful": (doubtful, set(), FMUS),
+    "untried": (untried, set(), FEEDFORWARD),
+    "untried observer": (lambda sound: untried(sound, "ekbf"), set(), set()),
 }
-WRITTEN = {
-    "sound": ({"compensator.fmu", "observer.fmu"}, {"compensator.fmu", "observer.fmu"}),
-    "share": ({"compensator.fmu"}, {"compensator.fmu"}),
-    "harmful": (set(), {"compensator.fmu"}),
-    "observer": ({"observer.fmu"}, {"compensator.fmu", "observer.fmu"}),
-    "doubtful": (set(), {"compensator.fmu", "observer.fmu"}),
-    "untried": (set(), {"compensator.fmu"}),
-    "untried observer": (set(), set()),
-}
-"""FMUs in the folder, without and with --force."""
+"""What was learned, and the FMUs in the folder, without and with --force."""
 
 
 def lines_of(page):
@@ -98,7 +90,8 @@ def check_names(text, files):
 def test_each_sentence_that_names_a_file_is_true(
     kind, force, sound, log, tmp_path, capsys, monkeypatch
 ):
-    learned, out = KINDS[kind](sound), tmp_path / "out"
+    (make, *written), out = KINDS[kind], tmp_path / "out"
+    learned = make(sound)
     monkeypatch.setattr("stickslip.studies.learn.log_learning.learn", lambda *_, **__: learned)
     arguments = ["learn", str(log), "--out", str(out), *(["--force"] if force else [])]
     assert main(arguments) == 0
@@ -106,7 +99,7 @@ def test_each_sentence_that_names_a_file_is_true(
     assert main([*arguments, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     files = {path.name for path in out.iterdir()}
-    assert files & FMUS == WRITTEN[kind][force]
+    assert files & FMUS == written[force]
     page, commands = lines_of((out / "report.html").read_text(encoding="utf-8"))
     kept = json.loads((out / "learned.json").read_text())
     for text in (printed, error, page, *strings(document), *strings(kept)):
