@@ -72,6 +72,7 @@ def test_a_drive_of_another_law_has_a_model_that_errs_like_it_with_other_frictio
         assert unlike(errors_with(bench, "lugre", lugre), true) > 0.3
 
 
+@pytest.mark.thorough
 def test_parameters_that_identification_missed_are_found(bench_of, monkeypatch):
     monkeypatch.setattr(drive_model, "LAWS", ("lugre",))
     monkeypatch.setattr(drive_model, "ROUNDS", (120,))

@@ -213,6 +213,7 @@ def judged(study, tuned):
     return typical[:, 1] / typical[:, 0]
 
 
+@pytest.mark.thorough
 def test_the_search_earns_its_place(reproduction, study, monkeypatch):
     """Without it, and by random search of the same budget, its figures are not reached."""
     monkeypatch.setattr(loop_tuning, "PHASES", PHASES[:3])
