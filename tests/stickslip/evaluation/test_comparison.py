@@ -12,6 +12,7 @@ from stickslip.rigs.fmu import rig_of
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
+from tests.kept import further
 
 pytestmark = pytest.mark.slow
 
@@ -27,7 +28,7 @@ TRAPEZOID = MOTIONS[0]
 REVERSALS, CREEP, MOVES = SLOW_MOTIONS
 
 
-@pytest.fixture(scope="module", params=DRIVES)
+@pytest.fixture(scope="module", params=["heavier", *further("the paper's", "friction doubled")])
 def drive(request):
     """Return a rig, its loop and its friction."""
     truth = {**PAPER, **DRIVES[request.param]}

@@ -21,6 +21,7 @@ from stickslip.servo.velocity_loop import (
     close_velocity_loop,
     design_velocity_loop,
 )
+from tests.kept import further
 
 PAPER = design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LOOP)
 WEAK = close_velocity_loop(Axis(2.0, 4.0, 1e-3), 1e-3, 0.0, 150.0, 2000.0)
@@ -41,7 +42,7 @@ def random_loop(rng: np.random.Generator) -> VelocityLoop:
             bandwidth *= 0.7
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, 1, *further(2, 3)])
 def test_any_loop_gets_an_observer_within_the_limit(seed):
     """Also between the masses of the design, and at frequencies that it does not evaluate."""
     rng = np.random.default_rng(seed)
