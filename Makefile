@@ -4,7 +4,7 @@ BIN := .venv/bin
 # other systems' linkers lack gcc's sanitizers, and gcc leaves a file at Ctrl-C
 NOT_SANITIZED := --ignore tests/conformance/test_platforms.py \
     --deselect "tests/cosim/test_interrupt.py::test_nothing_is_left_behind[a compilation]"
-SPREAD := --numprocesses auto --maxprocesses 8 --dist loadfile
+SPREAD := --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 
 .DEFAULT_GOAL := help
 .PHONY: help setup reproduce test quick thorough test-platforms check wheel docs rooms format notebooks sanitize bench clean

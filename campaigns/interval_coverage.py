@@ -4,10 +4,10 @@
 
 Each recording is simulated with noise and a seed of its own and learned like a log: of Table 2's
 drive (``same``), of LuGre drives (``varied``), or of drives of every law with imperfections and
-with right, wrong or no gains of the controller (``any``; ``tests/random_drives.py`` defines what
-is true of them). coverage.csv has a row for each quantity and recording and is rewritten after
-each; recordings that it has are not learned again. The summary gives for each quantity the share
-that holds with its 95 % bounds (Clopper and Pearson), and the median relative half-width.
+with right, wrong or no gains of the controller (``any``; ``random_drives.py`` defines what is true
+of them). coverage.csv has a row for each quantity and recording and is rewritten after each;
+recordings that it has are not learned again. The summary gives for each quantity the share that
+holds with its 95 % bounds (Clopper and Pearson), and the median relative half-width.
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, NullLocator
 from scipy.stats import binomtest
 
+from campaigns.random_drives import RandomDrive, random_drive
+from campaigns.random_drives import record as record_random
 from stickslip.catalog.parameters import PAPER, unit_of
 from stickslip.errors import StickslipError
 from stickslip.identification.estimation import (
@@ -55,8 +57,6 @@ from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 from stickslip.studies.learn.recorded import gains_of
-from tests.random_drives import RandomDrive, random_drive
-from tests.random_drives import record as record_random
 
 MASS = (3.0, 12.0)  # [kg]
 F_C = (2.0, 12.0)  # [N]

@@ -21,8 +21,12 @@ from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
 HERE = Path(__file__).parent
-REPRODUCED = ("cli", "committed_results", "drive_model", "learned_loop", "loop_learning", "results")
-"""Files test_*.py that need a whole reproduction, which takes a minute: one worker runs them."""
+FIRST = (
+    *("examples/test_notebooks", "stickslip/papers/lugre/test_results"),
+    *("stickslip/tuning/test_loop_learning", "stickslip/identification/test_measured_logs"),
+    *("stickslip/tuning/test_refinement", "stickslip/studies/learn/test_learn_command"),
+)
+"""Files that take longest, so that none of them is left to the end."""
 CASES = 1
 """Of each test in a folder that has parameters, so many cases belong to the quick tier."""
 
@@ -51,7 +55,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave what the quick tier does not run."""
+    """Put what takes longest first, and leave what the quick tier does not run."""
+    long = {HERE / f"{name}.py" for name in FIRST}
+    items.sort(key=lambda item: item.path not in long)
     if not config.getoption("--quick"):
         return
     taken: Counter[str] = Counter()
@@ -69,18 +75,3 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def pytest_collection_finish() -> None:
     """Let the garbage collector pass over thousands of tests, which stay until the end."""
     gc.freeze()
-
-
-@pytest.hookimpl(optionalhook=True)  # without xdist nothing is spread
-def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
-    """Spread files over workers, those that need a whole reproduction as one."""
-    from xdist.scheduler import LoadFileScheduling
-
-    needing = {f"tests/stickslip/test_{name}.py" for name in (*REPRODUCED, "reproduction")}
-
-    class ByFile(LoadFileScheduling):
-        def _split_scope(self, nodeid: str) -> str:
-            file = super()._split_scope(nodeid)
-            return "reproduction" if file in needing else file
-
-    return ByFile(config, log)

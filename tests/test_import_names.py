@@ -19,6 +19,7 @@ from pathlib import Path
 import pytest
 
 from stickslip.cli import COMMANDS
+from tests.kept import further
 
 pytestmark = pytest.mark.slow
 
@@ -89,7 +90,7 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return python
 
 
-@pytest.fixture(scope="session", params=["editable", "wheel"])
+@pytest.fixture(scope="session", params=["wheel", *further("editable")])
 def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Run:
     """Run Python with arguments in the folder of a user, and return what it printed."""
     python = sys.executable

@@ -1,14 +1,16 @@
 """One reproduction of the paper, and one short log, made once for all tests that judge them."""
 
+import re
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 
-from stickslip import cosim
-from stickslip.evaluation.validation import validate
+from stickslip.catalog.parameters import PAPER
+from stickslip.identification.stages import Identification, identify
+from stickslip.models import build_fmu
 from stickslip.papers.lugre.folder import write_results
 from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, reproduce
 from stickslip.papers.lugre.studies import step_by_step, with_motions
@@ -17,11 +19,12 @@ from stickslip.presentation.page import Picture
 from stickslip.progress import SILENT, Progress
 from stickslip.rigs.contract import COMMISSIONING
 from stickslip.rigs.fmu import FmuRig, rig_of
+from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import build_fmus
-from stickslip.servo.velocity_loop import design_velocity_loop
+from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 from stickslip.work.execution import Execution
+from tests.kept import kept
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -44,20 +47,75 @@ def without_pictures(monkeypatch):
     )
 
 
-@pytest.fixture(scope="session")
-def reproduction(tmp_path_factory, quiet) -> Reproduction:
-    fmus = tmp_path_factory.mktemp("fmus")
-    return with_motions(reproduce(Options(loop_seeds=1), fmus, quiet, Execution(2)), fmus)
+def reproduced(fmus: Path) -> Reproduction:
+    return with_motions(reproduce(Options(loop_seeds=1), fmus, SILENT, Execution(2)), fmus)
 
 
 @pytest.fixture(scope="session")
-def results(reproduction, tmp_path_factory) -> Path:
+def reproduction() -> Reproduction:
+    return kept("reproduction", reproduced)
+
+
+@pytest.fixture(scope="session")
+def results(reproduction) -> Path:
     """Return a folder of results; the drive with all extras, which takes long, is the drive."""
-    folder = tmp_path_factory.mktemp("results")
-    fmus = reproduction.system.components["drive"].path.parent
-    extras = Extras(step_by_step(reproduction, fmus))
-    write_results(replace(reproduction, extras=extras), folder)
+
+    def written(folder: Path) -> Path:
+        fmus = reproduction.system.components["drive"].path.parent
+        extras = Extras(step_by_step(reproduction, fmus))
+        write_results(replace(reproduction, extras=extras), folder)
+        return folder
+
+    return kept("results", written)
+
+
+@pytest.fixture
+def untried(monkeypatch):
+    """Leave out the trial of the compensator, most of the time of a whole learning."""
+    place = "stickslip.studies.learn.log_learning.with_trial"
+    monkeypatch.setattr(place, lambda _, learned, __: learned)
+
+
+@pytest.fixture(scope="session")
+def fmus(tmp_path_factory) -> Path:
+    """Return a folder with the paper's drive and all that its loops are made of."""
+    folder = tmp_path_factory.mktemp("fmus")
+    build_fmus(folder, {})
     return folder
+
+
+@pytest.fixture(scope="session")
+def loop() -> VelocityLoop:
+    """Return the paper's loop, designed for the parameters of its Table 2."""
+    return design_velocity_loop(Axis(PAPER["m"], PAPER["b"], 1e-4), LOOP)
+
+
+@pytest.fixture(scope="session")
+def identified(fmus) -> Identification:
+    """Return what the paper's experiments find of its drive."""
+    return identify(FmuRig(fmus, Datasheet(), LOOP.T_s), LOOP)
+
+
+@pytest.fixture(scope="session")
+def stage(tmp_path_factory) -> Path:
+    return build_fmu("stage", tmp_path_factory.mktemp("stage"))
+
+
+@pytest.fixture(scope="session")
+def edited():
+    """Return what writes a copy of an archive in which one file has other texts, by patterns."""
+
+    def edited(archive, path, changes, member="modelDescription.xml"):
+        with zipfile.ZipFile(archive) as old, zipfile.ZipFile(path, "w") as new:
+            for name in old.namelist():
+                data = old.read(name)
+                for pattern, text in changes.items() if name == member else ():
+                    data, n = re.subn(pattern.encode(), text.encode(), data, flags=re.DOTALL)
+                    assert n
+                new.writestr(name, data)
+        return path
+
+    return edited
 
 
 @pytest.fixture
@@ -82,30 +140,3 @@ def log(tmp_path_factory):
     table = {"time": log.t, "position": log.x_enc, "force": log.F_m}
     pd.DataFrame(table)[::2].to_csv(path, index=False)
     return path
-
-
-TRAPEZOIDS = 9
-
-
-def median_reductions(rig, loop, compensator, velocity):
-    """Return Table 4's four reductions, each the median of trapezoids that differ by 1 %.
-
-    How the encoder's steps fall is chance, and moves the maximum of one run by some points.
-    """
-    tables = []
-    for k in range(TRAPEZOIDS):
-        command = cosim.Trapezoid(
-            height=VALIDATION.height * (1.0 + 0.01 * np.sin(3.0 * k)),
-            slope=VALIDATION.slope * (1.0 + 0.01 * np.sin(7.0 * k)),
-            plateau=VALIDATION.plateau,
-            begin=VALIDATION.begin,
-        )
-        table = validate(rig, loop, compensator, command).table()
-        tables.append(table[table.velocity == velocity].reduction.to_numpy())
-    return np.median(tables, axis=0)
-
-
-@pytest.fixture(scope="session")
-def reductions():
-    """Return what finds Table 4's reductions without the chance of a single run."""
-    return median_reductions

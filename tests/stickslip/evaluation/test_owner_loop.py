@@ -19,7 +19,6 @@ from stickslip.logs import Recording
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.systems import build_fmus
-from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.trial.guards import Trial
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
@@ -28,11 +27,6 @@ FRICTION = {name: VALUES[name] for name in friction_law().parameters if name in 
 T = np.arange(4001) * LOOP.T_s
 COMMAND = Trapezoid(0.04, 0.4, 0.3, 0.1).sample(T)
 STEP = 1e-9
-
-
-@pytest.fixture(scope="module")
-def loop():
-    return design_velocity_loop(AXIS, LOOP)
 
 
 def gains_of(loop):

@@ -9,16 +9,19 @@ from stickslip.identification.estimation import candidate_fmus
 from stickslip.papers.lugre.record_mode import reproduce_from_recording
 from stickslip.papers.lugre.reproduction import Options
 from stickslip.progress import SILENT
+from tests.kept import kept
 
 sys.path.insert(0, str(Path(__file__).parent))  # drives
 
 
+TRUTH = {"m": 8.0, "F_c": 4.5, "F_s": 7.0, "sigma_0": 3e5, "v_s": 8e-4, "noise": 1.0}
+
+
 @pytest.fixture(scope="session")
-def recorded(tmp_path_factory):
+def recorded():
     """The record mode on a drive that differs from Table 2, with noise."""
-    truth = {"m": 8.0, "F_c": 4.5, "F_s": 7.0, "sigma_0": 3e5, "v_s": 8e-4, "noise": 1.0}
-    fmus = tmp_path_factory.mktemp("fmus")
-    return reproduce_from_recording(Options(truth=truth), fmus, SILENT)
+    options = Options(truth=TRUTH)
+    return kept("recorded", lambda fmus: reproduce_from_recording(options, fmus, SILENT))
 
 
 @pytest.fixture(scope="session")

@@ -78,16 +78,10 @@ def test_a_law_that_does_not_fit_says_so():
     assert np.isfinite(found.loop.K_p)
 
 
-@pytest.fixture(scope="module")
-def dahl_log(tmp_path_factory):
-    """Return a log of a drive with Dahl's friction, made by a program of its own."""
+@pytest.mark.usefixtures("without_pictures", "untried")
+def test_a_log_of_another_law_gives_a_compensator_of_that_law(tmp_path):
     command = plan()["velocity_command"].to_numpy()[:16_000]
-    recorded = run("dahl", command, uneven=0.0, sigma_1=0.0)
-    return write_log(tmp_path_factory.mktemp("log") / "dahl.csv", recorded)
-
-
-@pytest.mark.usefixtures("without_pictures")
-def test_a_log_of_another_law_gives_a_compensator_of_that_law(dahl_log, tmp_path):
+    dahl_log = write_log(tmp_path / "dahl.csv", run("dahl", command, uneven=0.0, sigma_1=0.0))
     how = ["--law", "dahl", "--criterion", "inverse", "--out", str(tmp_path)]
     assert main(["learn", "--log", str(dahl_log), *how]) == 0
     learned = json.loads((tmp_path / "learned.json").read_text())
@@ -100,7 +94,7 @@ def test_a_log_of_another_law_gives_a_compensator_of_that_law(dahl_log, tmp_path
     compensator = tmp_path / "compensator.fmu"
     assert {"sigma_0", "F_c", "i"} <= cosim.Fmu(compensator).variables.keys()
     assert "v_s" not in cosim.Fmu(compensator).variables
-    export = ["export", "compensator", "--parameters", str(tmp_path / "learned.json")]
+    export = ["export", "compensator", "--parameters", str(tmp_path / "learned.json"), "--force"]
     assert main([*export, "--out", str(tmp_path / "exported")]) == 0
     exported = cosim.Fmu(tmp_path / "exported" / "compensator.fmu").variables
     for name in ("sigma_0", "F_c"):
@@ -111,15 +105,9 @@ def test_a_log_of_another_law_gives_a_compensator_of_that_law(dahl_log, tmp_path
     assert literal(exported["sigma_0"].start) in (tmp_path / "st" / "compensator.st").read_text()
 
 
-@pytest.mark.usefixtures("without_pictures")
-def test_the_law_is_chosen_by_what_it_predicts(tmp_path, capsys, monkeypatch):
-    """The drive has five Maxwell-slip elements, which LuGre does not explain.
-
-    The trial of the compensator, most of the time of a whole learning, comes after the choice.
-    """
-    monkeypatch.setattr(
-        "stickslip.studies.learn.log_learning.with_trial", lambda _, learned, __: learned
-    )
+@pytest.mark.usefixtures("without_pictures", "untried")
+def test_the_law_is_chosen_by_what_it_predicts(tmp_path, capsys):
+    """The drive has five Maxwell-slip elements, which LuGre does not explain."""
     command = plan()["velocity_command"].to_numpy()[:16_000]
     log = write_log(tmp_path / "log.csv", run("gms", command, uneven=0.0))
     how = ["--criterion", "inverse", "--out", str(tmp_path / "out")]

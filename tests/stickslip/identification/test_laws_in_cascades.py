@@ -1,9 +1,12 @@
 """A drive of a law that is not LuGre, in a position loop, against what is true of it."""
 
+import pytest
+
+from campaigns.random_drives import random_drive, record
 from stickslip.identification.estimation import LearnSettings, Task, candidate_fmus, learn
-from tests.random_drives import random_drive, record
 
 
+@pytest.mark.thorough
 def test_a_drive_that_sticks_and_slips_is_learned_within_intervals():
     drive = random_drive(27, cascade=True, sound=True)
     assert (drive.law, bool(drive.K_x)) == ("coulomb_stribeck", True)

@@ -47,13 +47,10 @@ def test_lugre_predicts_emps_worse_than_coulomb_and_viscous_friction(emps):
     assert all(one.identifiability != "identifiable" for one in emps.estimation.known.values())
 
 
-def test_emps_is_explained_better_than_by_the_published_model(emps):
+def test_emps_gives_the_published_parameters_and_is_explained_better(emps):
+    """Janot, Gautier, Brunot (2019): M, F_v, F_c and the offset, by least squares."""
     assert emps.estimation.figures.force_unfiltered < 0.0408
     assert emps.estimation.figures.position <= 0.000138
-
-
-def test_emps_gives_the_published_parameters(emps):
-    """Janot, Gautier, Brunot (2019): M, F_v, F_c and the offset, by least squares."""
     known = emps.estimation.known
     assert known["m"].value == pytest.approx(95.1089, rel=0.01)
     assert known["b"].value == pytest.approx(203.5034, rel=0.02)
@@ -70,26 +67,24 @@ def test_emps_shows_no_presliding_and_says_so(emps, capsys):
     assert "stickslip plan --show sigma_0" in said
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_what_was_learned_is_written_and_read(sound, tmp_path):
-    emps = sound
-    write_learned(emps, tmp_path)
-    assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(emps.compensator)
-    assert sum("not identifiable in this log" in warning for warning in emps.warnings) == 4
-    assert cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start == pytest.approx(
-        emps.compensator["F_c"]
-    )
+    write_learned(sound, tmp_path)
+    assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(sound.compensator)
+    assert sum("not identifiable in this log" in warning for warning in sound.warnings) == 4
+    start = cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start
+    assert start == pytest.approx(sound.compensator["F_c"])
     assert "DATA_EMPS.mat" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.usefixtures("without_pictures")
 def test_a_compensator_that_does_harm_is_not_written(sound, tmp_path):
-    emps = sound
-    benefit = emps.trial.benefit
-    rows = tuple(replace(row, compensated=1.03 * row.without) for row in benefit.rows)
-    harmful = replace(emps, trial=replace(emps.trial, benefit=Benefit(1.0, rows, rows)))
+    rows = sound.trial.benefit.rows
+    rows = tuple(replace(row, compensated=1.03 * row.without) for row in rows)
+    harmful = replace(sound, trial=replace(sound.trial, benefit=Benefit(1.0, rows, rows)))
     assert "1.03 times that without the compensator" in harmful.refusal
-    assert not emps.refusal
-    write_learned(emps, tmp_path)
+    assert not sound.refusal
+    write_learned(sound, tmp_path)
     assert (tmp_path / "compensator.fmu").exists()
     write_learned(harmful, tmp_path)
     assert not (tmp_path / "compensator.fmu").exists()

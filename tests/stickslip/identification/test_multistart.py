@@ -78,7 +78,7 @@ def test_what_is_not_sure_stays_the_papers_and_is_doubted(delta):
     assert 1.0 < half_width / abs(other.q[v_s] - first.q[v_s]) < 1.5
 
 
-def test_a_rise_towards_rest_that_does_not_show_is_left_out():
+def test_a_rise_towards_rest_is_left_out_where_it_does_not_show():
     """F_s is sure there, as a level; only v_s tells that nothing falls."""
     criterion = Curve(1.0, np.linspace(1e-5, 4e-3, 400), F_s=6.0)
     first = begun(criterion)
@@ -86,9 +86,6 @@ def test_a_rise_towards_rest_that_does_not_show_is_left_out():
     found = without_stribeck(criterion, first)
     assert found.parameters["F_s"] == pytest.approx(found.parameters["F_c"], rel=1e-6)
     assert found.parameters["F_c"] == pytest.approx(6.0, rel=1e-3)
-
-
-def test_a_rise_towards_rest_that_shows_stays():
     criterion = Curve(1.0, np.linspace(1e-5, 4e-3, 400))
     first = begun(criterion)
     assert without_stribeck(criterion, first) is first

@@ -100,6 +100,7 @@ def test_wherever_the_search_ends_the_mean_force_finds_the_valley(candidates, mo
         assert learned.searches.table[name][0] == pytest.approx(DRIVE[name], rel=0.06), name
 
 
+@pytest.mark.thorough
 def test_a_log_of_another_simulation_is_judged_by_its_loop(candidates):
     """Without encoder and noise only both programs' own errors are left."""
     learned = learn(Task(candidates, recorded(1.0, 0.0, 6.0, sub=500), GAINS))

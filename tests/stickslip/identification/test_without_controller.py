@@ -51,6 +51,7 @@ def test_it_is_less_sure_than_with_the_loop(alone, recorded):
         assert known.standard_error > recorded.learned.estimation.known[name].standard_error
 
 
+@pytest.mark.thorough
 def test_a_constant_force_changes_nothing_else(alone, candidates):
     """As on a vertical axis, whose controller bears the load when the log begins."""
     lifted = replace(alone.recording, force=alone.recording.force + 40.0)

@@ -4,13 +4,10 @@ import numpy as np
 import pytest
 
 from stickslip import models
-from stickslip.servo.axis import Axis
 from stickslip.servo.chain_response import LOWEST, SAMPLES, ChainResponse
-from stickslip.servo.datasheet import LOOP
 from stickslip.servo.sensitivity import OpenLoop, peak_sensitivity
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
-from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.thresholds import offer
 
 COMPENSATORS = [name for name in models.model_names() if models.load_model(name).ports]
@@ -22,11 +19,6 @@ def fmus(tmp_path_factory):
     for name in COMPENSATORS:
         models.build_fmu(name, folder)
     return folder
-
-
-@pytest.fixture(scope="module")
-def loop():
-    return design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LOOP)
 
 
 def observer(loop, rate, order=1):

@@ -5,19 +5,13 @@ import numpy as np
 import pytest
 
 from stickslip import models
-from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import ControlError
 from stickslip.servo.frequency import frequency_response
 from stickslip.servo.sensitivity import OpenLoop, peak_sensitivity
 from stickslip.servo.systems import build_loop
-from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
+from stickslip.servo.velocity_loop import close_velocity_loop
 
 K_X = 75.4
-
-
-@pytest.fixture(scope="module")
-def loop():
-    return design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LOOP)
 
 
 def closed(loop, K_i=None, K_x=K_X, **changes):

@@ -8,6 +8,7 @@ from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.selection import candidates, prediction, predictions
 from stickslip.logs import Recording
 from stickslip.planning import plan
+from tests.kept import further
 
 COMMAND = plan()["velocity_command"].to_numpy()[:16_000]
 DAMPING = {"dahl": {"sigma_1": 0.0}}
@@ -18,7 +19,7 @@ def recording(law, **changes):
     return Recording(found["t"], found["position"], found["applied"], encoder_step=4e-7)
 
 
-@pytest.fixture(scope="module", params=("lugre", "dahl", "gms"))
+@pytest.fixture(scope="module", params=("dahl", *further("lugre", "gms")))
 def predicted(request):
     found = predictions(recording(request.param, **DAMPING.get(request.param, {})))
     return request.param, {one.candidate.title: one for one in found}

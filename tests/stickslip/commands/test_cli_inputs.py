@@ -1,0 +1,99 @@
+"""``stickslip simulate`` with inputs and results in other forms."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from stickslip import cosim
+from stickslip.cli import main
+
+TIMES = ["--stop", "0.02", "--step", "0.001"]
+
+
+def simulate(*arguments):
+    return main(["simulate", *map(str, arguments), *TIMES])
+
+
+@pytest.fixture
+def force(tmp_path, stage):
+    """Write an input that jumps, and return its name and the file."""
+    (name,) = (v.name for v in cosim.Fmu(stage).variables.values() if v.causality == "input")
+    frame = pd.DataFrame({"time": [0.0, 0.01, 0.02], name: [0.0, 20.0, 40.0]})
+    path = tmp_path / "in.parquet"
+    frame.to_parquet(path)
+    return name, path
+
+
+def test_parquet_goes_in_and_comes_out(stage, force, tmp_path):
+    name, path = force
+    simulate(stage, "--input", path, "--out", tmp_path / "linear.parquet")
+    simulate(stage, "--input", path, "--hold", name, "--out", tmp_path / "held.csv")
+    linear = pd.read_parquet(tmp_path / "linear.parquet")[name]
+    held = pd.read_csv(tmp_path / "held.csv")[name]
+    assert linear[5] == pytest.approx(10.0)
+    assert np.unique(held).tolist() == [0.0, 20.0, 40.0]
+
+
+def test_a_run_is_saved_and_resumed(stage, force, tmp_path):
+    _, path = force
+    state = tmp_path / "half.state"
+    simulate(stage, "--input", path, "--out", tmp_path / "whole.csv")
+    simulate(stage, "--input", path, "--until", "0.01", "--save", state)
+    simulate(stage, "--input", path, "--resume", state, "--out", tmp_path / "rest.csv")
+    whole, rest = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("whole", "rest"))
+    pd.testing.assert_frame_equal(whole[10:].reset_index(drop=True), rest, check_exact=True)
+
+
+def test_real_time_is_reported(stage, capsys):
+    simulate(stage, "--real-time", "10")
+    assert "real time: late" in capsys.readouterr().out
+
+
+def test_a_variant_is_chosen(stage, tmp_path, capsys):
+    system = cosim.System("loop")
+    system.add("stage", stage)
+    package = cosim.write_ssp(system, tmp_path / "a.ssp")
+    simulate(package, "--variant", "loop")
+    assert simulate(package, "--variant", "lop") != 0
+    assert "no variant 'lop'; did you mean 'loop'" in capsys.readouterr().err
+
+
+def test_an_fmu_of_another_tool_with_dots_in_names_and_no_step(stage, force, edited, tmp_path):
+    name, path = force
+    changes = {f'name="{name}"': f'name="axis.{name}"', r' stepSize="[^"]*"': ""}
+    fmu = edited(stage, tmp_path / "other.fmu", changes)
+    frame = pd.read_parquet(path)
+    frame.rename(columns={name: f"axis.{name}"}).to_parquet(tmp_path / "dots.parquet")
+    simulate(stage, "--input", path, "--out", tmp_path / "plain.csv")
+    assert simulate(fmu, "--input", tmp_path / "dots.parquet", "--out", tmp_path / "dots.csv") == 0
+    plain, dots = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("plain", "dots"))
+    np.testing.assert_array_equal(plain.to_numpy(), dots.to_numpy())
+    assert main(["simulate", str(fmu), "--stop", "0.5", "--out", str(tmp_path / "free.csv")]) == 0
+    assert len(pd.read_csv(tmp_path / "free.csv")) == 501
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--until", "nan"], "until = nan s is not a point in time"),
+        (["--variant", "x"], "--variant names a system of an .ssp"),
+        (["--hold", "u"], "--hold names columns of --input"),
+        (["--timeout", "0"], "timeout is 0.0, expected a positive number$"),
+        (["--set", "m=1_0"], r"m: expected a value of type \w+, got '1_0'$"),
+        (["--tolerance", "2"], "tolerance is 2.0, expected a number between 0 and 1$"),
+    ],
+)
+def test_an_invalid_option_is_named(stage, arguments, says, capsys):
+    assert simulate(stage, *arguments) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert re.search(says, line)
+
+
+def test_a_state_is_not_saved_into_a_folder(stage, tmp_path, capsys):
+    (tmp_path / "a.state").mkdir()
+    assert simulate(stage, "--until", "0.01", "--save", tmp_path / "a.state") == 1
+    assert re.fullmatch(r"stickslip: \S+a.state: is a folder.*\n", capsys.readouterr().err)

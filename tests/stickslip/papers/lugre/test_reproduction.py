@@ -1,0 +1,65 @@
+"""The paper's claims, on the FMUs."""
+
+import numpy as np
+import pytest
+
+from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.papers.lugre.reproduction import Options, reproduce
+from stickslip.servo.datasheet import LOOP
+from stickslip.servo.paper_commands import TRAINING, VALIDATION
+from stickslip.servo.systems import build_fmus, paper_loop
+
+pytestmark = pytest.mark.slow
+
+
+def measured(table):
+    rows = table[table.velocity == "measured"]
+    return rows.set_index(["region", "metric"])
+
+
+def test_without_compensation_table_4_is_the_papers_within_5_percent(reproduction):
+    table = measured(reproduction.validation.table())
+    assert table["without"].to_numpy() == pytest.approx(table.paper_without.to_numpy(), rel=0.05)
+
+
+def test_compensation_reduces_the_errors_far_beyond_the_paper(reproduction):
+    table = measured(reproduction.validation.table())
+    assert (table.reduction > table.paper_reduction).all()
+    assert (table.reduction.to_numpy() >= [0.85, 0.90, 0.85, 0.90]).all()
+    whole = reproduction.validation.table()
+    assert (whole[whole.velocity == "true"].reduction > 0.8).all()
+
+
+def test_learned_coulomb_friction_is_within_1_percent_of_the_drive(reproduction):
+    learned = reproduction.refinement.values["F_c"]
+    assert learned == pytest.approx(reproduction.truth["F_c"], rel=0.01)
+
+
+def test_a_parameter_that_learning_made_worse_is_remarked(reproduction):
+    for row in reproduction.table2().itertuples():
+        if row.parameter in LUGRE:
+            worse = abs(row.learned / row.drive - 1) > abs(row.identified / row.drive - 1)
+            assert ("farther from the drive" in row.remark) == worse
+
+
+@pytest.mark.thorough
+def test_a_changed_drive_is_learned_as_well(tmp_path, quiet):
+    truth = {"m": 9.0, "F_c": 3.0, "F_s": 5.1, "sigma_0": 8e5}
+    found = reproduce(Options(truth=truth, loop_seeds=0), tmp_path, quiet)
+    assert found.refinement.values["F_c"] == pytest.approx(3.0, rel=0.01)
+    table = measured(found.validation.table())
+    assert (table.reduction > table.paper_reduction).all()
+
+
+@pytest.mark.parametrize("command", [TRAINING, VALIDATION], ids=["training", "trapezoid"])
+@pytest.mark.parametrize("current_loop", [False, True])
+def test_with_exact_parameters_the_loop_is_the_nominal_loop(loop, tmp_path, command, current_loop):
+    """Fig. 2(a) reduces to Fig. 2(b): RMS(v - v_r) below 0.1 % of RMS(v)."""
+    build_fmus(tmp_path, {"encoder": False, "dac": False, "current_loop": current_loop})
+    exact = {name: PAPER[name] for name in LUGRE}
+    system = paper_loop(tmp_path, loop, exact)
+    record = ["drive.v", "nominal.v_r"]
+    with system.prepare(step=LOOP.T_s, stop=10.0, record=record) as simulation:
+        run = simulation.run(inputs={"v_cmd": command})
+    gap = run["drive.v"] - run["nominal.v_r"]
+    assert np.sqrt(np.mean(gap**2)) < 1e-3 * np.sqrt(np.mean(run["drive.v"] ** 2))

@@ -1,0 +1,145 @@
+"""The files that a reproduction leaves behind."""
+
+import hashlib
+import json
+
+import fmpy
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.signal import butter, sosfiltfilt
+
+from stickslip import cosim
+from stickslip.catalog.parameters import LUGRE, friction_law
+from stickslip.cli import main
+from stickslip.evaluation.motions import MOTIONS
+from stickslip.evaluation.validation import covered, run_command
+from stickslip.fmi.toolchain import PLATFORMS
+from stickslip.papers.lugre.folder import FILES
+from stickslip.rigs.fmu import FmuRig
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.paper_commands import TRAINING, VALIDATION
+
+
+def test_all_files_are_there_and_the_manifest_knows_them(results):
+    present = {path.name for path in results.iterdir()} - {"manifest.json"}
+    assert present == {name for name in FILES if "as_published" not in name}  # with --complete
+    assert present >= {"table2.csv", "table4.csv", "motions.csv", "fitness.csv", "loop_tuning.csv"}
+    assert present >= {"learned.json", "report.html", "compensator.fmu", "loop.ssp"}
+    hashes = json.loads((results / "manifest.json").read_text())["sha256"]
+    assert hashes == {
+        name: hashlib.sha256((results / name).read_bytes()).hexdigest() for name in present
+    }
+
+
+def test_tables_have_the_columns_that_others_rely_on(results):
+    table2 = pd.read_csv(results / "table2.csv")
+    assert list(table2.columns[:7]) == [
+        *("parameter", "unit", "paper", "drive", "identified", "learned", "spread")
+    ]
+    table4 = pd.read_csv(results / "table4.csv")
+    ranged = ("without", "with", "reduction", "tuned_pi", "identified")
+    ranged = (*ranged, "with_filter", "reduction_with_filter")
+    assert list(table4.columns) == [
+        *("velocity", "region", "metric", "without", "with", "reduction"),
+        *("paper_without", "paper_with", "paper_reduction", "tuned_pi", "identified"),
+        *("with_filter", "reduction_with_filter"),
+        *(f"{name}_{end}" for name in ranged for end in ("low", "high")),
+    ]
+    assert len(table4) == 8
+    true = table4[table4["velocity"] == "true"]
+    assert (true["reduction_with_filter"].to_numpy() >= [0.90, 0.95, 0.90, 0.95]).all()
+    motions = pd.read_csv(results / "motions.csv")
+    assert list(motions.columns[:9]) == [
+        *("motion", "region", "velocity", "metric", "unit"),
+        *("without", "tuned_pi", "identified", "learned"),
+    ]
+    fitness = pd.read_csv(results / "fitness.csv")
+    head = ["seed", "generation", "evaluations", "best_cost", "mean_cost"]
+    assert list(fitness.columns) == head
+    loops = pd.read_csv(results / "loop_tuning.csv")
+    assert list(loops.columns)[:8] == [
+        *("stage", "seed", "motion", "friction", "error", "unit", "Ms", "evaluations")
+    ]
+    counts = loops.groupby(["stage", "seed"]).size()
+    assert (counts == 4 * 3).all()
+    assert len(counts) == 5
+
+
+def starts(fmu, names):
+    variables = fmpy.read_model_description(fmu).modelVariables
+    return {v.name: float(v.start) for v in variables if v.name in names}
+
+
+def test_the_compensators_start_with_what_was_learned(results, reproduction):
+    learned = json.loads((results / "learned.json").read_text())
+    friction = {name: learned["parameters"][name]["value"] for name in LUGRE}
+    assert starts(results / "compensator.fmu", LUGRE) == friction
+    found, best = learned["loop_learning"], reproduction.loops.best
+    share = found["share"]["value"]
+    assert starts(results / "learned_compensator.fmu", LUGRE) == pytest.approx(
+        friction_law().share(friction, share)
+    )
+    observer = {name: one["value"] for name, one in found["observer"]["parameters"].items()}
+    assert starts(results / "learned_observer.fmu", observer) == observer
+    assert found["loop"]["K_p"]["value"] == best.tuned.loop.K_p
+
+
+def test_fmpy_agrees_with_the_kernel_on_the_compensator_that_is_written(results):
+    opinion = json.loads((results / "learned.json").read_text())["second_opinion"]
+    assert opinion["runs"].keys() == {"training", "validation"}
+    assert opinion["runs"]["training"]["samples"] == 20001
+    for run in opinion["runs"].values():
+        assert run["different"] == 0
+        assert run["largest_difference"] == {"value": 0.0, "unit": "N"}
+
+
+def test_the_cost_without_compensation_is_that_of_the_training_run(results, reproduction):
+    """By an independent sum over a run without compensator."""
+    loop = reproduction.identification.loop
+    rig = FmuRig(reproduction.system.components["drive"].path.parent, Datasheet(), loop.T_s)
+    v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
+    run = run_command(rig, loop, None, v_cmd)
+    gap = sosfiltfilt(
+        butter(2, 117.0, fs=1.0 / loop.T_s, output="sos"),
+        np.gradient(run.x_enc, loop.T_s) - run.v_r,
+    )
+    learned = json.loads((results / "learned.json").read_text())
+    without = learned["cost_without_compensation"]
+    assert without["unit"] == "m2/s2"
+    assert without["value"] == pytest.approx(float(gap @ gap), rel=1e-9)
+    assert learned["cost"]["value"] < 1e-2 * without["value"]
+
+
+def test_the_packed_loop_runs_the_validation_again(results, reproduction, tmp_path, capsys):
+    out = tmp_path / "run.csv"
+    assert main(["simulate", str(results / "loop.ssp"), "--out", str(out)]) == 0
+    run = pd.read_csv(out)
+    expected = reproduction.validation.compensated
+    assert run["time"].to_numpy() == pytest.approx(expected.t)
+    assert run["drive.v"].to_numpy() == pytest.approx(expected.v["true"], abs=1e-9)
+    assert "drive.v" in capsys.readouterr().out
+
+
+def test_the_learned_loop_is_packed_as_it_was_learned(results, reproduction, tmp_path):
+    """Its error in the trapezoid is that of loop_tuning.csv, wherever the encoder begins."""
+    out = tmp_path / "run.csv"
+    assert main(["simulate", str(results / "learned_loop.ssp"), "--out", str(out)]) == 0
+    run = pd.read_csv(out)
+    table = pd.read_csv(results / "loop_tuning.csv")
+    rows = table.query("stage == 'learned' and motion == 'trapezoid' and friction == 1.0")
+    expected = rows.set_index("seed")["error"][reproduction.loops.best.seed]
+    motion, t = MOTIONS[0], run["time"].to_numpy()
+    gap = VALIDATION.sample(t) - run["drive.v"].to_numpy()
+    squares = [np.mean(gap[covered(t, spans)] ** 2) for spans in motion.regions.values()]
+    assert 1e3 * np.sqrt(np.mean(squares)) == pytest.approx(expected, rel=0.1)
+
+
+def test_the_package_is_plain_ssp(results):
+    system, experiment = cosim.read_ssp(results / "loop.ssp")
+    assert list(system.components) == ["nominal", "compensator", "controller", "drive"]
+    for fmu in system.fmus("this test").values():
+        folders = {path.name for path in (fmu.folder / "binaries").iterdir()}
+        assert folders == {platform.fmi2 for platform in PLATFORMS.values()}
+    assert experiment.step == 5e-4
+    assert np.isfinite(experiment.stop)

@@ -1,0 +1,186 @@
+"""Any compensators in the paper's loop, connected by the roles of their ports."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stickslip import cosim, models
+from stickslip.catalog.parameters import PAPER
+from stickslip.servo.axis import Axis
+from stickslip.servo.deployment import BLOCKS
+from stickslip.servo.systems import Compensator, build_loop, paper_loop
+from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
+
+SINE = cosim.SineSweep(frequency=(1.0, 1.0), amplitude=(0.01, 0.01), duration=1.0)
+
+
+@pytest.fixture(scope="module")
+def loop():
+    return design_velocity_loop(Axis(PAPER["m"], PAPER["b"]), LoopSpecification(60.0, 60.0))
+
+
+def run(system, **parameters):
+    with system.prepare(step=5e-4, stop=1.0) as simulation:
+        return simulation.run(parameters=parameters, inputs={"v_cmd": SINE})
+
+
+def error(result) -> float:
+    return float(np.sqrt(np.mean((result["drive.v"] - result["nominal.v_r"]) ** 2)))
+
+
+def test_the_papers_loop_is_a_chain_of_one(fmus, loop):
+    chain = [Compensator("compensator", "compensator", {"F_c": 5.0})]
+    one, other = run(build_loop(fmus, loop, chain)), run(paper_loop(fmus, loop, {"F_c": 5.0}))
+    assert one.names == other.names
+    assert one.values.tobytes() == other.values.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("models_", "share"),
+    [
+        (["static_feedforward"], 0.6),
+        (["dob"], 0.8),
+        (["coulomb_observer"], 0.6),
+        (["momentum_observer"], 0.8),
+        (["lugre_observer"], 0.4),
+        (["lffc"], 0.9),
+        (["rbf"], 0.95),
+        (["mlp"], 0.95),
+        (["lugre_network"], 0.4),
+        (["static_feedforward", "dob"], 0.6),
+    ],
+)
+def test_compensators_chain_and_reduce_the_error(fmus, loop, models_, share):
+    """The chain's force is the sum of its parts, and the drive follows better than without."""
+    without = error(run(build_loop(fmus, loop, [])))
+    chain = [Compensator(name, name) for name in models_]
+    result = run(build_loop(fmus, loop, chain))
+    assert error(result) < share * without
+    if len(models_) == 2:
+        before = np.append(0.0, result["static_feedforward.F"][1:])  # dob steps after it
+        np.testing.assert_array_equal(result["dob.F"], before - result["dob.d_hat"])
+
+
+@pytest.mark.parametrize(
+    ("model", "nothing"),
+    [
+        *((name, {"share": 0.0}) for name in ("dob", "coulomb_observer", "momentum_observer")),
+        ("static_feedforward", {"F_c": 0.0}),
+        *((name, {"gamma": 0.0}) for name in ("lffc", "rbf", "mlp")),
+    ],
+)
+def test_a_compensator_that_adds_nothing_leaves_the_loop_as_it_is(fmus, loop, model, nothing):
+    """Bit for bit; in a chain an observer passes the force before it on one sample late."""
+    without = run(build_loop(fmus, loop, []))
+    beside = run(build_loop(fmus, loop, [Compensator("beside", model, nothing)]))
+    for name in without.names:
+        assert without[name].tobytes() == beside[name].tobytes()
+
+
+@pytest.mark.parametrize("model", ["dob", "coulomb_observer", "momentum_observer"])
+def test_an_observer_takes_back_what_a_feedforward_gives_too_much(fmus, loop, model):
+    """Friction is half of what the feedforward knows: a negative amplitude corrects it."""
+    half = {f"drive.{name}": 0.5 * PAPER[name] for name in ("F_c", "F_s")}
+    chain = [Compensator("static", "static_feedforward"), Compensator("observer", model)]
+    alone, both = (error(run(build_loop(fmus, loop, chain[:n]), **half)) for n in (1, 2))
+    assert both < 0.7 * alone
+
+
+def test_a_correction_reduces_what_wrong_bristles_leave(fmus, loop):
+    """A LuGre observer whose friction is 20 % low, where the encoder does not disturb it."""
+    low = {"F_c": 0.8 * PAPER["F_c"], "F_s": 0.8 * PAPER["F_s"]}
+    exact = {"drive.encoder": False, "drive.dac": False}
+
+    def left(k_e: float) -> float:
+        observer = Compensator("o", "lugre_observer", {**low, "k_e": k_e})
+        return error(run(build_loop(fmus, loop, [observer]), **exact))
+
+    assert left(1.0) < 0.95 * left(0.5) < 0.95 * 0.98 * left(0.0)
+
+
+def test_an_observer_of_an_axis_without_friction_finds_nothing(fmus, loop):
+    """But for the drive, which puts two constant forces in place of the lagging one."""
+    smooth = {"drive.encoder": False, "drive.dac": False, "drive.F_c": 1e-9, "drive.F_s": 1e-9}
+    without = run(build_loop(fmus, loop, []), **smooth)
+    observed = run(build_loop(fmus, loop, [Compensator("dob", "dob")]), **smooth)
+    assert np.abs(observed["dob.d_hat"]).max() < 0.02
+    assert np.abs(observed["dob.d_hat"][200:]).max() < 1e-3
+    np.testing.assert_allclose(observed["drive.v"], without["drive.v"], atol=0.02 / loop.K_p)
+
+
+def learned(fmus, loop, model, names, values, seconds=6.0, **drive):
+    """Learn in the loop over a sine of 0.5 Hz; return what is learned, as start values."""
+    slow = cosim.SineSweep(frequency=(0.5, 0.5), amplitude=(0.02, 0.02), duration=seconds)
+    system = build_loop(fmus, loop, [Compensator("learner", model, values)])
+    record = tuple(f"learner.{name}" for name in names)
+    with system.prepare(step=5e-4, stop=seconds, record=record) as simulation:
+        result = simulation.run(parameters=drive, inputs={"v_cmd": slow})
+    return {start: float(result[f"learner.{name}"][-1]) for name, start in names.items()}
+
+
+SPLINES = {f"w[{i},{j}]": f"w_0[{i},{j}]" for i in (1, 2) for j in range(1, 15)}
+GRID = {f"w[{i},{j}]": f"w_0[{i},{j}]" for i in range(1, 12) for j in range(1, 9)}
+LAYERS = {f"w[{i},{j}]": f"w_0[{i},{j}]" for i in range(1, 9) for j in range(1, 5)}
+
+
+@pytest.mark.parametrize(("model", "names"), [("lffc", SPLINES), ("rbf", GRID), ("mlp", LAYERS)])
+def test_weights_learn_the_friction_of_the_drive(fmus, loop, model, names):
+    """In sliding the force is F_c; with the rate 0 it is a function of the command alone."""
+    coulomb = {"drive.F_s": PAPER["F_c"]}
+    found = learned(fmus, loop, model, names, {"gamma": 0.01, "D": 12}, **coulomb)
+    frozen = [Compensator("learner", model, {**found, "gamma": 0.0})]
+    compensated, other = (
+        run(build_loop(fmus, loop, frozen), **{"drive.F_c": F_c}) for F_c in (PAPER["F_c"], 3.0)
+    )
+    v_r, F = compensated["nominal.v_r"], compensated["learner.F"]
+    sliding = np.abs(v_r) > 0.005
+    sliding[:500] = False
+    np.testing.assert_allclose(F[sliding], PAPER["F_c"] * np.sign(v_r[sliding]), rtol=0.1)
+    assert error(compensated) < 0.6 * error(run(build_loop(fmus, loop, [])))
+    assert F.tobytes() == other["learner.F"].tobytes()
+
+
+THETA = {
+    f"theta[{i}]": name for i, name in enumerate(("F_c", "sigma_0", "sigma_1", "F_s", "v_s"), 1)
+}
+
+
+def test_the_gradient_learns_the_parameters_of_the_drive(fmus, loop):
+    """From half of each; sigma_0 is visible for some micrometres after each reversal."""
+    half = {name: 0.5 * PAPER[name] for name in ("F_c", "F_s", "sigma_0", "sigma_1")}
+    coulomb = {"drive.F_s": PAPER["F_c"]}
+    values = {**half, "gamma": 0.01, "D": 12}
+    found = learned(fmus, loop, "lugre_network", THETA, values, **coulomb)
+    assert found["F_c"] == pytest.approx(PAPER["F_c"], rel=0.02)
+    assert found["sigma_0"] > 1.02 * half["sigma_0"]
+    before, after = (
+        error(
+            run(build_loop(fmus, loop, [Compensator("learner", "lugre_network", one)]), **coulomb)
+        )
+        for one in ({**half, "gamma": 0.0}, {**found, "gamma": 0.0})
+    )
+    assert after < 0.6 * before
+
+
+def test_a_compensator_that_cannot_pass_a_force_on_comes_first(fmus, loop):
+    chain = [Compensator("first", "dob"), Compensator("second", "compensator")]
+    with pytest.raises(ValueError, match=r"'second' cannot add its force to first\.F; put"):
+        build_loop(fmus, loop, chain)
+    with pytest.raises(ValueError, match="'stage' is not a compensator"):
+        build_loop(fmus, loop, [Compensator("stage", "stage")])
+
+
+def test_every_compensator_has_ports_and_tunes_its_own_parameters():
+    folders = {name: models.load_model(name) for name in models.model_names()}
+    exported_only = set(BLOCKS.values())
+    assert exported_only <= folders.keys()
+    for name, model in folders.items():
+        is_compensator = model.folder.parent.name == "compensators"
+        assert (model.ports is not None) == (is_compensator and name not in exported_only), name
+        if model.ports is not None:
+            own = {v.name.partition("[")[0] for v in model.variables if v.role == "parameter"}
+            assert {*model.ports.tuned, *model.ports.axis} <= own
+            inputs = {v.name for v in model.variables if v.role == "input"}
+            assert {*model.ports.inputs} == inputs
+            assert model.ports.output in {v.name for v in model.variables if v.is_output}

@@ -1,0 +1,129 @@
+"""Commands that cannot write, or are interrupted, leave nothing."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from stickslip import models
+from stickslip.cli import main
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="POSIX limits")
+def test_a_file_that_finds_no_room_is_told_and_the_older_one_stays(tmp_path, capsys):
+    import resource
+
+    out = tmp_path / "plan.csv"
+    out.write_text("older")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, before[1]))
+    try:
+        status = main(["plan", "--force", "--out", str(out)])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert status == 1
+    assert capsys.readouterr().err == f"stickslip: {out}: File too large\n"
+    assert out.read_text() == "older"
+    assert list(tmp_path.iterdir()) == [out]
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
+def test_ctrl_c_leaves_no_process_and_no_folder(log, tmp_path):
+    """With a pool of processes, in the middle of learning; only the checkpoint stays."""
+    temporary, out = tmp_path / "tmp", tmp_path / "out"
+    temporary.mkdir()
+    mark = f"ctrl-c-{os.getpid()}"
+    pool = ["--workers", "2", "--pool", "processes"]
+    checkpoint = out / "learning.checkpoint.json"
+    with subprocess.Popen(
+        [sys.executable, "-m", "stickslip", "learn", str(log), *pool, "--out", str(out)],
+        env=os.environ | {"TMPDIR": str(temporary), "PYTHONPATH": str(ROOT), "MARK": mark},
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        while not checkpoint.exists() and process.poll() is None:
+            time.sleep(0.02)
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        said = process.communicate()[1]
+    assert process.returncode == 130, said
+    assert said.startswith("stickslip: ")
+    assert said.count("\n") == 1
+    assert [*out.iterdir()] == [checkpoint]
+    assert not list(temporary.iterdir())
+    _assert_gone(mark)
+
+
+COMMANDS = {
+    "simulate": (
+        ["simulate", "FMU", "--step=1e-7", "--stop=10", "--last", "--isolate", "--allow=env=MARK"],
+        "child",
+    ),
+    "check": (["check", "--allow=env=MARK", "FMU", "FMU", "FMU", "FMU"], "fmucheck-*"),
+    "build": (["build", "drive", "--out", "OUT"], "stickslip-build-*"),
+    "identify": (["identify", "--out", "OUT"], "stickslip-*/drive.fmu"),
+}
+"""Commands, and what there is in the temporary folder, or as a process, when they are at work."""
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
+@pytest.mark.parametrize(
+    ("command", "number"),
+    [*((command, signal.SIGTERM) for command in COMMANDS), ("check", signal.SIGHUP)],
+)
+def test_what_ends_a_process_is_one_line_and_leaves_nothing(command, number, tmp_path):
+    temporary, out = tmp_path / "tmp", tmp_path / "out"
+    temporary.mkdir()
+    arguments, at_work = COMMANDS[command]
+    names = {"OUT": str(out)}
+    if "FMU" in arguments:
+        names["FMU"] = str(models.build_fmu("compensator", tmp_path))
+    mark = f"signals-{os.getpid()}"
+    settings = {"TMPDIR": str(temporary), "PYTHONPATH": str(ROOT), "MARK": mark}
+    if command == "build":  # else there is nothing to compile
+        settings["STICKSLIP_CACHE"] = str(tmp_path / "cache")
+    with subprocess.Popen(
+        [sys.executable, "-m", "stickslip", *(names.get(word, word) for word in arguments)],
+        env=os.environ | settings,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        there = {"child": lambda: len(_marked(f"MARK={mark}".encode())) > 1}
+        ready = there.get(at_work, lambda: any(temporary.glob(at_work)))
+        while not ready() and process.poll() is None:
+            time.sleep(0.02)
+        process.send_signal(number)
+        said = process.communicate(timeout=30)[1]
+    assert (process.returncode, said) == (128 + number, "stickslip: interrupted\n")
+    assert not list(temporary.iterdir())
+    assert not out.exists() or not list(out.rglob("*"))
+    _assert_gone(mark)
+
+
+def _assert_gone(mark):
+    """Check that no process with a mark is left; one that was killed may take a moment to end."""
+    deadline = time.monotonic() + 5.0
+    while _marked(f"MARK={mark}".encode()):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def _marked(mark):
+    """Return the processes that have something in their environment."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/environ"):
+        try:
+            if mark in path.read_bytes():
+                found.append(path.parent.name)
+        except OSError:
+            continue  # another user's, or gone
+    return found

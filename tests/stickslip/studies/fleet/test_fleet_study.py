@@ -1,0 +1,163 @@
+"""A fleet loses nothing: not to workers that die, not to Ctrl-C, not to a drive that fails."""
+
+import json
+import os
+import re
+from dataclasses import replace
+from functools import partial
+
+import pytest
+from fleet_jobs import Counting, Deadly, quick
+
+from stickslip.cli import main
+from stickslip.errors import UsageError
+from stickslip.presentation.table import Column
+from stickslip.studies.fleet import study, writing
+from stickslip.studies.fleet.study import learn_fleet
+from stickslip.studies.fleet.writing import fleet_table, write_fleet
+from stickslip.work.execution import Execution
+from stickslip.work.jobs import DIED
+
+pytestmark = pytest.mark.slow
+
+
+def written(folder, *arguments, **options):
+    fleet = learn_fleet(*arguments, folder, **options)
+    write_fleet(fleet, fleet_table(fleet), folder)
+    return fleet
+
+
+def test_a_drive_that_kills_its_worker_fails_and_no_other(drives, tmp_path):
+    job, execution = Deadly(os.getpid(), tmp_path / "once"), Execution(2, "processes")
+    fleet = learn_fleet(drives("a", "kills", "b"), tmp_path / "out", execution=execution, job=job)
+    assert fleet.reasons == {"kills": DIED}
+    alone = learn_fleet(drives("a", "b"), tmp_path / "alone", job=quick)
+    assert fleet.learned == alone.learned
+
+
+def test_a_worker_of_a_cluster_that_dies_costs_nothing(cluster, drives, tmp_path):
+    (tmp_path / "once").touch()
+    job, execution = Deadly(os.getpid(), tmp_path / "once"), Execution(2, cluster)
+    names = ("a", "kills_once", "b")
+    fleet = learn_fleet(drives(*names), tmp_path / "out", execution=execution, job=job)
+    assert not (tmp_path / "once").exists()
+    assert fleet.learned == learn_fleet(drives(*names), tmp_path / "alone", job=quick).learned
+
+
+@pytest.mark.parametrize("where", ["serial", "threads"])
+def test_interrupted_and_resumed_is_the_same_as_never_interrupted(where, drives, files, tmp_path):
+    fleet = drives("a", "b", "c", "d")
+    out, diary = tmp_path / "out", tmp_path / "diary"
+    execution = Execution(1 if where == "serial" else 2)
+    with pytest.raises(KeyboardInterrupt, match=r"interrupted; . of 4 drives.*--resume"):
+        learn_fleet(fleet, out, execution=execution, job=Counting(diary, "c"))
+    kept = sorted(path.parent.name for path in out.rglob("learned.json"))
+    assert kept
+    with pytest.raises(UsageError, match=r"an earlier study did not end; continue with --resume"):
+        learn_fleet(fleet, out, job=quick)
+    diary.unlink()
+    resumed = Execution(execution.workers, resume=True)
+    assert written(out, fleet, execution=resumed, job=Counting(diary)).kept == len(kept)
+    assert sorted(diary.read_text().split() + kept) == ["a", "b", "c", "d"]
+    written(tmp_path / "whole", fleet, job=quick)
+    assert files(out) == files(tmp_path / "whole")
+
+
+def test_what_changed_is_learned_again(drives, tmp_path, monkeypatch):
+    out, diary, log = tmp_path / "out", tmp_path / "diary", tmp_path / "none.csv"
+    resume = Execution(resume=True)
+
+    def learned_again(*names, seed=0):
+        diary.write_text("")
+        written(out, drives(*names), seed=seed, execution=resume, job=Counting(diary))
+        return diary.read_text().split()
+
+    assert learned_again("a", "b") == ["a", "b"]
+    assert learned_again("a", "b", "c") == ["c"]
+    log.write_text("another log")
+    assert learned_again("c", "a") == ["c", "a"]
+    assert learned_again("c", "a") == []
+    assert learned_again("a", seed=1) == ["a"]
+    monkeypatch.setattr("stickslip.studies.fleet.study.versions", lambda: {"stickslip": "another"})
+    assert learned_again("a", seed=1) == ["a"]
+
+
+def test_a_result_that_is_missing_is_learned_again_and_a_changed_one_is_the_users(drives, tmp_path):
+    out, diary = tmp_path / "out", tmp_path / "diary"
+    learn_fleet(drives("a", "b"), out, job=quick)
+    path = out / "unfinished" / "a" / "learned.json"
+    whole = path.read_bytes()
+    path.write_bytes(whole[:100])
+    resume = {"execution": Execution(resume=True), "job": Counting(diary)}
+    with pytest.raises(UsageError, match=rf"{path}: was changed"):
+        learn_fleet(drives("a", "b"), out, **resume)
+    assert path.read_bytes() == whole[:100]
+    path.unlink()
+    learn_fleet(drives("a", "b"), out, **resume)
+    assert diary.read_text().split() == ["a"]
+    assert path.read_bytes() == whole
+
+
+def test_files_of_the_user_survive_a_study_that_fails_and_resumes(drives, tmp_path):
+    out = tmp_path / "out"
+    mine = {out / "unfinished" / "notes.txt", out / "unfinished" / "b" / "notes.txt"}
+    mine |= {out / "drives" / "b" / "notes.txt", out / "drives" / "d" / "learned.json"}
+    for path in mine:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("mine")
+    with pytest.raises(KeyboardInterrupt):
+        learn_fleet(drives("a", "b", "c"), out, job=Counting(tmp_path / "diary", "c"))
+    assert (out / "unfinished" / "b" / "learned.json").exists()
+    assert written(out, drives("a", "b", "c"), execution=Execution(resume=True), job=quick).kept
+    assert {
+        path for path in out.rglob("*") if path.is_file() and path.read_bytes() == b"mine"
+    } == mine
+    assert {path for path in (out / "unfinished").rglob("*") if path.is_file()} < mine
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["fleet.csv", "fleet.json", "fleet.svg", "drives/b/learned.json", "unfinished/b/learned.json"],
+)
+@pytest.mark.parametrize("options", [[], ["--resume"]])
+def test_the_command_names_a_file_of_the_user_and_learns_nothing(
+    name, options, drives, tmp_path, monkeypatch, capsys
+):
+    """Drive b has no log, so its learned.json would be removed, not written."""
+    drives("a", "b")
+    mine = tmp_path / "out" / name
+    mine.parent.mkdir(parents=True)
+    mine.write_text("mine")
+    monkeypatch.setattr("stickslip.studies.fleet.study.run_jobs", None)
+    arguments = ["fleet", str(tmp_path / "table.csv"), "--out", str(tmp_path / "out"), *options]
+    assert main(arguments) == 1
+    said = capsys.readouterr().err
+    assert said.startswith(f"stickslip: {mine}: exists, and no manifest.json lists it")
+    assert said.count("\n") == 1
+    assert [path for path in tmp_path.joinpath("out").rglob("*") if path.is_file()] == [mine]
+    assert mine.read_text() == "mine"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes")
+def test_a_log_that_is_no_file_fails_and_is_not_waited_for(drives, tmp_path):
+    os.mkfifo(tmp_path / "pipe.csv")
+    fleet = drives("a", "b")
+    source = replace(fleet[1].source, log=tmp_path / "pipe.csv")
+    fleet = learn_fleet([fleet[0], replace(fleet[1], source=source)], tmp_path / "out")
+    assert "no regular file" in fleet.reasons["b"]
+
+
+def test_a_further_column_is_on_terminal_page_and_in_files(drives, tmp_path, monkeypatch, capsys):
+    further, out = Column("further", "", "further", "Further"), tmp_path / "out"
+    monkeypatch.setattr(writing, "SUMMARY", (*writing.SUMMARY, further))
+    monkeypatch.setattr(study, "learn_fleet", partial(learn_fleet, job=quick))
+    drives("a", "b")
+    arguments = ["fleet", str(tmp_path / "table.csv"), "--out", str(out)]
+    assert main(arguments) == 0
+    assert re.search(r"maximum +further\nF_c ", capsys.readouterr().out)
+    assert (out / "summary.csv").read_text().startswith("parameter,unit,drives,minimum,median,max")
+    assert "further" in (out / "summary.csv").read_text().splitlines()[0]
+    assert ">Further<" in (out / "fleet.html").read_text()
+    assert main(["--json", *arguments]) == 0
+    (row,) = json.loads(capsys.readouterr().out)["summary"]
+    assert (row["drives"], row["further"]) == (2, None)

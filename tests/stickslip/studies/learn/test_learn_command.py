@@ -1,0 +1,257 @@
+"""``stickslip learn``: from a log to a folder of results."""
+
+import io
+import json
+import re
+from contextlib import redirect_stderr, redirect_stdout
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from fmpy import read_model_description
+
+from stickslip import ga
+from stickslip.cli import main
+from stickslip.commandline.progress import TerminalProgress, spread_of
+from stickslip.identification.criteria.scaling import Scale
+from stickslip.identification.estimation import Search
+from stickslip.presentation.page import Picture
+from stickslip.progress import shown_by, steps
+from stickslip.studies.learn.folder import FILES
+from tests.kept import further
+
+pytestmark = pytest.mark.slow
+
+
+ARGUMENTS = ["--criterion", "inverse", "--seeds", "2", "--seed", "3"]
+STEPS: list[tuple[int, int]] = []
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _short():
+    """Search for a short time, and leave the figures of the page blank."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stickslip.identification.estimation.Search", partial(Search, evaluations=40))
+        patch.setattr("stickslip.presentation.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
+        yield
+
+
+@pytest.fixture(scope="module")
+def learned(log, tmp_path_factory):
+    """Return a folder of results, its learned.json, and what was printed."""
+    out = tmp_path_factory.mktemp("learned") / "out"
+    arguments = ["learn", "--log", str(log), *ARGUMENTS, "--workers", "1", "--out", str(out)]
+    with (
+        redirect_stdout(io.StringIO()) as said,
+        redirect_stderr(io.StringIO()) as warned,
+        shown_by(lambda done, of: STEPS.append((done, of))),
+    ):
+        assert main(arguments) == 0
+    document = json.loads((out / "learned.json").read_text())
+    return out, document, said.getvalue(), warned.getvalue()
+
+
+@pytest.fixture(scope="module")
+def folder(learned):
+    return learned[0]
+
+
+def test_it_prints_parameters_with_intervals(learned):
+    known = {line.split()[0]: line for line in learned[2].splitlines() if "identifiable" in line}
+    assert {"F_s", "F_c", "v_s", "sigma_0", "sigma_1", "m", "b"} <= {*known}
+    low, high = known["F_c"].split("[")[1].split("]")[0].split(", ")
+    assert float(low) < 4.0 < float(high)
+
+
+def test_the_folder_is_whole_and_keeps_no_checkpoint(folder):
+    assert main(["verify", str(folder)]) == 0
+    assert {path.name for path in folder.iterdir()} == {*FILES, "manifest.json"}
+    assert not [name for name in FILES if "checkpoint" in name]
+
+
+@pytest.mark.usefixtures("learned")
+def test_searching_judging_and_trying_tell_how_far_they_are():
+    judged = STEPS.index((2, 3))
+    assert STEPS[0] == (0, 3)  # starts of a fit, which ends when two lead to the same minimum
+    assert STEPS[judged : judged + 2] == [(2, 3), (3, 3)]
+    tried = STEPS[judged + 2 :]
+    assert tried[0][0] == 0 < tried[0][1]
+    assert tried[-1][0] == tried[-1][1]
+    assert all(b in ((a[0] + 1, a[1]), (0, b[1])) for a, b in pairwise(tried))
+
+
+def test_a_terminal_shows_stages_and_the_remaining_time(monkeypatch):
+    for terminal in (False, True):
+        stream = io.StringIO()
+        monkeypatch.setattr(stream, "isatty", lambda shown=terminal: shown, raising=False)
+        monkeypatch.setattr("sys.stderr", stream)
+        with TerminalProgress() as progress:
+            progress.stage("fitting")
+            for _ in steps("abcd"):
+                pass
+        assert ("fitting ...\n" in stream.getvalue()) is terminal
+        assert ("0/4 [00:00<" in stream.getvalue()) is terminal
+
+
+def test_a_live_view_shows_cost_parameters_and_the_remaining_time(monkeypatch):
+    stream = io.StringIO()
+    monkeypatch.setattr(stream, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr("sys.stderr", stream)
+    genes = [ga.Gene("F_c", 0.1, 10.0, 1.0), ga.Gene("v_s", 1e-4, 1e-1, 2e-3)]
+    with TerminalProgress(live=True) as progress:
+        progress.stage("searching")
+        ga.learn(
+            ga.GeneticAlgorithm(genes, seed=1, limits=ga.Limits(generations=6)),
+            lambda values: float(1e-6 + 1e-9 * np.log(values[0] / 3.0) ** 2),
+            on_generation=lambda search: progress.generation(search, Scale(force=100.0)),
+        )
+    shown = stream.getvalue()
+    assert "6/6 [00:0" in shown
+    assert re.search(r"  F_c .*0\.03\d*, half", shown)  # the search saw 3, of a unit 0.01
+    assert "best cost 1e-10" in shown  # 1e-6 of that unit squared
+    for name in ("F_c", "v_s"):
+        assert re.search(rf"  {name} +\|.*half of the candidates in [\d.e-]+ \.\. [\d.e-]+", shown)
+    blocks = re.findall(r"  cost .*?([▁▂▃▄▅▆▇█]+)", shown)
+    assert len(blocks[-1]) == 6
+    assert blocks[-1][0] == "█"
+    assert blocks[-1][-1] == "▁"
+
+
+def test_a_live_view_of_drives_shows_how_far_their_parameters_lie_apart(monkeypatch, caplog):
+    stream = io.StringIO()
+    monkeypatch.setattr(stream, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr("sys.stderr", stream)
+    with TerminalProgress(live=True) as progress:
+        for done in (1, 2):
+            rows = spread_of({"F_c": [5.0, 7.0][:done]})
+            progress.done(done, 2, f"drive {done} learned", "drive", rows)
+    assert "2 of 2: drive 2 learned" in stream.getvalue()
+    assert "median 6, half of the drives in 5.5 .. 6.5" in stream.getvalue()
+    monkeypatch.setattr(stream, "isatty", lambda: False, raising=False)
+    TerminalProgress(live=True)
+    assert "--live: expected a terminal" in caplog.text
+
+
+@pytest.mark.usefixtures("untried")
+@pytest.mark.parametrize("named", [False, *further(True)])
+def test_ctrl_c_keeps_the_search_and_resumed_with_other_workers_no_byte_differs(
+    named, log, folder, tmp_path, capsys, monkeypatch
+):
+    """Interrupted while the results are written, when checkpoints of all seeds are there."""
+
+    def interrupt(*_, **__):
+        raise KeyboardInterrupt
+
+    path = tmp_path / ("mine.json" if named else "out/learning.checkpoint.json")
+    arguments = ["learn", "--log", str(log), *ARGUMENTS, "--workers", "3"]
+    arguments += ["--out", str(tmp_path / "out"), *(["--checkpoint", str(path)] if named else [])]
+    monkeypatch.setattr("stickslip.studies.learn.folder.write_learned", interrupt)
+    assert main(arguments) == 130
+    monkeypatch.undo()
+    checkpoints = [path.with_suffix(f".seed{seed}.json") for seed in (3, 4)]
+    assert f"kept in {checkpoints[0]}, {checkpoints[1]}; continue with" in capsys.readouterr().err
+    checkpoints[0].unlink()
+    assert main(arguments) == 1  # the checkpoint of the last seed is named before the first search
+    assert f"{checkpoints[1]}: an earlier run did not end" in capsys.readouterr().err
+    assert main([*arguments, "--resume"]) == 0
+    assert [checkpoint.exists() for checkpoint in checkpoints] == [named, named]
+    for whole in folder.iterdir():
+        assert (tmp_path / "out" / whole.name).read_bytes() == whole.read_bytes(), whole.name
+
+
+def test_the_compensator_has_what_was_learned(learned, tmp_path):
+    folder, document, *_ = learned
+    given = ["--input", f"{tmp_path}/v.csv", "--record", "F_ff", "--out", f"{tmp_path}/F.csv"]
+    (tmp_path / "v.csv").write_text("time,v_cmd\n0,0.02\n1,0.02\n")
+    assert main(["simulate", str(folder / "compensator.fmu"), "--stop", "1", *given]) == 0
+    last = float((tmp_path / "F.csv").read_text().splitlines()[-1].split(",")[-1])
+    expected = document["share"]["value"] * document["parameters"]["F_c"]["value"]
+    assert last == pytest.approx(expected, rel=0.02)
+
+
+def test_it_prints_and_writes_whether_compensation_helps(learned):
+    """No error of the family grows by more than 2 %."""
+    folder, document, out, error = learned
+    written = document["tracking_error"][0]["compensation"]
+    rows = [row for row in document["tracking_error"] if row["compensation"] == written]
+    assert len(rows) == len(document["family"]) * len({row["command"] for row in rows})
+    assert all(row["ratio"] <= 1.02 for row in rows)
+    table = out.split("RMS tracking error of simulated drives")[1].splitlines()
+    assert {len(line.split("->")) for line in table[2:5]} == {6}
+    first = document["tracking_error"][0]
+    assert f"{1e3 * first['without']:.3g} -> {1e3 * first['with']:.3g}" in table[2]
+    assert "one designed for the learned mass if it shows none" in error
+    report = (folder / "report.html").read_text(encoding="utf-8")
+    opening = report.index("Tracking without and with the compensator")
+    assert report.index("<h1>") < opening < report.index("Learned parameters")
+    assert document["tracking"]["measured"] is None  # no command was logged
+    simulated = document["tracking"]["simulated"]
+    errors = [simulated[f"{how} compensator"]["velocity_rms"] for how in ("with", "without")]
+    assert errors[0] < 0.8 * errors[1]
+    assert "tracking error on a trapezoid at the log's speed" in out
+    assert "Whether compensation helps" in report
+    parts = {row["part"]: row for row in document["error_ratio_of_parts"]}
+    assert set(parts) == {"feedforward", "observer", "feedforward + observer"}
+    assert re.search(rf"^feedforward +{parts['feedforward']['fitted']:.3g} ", out, re.MULTILINE)
+    both = parts["feedforward + observer"]
+    recommended = both["acceptable"] and both["mean"] < parts["feedforward"]["mean"]
+    assert (document["compensation"] == "feedforward + observer") == recommended
+    assert (folder / "observer.fmu").exists() == recommended
+    assert ("export observer" in report) == recommended
+    assert document["observer"]["peak_sensitivity"]["value"] <= 2.2
+
+
+def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsys, monkeypatch):
+    """The check before learning sees only clear masses; here it sees none."""
+    arguments = ["learn", "--log", str(log), "--scale", "force=5e-5", "--judge", "inverse"]
+    arguments += ["--out", str(tmp_path)]
+    assert main(arguments) == 1
+    assert "kg, less than 0.001 kg" in capsys.readouterr().err
+    module = "stickslip.studies.learn.log_learning"
+    monkeypatch.setattr(f"{module}.try_compensator", lambda *_: None)
+    monkeypatch.setattr(f"{module}.check_units", lambda _: ())
+    assert main(arguments) == 0
+    assert "compensator.fmu is not written: error: the mass" in capsys.readouterr().err
+    assert (tmp_path / "learned.json").exists()
+    assert not (tmp_path / "compensator.fmu").exists()
+    assert main([*arguments, "--confirm", "mass"]) == 0
+    assert (tmp_path / "compensator.fmu").exists()
+
+
+def test_a_compensator_that_cannot_be_learned_is_refused_before_learning(log, capsys):
+    refused = {
+        ("dahl",): "'dahl': --law is lugre; there are static, lugre, ekbf",
+        ("lffc",): "it is trained on the drive; 'stickslip arena --drive learned.json'",
+        ("ekbf+static",): "both in this order, such as static+ekbf",
+        ("ekbf", "--without", "motor_force"): "a signal that the controller lacks: motor_force",
+    }
+    for name, message in refused.items():
+        assert main(["learn", "--log", str(log), "--compensator", *name]) == 1
+        assert message in capsys.readouterr().err
+
+
+def test_the_best_compensator_is_written_and_exported(log, tmp_path, capsys):
+    """All forms of it are those of learned.json, and it is no worse than the default."""
+    out = tmp_path / "out"
+    arguments = ["learn", str(log), "--judge", "inverse", "--out", str(out)]
+    assert main([*arguments, "--compensator", "auto"]) == 0
+    document = json.loads((out / "learned.json").read_text())
+    compared = document["compared"]
+    assert compared["sentence"] in capsys.readouterr().out
+    assert compared["sentence"].replace("'", "’") in (out / "report.html").read_text("utf-8")
+    rows = {row["compensator"]: row for row in compared["compensators"]}
+    chosen = rows[compared["chosen"]]
+    assert chosen["acceptable"]
+    assert chosen["mean"] <= 1.05 * min(row["mean"] for row in rows.values() if row["acceptable"])
+    assert chosen["Ms"] <= 2.2
+    for what, key in (("compensator", "feedforward"), ("observer", "observer")):
+        expected = what in document["compensation"].replace(key, what)
+        assert (out / f"{what}.fmu").exists() == expected
+        if expected:
+            given = ["--parameters", str(out / "learned.json"), "--out", str(tmp_path)]
+            for form in ("fmu", "c", "st"):
+                assert main(["export", what, *given, "--as", form]) == 0
+            both = [read_model_description(f / f"{what}.fmu") for f in (out, tmp_path)]
+            starts = [{one.name: one.start for one in of.modelVariables} for of in both]
+            assert starts[0] == starts[1]

@@ -1,0 +1,320 @@
+"""The report on one recording: for linear and rotary drives, and where friction was measured."""
+
+import re
+from dataclasses import replace
+from html import unescape
+from types import SimpleNamespace
+from xml.etree import ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from stickslip import ga
+from stickslip.catalog.parameters import DRIVE, LUGRE, PAPER, friction_law
+from stickslip.catalog.space import ParameterSpace
+from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
+from stickslip.identification.estimation import Estimation, Identifiability
+from stickslip.identification.estimation.estimation import FittedLaw, Searches
+from stickslip.identification.estimation.held_out import HeldOut
+from stickslip.identification.fitting.fit import Fit
+from stickslip.identification.fitting.start import Start
+from stickslip.logs import Finding, Recording
+from stickslip.presentation.page import Picture
+from stickslip.presentation.quantity import interval, number
+from stickslip.presentation.scale import Scale, thinned
+from stickslip.presentation.style import house_style, new_figure
+from stickslip.presentation.table import Column, Table
+from stickslip.studies.learn import tables
+from stickslip.studies.learn.command import print_estimation
+from stickslip.studies.learn.document import recording_document
+from stickslip.studies.learn.page import FIGURES, content, sections, write_estimation_report
+from stickslip.studies.learn.page.signals import residual
+
+pytestmark = pytest.mark.slow
+
+FINDINGS = (
+    Finding("note", "it moves", "84 % of the time"),
+    Finding("warning", "F_s & v_s hardly show", "3 %", "stickslip plan --show F_s v_s"),
+)
+KINDS = ("rotary", "friction")
+VALUES = {**PAPER, "F_0": 0.3, "delay": 1e-4, "delta": 2.0, "i": 1.0, "v_d": 0.0}
+
+
+def identifiability(name, level="identifiable"):
+    value = VALUES[name]
+    error = 0.01 * value
+    text = f"{level}, +-2 %, of {name}"
+    return Identifiability(value, error, value - 2 * error, value + 2 * error, level, text)
+
+
+def profile(name, steepness=1.0):
+    points = np.arange(-3.0, 4.0)
+    values = VALUES[name] * np.exp(0.01 * points)
+    return pd.DataFrame({"parameter": name, "value": values, "deviance": steepness * points**2})
+
+
+def algorithm():
+    genes = [ga.Gene(name, 0.1 * PAPER[name], 10 * PAPER[name], PAPER[name]) for name in LUGRE]
+    learning = ga.GeneticAlgorithm(genes, ga.Settings(population=4, generations=1), seed=0)
+    learning.tell(np.arange(float(len(learning.ask()))))
+    return learning
+
+
+def made(kind="loop", n=30_000):
+    """An estimation of a sine; where friction was measured, by Dahl's law.
+
+    The law's first parameter is not identifiable, and the profile of its last one is too steep.
+    """
+    law = friction_law("dahl" if kind == "friction" else "lugre")
+    space = ParameterSpace.of(law)
+    hidden, *_, steep = space.friction
+    values = {name: VALUES[name] for name in (*law.parameters, *DRIVE)}
+    t = np.arange(n) * 5e-4
+    x = 0.02 * np.sin(2.0 * t)
+    v = 0.04 * np.cos(2.0 * t)
+    force = 6.0 * np.sign(v) + 0.3
+    noise = np.random.default_rng(1).normal(0.0, 0.1, n)
+    measured = {"friction": force + noise} if kind == "friction" else {"force": force + noise}
+    recording = Recording(
+        t, x, velocity_command=v, encoder_step=4e-7,
+        motion="rotary" if kind == "rotary" else "linear", source="a & b.csv", **measured,
+    )  # fmt: skip
+    k = len(space.names)
+    fit = Fit(space, space.encode(values), noise, np.zeros((n, k)), 1e-4 * np.eye(k), 0.01)
+    simulated = None if kind == "friction" else x + 3e-7
+    nan = float("nan")
+    loop = (nan, nan, nan) if simulated is None else (1.5e-4, 0.0171, 0.0426)
+    names = space.friction if kind == "friction" else space.reported
+    known = {name: identifiability(name) for name in names}
+    known[hidden] = identifiability(hidden, "not identifiable")
+    return Estimation(
+        recording=recording,
+        criterion="inverse model" if kind == "friction" else "output error",
+        reason="for a reason < others",
+        start=Start(values, space),
+        fitted=FittedLaw(
+            fit=fit,
+            known=known,
+            parameters=values,
+            errors={name: 0.01 * value for name, value in values.items()},
+            profiles=pd.concat(
+                [profile(name, 100.0 if name == steep else 1.0) for name in space.friction]
+            ),
+        ),
+        searches=Searches(
+            pd.DataFrame([{"seed": 0, "evaluations": 252, "cost": 0.02, **values}]), algorithm()
+        ),
+        held_out=HeldOut((), ()),
+        figures=GoodnessOfFit(0.1234, 0.2, *loop, t, force + noise, force, simulated, v),
+        controller=None if simulated is None else ControllerCheck(force, 6e-4, 1, {}),
+        model_error=0.6,
+        remarks=("the sign was turned",),
+    )
+
+
+@pytest.fixture(scope="module", params=KINDS)
+def written(request, tmp_path_factory):
+    """The kind, its estimation, and a folder with its report."""
+    folder = tmp_path_factory.mktemp("report") / request.param
+    folder.mkdir()
+    (folder / "learned.json").write_text("{}")
+    estimation = made(request.param)
+    files = write_estimation_report(estimation, FINDINGS, folder)
+    assert {path.name for path in folder.iterdir()} == {f.name for f in files} | {"learned.json"}
+    return request.param, estimation, folder
+
+
+def drawing(name, estimation):
+    """Return what draws a figure of the page."""
+    return next(one.figures[name] for one in sections(estimation, (), ()) if name in one.figures)
+
+
+def words(folder):
+    """The page's text, without style, scripts and markup."""
+    page = (folder / "report.html").read_text(encoding="utf-8").split("</style>")[1]
+    page = re.sub("(?s)<script.*?</script>", "", page)
+    return unescape(re.sub("<[^>]*>", "", page)).replace("\u00a0", " ")
+
+
+def drawn(folder, name):
+    """The words of a picture, which its SVG file keeps as comments beside their outlines."""
+    svg = (folder / f"{name}.svg").read_text(encoding="utf-8")
+    ElementTree.fromstring(svg)  # noqa: S314 - our own file
+    return " ".join(re.findall("<!-- (.*?) -->", svg))
+
+
+def test_every_parameter_appears_with_interval_unit_and_sentence(written):
+    kind, estimation, folder = written
+    table, text = pd.read_csv(folder / "parameters.csv").set_index("parameter"), words(folder)
+    assert list(table.index) == list(estimation.known)
+    for name, known in estimation.known.items():
+        row = table.loc[name]
+        assert [row.value, row.standard_error] == [known.value, known.standard_error]
+        assert (row.low, row.high, row.sentence) == (known.low, known.high, known.sentence)
+        assert known.sentence.replace("+-", "±") in text
+        scale = 1e3 if name == "v_s" else 1.0
+        assert interval(scale * known.low, scale * known.high).replace("\u00a0", " ") in text
+    assert table.unit["F_c"] == ("N.m" if kind == "rotary" else "N")
+    assert ("kg m²" in text) == (kind == "rotary")
+    assert ("mrad/s" if kind == "rotary" else "mm/s") in text or kind == "friction"
+    assert ("LuGre" if kind != "friction" else "Dahl") + " model of friction" in text
+    assert ("Stiffness of the contact at rest" in text) == (kind == "friction")
+
+
+def test_the_page_names_criterion_errors_findings_and_files(written):
+    kind, estimation, folder = written
+    text = words(folder)
+    assert f"Criterion: {estimation.criterion}, since {estimation.reason}." in text
+    assert "12.3 %" in text
+    assert ("0.015 %" in text) == (kind != "friction")
+    assert not re.search(r"\bnan\b", text.lower())
+    for finding in FINDINGS:
+        assert all(part in text for part in (finding.what, finding.figure, finding.advice))
+    assert "the sign was turned" in text
+    assert text.index(FINDINGS[1].what) < text.index(FINDINGS[0].what)  # warnings first
+    assert "learned.json:" in text
+    assert "compensator.fmu:" not in text  # which is not there
+
+
+def test_what_is_not_visible_is_not_praised_and_an_experiment_is_named(written):
+    kind, estimation, folder = written
+    text, name = words(folder), estimation.fit.space.friction[0]
+    letter = {"F_s": "Fs", "sigma_0": "σ0"}[name]
+    assert f"Not identifiable: {letter}." in text
+    assert re.search(rf"Identifiable: [^.]*{letter}", text) is None
+    assert f"≈ {number(estimation.known[name].value, 2)}".replace("\u00a0", " ") in text
+    motion = " --motion rotary" if kind == "rotary" else ""
+    assert f"stickslip plan --show {name}{motion}" in text
+
+
+def test_pictures_show_units_of_the_drive(written):
+    kind, _, folder = written
+    force, length = ("N m", "mrad") if kind == "rotary" else ("N", "mm")
+    texts = {name: drawn(folder, name).replace("\u00a0", " ") for name in FIGURES}
+    assert f"[{length}]" in texts["recording"]
+    assert f"[{force}]" in texts["recording"]
+    assert f"[{force}]" in texts["force"]
+    assert "relative error 12.3 %" in texts["force"].replace("\u00a0", " ")
+    assert ("Hysteresis" in texts["force"]) == (kind == "friction")
+    assert ("one step of the encoder" in texts["residual"]) == (kind != "friction")
+    assert all((folder / f"{name}.svg").stat().st_size < 1_000_000 for name in FIGURES)
+    assert (folder / "report.html").stat().st_size < 2_000_000
+
+
+def test_a_profile_too_steep_for_its_interval_is_not_drawn(written):
+    kind, _, folder = written
+    texts, text = drawn(folder, "profiles"), words(folder)
+    assert texts.count("profile not resolved") == 1
+    assert f"Not drawn for {'Fc' if kind == 'friction' else 'σ1'}" in text
+
+
+def test_a_disturbance_of_one_frequency_is_a_peak_of_the_spectrum():
+    estimation = made("loop")
+    figures, t = estimation.figures, estimation.recording.t
+    disturbed = figures.simulated + 1e-6 * np.sin(2 * np.pi * 50.0 * t)
+    estimation = replace(estimation, figures=replace(figures, simulated=disturbed))
+    with house_style():
+        figure = drawing("residual", estimation)()
+    (line,) = figure.axes[-1].get_lines()
+    f, density = line.get_data()
+    assert f[np.argmax(density)] == pytest.approx(50.0, abs=f[1] - f[0])
+    # In its bins the disturbance has its RMS, in micrometres.
+    near = abs(f - 50.0) < 5.0
+    assert np.sqrt(np.sum(density[near] ** 2) * (f[1] - f[0])) == pytest.approx(0.5**0.5, rel=0.01)
+
+
+def test_searches_of_several_seeds_are_listed():
+    estimation = made("friction", n=2000)
+    searches = estimation.searches
+    rows = pd.concat([searches.table, searches.table.assign(seed=7, cost=0.0123)])
+    several = replace(estimation, searches=replace(searches, table=rows))
+    text = content.criterion(several).markup({})
+    assert "Spread over seeds" in text
+    assert "0.0123" in text
+    assert "504 candidates in 2 searches" in text
+
+
+def test_pictures_bear_an_estimation_that_knows_nothing():
+    """No sample slides far enough, and no profile has points near the fitted value."""
+    estimation = made(n=2000)
+    known = {
+        name: replace(
+            one, standard_error=np.inf, low=0.0, high=np.inf, identifiability="not identifiable"
+        )
+        for name, one in estimation.known.items()
+    }
+    profiles = estimation.fitted.profiles
+    fitted = replace(
+        estimation.fitted,
+        known=known,
+        profiles=profiles.assign(value=[1e9 * k for k in range(len(profiles))]),
+        parameters={**VALUES, "sigma_0": 1e-3},
+        errors=dict.fromkeys(VALUES, np.inf),
+    )
+    blind = replace(estimation, fitted=fitted)
+    with house_style():
+        for name in ("force", "profiles"):
+            drawing(name, blind)().draw_without_rendering()
+    assert "≈ 6" in content.learned(blind).markup({})
+
+
+@pytest.mark.usefixtures("without_pictures")
+def test_a_further_column_is_on_terminal_page_and_in_files(tmp_path, monkeypatch, capsys):
+    given, further = tables.parameters, Column("drive", "", "", "Further")
+
+    def parameters(estimation):
+        table = given(estimation)
+        rows = [{**row, "drive": f"X{row['parameter']}"} for row in table.rows]
+        return Table((*table.columns, further), rows)
+
+    monkeypatch.setattr(tables, "parameters", parameters)
+    estimation = made(n=2000)
+    print_estimation(estimation)
+    write_estimation_report(estimation, (), tmp_path)
+    document = recording_document(SimpleNamespace(estimation=estimation, known_loop=None, seed=0))
+    assert re.search(r"^F_c .* XF_c$", capsys.readouterr().out, re.M)
+    assert "Further" in words(tmp_path)
+    assert "XF_c" in words(tmp_path)
+    assert pd.read_csv(tmp_path / "parameters.csv").set_index("parameter")["drive"]["F_c"] == "XF_c"
+    assert document["parameters"]["F_c"]["drive"] == "XF_c"
+
+
+def test_markup_is_not_shown_as_text(written):
+    assert "<span" not in words(written[2])
+
+
+def test_a_thinned_signal_keeps_its_extremes_and_its_order():
+    t = np.arange(100_000) * 1e-3
+    signal = np.random.default_rng(2).normal(size=len(t))
+    signal[777], signal[55_555] = 9.0, -9.0
+    fewer, shown = thinned(t, signal, columns=50)
+    assert len(fewer) <= 100
+    assert (shown.min(), shown.max()) == (-9.0, 9.0)
+    assert np.all(np.diff(fewer) > 0.0)
+    assert np.array_equal(np.interp(fewer, t, signal), shown)
+
+
+@pytest.mark.parametrize("exponent", range(-8, 6))
+def test_a_prefix_leaves_the_value_as_it_is(exponent):
+    size = 4.2 * 10.0**exponent
+    scale = Scale.of(size, "N")
+    prefix = {"k": 1e3, "": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9}[scale.unit.removesuffix("N")]
+    assert scale.factor * prefix == pytest.approx(1.0)
+    assert 1.0 <= scale.factor * size < 1000.0
+
+
+def test_the_residual_is_that_of_the_criterion():
+    for criterion, what in (("output error", "Position"), ("inverse model", "Force")):
+        assert residual(replace(made(n=3000), criterion=criterion)).what == what
+
+
+def test_a_name_that_no_font_has_prints_no_warning(recwarn):
+    def draw(name):
+        figure = new_figure(80.0, 60.0)
+        figure.subplots().set_title(name)
+        return figure
+
+    assert Picture.of(draw, "axis 軸").png
+    assert not recwarn.list

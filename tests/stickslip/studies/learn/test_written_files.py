@@ -1,0 +1,137 @@
+"""What learn says of files is what is in its folder, whatever was refused, forced or asked for."""
+
+import json
+import re
+import shlex
+from dataclasses import replace
+from html import unescape
+
+import pytest
+from fmpy import read_model_description
+
+from stickslip.cli import main
+from stickslip.identification.estimation import Search
+from stickslip.logs import Description, Finding
+from stickslip.servo.axis import ControlError
+from stickslip.studies.learn.log_learning import learn
+from stickslip.trial.guards import Benefit
+from stickslip.trial.observed import ObserverTrial
+
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("without_pictures")]
+
+NAME = re.compile(r"\b\w[\w.-]*\.(?:fmu|json|csv|html|png|svg|ssp)\b")
+FMUS = {"compensator.fmu", "observer.fmu"}
+
+
+@pytest.fixture(scope="module")
+def sound(log):
+    learned = learn(log, Description(), criterion="inverse model", search=Search(evaluations=40))
+    assert learned.choice == "feedforward + observer"
+    assert not learned.refusal
+    return learned
+
+
+def worse(benefit):
+    rows = tuple(replace(row, compensated=1.5 * row.without) for row in benefit.rows)
+    return Benefit(1.0, rows, rows, benefit.unit, benefit.variant)
+
+
+def untried(sound, asked=""):
+    loops = ControlError("the mass is not known")
+    return replace(sound, loops=loops, trial=None, tracking=None, asked=asked)
+
+
+def tried(sound, *, alone, share=1.0):
+    """Return what was learned with a feedforward that does harm, or with a share of its force."""
+    trial, observed = sound.trial, sound.trial.observed
+    harmful = worse(trial.benefit) if share == 1.0 else replace(trial.benefit, share=share)
+    observed = replace(observed, feedforward=harmful, both=None, alone=trial.benefit)
+    if not alone:
+        observed = ObserverTrial(harmful, reason="no observer is robust")
+    return replace(sound, trial=replace(trial, benefit=harmful, observed=observed))
+
+
+def doubtful(sound):
+    fault = Finding("warning", "rows are lost", "2 %", "log without gaps", spoils="values")
+    return replace(sound, estimation=replace(sound.estimation, faults=(fault,)))
+
+
+FEEDFORWARD, OBSERVER = {"compensator.fmu"}, {"observer.fmu"}
+KINDS = {
+    "sound": (lambda sound: sound, FMUS, FMUS),
+    "share": (lambda sound: tried(sound, alone=False, share=0.6), FEEDFORWARD, FEEDFORWARD),
+    "harmful": (lambda sound: tried(sound, alone=False), set(), FEEDFORWARD),
+    "observer": (lambda sound: tried(sound, alone=True), OBSERVER, FMUS),
+    "doubtful": (doubtful, set(), FMUS),
+    "untried": (untried, set(), FEEDFORWARD),
+    "untried observer": (lambda sound: untried(sound, "ekbf"), set(), set()),
+}
+"""What was learned, and the FMUs in the folder, without and with --force."""
+
+
+def lines_of(page):
+    """Return the text of a page, a line for each element, and the commands in it."""
+    body = page.split("<main>")[1].split("</main>")[0]
+    commands = re.findall(r"^stickslip .*", re.sub("<[^>]*>", "", body), re.MULTILINE)
+    return re.sub("<[^>]*>", "\n", body), [unescape(one) for one in commands]
+
+
+def check_names(text, files):
+    """Compare the files that sentences name with those of the folder."""
+    for sentence in text.splitlines():
+        if "stickslip plan" in sentence:
+            continue  # a command that writes another file
+        for name in set(NAME.findall(sentence)) - {"log.csv"}:
+            assert (name in files) != (f"{name} is not written" in sentence), sentence
+
+
+@pytest.mark.parametrize("force", [False, True])
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_sentence_that_names_a_file_is_true(
+    kind, force, sound, log, tmp_path, capsys, monkeypatch
+):
+    (make, *written), out = KINDS[kind], tmp_path / "out"
+    learned = make(sound)
+    monkeypatch.setattr("stickslip.studies.learn.log_learning.learn", lambda *_, **__: learned)
+    arguments = ["learn", str(log), "--out", str(out), *(["--force"] if force else [])]
+    assert main(arguments) == 0
+    printed, error = capsys.readouterr()
+    assert main([*arguments, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    files = {path.name for path in out.iterdir()}
+    assert files & FMUS == written[force]
+    page, commands = lines_of((out / "report.html").read_text(encoding="utf-8"))
+    kept = json.loads((out / "learned.json").read_text())
+    for text in (printed, error, page, *strings(document), *strings(kept)):
+        check_names(text, files)
+    for one in (document, kept):
+        assert {*one["written"]["files"]} == files & FMUS
+        assert one["written"]["forced"] == force
+        assert one["refusal"] == learned.refusal
+    for text in (error, page.replace("\u2019", "'")):
+        assert not learned.refusal or learned.refusal in text
+    if learned.refusal and "compensator.fmu" in files:
+        description = read_model_description(out / "compensator.fmu").description
+        assert (
+            f"Written with --force; learn does not recommend it: {learned.refusal}" in description
+        )
+    monkeypatch.chdir(out)
+    for command in commands:
+        words = shlex.split(command)[1:]
+        further = ["--out", str(tmp_path)] if words[0] == "export" else []
+        assert words[0] == "plan" or main([*words, *further]) == 0
+
+
+def strings(document):
+    """Yield each text of plain data."""
+    if isinstance(document, str):
+        yield document
+    elif isinstance(document, dict | list):
+        for one in document.values() if isinstance(document, dict) else document:
+            yield from strings(one)
+
+
+def test_an_observer_without_a_trial_is_not_replaced_by_a_feedforward(sound):
+    assert untried(sound, "ekbf").writes(force=True) == ""
+    assert untried(sound).writes() == ""
+    assert "no velocity loop can be closed: the mass is not known" in untried(sound).refusal

@@ -1,0 +1,166 @@
+"""A log with the compensator against one without: plain Python simulations are the drive."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.integrate import cumulative_trapezoid
+
+from stickslip.cli import main
+from stickslip.errors import UsageError
+from stickslip.evaluation.tracking import FEEDFORWARD, NONE
+from stickslip.learned.file import LearnedFile
+from stickslip.logs import Column, Description, Recording
+from stickslip.logs.same_command import Stretch, period, same_command
+from stickslip.studies.validate.compared_logs import common, compare
+from stickslip.studies.validate.log_validation import compare_logs, read_log
+from tests.stickslip.studies.validate import plain_stage as stage
+
+T_S = 1e-3
+
+
+def sweep(n, rate=3.0):
+    t = np.arange(n) * T_S
+    return 0.02 * np.sin(rate * t * (1.0 + 0.3 * t))
+
+
+def test_the_same_command_is_found_where_it_begins_later():
+    command = sweep(4000)
+    first = np.concatenate([np.zeros(700), command, np.zeros(300)])
+    second = np.concatenate([np.zeros(153), command])
+    (found,) = same_command(first, second, T_S)
+    assert found.first - found.second == 547
+    assert found.n == 4153
+
+
+def test_moves_are_found_in_another_order_and_only_once():
+    slow, fast = sweep(3000, 1.0), sweep(2000, 9.0)
+    rest = np.zeros(500)
+    first = np.concatenate([rest, slow, rest, fast, rest])
+    second = np.concatenate([rest, fast, rest, slow, rest])
+    found = same_command(first, second, T_S)
+    pairs = [(run.first - run.second) for run in found]
+    assert sorted(pairs) == [-2500, 3500]
+    for samples in ("first", "second"):
+        taken = [
+            k for run in found for k in range(getattr(run, samples), getattr(run, samples) + run.n)
+        ]
+        assert len(taken) == len(set(taken))
+
+
+def test_a_command_at_another_speed_or_rate_is_another():
+    command = sweep(4000)
+    assert not same_command(command, 0.9 * command, T_S)
+    assert sum(run.n for run in same_command(command, sweep(4000, 3.6), T_S)) < 800
+    assert not same_command(command, np.zeros(4000), T_S)
+
+
+def test_the_period_is_that_of_the_command():
+    assert period(np.tile(sweep(1500, 9.0), 3)[:4000], T_S) == 1500
+    assert period(sweep(4000), T_S) is None
+
+
+def logged(command, error, position_noise=0.0):
+    t = np.arange(len(command)) * T_S
+    rng = np.random.default_rng(0)
+    travel = cumulative_trapezoid(command, dx=T_S, initial=0)
+    position = travel + error + position_noise * rng.normal(size=len(t))
+    return Recording(t, position, velocity_command=command, source="log.csv")
+
+
+def test_the_reduction_is_that_of_the_errors_with_an_interval_over_repetitions():
+    """Errors are noise of the position; with the compensator it is 0.3 times as large."""
+    command = np.tile(sweep(1500, 9.0), 12)
+    without, compensated = logged(command, 0.0, 1e-5), logged(command[:15_000], 0.0, 3e-6)
+    other, stretches = common(without, compensated)
+    found = compare(without, other, stretches)
+    assert found.repeated
+    for key in ("velocity_rms", "position_rms"):
+        one = found.measured.reductions[key]
+        assert one.low < 0.7 < one.high
+        assert one.high - one.low < 0.1
+    errors = found.measured.errors
+    assert errors[NONE].position_rms == pytest.approx(1e-5, rel=0.05)
+    assert errors[FEEDFORWARD].position_rms == pytest.approx(3e-6, rel=0.05)
+
+
+def test_other_sampling_is_brought_to_that_of_the_log_without():
+    command = sweep(8000)
+    error = 1e-5 * np.sin(np.arange(8000) * 0.01)
+    fine, coarse = logged(command, error), logged(command, 0.5 * error)
+    coarse = Recording(
+        coarse.t[::4], coarse.position[::4], velocity_command=command[::4], source="coarse.csv"
+    )
+    other, stretches = common(fine, coarse)
+    assert other.T_s == pytest.approx(T_S)
+    found = compare(fine, other, stretches)
+    assert found.measured.reductions["position_rms"].value == pytest.approx(0.5, abs=0.02)
+
+
+def test_different_commands_are_refused_in_one_line():
+    with pytest.raises(UsageError, match=r"commands of log.csv and log.csv differ.*speeds 20 and"):
+        common(logged(sweep(4000), 0.0), logged(0.5 * sweep(4000), 0.0))
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory):
+    """Two logs of the plain stage; the compensated one began later and ended earlier."""
+    folder = tmp_path_factory.mktemp("compared")
+
+    def moves(t):
+        return 0.02 * np.sin(np.pi * max(t, 0.0))
+
+    stage.write_log(folder / "without.csv", lambda t: moves(t - 0.3), 8.5, 0.0)
+    stage.write_log(folder / "with.csv", lambda t: moves(t - 1.137), 8.0, 0.8)
+    stage.write_log(folder / "slow.csv", lambda t: 0.1 * moves(t), 4.0, 0.8)
+    values = {"F_s": 9.0, "F_c": 6.0, "v_s": 5e-4, "sigma_0": 4e5, "sigma_1": 4.5e3}
+    parameters = {name: {"value": x} for name, x in {**values, "m": 5.5, "b": 7.0}.items()}
+    document = {"parameters": parameters, "delta": {"value": 1.0}, "feed": "command"}
+    document |= {"share": {"value": 0.8}}
+    (folder / "learned.json").write_text(json.dumps(document))
+    return folder
+
+
+LOOP = ["--controller", "PI", "--gain", f"K_p={stage.K_P}", f"K_i={stage.K_I}"]
+
+
+def test_the_simulation_predicts_what_the_compensator_brought(logs):
+    """Both drives have the same friction and share; their FMUs and Python step differently."""
+    description = Description(
+        columns={"force": Column(name="F_motor")},
+        controller="PI",
+        gains={"K_p": stage.K_P, "K_i": stage.K_I},
+    )
+    learned = LearnedFile(logs / "learned.json")
+    read = [read_log(logs / name, description, learned) for name in ("with.csv", "without.csv")]
+    found = compare_logs(*read, learned)
+    assert found.repeated
+    for key, one in found.measured.reductions.items():
+        assert one.value > 0.5
+        assert found.simulated.reductions[key].value == pytest.approx(one.value, abs=0.05)
+    assert [type(run) for run in found.stretches] == [Stretch]
+
+
+def test_the_command_labels_measured_and_simulated(logs, tmp_path, capsys):
+    arguments = ["validate", str(logs / "learned.json"), "--log", str(logs / "with.csv")]
+    arguments += ["--without", str(logs / "without.csv"), "--column", "force=F_motor"]
+    assert main([*arguments, *LOOP, "--out", str(tmp_path / "out")]) == 0
+    printed = capsys.readouterr().out
+    table = pd.read_csv(tmp_path / "out" / "tracking.csv")
+    assert list(table.kind.unique()) == ["measured", "simulated"]
+    assert sum(line.startswith("measured ") for line in printed.splitlines()) == 4
+    assert sum(line.startswith("simulated ") for line in printed.splitlines()) == 4
+    assert main(["verify", str(tmp_path / "out")]) == 0
+
+
+def test_without_the_controller_there_is_no_prediction(logs, capsys):
+    arguments = ["validate", str(logs / "learned.json"), "--log", str(logs / "with.csv")]
+    arguments += ["--without", str(logs / "without.csv"), "--column", "force=F_motor"]
+    assert main(arguments) == 0
+    assert "simulated" not in capsys.readouterr().out
+    arguments[3] = str(logs / "slow.csv")
+    assert main(arguments) == 1
+    error = capsys.readouterr().err
+    assert "differ: the same for" in error
+    assert len(error.splitlines()) == 1
