@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 from tests.models.contacts import TABLE_2, contacts
 
@@ -82,36 +81,5 @@ def test_step_is_the_closed_form(lugre, p, v, h, start):
     assert force == pytest.approx(expected, rel=1e-8, abs=1e-8 * scale)
 
 
-@settings(EVERYWHERE, max_examples=15)
-@given(p=contacts, v=velocities, h=steps)
-def test_step_solves_the_differential_equation(lugre, p, v, h):
-    reach = equation_4(v, p) / p["sigma_0"]
-    solution = solve_ivp(
-        lambda _, z: v - abs(v) / reach * z, (0, h), [0.0], "Radau", rtol=1e-10, atol=1e-14 * reach
-    )
-    assert lugre(h, v, 0.0, p)[0] == pytest.approx(solution.y[0, -1], rel=1e-7, abs=1e-9 * reach)
-
-
-@EVERYWHERE
-@given(p=contacts, v=velocities, parts=st.integers(2, 6), h=steps)
-def test_steps_compose(lugre, p, v, parts, h):
-    """A step cut into parts ends where the whole step ends, and its mean force is their mean."""
-    z, forces = 0.0, []
-    for _ in range(parts):
-        z, force = lugre(h / parts, v, z, p)
-        forces.append(force)
-    whole, mean = lugre(h, v, 0.0, p)
-    assert z == pytest.approx(whole, rel=1e-12)
-    assert np.mean(forces) == pytest.approx(mean, rel=1e-10)
-
-
 def test_standing_still_keeps_the_deflection(lugre):
     assert lugre(1e-3, 0.0, 1e-5, TABLE_2) == (1e-5, pytest.approx(3.9162e5 * 1e-5, rel=1e-15))
-
-
-def test_small_motions_feel_a_spring(lugre):
-    """In presliding F_f = sigma_0 x to first order in x / (F_s / sigma_0)."""
-    way, z = 1e-8, 0.0
-    for _ in range(1000):
-        z, _ = lugre(1e-3, way / 1.0, z, TABLE_2)
-    assert z == pytest.approx(way, rel=1e-3)

@@ -28,12 +28,13 @@ CASES = [
     ("static_feedforward", {"v_t": 1e-12, "lead": 4e-3}),
     *(("velocity_controller", change) for change in CONTROLLERS),
     ("nominal_loop", {"D": 2.0}),
-    ("lffc", {"gamma": 0.3, "D": 3.0, "F_max": 4.0, "w_0[1,5]": 3.0, "w_0[2,14]": -3.0}),
+    ("lffc", {"gamma": 0.3, "D": 3.0, "F_max": 4.0, "w_0[1,5]": 3.0, "w_0[2,1]": -3.0}),
     ("rbf", {"gamma": 0.3, "D": 3.0, "F_max": 4.0, "w_0[6,4]": 3.0}),
-    ("mlp", {"gamma": 0.3, "D": 3.0, "F_max": 1.0, "w_0[3,2]": 19.9, "w_0[3,4]": 0.5}),
+    ("mlp", {"gamma": 0.3, "D": 3.0, "F_max": 1.0, "w_0[3,4]": 0.5}),
+    ("mlp", {"gamma": 1.0, "D": 0.0, "F_max": 0.1, "w_0[3,4]": 0.5}),
     ("lugre_network", {"gamma": 0.03, "D": 3.0}),
     ("lugre_network", {"gamma": 0.0, "delta": 2.0, "lead": 2e-4, "F_c": 4.0}),
-    ("lugre_network", {"gamma": 0.5, "F_s": 6.0, "D": 0.0}),
+    ("lugre_network", {"gamma": 0.3, "F_c": 1.0, "F_s": 1.01, "D": 0.0}),
     ("lugre", {"delta": 2.0}),
     ("elasto_plastic", {"z_ba": 0.3, "delta": 2.0}),
     ("gms", {"alpha[1]": 0.7, "alpha[4]": 0.1, "kappa[2]": 0.6, "C": 300.0}),
@@ -63,6 +64,15 @@ THOROUGH = [pytest.param(more, marks=pytest.mark.thorough) for more in ({}, {"v_
 def test_it_has_it_where_the_velocity_reverses(with_law, observe, more):
     values = {**LUGRE, "share_1": 0.3, **more}
     compare(with_law, observe, "lugre_observer", values, n=251)
+
+
+def test_a_weight_of_the_network_stays_within_its_limit(observe):
+    record = tuple(f"fmu.w[{i},{j}]" for i in range(1, 9) for j in range(1, 5))
+    signals = {"v_r": np.full(600, 0.05), "u": np.full(600, 1e4)}
+    found = observe("mlp", signals, record, gamma=1.0, D=0, m=1e-6, b=0.0)
+    largest = [max(np.abs(found[name]).max() for name in record[j::4]) for j in range(4)]
+    assert max(largest[:3]) == 20.0
+    assert largest[3] == 1.0
 
 
 def compare(with_law, observe, name, changes, **signals):

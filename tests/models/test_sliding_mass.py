@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
-from scipy.sparse import block_diag
 
 from tests.models.contacts import TABLE_2, contacts
 
@@ -51,71 +49,6 @@ def test_the_method_is_l_stable(mass_run):
     assert np.isfinite(end).all()
     assert abs(end[0, 1]) < 0.1
     assert exact[0, 1] > 0.0
-
-
-@pytest.mark.slow
-def test_training_motion_against_radau(mass_run, training_force):
-    """Issue 2: at most 1e-3 mm/s from scipy's Radau at rtol 1e-10 over the training command.
-
-    Radau would need minutes for 20,000 holds one after the other. So 500 stretches of 40 holds
-    are integrated side by side, as one system of block-diagonal Jacobian. A stretch begins where
-    a Runge-Kutta method of 200 sub-steps a hold has it; that Radau's stretches then join, each
-    ending where the next begins, makes them one solution.
-    """
-    u = training_force
-    known = mass_run("rk4", STEP, u, pieces=200)
-    holds, stretches = 40, len(u) // 40
-    begin = np.vstack([np.zeros(3), known])[:-1:holds]
-    end = _radau(begin, u.reshape(stretches, holds))
-    speeds = end[:, :, 1]
-    joints = speeds[:-1, -1] - begin[1:, 1]
-    assert abs(joints).max() < 2e-8  # m/s
-    ours = mass_run("adaptive", STEP, u)[:, 1]
-    assert np.ptp(ours) > 0.07
-    assert abs(ours - speeds.ravel()).max() < 1e-6  # m/s
-
-
-def _radau(begin: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Integrate stretches side by side: begin (k, 3), u (k, holds); return (k, holds, 3).
-
-    Units are mm/s and um (z), so that one tolerance fits both; x is the integral of v.
-    """
-    p = TABLE_2
-    k, holds = u.shape
-    state = np.stack([begin[:, 1] * 1e3, begin[:, 2] * 1e6])  # (2, k)
-    x = begin[:, 0].copy()
-    result = np.empty((k, holds, 3))
-    for n in range(holds):
-        force = u[:, n]
-
-        def rates(y: np.ndarray) -> tuple[np.ndarray, ...]:
-            v, z = y[:k] * 1e-3, y[k : 2 * k] * 1e-6
-            g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-abs(v) / p["v_s"])
-            return v, z, g
-
-        def motion(_: float, y: np.ndarray, force: np.ndarray = force) -> np.ndarray:
-            v, z, g = rates(y)
-            dz = v - p["sigma_0"] * abs(v) / g * z
-            dv = (force - B * v - p["sigma_0"] * z - p["sigma_1"] * dz) / M
-            return np.concatenate([dv * 1e3, dz * 1e6])
-
-        def jacobian(_: float, y: np.ndarray) -> object:
-            v, z, g = rates(y)
-            slope = -np.sign(v) * (g - p["F_c"]) / p["v_s"]
-            zv = 1 - p["sigma_0"] * z * (np.sign(v) * g - abs(v) * slope) / g**2
-            zz = -p["sigma_0"] * abs(v) / g
-            vv, vz = -(B + p["sigma_1"] * zv) / M, -(p["sigma_0"] + p["sigma_1"] * zz) / M
-            blocks = np.array([[vv, vz * 1e-3], [zv * 1e3, zz]]).transpose(2, 0, 1)
-            order = np.arange(2 * k).reshape(k, 2).T.ravel()
-            matrix = block_diag(blocks, format="csc")
-            return matrix[order][:, order]
-
-        solution = solve_ivp(
-            motion, (0, STEP), state.ravel(), "Radau", jac=jacobian, rtol=1e-10, atol=1e-11
-        )
-        state = solution.y[:, -1].reshape(2, k)
-        result[:, n] = np.stack([x, state[0] * 1e-3, state[1] * 1e-6], axis=1)
-    return result
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""The stage as an FMU: what its variables mean, and the training motion against scipy."""
+"""The stage as an FMU: what its variables mean, and the training motion."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ STEP = 5e-4  # s
 
 
 def test_training_motion_is_that_of_the_reference(alone, mass_run, training_force):
-    """The FMU adds nothing to the step that test_sliding_mass.py holds against Radau."""
+    """Against a Runge-Kutta method; tests/conformance holds a shorter motion against Radau."""
     with alone("stage", step=STEP, stop=10.0) as simulation:
         result = simulation.run(inputs={"u": np.append(training_force, 0.0)})
     reference = mass_run("rk4", STEP, training_force, pieces=200)

@@ -8,6 +8,7 @@ import pytest
 from stickslip import cosim, models
 from stickslip.servo.axis import Axis
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
+from tests.models.make_references import controlled
 
 NAME = "velocity_controller"
 T_S = 5e-4  # s
@@ -25,59 +26,6 @@ def signals(t: np.ndarray, size: float = 1.0) -> dict[str, np.ndarray]:
         "x_cmd": size * 6.2e-4 * (1 - np.cos(30 * t + 0.1)),
         "v_hat": 0.018 * np.sin(30 * t - 0.02),
     }
-
-
-def difference_equations(inputs: dict[str, np.ndarray], p: dict[str, float]) -> np.ndarray:
-    """Return u, v_est, I, J after each sample, (n, 4)."""
-    v_est = 0.0
-    integrals = np.zeros(2)  # over e_v and e_x
-    x_last = inputs["x_enc"][0]
-    keep = np.exp(-p["T_s"] / p["tau_f"]) if p["tau_f"] > 0 else 0.0
-    rows = []
-    for v_cmd, a_cmd, x, F_ff, x_cmd, v_hat in zip(*inputs.values(), strict=True):
-        v_est = keep * v_est + (1 - keep) * (x - x_last) / p["T_s"]
-        x_last = x
-        e_x = x_cmd - x
-        e_v = v_cmd + p["K_x"] * e_x - (v_hat if p["use_v_hat"] else v_est)
-        e = np.array([e_v, e_x])
-        trial = integrals + p["T_s"] * np.array([p["K_i"], p["I_x"]]) * e
-        demand = p["K_p"] * e_v + p["P_x"] * e_x + trial.sum() + F_ff + p["m_ff"] * a_cmd
-        u = np.clip(demand, -p["u_max"], p["u_max"])
-        free = (u == demand) | (np.sign(demand) != np.sign(e))
-        integrals = np.where(free, trial, integrals)
-        rows.append((u, v_est, *integrals))
-    return np.array(rows)
-
-
-CASCADE = {"K_x": 60.0}
-PID = {"P_x": 3e5, "I_x": 4e6, "K_i": 0.0}
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {},
-        {"tau_f": 0.0},
-        {"m_ff": 5.5},
-        {"u_max": 20.0, "K_i": 1e6},
-        {"use_v_hat": True},
-        CASCADE,
-        {**CASCADE, "use_v_hat": True, "K_i": 1e6, "u_max": 50.0},
-        PID,
-        {**PID, "u_max": 20.0},
-        {**PID, "use_v_hat": True, "I_x": 4e8, "u_max": 30.0},
-        {"K_p": 0.0, "K_i": 0.0, "P_x": 2e5},
-    ],
-)
-def test_difference_equations(alone, change):
-    with alone(NAME, RECORD, step=T_S, stop=0.5) as simulation:
-        inputs = signals(simulation.time)
-        result = simulation.run(
-            inputs=inputs, parameters={f"{NAME}.{k}": v for k, v in change.items()}
-        )
-    expected = difference_equations({k: v[:-1] for k, v in inputs.items()}, {**START, **change})
-    np.testing.assert_allclose(result.values[1:, :4], expected, rtol=1e-11, atol=1e-11)
-    assert len(np.unique(result[f"{NAME}.u"])) > 100
 
 
 def follow_position(fmus, gains, stop=1.5):
@@ -178,7 +126,7 @@ def test_steps_that_do_not_divide_the_period(alone, step):
         result = simulation.run(inputs=inputs)
     instants = np.arange(int(np.ceil(round(200 * step / T_S, 6)))) * T_S
     taken = np.searchsorted(simulation.time, instants + 1e-6 * T_S, side="right") - 1
-    expected = difference_equations({k: v[taken] for k, v in inputs.items()}, START)
+    expected = controlled(START, {k: v[taken] for k, v in inputs.items()})
     samples = np.ceil(np.round(result.time / T_S, 6)).astype(int)
     np.testing.assert_array_equal(result[f"{NAME}.k"], samples)
     np.testing.assert_allclose(

@@ -72,30 +72,6 @@ def test_lugre_without_damping_and_stribeck_is_dahl(follow):
     np.testing.assert_allclose(follow("dahl", H, v)["F_mean"], lugre["F_mean"], atol=2e-13)
 
 
-def test_only_the_way_counts(follow):
-    way = 2e-6 * np.sin(np.arange(300) * 0.05)
-    slow, fast = follow("dahl", 1e-2, way / 1e-2), follow("dahl", 1e-4, way / 1e-4)
-    np.testing.assert_allclose(slow["F_f"], fast["F_f"], atol=1e-12)
-
-
-def test_minor_loops_do_not_close(follow):
-    """0, 40, 0, 15, 0 um: the force at the second 0 differs from the first, unlike with GMS."""
-    v = np.repeat([40e-6, -40e-6, 15e-6, -15e-6], 100) / (100 * H)
-    force = follow("dahl", H, v)["F_f"]
-    assert force[200] == pytest.approx(-5.150, abs=1e-3)
-    assert force[400] == pytest.approx(-3.065, abs=1e-3)
-
-
-def test_a_mass_that_coasts_stops_where_the_closed_form_says(push):
-    """With a stiff contact Dahl is Coulomb friction: m/b ln(1 + b v0 / F_c) until it stands."""
-    m, b, v0 = 5.557, 6.6135, 0.57685
-    found = push("dahl", H, np.zeros(1000), sigma_0=1e9, v=v0, F_d=F_C)
-    distance = m / b * (v0 - F_C / b * np.log1p(b * v0 / F_C))
-    assert found["x"].max() == pytest.approx(distance, abs=2e-8)
-    standing = np.flatnonzero(found["v"] < 2e-4)[0] * H
-    assert standing == pytest.approx(m / b * np.log1p(b * v0 / F_C), abs=H)
-
-
 def test_parameters_declare_what_estimation_needs():
     p = models.load_law("dahl").parameters
     assert (p["sigma_0"].force, p["sigma_0"].length) == (1, -1)
