@@ -36,12 +36,23 @@ OTHER_LAWS = [
 ]
 
 
-def usual(target: str, version: int | None = None) -> bool:
-    """Whether a target is tried in every run: another law in one plant and one compensator."""
-    model = target.partition("+")[0]
-    return "+" not in target or version in {"stage": (None, 3), "compensator": (None, 2)}.get(
-        model, ()
-    )
+def cases(versions: Sequence[int | None], *, in_turn: bool = False) -> list[Any]:
+    """Return a parameter for each target and version; further cases are thorough.
+
+    Another law is tried in one plant and one compensator; a model in both versions or in turn.
+    """
+    with_a_law = {"stage": (None, 3), "compensator": (None, 2)}
+    every = []
+    for k, target in enumerate(models.model_names() + OTHER_LAWS):
+        for version in versions:
+            own = not in_turn or version == 2 + k % 2
+            usual = (
+                version in with_a_law.get(target.partition("+")[0], ()) if "+" in target else own
+            )
+            marks = () if usual else pytest.mark.thorough
+            name = f"{target}-fmi{version}" if version else target
+            every.append(pytest.param((target, version), id=name, marks=marks))
+    return every
 
 
 class Fmu:
@@ -256,19 +267,6 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], Fmu]
     return build
 
 
-def cases(versions: Sequence[int | None]) -> list[Any]:
-    """Return a parameter for each target and version; further cases are thorough."""
-    return [
-        pytest.param(
-            (target, version),
-            id=f"{target}-fmi{version}" if version else target,
-            marks=() if usual(target, version) else pytest.mark.thorough,
-        )
-        for target in models.model_names() + OTHER_LAWS
-        for version in versions
-    ]
-
-
 @pytest.fixture(params=cases([None]))
 def name(request: pytest.FixtureRequest) -> str:
     """Name each model, and each with every friction law that is not its default, in turn."""
@@ -278,6 +276,12 @@ def name(request: pytest.FixtureRequest) -> str:
 @pytest.fixture(params=cases([2, 3]))
 def fmu(request: pytest.FixtureRequest, build: Callable[[str, int], Fmu]) -> Fmu:
     """Give every model in both versions of the standard."""
+    return build(*request.param)
+
+
+@pytest.fixture(params=cases([2, 3], in_turn=True))
+def some_fmu(request: pytest.FixtureRequest, build: Callable[[str, int], Fmu]) -> Fmu:
+    """Give every model in one version, for tests that take long."""
     return build(*request.param)
 
 
