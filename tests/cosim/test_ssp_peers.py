@@ -82,7 +82,7 @@ def in_libcosim(system, path, signals):
     return values
 
 
-SEEDS = range(12)
+SEEDS = range(8)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -106,8 +106,7 @@ def test_fmpy_runs_any_system_to_the_values_of_our_jacobi(make, tmp_path, seed):
     }
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("version", ["1.0", "2.0"])
+@pytest.mark.parametrize(("version", "seed"), [("1.0", 1), ("2.0", 2)])
 def test_pyssp_standard_reads_any_system(make, tmp_path, seed, version):
     pyssp = pytest.importorskip("pyssp_standard.ssp")
     system = drawn(make, seed, scaled=True, fmi=3 if version == "2.0" else 2)

@@ -121,7 +121,5 @@ def test_a_container_says_that_its_signals_are_differences(make, tmp_path):
     system = cosim.System("one")
     system.add("a", make("gain", 2, u="degC difference", y="degC"))
     system.expose("u", "a.u")
-    for version in (2, 3):
-        path = cosim.write_fmu(system, tmp_path / f"{version}.fmu", step=0.1, fmi=version)
-        variables = cosim.Fmu(path).variables
-        assert [n for n, v in variables.items() if v.relative] == ["u"]
+    variables = cosim.Fmu(cosim.write_fmu(system, tmp_path / "a.fmu", step=0.1, fmi=3)).variables
+    assert [n for n, v in variables.items() if v.relative] == ["u"]

@@ -360,7 +360,7 @@ def coulomb_observer(p: Parameters) -> Columns:
     N = given.pop("N")
     ahead, v_r = predictor(p, N), 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
     now, a, s, v_last = np.zeros(3), p["a_0"], 0.0, v_r[0]
-    F, a_hat = [0.0], [0.0]
+    F, a_hat = [0.0], [a]
     for k, position in enumerate(given["x_enc"][:-1]):
         x, v, _ = ahead(k, np.array([now[0], now[1], -a * s]))
         r = position - x
@@ -405,7 +405,7 @@ def momentum_observer(p: Parameters) -> Columns:
     """Observe the same by the change of momentum."""
     given, residual = lagging_motion(), momentum(p)
     N, x, v_r = given.pop("N"), given["x_enc"], 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
-    a, F, a_hat, s, w, v_k = p["a_0"], [0.0], [0.0], 1.0, p["w_q"], 0.0
+    a, F, a_hat, s, w, v_k = p["a_0"], [0.0], [p["a_0"]], 1.0, p["w_q"], 0.0
     for k in range(200):
         last = max(k - 1, 0)
         friction, v = residual(N[[last, k]], x[[last, k]])

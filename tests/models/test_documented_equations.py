@@ -50,17 +50,20 @@ def test_the_force_is_that_of_the_equations(with_law, observe, name, changes):
     compare(with_law, observe, name, changes)
 
 
-@pytest.mark.parametrize("held", HELD, ids=str)
-@pytest.mark.parametrize("share_1", SHARES)
-def test_the_damping_of_the_lugre_observer_has_its_share(with_law, observe, share_1, held):
-    values = {**LUGRE, "share_1": share_1}
+@pytest.mark.parametrize(
+    ("share_1", "held", "more"),
+    [
+        *((share, held, {}) for share, held in zip(SHARES, HELD, strict=True)),
+        *((0.3, HELD[0], more) for more in ({"reference": 1.0}, {"v_d": 5e-3})),
+    ],
+)
+def test_the_damping_of_the_lugre_observer_has_its_share(with_law, observe, share_1, held, more):
+    values = {**LUGRE, "share_1": share_1, **more}
     compare(with_law, observe, "lugre_observer", values, n=61, held=held)
 
 
-THOROUGH = [pytest.param(more, marks=pytest.mark.thorough) for more in ({}, {"v_d": 5e-3})]
-
-
-@pytest.mark.parametrize("more", [{"reference": 1.0}, *THOROUGH], ids=str)
+@pytest.mark.thorough
+@pytest.mark.parametrize("more", [{}, {"v_d": 5e-3}, {"reference": 1.0}], ids=str)
 def test_it_has_it_where_the_velocity_reverses(with_law, observe, more):
     values = {**LUGRE, "share_1": 0.3, **more}
     compare(with_law, observe, "lugre_observer", values, n=251)
@@ -85,8 +88,9 @@ def compare(with_law, observe, name, changes, **signals):
     inputs = {n: np.asarray(v) for n, v in expected.items() if known[n].role == "input"}
     path = with_law("compensator", name) if law else name
     found = observe(path, inputs, **values)
-    for output in expected.keys() - inputs - {"time"}:
+    outputs = expected.keys() - inputs - {"time"}
+    for output in outputs:
         np.testing.assert_allclose(
             found[f"fmu.{output}"], expected[output], rtol=1e-7, atol=1e-7, err_msg=output
         )
-        assert np.ptp(expected[output]) > 1e-6
+    assert max(np.ptp(expected[output]) for output in outputs) > 0.02

@@ -110,7 +110,7 @@ def test_several_rates(two_masses, linear, kind, method, every):
 
 
 @pytest.mark.slow
-@each_kind
+@pytest.mark.parametrize("kind", ["CS 2.0 interpolating", "CS 3.0"])
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("method", METHODS)
 def test_adaptive_steps_follow_their_tolerance(two_masses, linear, kind, method, degree):

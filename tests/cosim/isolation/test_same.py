@@ -50,11 +50,9 @@ def assert_same(one, other):
 SUM = cosim.Record(sum_of_squares={"v": "mass.v"})
 HOW = {
     "plain": {},
-    "jacobi": {"coupling": "jacobi"},
     "some": {"record": cosim.Record(["mass.v", "y"], every=7)},
     "last": {"record": cosim.Record("mass.*", keep="last")},
-    "sums": {"record": SUM},
-    "compiled": {"compiled": True, "constant_step": True},
+    "compiled": {"compiled": True, "constant_step": True, "record": SUM, "coupling": "jacobi"},
 }
 NOISE = cosim.Scenario().add_noise("mass.v", 0.1, seed=3).set("y", 0.2, at=0.1)
 RUNS = {
