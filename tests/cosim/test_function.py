@@ -20,12 +20,6 @@ def integrate(t, h, x, u):
     return x, x
 
 
-def relax(t, h, x, u):
-    """x' = -x + u with the input held, which is exact."""
-    x = u["u"] + (x - u["u"]) * np.exp(-h)
-    return x, x
-
-
 def minus_twice(t, u):
     return -2.0 * u["u"]
 
@@ -53,33 +47,6 @@ def test_a_closed_loop_is_its_difference_equation(compiled):
             result = simulation.run()
             x = (1 - 2 * STEP) ** np.arange(len(result.time))
             assert result["plant.y"] == pytest.approx(x, rel=1e-13)
-
-
-def test_jacobi_delays_each_connection_by_a_step():
-    with decay().prepare(**SYSTEM, coupling="jacobi") as simulation:
-        result = simulation.run()
-    x, gain = [1.0], [-2.0]
-    for _ in range(len(result.time) - 1):
-        x, gain = [*x, x[-1] + STEP * gain[-1]], [*gain, -2.0 * x[-1]]
-    assert result["plant.y"] == pytest.approx(x, rel=1e-13)
-
-
-@pytest.mark.parametrize(
-    ("coupling", "order"), [("gauss_seidel", 1), ("iterative", 2)], ids=["explicit", "iterative"]
-)
-def test_a_coupling_has_its_order(coupling, order):
-    """Two first-order systems, exact for a held input, which feed each other."""
-    errors = []
-    for step in (0.1, 0.05):
-        system = cosim.System("pair")
-        for name, start in (("a", 1.0), ("b", 0.0)):
-            system.add(name, cosim.Function(relax, {"u": None}, {"y": None}, start))
-        system.connect("a.y", "b.u")
-        system.connect("b.y", "a.u")
-        with system.prepare(step=step, stop=1.0, coupling=coupling) as simulation:
-            y = simulation.run()["a.y"][-1]
-        errors.append(abs(y - (1 + np.exp(-2.0)) / 2))  # a + b stays, a - b falls with e^(-2 t)
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.25)
 
 
 def test_an_algebraic_loop_is_solved():
@@ -112,19 +79,6 @@ def test_a_function_beside_an_fmu(make, version):
             found.append(simulation.run(inputs={"F": np.sin}, scenario=scenario).frame())
     assert found[0].equals(found[1])
     assert found[0]["gain.y"].nunique() < len(found[0])
-
-
-def test_units_that_say_what_they_measure_are_converted():
-    millimetre = cosim.Unit("mm", (0, 1, 0, 0, 0, 0, 0, 0), factor=1e-3)
-    metre = cosim.Unit("m", (0, 1, 0, 0, 0, 0, 0, 0))
-    system = cosim.System("units")
-    system.add("source", cosim.Function(lambda t, u: 1e3 * t, {}, {"x": millimetre}))
-    system.add("sink", cosim.Function(lambda t, u: u["x"], {"x": metre}, {"y": metre}))
-    system.connect("source.x", "sink.x")
-    with system.prepare(**SYSTEM) as simulation:
-        result = simulation.run()
-    assert result["sink.y"] == pytest.approx(result.time)
-    assert result.units["source.x"] == "mm"
 
 
 def test_a_run_goes_on_from_its_saved_state(tmp_path):

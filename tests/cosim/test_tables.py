@@ -81,33 +81,6 @@ def test_a_column_that_is_not_there_cannot_be_held():
         cosim.read_tables(FRAME, held=["x"])
 
 
-def test_a_damaged_parquet_file_is_told(tmp_path):
-    pytest.importorskip("pyarrow")
-    path = tmp_path / "in.parquet"
-    path.write_text("no parquet")
-    with pytest.raises(cosim.SignalError, match=r"in\.parquet: cannot be read"):
-        cosim.read_tables(path)
-
-
-@pytest.mark.parametrize(
-    ("columns", "message"),
-    [
-        ({"time": [0.0], "u": ["a"]}, "column 'u': expected numbers, got .*string"),
-        ({"time": [0.0], "u": [[1.0]]}, "column 'u': expected numbers, got list"),
-        ({"time": np.array([0], "datetime64[ns]"), "u": [1.0]}, "column 'time': .* timestamp"),
-        ({"time": [0.0, 1.0], "u": [None, 1.0]}, "not finite"),
-        ({"time": [1.0, 0.0], "u": [0, 1]}, "time falls"),
-        ({"u": [0, 1]}, "its index numbers the rows"),
-    ],
-)
-def test_columns_of_other_kinds_are_told(tmp_path, columns, message):
-    arrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
-    path = tmp_path / "in.parquet"
-    parquet.write_table(arrow.table(columns), path)
-    with pytest.raises(cosim.SignalError, match=rf"in\.parquet: .*{message}"):
-        cosim.read_tables(path)
-
-
 def test_integers_and_truths_are_numbers(tmp_path):
     arrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
     path = tmp_path / "in.parquet"

@@ -18,7 +18,7 @@ CALCULATED = (
 )
 
 
-# Those of stage, drive and lugre_observer take seconds; tests/conformance holds them against the models.
+# Those of stage, drive and lugre_observer take seconds; tests/conformance holds them.
 @pytest.mark.parametrize("name", [*models.law_names(), *CALCULATED])
 def test_reference_is_up_to_date(name):
     fresh = pd.DataFrame(getattr(references, name)(references.start_values(name)))

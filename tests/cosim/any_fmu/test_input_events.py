@@ -81,19 +81,6 @@ def test_with_constant_steps_or_a_scenario_a_jump_waits_for_the_next_point(expor
         np.testing.assert_array_equal(simulation.run(inputs=jump)["a.level"][4:6], [0, 10])
 
 
-def test_a_run_that_is_halted_and_one_without_inputs_are_not_led_astray(export):
-    system = one(export("oscillator", 2, "CS"), u="force")
-    table = {"u": cosim.Table(TIME, FORCE)}
-    with system.prepare(step=STEP, stop=STOP, record=["a.position"]) as simulation:
-        free = simulation.run()
-        whole = simulation.run(inputs=table)
-        looked = simulation.run(inputs=table, progress=lambda _: None)
-        half = simulation.run(inputs=table, until=1.0)
-        np.testing.assert_array_equal(simulation.run().values, free.values)
-    np.testing.assert_array_equal(looked.values, whole.values)
-    np.testing.assert_array_equal(half.values, whole.values[:11])
-
-
 @pytest.mark.parametrize("kind", ["CS", "ME"])
 def test_a_jump_in_the_last_step_before_a_halt_is_made(export, kind):
     """Every step has a jump, so each end of a run has one in the step before it."""
@@ -159,22 +146,6 @@ def test_model_exchange_follows_a_table_within_its_steps(export, begin, table, k
         np.testing.assert_allclose(result["a.position"], exact, atol=1e-6)
         untouched = simulation.run(inputs={"u": 0.0})["a.position"]
     np.testing.assert_allclose(untouched, np.cos(2 * result.time), atol=1e-6)
-
-
-@pytest.mark.parametrize("kind", ["CS", "ME"])
-@pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("untouched", [cosim.Scenario(), cosim.Scenario().set("v", 1.0, at=0.5)])
-def test_a_scenario_leaves_the_events_of_other_inputs(export, version, kind, untouched):
-    system = cosim.System()
-    for name, signal in (("a", "u"), ("b", "v")):
-        system.add(name, export("oscillator", version, kind))
-        system.expose(signal, f"{name}.force")
-    inputs = {"u": cosim.Table(TIME, FORCE), "v": 0.0}
-    with system.prepare(step=STEP, stop=STOP) as simulation:
-        plain = simulation.run(inputs=inputs)
-        result = simulation.run(inputs=inputs, scenario=untouched)
-    for name in ("a.position", "a.gain"):
-        np.testing.assert_array_equal(result[name], plain[name])
 
 
 @pytest.mark.parametrize("disturbed", ["a.gain", "b.position"])

@@ -129,15 +129,6 @@ def test_a_run_halts_and_goes_the_same_way(export, version, tmp_path):
             simulation.save(tmp_path / "a.state")
 
 
-def test_a_run_that_is_looked_at_ends_where_the_fmu_ends_it(export, version):
-    with one(export("stair", version, "ME")).prepare(step=0.3, stop=30.0) as simulation:
-        whole = simulation.run()
-        looked = simulation.run(progress=lambda _: None)
-    assert whole.stopped == looked.stopped
-    np.testing.assert_array_equal(looked.time, whole.time)
-    np.testing.assert_array_equal(looked.values, whole.values)
-
-
 def test_without_its_solver_one_line_says_where_there_is_one(export, version, monkeypatch):
     general_path._cvode_table.cache_clear()
     monkeypatch.setitem(sys.modules, "fmpy.sundials", None)  # as on aarch64-linux
