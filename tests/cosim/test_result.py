@@ -78,22 +78,6 @@ def test_csv_keeps_every_digit(result, tmp_path):
     assert text == result.frame().to_csv(lineterminator="\n", na_rep="nan")
 
 
-@pytest.mark.parametrize(
-    ("record", "kept"), [({"every": 4}, slice(None, None, 4)), ({"keep": "last"}, slice(-1, None))]
-)
-def test_tables_of_a_part(make, tmp_path, record, kept):
-    system = cosim.System()
-    system.add("a", make("integrator"), {"u": 1.0})
-    full = system.prepare(step=0.1, stop=1.0).run()
-    part = system.prepare(step=0.1, stop=1.0, record=cosim.Record("a.y", **record)).run()
-    read = pd.read_csv(part.to_csv(tmp_path / "out.csv"))
-    np.testing.assert_array_equal(read["time"], full.time[kept])
-    np.testing.assert_array_equal(read["a.y"], full["a.y"][kept])
-    read = pd.read_parquet(part.to_parquet(tmp_path / "out.parquet"))
-    np.testing.assert_array_equal(read["a.y"], part["a.y"])
-    assert part.frame().attrs["units"] == {"a.y": "N"}
-
-
 def test_what_was_not_recorded_is_named(result):
     with pytest.raises(KeyError, match=r"'a\.x' was not recorded; did you mean"):
         result["a.x"]

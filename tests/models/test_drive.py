@@ -103,14 +103,6 @@ def test_a_switch_that_is_off_hides_its_size(run, switch):
     assert not np.array_equal(plain.values, run(**{switch: True}).values)
 
 
-def test_asymmetric_friction_differs_by_direction(run):
-    """Steady sliding: F_f = (1 + asymmetry) F_c forward, (1 - asymmetry) F_c backward."""
-    size = {"asymmetric": True, "asymmetry": 0.2, "b": 100.0, "stop": 3.0}
-    forward, backward = (run(u, **size)["drive.F_f"][-1] for u in (12.0, -12.0))
-    assert forward == pytest.approx(1.2 * 5.999, rel=1e-6)
-    assert backward == pytest.approx(-0.8 * 5.999, rel=1e-6)
-
-
 def test_friction_varies_along_the_guide(run):
     """Slow sliding: F_f = F_c (1 + amplitude sin(2 pi x / period)), in phase with the position."""
     result = run(

@@ -122,6 +122,7 @@ INPUTS = [
     _input("parquet-as-csv", "a Parquet file called .csv", "not a CSV file in UTF-8", lambda _: _parquet(time=np.arange(99) / 7)),
     _input("csv-as-parquet", "a CSV file called .parquet", "in.parquet: cannot be read", _rows("0,0"), ".parquet"),
     _input("parquet-text", "texts in a Parquet file", "column 'u': expected numbers, got .*string", lambda _: _parquet(time=[0.0, 1.0], u=["a", "b"]), ".parquet"),
+    _input("parquet-dates", "dates in a Parquet file", "column 'time': .*timestamp", lambda _: _parquet(time=np.array([0], "datetime64[ns]"), u=[1.0]), ".parquet"),
     _input("parquet-nested", "lists in a Parquet file", "column 'u': expected numbers, got list", lambda _: _parquet(time=[0.0], u=[[1.0, 2.0]]), ".parquet"),
     _input("parquet-nulls", "empty cells in a Parquet file", "not finite", lambda _: _parquet(time=[0.0, 1.0], u=[None, 2.0]), ".parquet"),
     _input("parquet-cut", "half a Parquet file", "in.parquet: cannot be read", lambda _: _parquet(time=np.arange(99.0), u=np.arange(99.0))[:400], ".parquet"),
