@@ -6,7 +6,6 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from scipy.integrate import solve_ivp
 
 from stickslip import models
 from tests.conformance import equations, hybrid
@@ -82,29 +81,6 @@ def test_both_versions_give_the_same_bits(build, exchanged, name):
         instance.api.enterContinuousTimeMode()
     for point in second.fmu.points(40):
         assert at(second, point) == at(third, point)
-
-
-@VERSIONS
-def test_a_stiff_solver_of_another_tool_agrees_with_scipy(build, version):
-    """CVode in FMPy against Radau on the equations in numpy."""
-    fmu = build("stage", version)
-    p = parameters(fmu)
-    time = np.linspace(0.0, 0.4, 81)
-    force = 15.0 * np.sin(2 * np.pi * 6.0 * time)
-    expected = [np.zeros(3)]
-    for u in force[:-1]:
-
-        def motion(_, y, u=u):
-            rates = equations.OF["stage"]({"x": y[0], "v": y[1], "z": y[2] * 1e-6, "u": u}, p)
-            return [rates["der(x)"], rates["der(v)"], rates["der(z)"] * 1e6]
-
-        step = solve_ivp(motion, (0.0, 5e-3), expected[-1], "Radau", rtol=1e-9, atol=1e-12)
-        expected.append(step.y[:, -1])
-    found = solve(fmu, held(time, u=force), output=["x", "v"], output_interval=5e-3)
-    x, v, _ = np.transpose(expected)
-    assert np.ptp(found["v"]) > 0.05
-    np.testing.assert_allclose(found["x"], x, atol=1e-8)
-    np.testing.assert_allclose(found["v"], v, atol=1e-7)
 
 
 @VERSIONS

@@ -274,7 +274,11 @@ def controlled(p: Parameters, inputs: Columns) -> np.ndarray:
     for v_cmd, a_cmd, x, F_ff, x_cmd, v_hat in zip(*inputs.values(), strict=True):
         v_est = keep * v_est + (1 - keep) * (x - x_last) / p["T_s"]
         x_last, e_x = x, x_cmd - x
-        e_v = v_cmd + p["K_x"] * e_x - (v_hat if p["use_v_hat"] else v_est)
+        e_v = (
+            p["velocity_feedforward"] * v_cmd
+            + p["K_x"] * e_x
+            - (v_hat if p["use_v_hat"] else v_est)
+        )
         trial = integrals + p["T_s"] * np.array([p["K_i"] * e_v, p["I_x"] * e_x])
         demand = p["K_p"] * e_v + p["P_x"] * e_x + trial.sum() + F_ff + p["m_ff"] * a_cmd
         u = np.clip(demand, -p["u_max"], p["u_max"])

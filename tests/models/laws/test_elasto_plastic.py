@@ -59,12 +59,3 @@ def test_a_load_that_oscillates_moves_it_only_beyond_break_away(push, z_ba, move
     x = push("elasto_plastic", H, u, z_ba=z_ba)["x"]
     drift = (x[16000] - x[8000]) / 4.0
     assert (drift > 1e-6) if moves else abs(drift) < 1e-12
-
-
-def test_break_away_near_the_limit_is_an_elastic_spring_that_slips(follow):
-    """z_ba -> 1 without Stribeck effect is Dahl's law with i = 0."""
-    v = 0.002 * np.sin(np.arange(600) * 0.05)
-    level = {"F_s": P["F_c"], "sigma_1": 0.0, "z_ba": 0.99}
-    found = follow("elasto_plastic", H, v, **level)
-    spring = follow("dahl", H, v, i=0.0)
-    np.testing.assert_allclose(found["F_mean"], spring["F_mean"], atol=0.02)
