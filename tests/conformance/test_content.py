@@ -159,10 +159,7 @@ def test_the_documentation_is_the_readme(some_fmu):
     page = _Text()
     page.feed(content["documentation/index.html"].decode())
     assert page.open == []
-    rooms = [
-        some_fmu.model.folder,
-        *([some_fmu.model.law.folder] if some_fmu.model.law else []),
-    ]
+    rooms = [some_fmu.model.folder, *([some_fmu.model.law.folder] if some_fmu.model.law else [])]
     for room in rooms:
         assert (room / "README.md").read_text(encoding="utf-8") in page.text
     assert "MIT" in page.text

@@ -49,8 +49,7 @@ def by_master(fmu, table, step, interface="model_exchange", tolerance=1e-9, **st
     system.expose("u", "a.u")
     names = [f"a.{n}" for n in ("x", "v", "F_f", *mode_names(fmu))]
     options = {"step": step, "stop": table[-1, 0], "tolerance": tolerance, "record": names}
-    with system.prepare(**options) as simulation:
-        return simulation.run(inputs={"u": cosim.Table(*table.T)})
+    return system.prepare(**options).run(inputs={"u": cosim.Table(*table.T)})
 
 
 @VERSIONS

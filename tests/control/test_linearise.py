@@ -145,8 +145,7 @@ def test_a_system_in_discrete_time_runs_in_python_control(tmp_path):
     t = np.arange(60) * 1e-3
     u = 12.0 * np.sin(100 * t)
     response = control.input_output_response(wrapped, t, u, 0)
-    with system.prepare(step=1e-3, stop=t[-1]) as simulation:
-        expected = simulation.run(inputs={"u": u})
+    expected = system.prepare(step=1e-3, stop=t[-1]).run(inputs={"u": u})
     name = "stage.v"
     found = response.outputs[wrapped.output_labels.index("stage_v")]
     assert np.ptp(expected[name]) > 1e-3

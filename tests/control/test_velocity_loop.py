@@ -192,8 +192,7 @@ def test_nominal_loop_fmu_gives_the_step_response(fmus, loop):
     system = cosim.System()
     system.add("nominal", fmus / "nominal_loop.fmu", nominal_values(loop))
     system.expose("v_cmd", "nominal.v_cmd")
-    with system.prepare(step=loop.T_s, stop=STOP) as simulation:
-        result = simulation.run(inputs={"v_cmd": 1.0})
+    result = system.prepare(step=loop.T_s, stop=STOP).run(inputs={"v_cmd": 1.0})
     t, v = loop.step_response(STOP)
     np.testing.assert_allclose(result.time, t, rtol=0, atol=1e-15)
     np.testing.assert_allclose(result["nominal.v_r"], v, rtol=0, atol=1e-9)

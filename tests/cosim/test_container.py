@@ -54,8 +54,7 @@ def in_fmpy(path, output_interval=STEP, **start_values):
 
 
 def alone(system, coupling="gauss_seidel", parameters=None, **inputs):
-    with system.prepare(step=STEP, stop=STOP, coupling=coupling) as simulation:
-        return simulation.run(parameters, inputs)
+    return system.prepare(step=STEP, stop=STOP, coupling=coupling).run(parameters, inputs)
 
 
 @pytest.mark.parametrize(
@@ -170,8 +169,7 @@ def test_takes_any_communication_step(make, tmp_path):
     system.connect("feedback.y", "plant.u")
     path = cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, coupling="jacobi")
     for ratio, parts in ((0.3, [0.3]), (2.7, [1.0, 1.0, 0.7]), (3.0, [1.0, 1.0, 1.0])):
-        with one(path).prepare(step=ratio * STEP, stop=11 * ratio * STEP) as simulation:
-            found = simulation.run()["a.plant.y"]
+        found = one(path).prepare(step=ratio * STEP, stop=11 * ratio * STEP).run()["a.plant.y"]
         y, dy = 1.0, -3.0
         for value in found:
             assert value == pytest.approx(y, rel=1e-12)

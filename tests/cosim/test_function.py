@@ -55,8 +55,7 @@ def test_an_algebraic_loop_is_solved():
     system.add("b", cosim.Function(lambda t, u: t + u["u"] / 4, {"u": None}, {"y": None}))
     system.connect("a.y", "b.u")
     system.connect("b.y", "a.u")
-    with system.prepare(**SYSTEM) as simulation:
-        result = simulation.run()
+    result = system.prepare(**SYSTEM).run()
     assert result["a.y"] == pytest.approx((1 + result.time / 2) / (1 - 1 / 8), rel=1e-10)
 
 
@@ -104,8 +103,7 @@ def test_an_array_is_a_state():
 
     system = cosim.System("oscillator")
     system.add("o", cosim.Function(turn, {}, {"x": "m", "v": "m/s"}, np.array([1.0, 0.0])))
-    with system.prepare(**SYSTEM) as simulation:
-        result = simulation.run()
+    result = system.prepare(**SYSTEM).run()
     assert result["o.x"] == pytest.approx(np.cos(result.time))
     assert result["o.v"] == pytest.approx(-np.sin(result.time))
 

@@ -52,10 +52,7 @@ def write(tmp_path_factory):
         key = (name, version, reset, noise, flags)
         if key in made:
             return made[key]
-        options = [
-            "-DRESTART=" + reset.replace("missing", ""),
-            f"-DNOISE={noise}",
-        ]
+        options = ["-DRESTART=" + reset.replace("missing", ""), f"-DNOISE={noise}"]
         options += ["-DWITHOUT_RESET", "-Wno-unused-function"] if reset == "missing" else []
         binary = fmu.library(
             "unreset", Path(__file__).with_name("unreset.c"), flags=options, complete=False
@@ -147,8 +144,7 @@ def test_a_sound_reset_is_used(write, version, caplog):
     for values in results:
         np.testing.assert_array_equal(values, results[0])
     assert not caplog.records
-    with system.prepare(step=STEP, stop=STOP) as simulation:
-        born = simulation.run()["a.y"][1]
+    born = system.prepare(step=STEP, stop=STOP).run()["a.y"][1]
     assert round(born / STEP - 0.1) == 3  # two, and one that is new here
 
 

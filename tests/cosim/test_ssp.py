@@ -29,8 +29,7 @@ def package(loop, tmp_path):
 
 
 def run(system):
-    with system.prepare(step=EXPERIMENT.step, stop=EXPERIMENT.stop) as simulation:
-        return simulation.run(inputs={"force": np.sin})
+    return system.prepare(step=EXPERIMENT.step, stop=EXPERIMENT.stop).run(inputs={"force": np.sin})
 
 
 @pytest.mark.parametrize("version", ["1.0", "2.0"])

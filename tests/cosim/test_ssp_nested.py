@@ -88,8 +88,7 @@ NESTED = one(
 
 
 def end(system, name="c.y", coupling="gauss_seidel", **inputs):
-    with system.prepare(step=0.25, stop=1.0, coupling=coupling) as simulation:
-        return simulation.run(inputs=inputs)[name][-1]
+    return system.prepare(step=0.25, stop=1.0, coupling=coupling).run(inputs=inputs)[name][-1]
 
 
 def test_nested_systems_become_one_with_the_ways_between_them_summed_up(pack):
@@ -304,9 +303,7 @@ def test_a_system_may_lie_in_a_file_of_its_own(pack, tmp_path):
         times="",
     )
     outer = one(
-        nested.format("resources/inner.ssd"),
-        joined("x", "n.i"),
-        connectors=connector("x", "input"),
+        nested.format("resources/inner.ssd"), joined("x", "n.i"), connectors=connector("x", "input")
     )
     system, _ = cosim.read_ssp(pack(outer | {"resources/inner.ssd": inner}))
     assert system.inputs == {"x": ("n/a.u",)}

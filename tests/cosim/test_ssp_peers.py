@@ -48,8 +48,7 @@ def drawn(make, seed, *, nested=False, scaled=False, fmi=2):
 
 
 def jacobi(system):
-    with system.prepare(step=STEP, stop=EXPERIMENT.stop, coupling="jacobi") as simulation:
-        return simulation.run()
+    return system.prepare(step=STEP, stop=EXPERIMENT.stop, coupling="jacobi").run()
 
 
 def in_fmpy(system, path, **inputs):

@@ -58,11 +58,7 @@ def test_frames_that_cannot_be(frame, message):
 def test_pandas_gives_inputs_as_tables_do(kind, unit):
     time = FRAME["time"].to_numpy()
     frame = FRAME[["v"]].set_axis(pd.to_timedelta(time, unit=unit) if unit else time)
-    inputs = {
-        "frame": frame,
-        "series": {"v": frame["v"]},
-        "column": FRAME.drop(columns="w"),
-    }[kind]
+    inputs = {"frame": frame, "series": {"v": frame["v"]}, "column": FRAME.drop(columns="w")}[kind]
     found = cosim.signals_of(inputs)["v"]
     assert found.sample(T).tolist() == cosim.Table(time, FRAME["v"]).sample(T).tolist()
 
@@ -103,8 +99,7 @@ def test_results_in_parquet_keep_every_bit_and_the_units(make, tmp_path):
     system = cosim.System("one")
     system.add("a", make("gain"))
     system.expose("x", "a.u")
-    with system.prepare(step=0.1, stop=1.0) as simulation:
-        result = simulation.run(inputs={"x": np.sin})
+    result = system.prepare(step=0.1, stop=1.0).run(inputs={"x": np.sin})
     path = result.to_parquet(tmp_path / "out.parquet")
     schema = parquet.read_schema(path)
     assert schema.field("a.y").metadata == {b"unit": b"N"}

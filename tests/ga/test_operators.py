@@ -118,11 +118,7 @@ def test_it_is_a_probability_for_any_generation(costs, k1, k2):
 
 @pytest.mark.parametrize(
     ("costs", "expected"),
-    [
-        ([2.0, 4.0, np.inf], [1, 0.5, 0]),
-        ([0.0, 1.0, 0.0], [1, 0, 1]),
-        ([np.inf, np.inf], [1, 1]),
-    ],
+    [([2.0, 4.0, np.inf], [1, 0.5, 0]), ([0.0, 1.0, 0.0], [1, 0, 1]), ([np.inf, np.inf], [1, 1])],
 )
 def test_fitness_is_the_inverse_of_cost_as_a_fraction_of_the_best(costs, expected):
     np.testing.assert_array_equal(ga.fitness(np.array(costs)), expected)

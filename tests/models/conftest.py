@@ -49,8 +49,7 @@ def observe(fmus: Path) -> Callable[..., cosim.Result]:
             system.expose(signal, f"fmu.{signal}")
         stop = 5e-4 * (len(next(iter(signals.values()))) - 1)
         options = {"step": 5e-4, "stop": stop, "record": record}
-        with system.prepare(constant_step=True, **options) as simulation:
-            return simulation.run(inputs=signals, scenario=scenario)
+        return system.prepare(constant_step=True, **options).run(inputs=signals, scenario=scenario)
 
     return observe
 
@@ -93,8 +92,7 @@ def _run(
     [fed] = [v.name for v in system.components["fmu"].variables.values() if v.causality == "input"]
     system.expose(fed, f"fmu.{fed}")
     values = np.append(values, values[-1])
-    with system.prepare(step=h, stop=h * (len(values) - 1)) as simulation:
-        result = simulation.run(inputs={fed: values})
+    result = system.prepare(step=h, stop=h * (len(values) - 1)).run(inputs={fed: values})
     return {name[4:]: result[name].copy() for name in result.names if name.startswith("fmu.")}
 
 

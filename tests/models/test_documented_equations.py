@@ -11,16 +11,11 @@ from tests.models import make_references as references
 SHARES = (0.0, 0.3, 0.5, 1.0)
 CASCADE, PID = {"K_x": 60.0}, {"P_x": 3e5, "I_x": 4e6, "K_i": 0.0}
 CONTROLLERS = [
-    *(
-        {"tau_f": 0.0},
-        {"m_ff": 5.5},
-        {"u_max": 20.0, "K_i": 1e6},
-        {"use_v_hat": 1.0},
-        CASCADE,
-    ),
+    *({"tau_f": 0.0}, {"m_ff": 5.5, "velocity_feedforward": 0.5}, {"u_max": 20.0, "K_i": 1e6}),
+    *({"use_v_hat": 1.0}, CASCADE),
     *({**CASCADE, "use_v_hat": 1.0, "K_i": 1e6, "u_max": 50.0}, PID, {**PID, "u_max": 20.0}),
     {**PID, "use_v_hat": 1.0, "I_x": 4e8, "u_max": 30.0},
-    {"K_p": 0.0, "K_i": 0.0, "P_x": 2e5, "velocity_feedforward": 0.5},
+    {"K_p": 0.0, "K_i": 0.0, "P_x": 2e5},
 ]
 CASES = [
     *(("dob", {"share": share, "L_1": 1e7}) for share in SHARES),

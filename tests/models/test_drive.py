@@ -128,8 +128,7 @@ def test_friction_falls_as_the_guide_gets_warm(with_law, law):
     known = {v.name for v in models.load_model("drive", law).variables}
     system.add("drive", with_law("drive", law), {k: v for k, v in size.items() if k in known})
     system.expose("u", "drive.u")
-    with system.prepare(step=STEP, stop=3.0) as simulation:
-        result = simulation.run(inputs={"u": 12.0})
+    result = system.prepare(step=STEP, stop=3.0).run(inputs={"u": 12.0})
     late = result.time > 0.6
     expected = 5.999 * (1.0 - 0.3 * (1.0 - np.exp(-result.time / 0.5)))
     np.testing.assert_allclose(result["drive.F_f"][late], expected[late], rtol=1e-3)

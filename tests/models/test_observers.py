@@ -102,8 +102,7 @@ def test_without_a_disturbance_the_loop_stays_as_it_is(fmus, name, mode):
             for place in places:
                 system.connect(source, place)
         sine = cosim.SineSweep(frequency=(5.0, 5.0), amplitude=(0.04, 0.04), duration=1.0)
-        with system.prepare(step=h, stop=1.0, constant_step=True) as simulation:
-            result = simulation.run(inputs={"v_cmd": sine})
+        result = system.prepare(step=h, stop=1.0, constant_step=True).run(inputs={"v_cmd": sine})
         forces.append(result["controller.u"])
     assert np.ptp(forces[0]) > 10.0
     assert forces[0].tobytes() == forces[1].tobytes()

@@ -85,8 +85,7 @@ def test_clocks_are_connected_in_ssp_2(export, tmp_path):
 def test_a_triggered_clock_ticks_where_its_input_is_not_0(export, interfaces):
     system = one(export("clocked", 3, interfaces), u="by_hand")
     table = cosim.Table([0.0, 0.15, 0.6, 0.85], [1.0, 0.0, 1.0, 0.0], held=True)
-    with system.prepare(step=0.1, stop=STOP) as simulation:
-        result = simulation.run(inputs={"u": table})
+    result = system.prepare(step=0.1, stop=STOP).run(inputs={"u": table})
     ticks = np.array([0.0, 0.1, 0.6, 0.7, 0.8])
     late = 0 if interfaces == "ME" else 1e-9  # Co-Simulation takes inputs when its next step begins
     reached = np.searchsorted(ticks + late, result.time + 1e-12, side="right")

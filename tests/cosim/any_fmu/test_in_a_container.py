@@ -43,8 +43,7 @@ def test_model_exchange_in_a_container(export, tmp_path, version, fmi, coupling)
     system.add("c", export("stair", version, "ME"), {"period": 0.13})
     system.add("d", export("ball", version, "ME"))
     system.connect("c.count", "b.force")
-    with system.prepare(step=STEP, stop=STOP, coupling=coupling) as simulation:
-        ours = simulation.run(inputs={"u": 0.25})
+    ours = system.prepare(step=STEP, stop=STOP, coupling=coupling).run(inputs={"u": 0.25})
     path = cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, fmi=fmi, coupling=coupling)
     names = ["a.position", "b.position", "c.count", "d.bounces", "d.height"]
     theirs = by_fmpy(path, STEP, STOP, *names, start_values={"u": 0.25})

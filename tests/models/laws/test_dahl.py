@@ -20,8 +20,7 @@ def cycle(amplitude: float, n: int = 200) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("amplitude", "force", "loss"),
-    [(30e-6, 5.764857, 3.666460e-4), (10e-6, 3.440773, 2.913115e-5)],
+    ("amplitude", "force", "loss"), [(30e-6, 5.764857, 3.666460e-4), (10e-6, 3.440773, 2.913115e-5)]
 )
 def test_the_steady_cycle_has_the_closed_form(follow, amplitude, force, loss):
     """F(A) = F_c tanh a; the loss is 4 F_c^2 / sigma_0 (a - tanh a), a = sigma_0 A / F_c."""

@@ -103,8 +103,7 @@ def test_roughness_scales_the_declared_force(with_law, law):
     extras |= RESTED.get(law.name, {})
     system.add("drive", with_law("drive", law.name), extras)
     system.expose("u", "drive.u")
-    with system.prepare(step=H, stop=2.0) as simulation:
-        result = simulation.run(inputs={"u": -20.0})
+    result = system.prepare(step=H, stop=2.0).run(inputs={"u": -20.0})
     assert result["drive.v"][-1] < -0.5
     assert result["drive.F_f"][-1] == pytest.approx(0.75 * level(law, -1.0), rel=1e-3)
 

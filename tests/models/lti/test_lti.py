@@ -176,8 +176,7 @@ def test_a_loop_of_discrete_systems_is_python_controls(tmp_path):
     system.connect("pi.y[0]", "plant.u[0]")
     system.connect("plant.y[0]", "error.y")
     system.expose("r", "error.r")
-    with system.prepare(step=0.01, stop=1.0) as simulation:
-        result = simulation.run(inputs={"r": 1.0})
+    result = system.prepare(step=0.01, stop=1.0).run(inputs={"r": 1.0})
     closed = control.feedback(plant * integral, 1)
     expected = control.step_response(closed, result.time).outputs
     assert expected[-1] > 0.5
