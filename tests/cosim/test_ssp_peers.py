@@ -159,3 +159,12 @@ def test_the_schemas_find_our_packages_valid(make, tmp_path):
             root = etree.parse(file).getroot()
             assert root.get("version") == version
             assert cosim.ssp.markup.violation(root, file.suffix[1:], version) is None
+
+
+def test_the_same_system_gives_the_same_bytes(make, tmp_path):
+    system = drawn(make, 1, nested=True, scaled=True)
+    one, again = (cosim.write_ssp(system, tmp_path / f"{n}.ssp", EXPERIMENT) for n in "ab")
+    assert one.read_bytes() == again.read_bytes()
+    read, experiment = cosim.read_ssp(one)
+    assert experiment == EXPERIMENT
+    assert cosim.write_ssp(read, again, experiment).read_bytes() == one.read_bytes()

@@ -31,11 +31,10 @@ def test_limits_need_something_to_limit(tmp_path, capfd):
     assert "--timeout needs --isolate" in capfd.readouterr().err
 
 
-@pytest.mark.parametrize("closed", ["0<&-", "1>&-", "2>&-", "0<&- 1>&-", "0<&- 1>&- 2>&-"])
 @pytest.mark.parametrize("how", ["--isolate", "--no-isolate"])
-def test_closed_standard_streams_change_nothing(tmp_path, closed, how):
+def test_closed_standard_streams_change_nothing(tmp_path, how):
     path, out = fmus.write(tmp_path / "prints.fmu", "DoStep scribble_standard"), tmp_path / "o.csv"
-    command = f"{sys.executable} -m stickslip simulate {path} {how} --out {out} {closed}"
+    command = f"{sys.executable} -m stickslip simulate {path} {how} --out {out} 0<&- 1>&- 2>&-"
     done = subprocess.run(command, shell=True, capture_output=True, text=True)  # noqa: S602
     assert done.returncode == 0, done.stderr
     assert out.read_text().startswith("time,u,hostile.y\n")
