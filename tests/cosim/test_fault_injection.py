@@ -14,46 +14,22 @@ from stickslip.cosim.run import resets
 from tests.corpus.hostile import faults
 
 # function -> which of its calls fails
-COMMON = {
-    "SetReal": 3,
-    "GetReal": 5,
-    "Reset": 1,
-    "EnterInitializationMode": 1,
-    "ExitInitializationMode": 1,
-    "Terminate": 1,
-}
-STEPS = {"DoStep": 4}
-SETUP = {"SetupExperiment": 1}
-TYPED = {"GetInteger": 5}
-EXCHANGE = {
-    "SetTime": 9,
-    "EnterContinuousTimeMode": 1,
-    "UpdateDiscreteStates": 1,
-    "SetContinuousStates": 7,
-    "GetContinuousStates": 1,
-    "GetDerivatives": 7,
-    "GetNominals": 1,
-    "CompletedIntegratorStep": 2,
-}
+COMMON = {"SetReal": 3, "GetReal": 5, "Reset": 1, "EnterInitializationMode": 1}
+COMMON |= {"ExitInitializationMode": 1, "Terminate": 1}
+STEPS, SETUP, TYPED = {"DoStep": 4}, {"SetupExperiment": 1}, {"GetInteger": 5}
+EXCHANGE = {"SetTime": 9, "EnterContinuousTimeMode": 1, "UpdateDiscreteStates": 1}
+EXCHANGE |= {"SetContinuousStates": 7, "GetContinuousStates": 1, "GetDerivatives": 7}
+EXCHANGE |= {"GetNominals": 1, "CompletedIntegratorStep": 2}
 COUNTED = {"GetNumberOfContinuousStates": 1, "GetNumberOfEventIndicators": 1}
 EVENTS = {"EnterStepMode": 1, "UpdateDiscreteStates": 1}
 ROLLBACK = {"GetState": 2, "SetState": 1}
+NOMINALS = {"GetNominals": "GetNominalsOfContinuousStates"}
 NAMES = {  # by version, where they are not those above
-    2: {
-        "UpdateDiscreteStates": "NewDiscreteStates",
-        "GetNominals": "GetNominalsOfContinuousStates",
-        "GetState": "GetFMUstate",
-        "SetState": "SetFMUstate",
-    },
-    3: {
-        "SetReal": "SetFloat64",
-        "GetReal": "GetFloat64",
-        "GetInteger": "GetInt32",
-        "GetDerivatives": "GetContinuousStateDerivatives",
-        "GetNominals": "GetNominalsOfContinuousStates",
-        "GetState": "GetFMUState",
-        "SetState": "SetFMUState",
-    },
+    2: {"UpdateDiscreteStates": "NewDiscreteStates", **NOMINALS}
+    | {"GetState": "GetFMUstate", "SetState": "SetFMUstate"},
+    3: {"SetReal": "SetFloat64", "GetReal": "GetFloat64", "GetInteger": "GetInt32", **NOMINALS}
+    | {"GetState": "GetFMUState", "SetState": "SetFMUState"}
+    | {"GetDerivatives": "GetContinuousStateDerivatives"},
 }
 CASES = [
     (version, kind, function)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import time
 import zipfile
 
@@ -54,46 +55,45 @@ def test_a_whole_folder_is_not_unpacked_again(archive, monkeypatch):
     assert opened(archive)[1] == CONTENT
 
 
-DAMAGES = ["remove", "shorten", "change", "change, with the old times", "add", "add a folder"]
-DAMAGES += ["link", "link the folder", "folder", "list", "broken list", "other list"]
+def change_with_old_times(folder, _):
+    text, times = folder / "a.txt", (folder / "a.txt").stat()
+    text.write_bytes(b"TEXT")
+    os.utime(text, ns=(times.st_atime_ns, times.st_mtime_ns))
+
+
+def add_a_folder(folder, _):
+    (folder / "d").mkdir()
+    (folder / "d" / "c").touch()
+
+
+def link(folder, elsewhere):
+    (folder / "a.txt").rename(elsewhere)
+    (folder / "a.txt").symlink_to(elsewhere)
+
+
+def link_the_folder(folder, elsewhere):
+    (folder / "folder").rename(elsewhere)
+    (folder / "folder").symlink_to(elsewhere)
+
+
+DAMAGES = {
+    "remove": lambda folder, _: (folder / "a.txt").unlink(),
+    "shorten": lambda folder, _: os.truncate(folder / "folder" / "b.bin", 7),
+    "change": lambda folder, _: (folder / "a.txt").write_bytes(b"TEXT"),
+    "add": lambda folder, _: (folder / "folder" / "c").touch(),
+    "folder": lambda folder, _: shutil.rmtree(folder),
+    "list": lambda folder, _: folder.with_suffix(".json").unlink(),
+    "broken list": lambda folder, _: folder.with_suffix(".json").write_text('["a'),
+    "other list": lambda folder, _: folder.with_suffix(".json").write_text('{"a.txt": 4}'),
+    **{f.__name__: f for f in (change_with_old_times, add_a_folder, link, link_the_folder)},
+}
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_a_damaged_folder_is_made_anew(room, archive, damage, tmp_path):
     folder, _ = opened(archive)
     listed = folder.with_suffix(".json")
-    text, times = folder / "a.txt", (folder / "a.txt").stat()
-    if damage.startswith("change"):
-        text.write_bytes(b"TEXT")
-        if damage != "change":
-            os.utime(text, ns=(times.st_atime_ns, times.st_mtime_ns))
-    elif damage == "add":
-        (folder / "folder" / "c").touch()
-    elif damage == "add a folder":
-        (folder / "d").mkdir()
-        (folder / "d" / "c").touch()
-    elif damage == "link":
-        (tmp_path / "elsewhere").write_bytes(text.read_bytes())
-        text.unlink()
-        text.symlink_to(tmp_path / "elsewhere")
-    elif damage == "link the folder":
-        (folder / "folder").rename(tmp_path / "moved")
-        (folder / "folder").symlink_to(tmp_path / "moved")
-    elif damage == "other list":
-        listed.write_text('{"a.txt": 4, "folder/b.bin": 25344}')
-    elif damage == "remove":
-        (folder / "a.txt").unlink()
-    elif damage == "shorten":
-        os.truncate(folder / "folder" / "b.bin", 7)
-    elif damage == "folder":
-        for file in ("a.txt", "folder/b.bin"):
-            (folder / file).unlink()
-        (folder / "folder").rmdir()
-        folder.rmdir()
-    elif damage == "list":
-        listed.unlink()
-    else:
-        listed.write_text('["a')
+    DAMAGES[damage](folder, tmp_path / "elsewhere")
     again, content = opened(archive)
     assert (again, content) == (folder, CONTENT)
     assert {p.name for p in room.iterdir()} == {folder.name, listed.name}
