@@ -127,15 +127,6 @@ def test_sums_are_those_of_the_record_one_after_the_other(system, coupling, comp
     }
 
 
-def test_a_record_beside_sums(system):
-    sums = {"cost": Deviation("position.y", 1.0)}
-    full = prepare(system).run(inputs=INPUT)
-    both = prepare(system, Record("*", sum_of_squares=sums)).run(inputs=INPUT)
-    np.testing.assert_array_equal(both.values, full.values)
-    assert both.sum_of_squares["cost"] == one_by_one(full["position.y"] - 1.0)
-    assert full.sum_of_squares == {}
-
-
 def test_what_a_scenario_does_is_summed_up(system):
     scenario = cosim.Scenario().add_noise("position.y", 0.1, seed=3).stick("u", begin=4.0, end=6.0)
     sums = {"cost": Deviation("position.y", "u")}
@@ -182,11 +173,6 @@ def test_a_specification_with_a_record_pickles(system):
     twin = pickle.loads(pickle.dumps(simulation.spec)).prepare()  # noqa: S301 - our own bytes
     assert twin.spec.record == record
     assert twin.run().sum_of_squares == simulation.run().sum_of_squares
-
-
-def test_one_name_needs_no_list(system):
-    assert prepare(system, "position.y").run().names == ("position.y",)
-    assert Record("position.y").wanted == ("position.y",)
 
 
 @pytest.mark.parametrize(

@@ -125,8 +125,6 @@ def test_a_run_that_an_fmu_ends(make):
 
 def test_mistakes_of_the_caller_are_those_of_the_caller(fmus):
     system = loop(fmus)
-    with pytest.raises(cosim.ExperimentError, match="does not divide"):
-        system.prepare(step=0.3, stop=1.0, isolation="process")
     with pytest.raises(cosim.ExperimentError, match="expected 'foreign', 'process'"):
         system.prepare(step=0.1, stop=1.0, isolation="thread")
     with pytest.raises(cosim.ExperimentError, match="timeout is 0"):
@@ -136,10 +134,6 @@ def test_mistakes_of_the_caller_are_those_of_the_caller(fmus):
             simulation.run({"controller.K_q": 1.0})
         with pytest.raises(cosim.SignalError, match="not finite"):
             simulation.run(inputs={"y": np.nan})
-        with pytest.raises(cosim.SignalError, match="expected numbers"):
-            simulation.run(inputs={"y": "a lot"})
-        with pytest.raises(cosim.ExperimentError, match="not a point in time"):
-            simulation.run(inputs={"y": 1.0}, until=1e-9)
         with pytest.raises(cosim.SimulationError, match="halt a run"):
             simulation.save("nowhere")
         assert simulation.run(inputs={"y": 1.0}).stopped is None
