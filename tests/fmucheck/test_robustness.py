@@ -8,7 +8,6 @@ import re
 import struct
 import time
 import zipfile
-from itertools import cycle
 from pathlib import Path
 
 import pytest
@@ -168,10 +167,11 @@ def test_patience_is_shorter_than_the_default_time_limit():
     assert benches.PATIENCE < TIMEOUT
 
 
-SOUND = [*models.model_names(), *(f"drive+{law}" for law in models.law_names()[::2])]
+USUAL = ("stage", "compensator", "drive+gms", "dob", "velocity_controller", "lugre_network")
+SOUND = [*models.model_names(), *(f"drive+{law}" for law in models.law_names())]
 
 
-@pytest.mark.parametrize(("name", "version"), zip(SOUND, cycle((2, 3))))
+@pytest.mark.parametrize(("name", "version"), [*zip(SOUND, cycle((2, 3)))])
 def test_our_models_are_sound(build, name, version):
     report = fmucheck.check(build(name, version))
     assert report.fmi == f"{version}.0"
