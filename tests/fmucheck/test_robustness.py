@@ -171,7 +171,13 @@ USUAL = ("stage", "compensator", "drive+gms", "dob", "velocity_controller", "lug
 SOUND = [*models.model_names(), *(f"drive+{law}" for law in models.law_names())]
 
 
-@pytest.mark.parametrize(("name", "version"), [*zip(SOUND, cycle((2, 3)))])
+@pytest.mark.parametrize(
+    ("name", "version"),
+    [
+        pytest.param(name, 2 + k % 2, marks=() if name in USUAL else pytest.mark.thorough)
+        for k, name in enumerate(SOUND)
+    ],
+)
 def test_our_models_are_sound(build, name, version):
     report = fmucheck.check(build(name, version))
     assert report.fmi == f"{version}.0"
