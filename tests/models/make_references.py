@@ -687,33 +687,9 @@ def command_static(p: Parameters) -> Columns:
 
 def main(folder: Path) -> None:
     """Write every model's reference.csv below a folder."""
-    for calculate in (
-        stage,
-        drive,
-        lugre,
-        dahl,
-        elasto_plastic,
-        leuven,
-        gms,
-        coulomb_stribeck,
-        armstrong,
-        velocity_controller,
-        velocity_filter,
-        static_feedforward,
-        dob,
-        coulomb_observer,
-        momentum_observer,
-        adaptive_scale,
-        lugre_observer,
-        lffc,
-        rbf,
-        mlp,
-        lugre_network,
-        nominal_loop,
-        command_feedforward,
-        command_static,
-    ):
-        name = calculate.__name__
+    for name in (*models.law_names(), *models.model_names()):
+        if not (calculate := globals().get(name)):  # the compensator has that of its law
+            continue
         table = pd.DataFrame(calculate(start_values(name)))
         text = table.to_csv(index=False, float_format="%.15g", lineterminator="\n")
         path = reference_file(model_of(name))

@@ -10,16 +10,16 @@ from stickslip import models
 from stickslip.models.export.reference import reference_file
 from tests.models import make_references as references
 
-CALCULATED = (
-    *("velocity_controller", "velocity_filter", "nominal_loop", "static_feedforward", "dob"),
-    *("coulomb_observer", "momentum_observer", "lffc", "rbf", "mlp"),
-    "lugre_network",
-    *("adaptive_scale", "command_feedforward", "command_static"),
-)
+SLOW = {"stage", "drive", "lugre_observer"}
+NAMES = [
+    name
+    for name in (*models.law_names(), *models.model_names())
+    if name not in SLOW and hasattr(references, name)
+]
 
 
 # Those of stage, drive and lugre_observer take seconds; tests/conformance holds them.
-@pytest.mark.parametrize("name", [*models.law_names(), *CALCULATED])
+@pytest.mark.parametrize("name", NAMES)
 def test_reference_is_up_to_date(name):
     fresh = pd.DataFrame(getattr(references, name)(references.start_values(name)))
     kept = pd.read_csv(reference_file(references.model_of(name)))
