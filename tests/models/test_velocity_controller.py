@@ -1,7 +1,8 @@
-"""The sampled PI controller against its difference equations."""
+"""The sampled PI controller, and the nominal loop that python-control designs."""
 
 from __future__ import annotations
 
+import control
 import numpy as np
 import pytest
 
@@ -106,3 +107,21 @@ def test_gains_are_those_python_control_designs():
     loop = design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LoopSpecification(125, 50, 5e-4, 5e-4))
     for name in ("K_p", "K_i", "T_s", "tau_f"):
         assert START[name] == pytest.approx(getattr(loop, name), rel=1e-9)
+
+
+NOMINAL = {v.name: v.start for v in models.load_model("nominal_loop").variables}
+
+
+def test_start_values_are_the_loop_python_control_designs():
+    """Compared where the choice of states does not show: in the pulse response."""
+    loop = design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LoopSpecification(125, 50, 5e-4, 5e-4))
+    A = np.array([[NOMINAL[f"A[{i},{k}]"] for k in range(1, 9)] for i in range(1, 9)])
+    B, C = (np.array([NOMINAL[f"{name}[{i}]"] for i in range(1, 9)]) for name in "BC")
+    x, response = B, [NOMINAL["D"]]
+    for _ in range(200):
+        response.append(C @ x)
+        x = A @ x
+    t = np.arange(201) * T_S
+    designed = control.impulse_response(loop.nominal, t).outputs * T_S
+    np.testing.assert_allclose(response, designed, rtol=1e-9, atol=1e-9 * abs(designed).max())
+    assert NOMINAL["T_s"] == loop.T_s
