@@ -28,8 +28,8 @@ KINDS = {
 CASES = [(model, 3) for model in MODELS] + [(model, 2) for model in KINDS.values()]
 
 
-USUAL = {("stage", 3), ("stage_gms", 3), ("drive", 2), ("lugre_network", 2)}
-USUAL |= {("velocity_controller", 3)}
+USUAL = {("stage", 3), ("stage_gms", 3), ("lugre_network", 3), ("drive", 2)}
+USUAL |= {("velocity_controller", 2)}
 """Models whose calls are tried in every run of the tests; compiling a fuzzer takes a second."""
 
 
