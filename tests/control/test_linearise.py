@@ -203,6 +203,9 @@ PLANTS = {
     "a slow lag beside a fast one": ([[-20, 0], [0.1, -0.1]], [1, 1]),
     "a fast lag": ([[-1, 0], [1000, -1000]], [0, 1]),
 }
+each_plant = pytest.mark.parametrize(
+    ("plant", "version"), [(plant, 2 + k % 2) for k, plant in enumerate(PLANTS)]
+)
 STEP = 1e-3
 
 
@@ -238,7 +241,7 @@ def hide(path, *states, listed=False, exchange=False):
     return path
 
 
-@pytest.mark.parametrize("plant", PLANTS)
+@each_plant
 def test_nothing_hidden_nothing_refused(plant, version, tmp_path):
     """Also of Co-Simulation alone, whether it lists its derivatives or not."""
     for listed in (True, False):
@@ -251,7 +254,7 @@ def test_nothing_hidden_nothing_refused(plant, version, tmp_path):
         )
 
 
-@pytest.mark.parametrize("plant", PLANTS)
+@each_plant
 def test_a_declared_state_that_cannot_be_set(plant, version, tmp_path):
     path = hide(lti(plant, tmp_path, version), "x[1]", listed=True)
     for function in (linearise, nonlinear_system):
@@ -269,14 +272,14 @@ def test_model_exchange_is_advised_where_there_is_one(version, tmp_path):
     assert len(linearise(path).poles()) == 2
 
 
-@pytest.mark.parametrize("plant", PLANTS)
+@each_plant
 def test_a_state_that_is_not_declared(plant, version, tmp_path):
     path = hide(lti(plant, tmp_path, version), "x[1]")
     with pytest.raises(LinearisationError, match=r"remembers more than .*\.measure_response"):
         linearise(path, step=STEP)
 
 
-@pytest.mark.parametrize("plant", PLANTS)
+@each_plant
 @pytest.mark.parametrize("listed", [True, False])
 def test_one_of_a_system_hides_its_states(plant, listed, version, tmp_path):
     """Its neighbour's can be set, and would be all that is found."""
