@@ -57,8 +57,8 @@ def _alone(fmu, time):
     return system, settings, inputs
 
 
-@pytest.mark.parametrize("step", [STEP, 3e-4])
-def test_fmpy_and_our_kernel_give_the_same_bits(fmu, step):
+def test_fmpy_and_our_kernel_give_the_same_bits(fmu):
+    step = {2: STEP, 3: 3e-4}[fmu.version]
     stop = 600 * step
     time = np.arange(601) * step
     system, settings, inputs = _alone(fmu, time)
