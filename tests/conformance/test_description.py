@@ -16,8 +16,8 @@ from fmpy.validation import validate_fmu
 from stickslip import models
 
 
-def test_fmpy_finds_nothing_to_complain_about(fmu):
-    assert validate_fmu(str(fmu.path)) == []
+def test_fmpy_finds_nothing_to_complain_about(some_fmu):
+    assert validate_fmu(str(some_fmu.path)) == []
 
 
 def test_every_variable_can_be_read_at_any_time(fmu, slave):

@@ -17,12 +17,12 @@ from stickslip import models
 ERROR = 3
 
 
-def test_a_reset_instance_equals_a_fresh_one(fmu, slave, identical):
-    used, fresh = slave(fmu), slave(fmu)
-    used.initialize(fmu.settings(), start=0.0).run(0, 60)
+def test_a_reset_instance_equals_a_fresh_one(some_fmu, slave, identical):
+    used, fresh = slave(some_fmu), slave(some_fmu)
+    used.initialize(some_fmu.settings(), start=0.0).run(0, 60)
     used.api.reset()
     assert identical(used.everything(), fresh.everything())
-    settings = fmu.settings()
+    settings = some_fmu.settings()
     a = used.initialize(settings).run(0, 60)
     b = fresh.initialize(settings).run(0, 60)
     assert identical(a, b)
@@ -218,9 +218,9 @@ def test_refused_calls_say_why_and_leave_the_instance_usable(fmu, slave, identic
     _refused(instance, lambda: api.doStep(30 * 5e-4, 5e-4), "'terminated'")
 
 
-def test_only_tunable_parameters_change_during_a_run(fmu, slave):
-    instance = slave(fmu).initialize()
-    for variable in fmu.model.variables:
+def test_only_tunable_parameters_change_during_a_run(some_fmu, slave):
+    instance = slave(some_fmu).initialize()
+    for variable in some_fmu.model.variables:
         if variable.role != "parameter":
             continue
         value = variable.start
@@ -238,21 +238,21 @@ ACTS_LATER = {("adaptive_scale", "rate")}
 """Parameters without effect in this motion; tests/models has a test of each."""
 
 
-def test_a_tunable_parameter_acts_from_the_next_step_on(fmu, slave, identical):
-    unchanged = slave(fmu).initialize().run(0, 150)
-    for variable in fmu.model.variables:
-        if (fmu.model.name, variable.name) in ACTS_LATER:
+def test_a_tunable_parameter_acts_from_the_next_step_on(some_fmu, slave, identical):
+    unchanged = slave(some_fmu).initialize().run(0, 150)
+    for variable in some_fmu.model.variables:
+        if (some_fmu.model.name, variable.name) in ACTS_LATER:
             continue
         if variable.role == "parameter" and variable.variability == "tunable":
-            instance = slave(fmu).initialize()
+            instance = slave(some_fmu).initialize()
             before = instance.run(0, 30)
             highest = math.inf if variable.maximum is None else variable.maximum
             other = min(1.5 * variable.start or variable.nominal or 1.0, highest)
             instance.set({variable.name: 0.5 * other if other == variable.start else other})
             after = instance.run(30, 150)
             assert identical(before, unchanged[:30])
-            place = {name: k for k, name in enumerate(fmu.variables)}
-            outputs = [place[name] for name in fmu.names("output")]
+            place = {name: k for k, name in enumerate(some_fmu.variables)}
+            outputs = [place[name] for name in some_fmu.names("output")]
             assert not identical(after[:, outputs], unchanged[30:, outputs]), variable.name
 
 
