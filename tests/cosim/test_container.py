@@ -20,11 +20,6 @@ STEP, STOP = 0.01, 1.0
 ARM = toolchain.PLATFORMS["aarch64-linux"]
 
 
-@pytest.fixture(params=[2, 3])
-def version(request):
-    return request.param
-
-
 @pytest.fixture
 def loop(make):
     """A controller and an integrator of both versions of FMI, with a unit converted between."""

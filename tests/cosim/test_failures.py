@@ -12,11 +12,6 @@ from stickslip import cosim
 GIVE_NAN, TERMINATE, RETURN_EARLY = 10, 11, 12
 
 
-@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
-def version(request):
-    return request.param
-
-
 HOW = [("jacobi", False), ("gauss_seidel", False), ("gauss_seidel", True)]
 each_way = pytest.mark.parametrize(("coupling", "compiled"), HOW)
 

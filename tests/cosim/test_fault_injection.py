@@ -176,7 +176,6 @@ def test_a_reset_that_does_nothing(rigs, version, kind, caplog, monkeypatch):
 
 
 @pytest.mark.parametrize(("step", "longest", "parts"), [(0.1, 30, 4), (1.0, 1, 1024)])
-@pytest.mark.parametrize("version", [2, 3])
 def test_discarded_steps_are_tried_in_parts(rigs, version, step, longest, parts):
     """A step (s) that the FMU discards above so many ms gives what so many short steps give."""
     rig = rigs(version, "plain")
@@ -197,7 +196,6 @@ def test_discarded_steps_are_tried_in_parts(rigs, version, step, longest, parts)
     rig.arm()
 
 
-@pytest.mark.parametrize("version", [2, 3])
 def test_a_step_that_is_discarded_to_the_end_stops_the_run(rigs, version):
     rig = rigs(version, "plain")
     with rig.prepare() as simulation:
@@ -229,7 +227,6 @@ def test_fatal_buries_the_instances_of_other_simulations_too(rigs):
     assert rig.counts()[2] == abused
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize(
     "function", ["GetState", "SerializedSize", "Serialize", "Deserialize", "SetState", "FreeState"]
 )
@@ -255,7 +252,6 @@ def test_every_status_while_a_state_is_saved_and_resumed(rigs, tmp_path, version
         assert states == 0 or status == FATAL
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize(
     ("plan", "words"),
     [("Nothing 1 0", "gave no state"), ("Freeze 1 0", "did not bring back the state")],

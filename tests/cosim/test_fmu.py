@@ -6,8 +6,6 @@ import pickle
 import re
 import zipfile
 
-import pytest
-
 from stickslip import cosim
 from stickslip.simulation import simulate
 
@@ -32,7 +30,6 @@ def replaced(make, tmp_path, old, new, version=2):
     return pack(tmp_path / "changed.fmu", content)
 
 
-@pytest.mark.parametrize("version", [2, 3])
 def test_description(make, version):
     fmu = cosim.Fmu(make("gain", version))
     assert (fmu.name, fmu.version, fmu.token) == ("gain", version, "gain")
@@ -80,7 +77,6 @@ def test_an_identifier_with_a_hyphen_names_a_file_all_the_same(make, tmp_path):
     assert result["2-gain.y"][-1] == 6.0
 
 
-@pytest.mark.parametrize("version", [2, 3])
 def test_an_fmu_without_outputs_shows_its_local_variables(make, tmp_path, version):
     content = members(make("gain", version))
     text = content["modelDescription.xml"].decode().replace('"output"', '"local"')

@@ -59,7 +59,6 @@ def test_an_algebraic_loop_is_solved():
     assert result["a.y"] == pytest.approx((1 + result.time / 2) / (1 - 1 / 8), rel=1e-10)
 
 
-@pytest.mark.parametrize("version", [2, 3])
 def test_a_function_beside_an_fmu(make, version):
     """It takes part in units, exposed inputs and scenarios, and gives what the FMU in its place."""
     found = []

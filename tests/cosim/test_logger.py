@@ -18,11 +18,6 @@ FOREIGN = ["(void*)1", "NULL"]
 ENVIRONMENTS = [*FOREIGN, "m->environment", "m", "(void*)-8", "(char*)m->environment+1"]
 
 
-@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
-def version(request):
-    return request.param
-
-
 @pytest.fixture(params=ENVIRONMENTS)
 def environment(request):
     return request.param

@@ -59,7 +59,6 @@ N = 20_000
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("version", [2, 3])
 def test_a_large_description_is_read_whole(tmp_path, version):
     fmu = cosim.Fmu(ring.build(tmp_path, "mass", version, extra=N))
     assert gc.isenabled()

@@ -38,11 +38,6 @@ def nothing_known(monkeypatch):
     monkeypatch.setattr(resets, "crashed", set())
 
 
-@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
-def version(request):
-    return request.param
-
-
 @pytest.fixture(scope="module")
 def write(tmp_path_factory):
     """Write the FMU of unreset.c: ``write("a", 2, "*m = fresh();")``."""

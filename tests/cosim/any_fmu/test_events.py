@@ -59,7 +59,6 @@ def test_a_continuous_input_that_moves_is_no_event(export, version, interfaces):
         assert not result["b.events"].any()
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("interfaces", ["CS", "CS events"])
 def test_an_fmu_that_ends_the_run_keeps_what_fmpy_keeps(export, version, interfaces):
     path = export("stair", version, interfaces)

@@ -31,7 +31,6 @@ def both(path, name, time, values, kind="CoSimulation", **prepared):
     return [(ours[f"a.{output}"], theirs[output][regular]) for output in OUTPUTS[model]]
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("interfaces", ["CS", "CS fixed"])  # the latter cannot stop in between
 @pytest.mark.parametrize(
     ("model", "name", "values"), [("oscillator", "force", FORCE), ("stair", "trigger", TRIGGER)]
@@ -57,7 +56,6 @@ def test_a_jump_a_rounding_error_beside_a_point_lies_at_it():
         assert jump.sample(np.array([n * 0.001])) == 1
 
 
-@pytest.mark.parametrize("version", [2, 3])
 def test_a_jump_at_most_the_slack_behind_a_point_lies_at_it(export, version):
     """To the last bit, so that neither a point in time nor an event is on both sides of it."""
     system = one(export("stair", version, "ME"), {"period": 1e9}, u="trigger")
@@ -109,7 +107,6 @@ def test_coupled_components_stop_together(export, coupling):
     assert coarse["b.position"][2] == (fine["b.position"][8] if coupling == "gauss_seidel" else 0)
 
 
-@pytest.mark.parametrize("version", [2, 3])
 def test_model_exchange_has_the_events_of_fmpy_at_jumps(export, version):
     stair = export("stair", version, "ME")
     for ours, theirs in both(stair, "trigger", TIME, TRIGGER, "ModelExchange"):

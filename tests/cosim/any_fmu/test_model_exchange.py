@@ -17,11 +17,6 @@ G = 9.81
 FINE = 1e-8
 
 
-@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
-def version(request):
-    return request.param
-
-
 one = partial(single.one, interface="model_exchange")
 
 

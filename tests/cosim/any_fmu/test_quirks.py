@@ -15,7 +15,6 @@ from stickslip.cosim.fmu import single_instance as once
 from tests.cosim.single import one
 
 
-@pytest.mark.parametrize("version", [2, 3])
 def test_the_only_library_of_the_folder_is_taken_with_a_warning(export, version, caplog):
     path = export("stair", version, binary_name="libstair_linux")
     with caplog.at_level(logging.WARNING, "stickslip.cosim.fmu.fmu"):
@@ -93,7 +92,6 @@ def test_an_fmu_that_needs_its_tool_says_so(export, caplog):
 PROPOSED = 'tolerance="1e-3"'
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize(("experiment", "told"), [("", 0.0), (PROPOSED, 1e-3)])
 @pytest.mark.parametrize("recorded", ["a.told", "a.*"])  # as the loop takes it, on the general path
 def test_co_simulation_is_told_what_it_proposed_unless_another_is_given(
@@ -107,7 +105,6 @@ def test_co_simulation_is_told_what_it_proposed_unless_another_is_given(
     assert fmpy.simulate_fmu(str(path), stop_time=0.1, output=["told"])["told"][-1] == told
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("experiment", ["", PROPOSED, 'tolerance="-1"'])
 def test_model_exchange_takes_the_tolerance_that_fmpy_takes(export, version, experiment):
     path = export("oscillator", version, "ME", experiment=experiment)

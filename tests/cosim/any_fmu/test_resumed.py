@@ -65,7 +65,6 @@ def test_other_types(export, tmp_path, coupling):
     np.testing.assert_array_equal(rest, whole)
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("model", ["ball", "oscillator", "stair"])
 def test_the_solver_of_model_exchange_starts_anew(export, tmp_path, version, model):
     system = one(export(model, version, "ME", flags(version)))
@@ -98,7 +97,6 @@ JUMPS = {
 }
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("table", JUMPS)
 @pytest.mark.parametrize("until", [0.1, 0.2, 0.3, 0.5, 0.9, 1.0, 1.1])
 @pytest.mark.parametrize("coupling", ["gauss_seidel", cosim.Coupling("jacobi", degree=1)], ids=str)

@@ -59,7 +59,6 @@ def test_a_number_beyond_the_type_of_a_connected_input_is_held_at_its_end(export
     np.testing.assert_array_equal(result["b.Int32_out"][1:], [2**31 - 1, -(2**31)])
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("recorded", ["a.Float64_out", "a.*"])  # as it is, on the general path
 def test_a_start_value_of_an_input_is_set_in_initialization_mode(export, version, recorded):
     system = cosim.System()

@@ -71,7 +71,6 @@ def test_iteration_names_who_cannot_go_back(linear, two_masses):
         system.prepare(step=0.1, stop=1.0, coupling="iterative")
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize(("off", "noticed"), [(1e-8, False), (1e-4, True)])
 def test_a_state_that_comes_back_a_little_off_is_noticed(two_masses, linear, version, off, noticed):
     flags = (f"-DRESTORED=(((Model*)m)->x[0]+={off})",)

@@ -25,7 +25,6 @@ COUPLINGS = [
 ]
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("coupling", COUPLINGS, ids=str)
 @pytest.mark.parametrize("record", [None, ["left.y1"]], ids=["all", "one"])
 def test_bit_for_bit_with_every_coupling(two_masses, linear, tmp_path, version, coupling, record):
@@ -105,7 +104,6 @@ def test_iterates_as_a_component_among_others(linear, tmp_path):
     np.testing.assert_allclose(trajectory, exact, atol=5 * SHORT)
 
 
-@pytest.mark.parametrize("version", [2, 3])
 def test_rounding_left_by_derivatives_does_not_reach_the_solver(linear, version):
     """Bit for bit as with the same FMU that leaves nothing; an oscillation, so all of it counts."""
     results = []
