@@ -267,6 +267,12 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], Fmu]
     return build
 
 
+@pytest.fixture(params=[2, 3], ids=["fmi2", "fmi3"])
+def version(request: pytest.FixtureRequest) -> int:
+    """Give both versions of the standard in turn."""
+    return request.param
+
+
 @pytest.fixture(params=cases([None]))
 def name(request: pytest.FixtureRequest) -> str:
     """Name each model, and each with every friction law that is not its default, in turn."""

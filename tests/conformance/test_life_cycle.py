@@ -153,7 +153,6 @@ def test_events_are_logged_when_asked_for(some_fmu, slave):
     ("categories", "heard"),
     [([], True), (["logEvents"], True), (["logAll"], True), (["logStatusError"], False)],
 )
-@pytest.mark.parametrize("version", [2, 3])
 def test_categories_choose_what_is_logged(build, version, slave, categories, heard):
     fmu = build("stage", version)
     instance = slave(fmu)

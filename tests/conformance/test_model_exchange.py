@@ -12,7 +12,6 @@ from tests.conformance import equations, hybrid
 
 CONTINUOUS = list(equations.OF)
 SAMPLED = [name for name in models.model_names() if models.load_model(name).sampled]
-VERSIONS = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
 
 
 def parameters(fmu):
@@ -59,7 +58,6 @@ def test_every_law_with_derivatives_is_compared_with_its_equations(name, build):
     assert model.is_switched == switched
 
 
-@VERSIONS
 @pytest.mark.parametrize("name", CONTINUOUS)
 def test_derivatives_and_outputs_are_the_equations_of_the_paper(build, exchanged, name, version):
     fmu = build(name, version)
@@ -83,7 +81,6 @@ def test_both_versions_give_the_same_bits(build, exchanged, name):
         assert at(second, point) == at(third, point)
 
 
-@VERSIONS
 @pytest.mark.parametrize(
     ("name", "tolerance"), [("stage", 2e-6), ("compensator", 1e-6), ("compensator+dahl", 1e-6)]
 )
@@ -105,7 +102,6 @@ def test_the_results_are_those_of_co_simulation(build, name, version, tolerance)
         )
 
 
-@VERSIONS
 @pytest.mark.parametrize("name", SAMPLED)
 def test_samples_are_time_events_with_the_bits_of_co_simulation(
     build, slave, exchanged, identical, name, version
@@ -183,7 +179,6 @@ def test_what_has_no_such_equations_says_so(build, exchanged):
         assert "Model Exchange is not available" in messages[0][2]
 
 
-@VERSIONS
 @pytest.mark.parametrize("name", CONTINUOUS)
 def test_calls_out_of_place_are_refused(build, exchanged, name, version):
     instance = exchanged(build(name, version)).initialize()

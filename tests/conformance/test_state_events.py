@@ -14,7 +14,6 @@ from tests.conformance import hybrid
 
 FORCES = [9.5, -9.5, 3.0]  # N, each held for PIECE: away, through a reversal, to a stop
 PIECE = 0.02  # s
-VERSIONS = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
 LAWS = pytest.mark.parametrize("law", list(hybrid.LAWS))
 F_S = 8.999  # N
 
@@ -52,7 +51,6 @@ def by_master(fmu, table, step, interface="model_exchange", tolerance=1e-9, **st
     return system.prepare(**options).run(inputs={"u": cosim.Table(*table.T)})
 
 
-@VERSIONS
 @LAWS
 def test_the_motion_and_the_modes_are_those_of_another_solver_and_of_co_simulation(
     build, law, version
@@ -77,7 +75,6 @@ def test_the_motion_and_the_modes_are_those_of_another_solver_and_of_co_simulati
         np.testing.assert_array_equal(ours[f"a.{name}"][1:], stepped[f"a.{name}"][at[1:]])
 
 
-@VERSIONS
 def test_on_a_ramp_the_mass_breaks_away_and_sticks_again_in_closed_form(build, version):
     """With F_s = F_c = F and b = 0 the force in excess is a straight line up and down.
 
@@ -173,7 +170,6 @@ def updated(instance):
     return dict(zip(("again", "ends", "nominals", "states", "timed"), reported, strict=False))
 
 
-@VERSIONS
 @LAWS
 def test_events_choose_the_modes_and_derivatives_are_the_equations_of_each(
     build, exchanged, law, version
@@ -212,7 +208,6 @@ def indicators(instance):
     return values
 
 
-@VERSIONS
 def test_modes_change_in_event_mode_only_and_a_restored_state_changes_them_again(
     build, exchanged, identical, version
 ):
