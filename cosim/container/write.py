@@ -137,9 +137,10 @@ def write_fmu(
     }
     if any(fmu.interface == "model_exchange" for fmu in fmus):
         members |= solver_members(targets)
-    members |= _binaries(identifier, sources, fmi, targets)
+    inside: dict[str, bytes] = {}
     for name, folder in folders.items():
-        members |= _component(system, name, folder, targets)
+        inside |= _component(system, name, folder, targets)
+    members |= _binaries(identifier, sources, fmi, targets) | inside
     return atomic_write(Path(path), zipped(members))
 
 

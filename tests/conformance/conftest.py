@@ -16,8 +16,8 @@ import pytest
 from fmpy import fmi2, fmi3
 from fmpy.logging import addLoggerProxy
 
+from campaigns.fuzz_calls import find_compiler
 from stickslip import models
-from tests.corpus.fuzz_calls import find_compiler
 
 STEP = 5e-4  # s
 
@@ -28,13 +28,31 @@ def load(target: str) -> models.Model:
     return models.load_model(name, law or None)
 
 
-WITH_A_LAW = [name for name in models.model_names() if load(name).law]
-TARGETS = models.model_names() + [
+OTHER_LAWS = [
     f"{name}+{law}"
-    for name in WITH_A_LAW
+    for name in models.model_names()
     for law in models.law_names()
-    if law != load(name).law.name
+    if (own := load(name).law) and law != own.name
 ]
+
+
+def cases(versions: Sequence[int | None], *, in_turn: bool = False) -> list[Any]:
+    """Return a parameter for each target and version; further cases are thorough.
+
+    Another law is tried in one plant and one compensator; a model in both versions or in turn.
+    """
+    with_a_law = {"stage": (None, 3), "compensator": (None, 2)}
+    every = []
+    for k, target in enumerate(models.model_names() + OTHER_LAWS):
+        for version in versions:
+            own = not in_turn or version == 2 + k % 2
+            usual = (
+                version in with_a_law.get(target.partition("+")[0], ()) if "+" in target else own
+            )
+            marks = () if usual else pytest.mark.thorough
+            name = f"{target}-fmi{version}" if version else target
+            every.append(pytest.param((target, version), id=name, marks=marks))
+    return every
 
 
 class Fmu:
@@ -249,16 +267,28 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], Fmu]
     return build
 
 
-@pytest.fixture(params=TARGETS)
-def name(request: pytest.FixtureRequest) -> str:
-    """Name each model, and each with every friction law that is not its default, in turn."""
+@pytest.fixture(params=[2, 3], ids=["fmi2", "fmi3"])
+def version(request: pytest.FixtureRequest) -> int:
+    """Give both versions of the standard in turn."""
     return request.param
 
 
-@pytest.fixture(params=[2, 3], ids=["fmi2", "fmi3"])
-def fmu(request: pytest.FixtureRequest, name: str, build: Callable[[str, int], Fmu]) -> Fmu:
+@pytest.fixture(params=cases([None]))
+def name(request: pytest.FixtureRequest) -> str:
+    """Name each model, and each with every friction law that is not its default, in turn."""
+    return request.param[0]
+
+
+@pytest.fixture(params=cases([2, 3]))
+def fmu(request: pytest.FixtureRequest, build: Callable[[str, int], Fmu]) -> Fmu:
     """Give every model in both versions of the standard."""
-    return build(name, request.param)
+    return build(*request.param)
+
+
+@pytest.fixture(params=cases([2, 3], in_turn=True))
+def some_fmu(request: pytest.FixtureRequest, build: Callable[[str, int], Fmu]) -> Fmu:
+    """Give every model in one version, for tests that take long."""
+    return build(*request.param)
 
 
 @pytest.fixture

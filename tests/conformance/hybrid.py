@@ -1,4 +1,4 @@
-"""A mass on contacts with modes, solved by scipy from one change of mode to the next.
+"""A mass on contacts with modes: which holds, and what moves in each.
 
 Written from the equations in the README files of the laws, without their C: the velocity has one
 sign between events, each change of its sign is an event, and the force of an element that sticks is
@@ -7,12 +7,10 @@ compared with its limit in the direction of the motion.
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 Array = np.ndarray
 Modes = tuple[float, ...]
@@ -52,10 +50,6 @@ class CoulombStribeck:
         """Return the friction force and the derivatives of the law's states."""
         return (at.s * self.g(at.v) if at.s else at.u), np.empty(0)
 
-    def margins(self, at: Point) -> list[float]:
-        """Return what changes its sign where modes change, besides the velocity."""
-        return [] if at.s else [self.p["F_s"] - abs(at.u)]
-
 
 class Gms(CoulombStribeck):
     """Elements that stick as springs, and slip towards their share of the Stribeck curve."""
@@ -79,10 +73,6 @@ class Gms(CoulombStribeck):
         attracted = self.p["C"] * (self.alpha * at.s - at.y / self.g(at.v))
         rate = np.where(np.array(at.modes) != 0.0, attracted, self.k * at.v)
         return at.y.sum() + self.p["sigma_1"] / self.p["sigma_0"] * rate.sum(), rate
-
-    def margins(self, at: Point) -> list[float]:
-        left = self.alpha * self.g(at.v) - at.s * at.y
-        return list(np.where(np.array(at.modes) != 0.0, 1.0, left))
 
 
 class Leuven(CoulombStribeck):
@@ -116,58 +106,5 @@ class Leuven(CoulombStribeck):
         rate = np.append(np.where(np.array(at.modes) != 0.0, 0.0, dz), dz)
         return float(self.k @ at.y) + self.p["sigma_1"] * dz, rate
 
-    def margins(self, at: Point) -> list[float]:
-        left = 1.0 - self.going(at) * at.y[:3] / self.limit
-        return [1.0 - self.share(at), *np.where(np.array(at.modes) != 0.0, 1.0, left)]
-
 
 LAWS = {"coulomb_stribeck": CoulombStribeck, "gms": Gms, "leuven": Leuven}
-
-
-def solve(
-    law: CoulombStribeck, force: Callable[[float], float], times: Sequence[float]
-) -> tuple[Array, list[tuple[float, Modes]]]:
-    """Return position, velocity and the law's states at ``times`` [s], and each change of modes.
-
-    The mass starts at rest. ``force`` [N] may jump at ``times`` and is continuous in between.
-    """
-    m, b = law.p["m"], law.p["b"]
-    scales = np.array([1.0, 1.0, *law.scales])
-    x = np.zeros(len(scales))
-    rows, changes, modes = [x], [], (0.0,) * len(law.scales)
-    for start, end in itertools.pairwise(times):
-        t = start
-        while t < end:
-            at = Point(x[1], force(t + 1e-12), x[2:], modes)
-            at = at._replace(s=np.sign(x[1]) or law.direction(at))
-            modes = law.modes(at)
-            changes.append((t, modes))
-
-            def point(t, scaled, s=at.s, modes=modes):
-                y = scaled * scales
-                return Point(y[1], force(t), y[2:], modes, s)
-
-            def motion(t, scaled, point=point):
-                at = point(t, scaled)
-                F_f, rates = law.flow(at)
-                return np.array([at.v, (at.u - b * at.v - F_f) / m, *rates]) / scales
-
-            def margins(t, scaled, point=point):
-                at = point(t, scaled)
-                return [*law.margins(at), at.v if at.s else 1.0]
-
-            events = [
-                lambda t, y, k=k, margins=margins: margins(t, y)[k]
-                for k in range(len(margins(t, x / scales)))
-            ]
-            for event in events:
-                event.terminal = True
-            events[-1].direction = -at.s
-            solution = solve_ivp(
-                motion, (t, end), x / scales, "Radau", rtol=1e-9, atol=1e-13, events=events
-            )
-            t, x = solution.t[-1], solution.y[:, -1] * scales
-            if solution.status == 1 and len(solution.t_events[-1]):
-                x[1] = 0.0
-        rows.append(x)
-    return np.array(rows), changes

@@ -39,8 +39,7 @@ def in_kernel(path, inputs, outputs):
     system.add("fmu", path)
     for name in inputs:
         system.expose(name, f"fmu.{name}")
-    with system.prepare(step=STEP, stop=STEPS * STEP, constant_step=True) as simulation:
-        result = simulation.run(inputs=inputs)
+    result = system.prepare(step=STEP, stop=STEPS * STEP, constant_step=True).run(inputs=inputs)
     return [result[f"fmu.{name}"][-1] for name in outputs]
 
 

@@ -57,13 +57,12 @@ def _alone(fmu, time):
     return system, settings, inputs
 
 
-@pytest.mark.parametrize("step", [STEP, 3e-4])
-def test_fmpy_and_our_kernel_give_the_same_bits(fmu, step):
+def test_fmpy_and_our_kernel_give_the_same_bits(fmu):
+    step = {2: STEP, 3: 3e-4}[fmu.version]
     stop = 600 * step
     time = np.arange(601) * step
     system, settings, inputs = _alone(fmu, time)
-    with system.prepare(step=step, stop=stop) as simulation:
-        ours = simulation.run(inputs=inputs)
+    ours = system.prepare(step=step, stop=stop).run(inputs=inputs)
     outputs, table = fmu.names("output"), {"time": time, **inputs}
     theirs = fmu.simulate(stop, step, start_values=settings, input=table, output=outputs)
     np.testing.assert_array_equal(ours.time, theirs["time"])
@@ -79,8 +78,7 @@ def test_libcosim_runs_the_fmi_2_one(name, build):
     system, _, _ = _alone(fmu, np.zeros(1))
     system.parameters.clear()
     values = {name: 0.7 * size for name, size in fmu.sizes().items()}
-    with system.prepare(step=STEP, stop=steps * STEP) as simulation:
-        ours = simulation.run(inputs=values)
+    ours = system.prepare(step=STEP, stop=steps * STEP).run(inputs=values)
 
     execution = libcosimpy.CosimExecution.CosimExecution.from_step_size(int(STEP * 1e9))
     local = libcosimpy.CosimSlave.CosimLocalSlave(fmu_path=str(fmu.path), instance_name="fmu")

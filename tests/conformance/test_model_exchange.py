@@ -6,14 +6,12 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from scipy.integrate import solve_ivp
 
 from stickslip import models
 from tests.conformance import equations, hybrid
 
 CONTINUOUS = list(equations.OF)
 SAMPLED = [name for name in models.model_names() if models.load_model(name).sampled]
-VERSIONS = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
 
 
 def parameters(fmu):
@@ -60,7 +58,6 @@ def test_every_law_with_derivatives_is_compared_with_its_equations(name, build):
     assert model.is_switched == switched
 
 
-@VERSIONS
 @pytest.mark.parametrize("name", CONTINUOUS)
 def test_derivatives_and_outputs_are_the_equations_of_the_paper(build, exchanged, name, version):
     fmu = build(name, version)
@@ -84,30 +81,6 @@ def test_both_versions_give_the_same_bits(build, exchanged, name):
         assert at(second, point) == at(third, point)
 
 
-@VERSIONS
-def test_a_stiff_solver_of_another_tool_agrees_with_scipy(build, version):
-    """CVode in FMPy against Radau on the equations in numpy."""
-    fmu = build("stage", version)
-    p = parameters(fmu)
-    time = np.linspace(0.0, 0.4, 81)
-    force = 15.0 * np.sin(2 * np.pi * 6.0 * time)
-    expected = [np.zeros(3)]
-    for u in force[:-1]:
-
-        def motion(_, y, u=u):
-            rates = equations.OF["stage"]({"x": y[0], "v": y[1], "z": y[2] * 1e-6, "u": u}, p)
-            return [rates["der(x)"], rates["der(v)"], rates["der(z)"] * 1e6]
-
-        step = solve_ivp(motion, (0.0, 5e-3), expected[-1], "Radau", rtol=1e-9, atol=1e-12)
-        expected.append(step.y[:, -1])
-    found = solve(fmu, held(time, u=force), output=["x", "v"], output_interval=5e-3)
-    x, v, _ = np.transpose(expected)
-    assert np.ptp(found["v"]) > 0.05
-    np.testing.assert_allclose(found["x"], x, atol=1e-8)
-    np.testing.assert_allclose(found["v"], v, atol=1e-7)
-
-
-@VERSIONS
 @pytest.mark.parametrize(
     ("name", "tolerance"), [("stage", 2e-6), ("compensator", 1e-6), ("compensator+dahl", 1e-6)]
 )
@@ -129,7 +102,6 @@ def test_the_results_are_those_of_co_simulation(build, name, version, tolerance)
         )
 
 
-@VERSIONS
 @pytest.mark.parametrize("name", SAMPLED)
 def test_samples_are_time_events_with_the_bits_of_co_simulation(
     build, slave, exchanged, identical, name, version
@@ -207,7 +179,6 @@ def test_what_has_no_such_equations_says_so(build, exchanged):
         assert "Model Exchange is not available" in messages[0][2]
 
 
-@VERSIONS
 @pytest.mark.parametrize("name", CONTINUOUS)
 def test_calls_out_of_place_are_refused(build, exchanged, name, version):
     instance = exchanged(build(name, version)).initialize()

@@ -17,7 +17,7 @@ FOLDERS = {
 }
 
 
-@pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
+@pytest.mark.parametrize("version", [2, pytest.param(3, marks=pytest.mark.thorough)])
 def test_one_fmu_holds_all_platforms(version, tmp_path):
     """In FMI 2.0 both processors of macOS share one universal library."""
     fmu = models.build_fmu("stage", tmp_path, fmi=version, platforms=PLATFORMS.values())

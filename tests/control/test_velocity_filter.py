@@ -93,8 +93,7 @@ def test_without_friction_the_drive_is_the_nominal_loop(fmus, filtered):
     if "a_cmd" in commands:
         commands["a_r"] = commands["a_cmd"]
     commands["v_r"] = commands["v_cmd"]
-    with system.prepare(step=T_S, stop=0.5) as simulation:
-        result = simulation.run(inputs=commands)
+    result = system.prepare(step=T_S, stop=0.5).run(inputs=commands)
     assert np.abs(result["controller.u"]).max() < 205.0
     error = result["drive.v"] - result["nominal.v_r"]
     assert np.abs(error).max() < 1e-7 * np.abs(result["drive.v"]).max()
@@ -109,8 +108,7 @@ def test_with_feedforward_of_inertia_it_leads_to_the_next_velocity(fmus):
     errors = []
     for m_ff in (0.0, axis.m):
         system = servo_of_fmus(fmus, loop.changed(m_ff=m_ff, velocity_filter=velocity_filter))
-        with system.prepare(step=T_S, stop=0.5) as simulation:
-            result = simulation.run(inputs=commands)
+        result = system.prepare(step=T_S, stop=0.5).run(inputs=commands)
         errors.append(np.abs(result["drive.v"] - commands["v_cmd"]).max())
     assert errors[0] > 1e-4
     assert errors[1] < 1e-9
@@ -121,8 +119,7 @@ def test_a_known_force_does_what_the_compliance_says(fmus, filtered):
     force = np.repeat(rng.normal(scale=10.0, size=41), 25)[:1001]
     system = servo_of_fmus(fmus, filtered)
     system.inputs["F_ff"] = ("controller.F_ff", "filter.F_ff")
-    with system.prepare(step=T_S, stop=0.5) as simulation:
-        result = simulation.run(inputs={"F_ff": force})
+    result = system.prepare(step=T_S, stop=0.5).run(inputs={"F_ff": force})
     C, A, B = filtered.compliance.C, filtered.compliance.A, filtered.compliance.B
     x, expected = np.zeros(len(A)), []
     for value in force:

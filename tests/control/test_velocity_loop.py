@@ -9,11 +9,10 @@ import warnings
 import control
 import numpy as np
 import pytest
-from closed_loop import follow, ideal_servo, nominal_values, open_loop_gain
+from closed_loop import follow, open_loop_gain
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stickslip import cosim
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.velocity_loop import (
     LoopSpecification,
@@ -76,22 +75,6 @@ def test_meets_its_specification_or_says_that_it_cannot(axis, wanted):
     assert abs(figures["phase_margin_deg"]) <= wanted.phase_margin + 1e-6
     assert max(abs(loop.nominal.poles())) < 1.0
     assert loop.nominal.dcgain() == pytest.approx(1.0, abs=1e-6)
-
-
-@pytest.mark.slow
-@settings(max_examples=60)
-@given(
-    st.builds(Axis, m=log_uniform(2.0, 50.0), b=st.just(6.6), tau_i=st.just(1e-4)),
-    log_uniform(10.0, 100.0),
-    st.floats(10.0, 60.0),
-)
-def test_reachable_specifications_are_reached(axis, bandwidth, phase_margin):
-    # The axis leaves more than 70 deg at 100 Hz, and an integrator alone less than 10 deg.
-    loop = design_velocity_loop(axis, LoopSpecification(bandwidth, phase_margin, T_S))
-    figures = loop.margins()
-    assert figures["crossover_Hz"] == pytest.approx(bandwidth, rel=1e-9)
-    assert figures["phase_margin_deg"] == pytest.approx(phase_margin, abs=1e-6)
-    assert figures["bandwidth_Hz"] > bandwidth
 
 
 def test_margins_are_those_of_python_control(loop):
@@ -199,40 +182,3 @@ def test_a_proportional_loop_leaves_what_friction_takes():
     loop = close_velocity_loop(Axis(5.0, 100.0), 1e-3, 0.0, 400.0, 0.0)
     _, velocity = loop.step_response(0.5)
     assert velocity[-1] == pytest.approx(400.0 / 500.0, rel=1e-6)
-
-
-STOP = 0.1
-
-
-def test_nominal_loop_fmu_gives_the_step_response(fmus, loop):
-    system = cosim.System()
-    system.add("nominal", fmus / "nominal_loop.fmu", nominal_values(loop))
-    system.expose("v_cmd", "nominal.v_cmd")
-    with system.prepare(step=loop.T_s, stop=STOP) as simulation:
-        result = simulation.run(inputs={"v_cmd": 1.0})
-    t, v = loop.step_response(STOP)
-    np.testing.assert_allclose(result.time, t, rtol=0, atol=1e-15)
-    np.testing.assert_allclose(result["nominal.v_r"], v, rtol=0, atol=1e-9)
-
-
-def test_controller_and_drive_follow_the_nominal_loop(fmus, loop):
-    # The drive brings its motor's lag in as mean forces over sub-steps, which are no longer than
-    # the communication step; the controller samples every T_s all the same.
-    substeps, tolerance = (20, 1e-4) if loop.axis.tau_i > 0.0 else (1, 1e-8)
-    height = 0.02  # m/s, which takes less than half of the force limit
-    with ideal_servo(fmus, loop).prepare(step=loop.T_s / substeps, stop=STOP) as simulation:
-        result = simulation.run(inputs={"v_cmd": height})
-    _, v = loop.step_response(STOP)
-    assert np.abs(result["controller.u"]).max() < 205.0
-    difference = result["drive.v"][::substeps] / height - v
-    assert np.abs(difference).max() < tolerance
-
-
-def test_a_feedforward_force_does_what_the_compliance_says(fmus, loop):
-    substeps = 20
-    with ideal_servo(fmus, loop).prepare(step=loop.T_s / substeps, stop=STOP) as simulation:
-        result = simulation.run(inputs={"F_ff": 10.0})
-    n = round(STOP / loop.T_s) + 1
-    expected = follow(loop, np.zeros(n), np.full(n, 10.0))
-    assert np.abs(expected).max() > 1e-3
-    np.testing.assert_allclose(result["drive.v"][::substeps], expected, rtol=0, atol=1e-6)

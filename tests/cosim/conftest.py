@@ -92,6 +92,12 @@ def library(kind: str) -> Path:
     return fmu.library(kind, Path(__file__).with_name("model.c"), flags=(f"-DKIND={number}",))
 
 
+@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
+def version(request: pytest.FixtureRequest) -> int:
+    """Give both versions of the standard in turn."""
+    return request.param
+
+
 Make = Callable[..., Path]
 
 

@@ -74,7 +74,7 @@ def test_the_others_compute_as_if_they_were_alone(tmp_path, sound, expected, cal
             assert {name: result[f"{name}.y"].tobytes() for name in expected} == expected
 
 
-@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize("change", ["round", "flush"])
 @pytest.mark.parametrize("how", [{"compiled": True}, {"isolation": "process"}])
 def test_so_it_is_compiled_or_apart(tmp_path, sound, expected, change, how):
     changer = fmus.write(tmp_path / "changer.fmu", f"DoStep {change} 2")
@@ -82,8 +82,9 @@ def test_so_it_is_compiled_or_apart(tmp_path, sound, expected, change, how):
         assert {name: result[f"{name}.y"].tobytes() for name in expected} == expected
 
 
-@pytest.mark.parametrize("change", ["round", "flush"])
-@pytest.mark.parametrize("call", ["load", "Instantiate", "DoStep"])
+@pytest.mark.parametrize(
+    ("call", "change"), [("load", "round"), ("Instantiate", "flush"), ("DoStep", "round")]
+)
 def test_so_it_is_in_one_fmu(tmp_path, sound, expected, change, call):
     """A container, in a process of its own: FMPy loads libraries for good."""
     changer = fmus.write(tmp_path / "changer.fmu", f"{call} {change}")

@@ -122,8 +122,7 @@ def test_after_a_fork_an_isolated_one_belongs_to_the_parent(system, tmp_path):
         np.testing.assert_array_equal(again.values, expected.values)
 
         def another():
-            with simulation.spec.prepare() as own:
-                return own.run({"b.k": 2.0}, {"u": 1.0})["b.y"][-1]
+            return simulation.spec.prepare().run({"b.k": 2.0}, {"u": 1.0})["b.y"][-1]
 
         assert float(in_a_fork(another)) == pytest.approx(4.0)
 

@@ -12,27 +12,22 @@ from stickslip import cosim
 GIVE_NAN, TERMINATE, RETURN_EARLY = 10, 11, 12
 
 
-@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
-def version(request):
-    return request.param
+HOW = [("jacobi", False), ("gauss_seidel", False), ("gauss_seidel", True)]
+each_way = pytest.mark.parametrize(("coupling", "compiled"), HOW)
 
 
-@pytest.fixture(params=["tables", "compiled"])
-def compiled(request):
-    return request.param == "compiled"
-
-
-@pytest.fixture(params=["jacobi", "gauss_seidel"])
-def simulation(make, version, compiled, request):
+@pytest.fixture
+def simulation(make, version, coupling, compiled):
     system = cosim.System("loop")
     system.add("source", make("integrator", version), {"u": 1.0})
     system.add("gain", make("gain", version))
     system.connect("source.y", "gain.u")
     times = {"step": 0.01, "stop": 10.0}
-    with system.prepare(**times, coupling=request.param, compiled=compiled) as simulation:
+    with system.prepare(**times, coupling=coupling, compiled=compiled) as simulation:
         yield simulation
 
 
+@each_way
 @pytest.mark.parametrize(
     ("status", "words"), [(2, "returned discard"), (3, "returned error"), (4, "returned fatal")]
 )
@@ -50,7 +45,8 @@ def test_a_failing_step_is_named_and_the_next_run_is_as_if_nothing_happened(
     np.testing.assert_array_equal(simulation.run().values, before)
 
 
-@pytest.mark.parametrize("time", [0.0, 0.3, 5.0])
+@each_way
+@pytest.mark.parametrize("time", [0.0, 0.3])
 def test_a_value_that_is_not_finite_ends_the_run(simulation, time):
     with pytest.raises(cosim.SimulationError) as error:
         simulation.run({"source.fault": GIVE_NAN, "source.fault_time": time})
@@ -105,6 +101,7 @@ def test_a_run_that_an_fmu_ends_keeps_what_was_recorded(make, record):
     np.testing.assert_array_equal(result.values, expected.values[:7])
 
 
+@each_way
 def test_a_run_that_never_starts_leaves_the_last_settings(simulation):
     before = simulation.run().values
     with pytest.raises(cosim.ParameterError):
@@ -123,7 +120,7 @@ def test_an_fmu_that_cannot_be_instantiated(make, tmp_path):
         system.prepare(step=0.1, stop=1.0)
 
 
-@pytest.mark.parametrize("coupling", ["jacobi", "gauss_seidel"])
+@each_way
 def test_values_that_are_not_finite_pass_where_they_are_allowed(
     make, version, compiled, coupling, tmp_path
 ):

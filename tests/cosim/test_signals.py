@@ -1,6 +1,9 @@
+"""Inputs: signals, functions of time, tables from frames and files."""
+
 from __future__ import annotations
 
 import math
+import sys
 
 import numpy as np
 import pandas as pd
@@ -109,3 +112,168 @@ def test_inputs_that_cannot_be(simulation, signal, message):
 def test_an_input_that_is_not_exposed(simulation):
     with pytest.raises(cosim.SignalError, match="no exposed input 'fours'; did you mean 'force'"):
         simulation.run(inputs={"fours": 1.0})
+
+
+FRAME = pd.DataFrame({"time": [0.0, 1.0, 1.0, 2.0], "v": [0.0, 1.0, 5.0, 6.0], "w": [1, 2, 3, 4]})
+AT = np.array([-1.0, 0.5, 1.0, 1.5, 9.0])
+
+
+def test_a_held_table_keeps_each_value_until_the_next_time():
+    table = cosim.Table(FRAME["time"], FRAME["v"], held=True)
+    assert table.sample(AT).tolist() == [0.0, 0.0, 5.0, 5.0, 6.0]
+
+
+@pytest.mark.parametrize("kind", ["frame", "index", "csv", "parquet"])
+def test_all_sources_give_the_same_signals(tmp_path, kind):
+    if kind == "parquet":
+        pytest.importorskip("pyarrow")
+    source = tmp_path / f"in.{kind}"
+    if kind == "csv":
+        FRAME.to_csv(source, index=False)
+    elif kind == "parquet":
+        FRAME.to_parquet(source)
+    else:
+        source = FRAME.set_index("time") if kind == "index" else FRAME
+    tables = cosim.read_tables(source, held=["w"])
+    assert tables["v"].sample(AT).tolist() == [0.0, 0.5, 5.0, 5.5, 6.0]
+    assert tables["w"].sample(AT).tolist() == [1.0, 1.0, 3.0, 3.0, 4.0]
+    assert all(table.held for table in cosim.read_tables(source, held=True).values())
+
+
+@pytest.mark.parametrize(
+    ("frame", "message"),
+    [
+        (pd.DataFrame({"v": [1.0]}), "its index numbers the rows"),
+        (pd.DataFrame(index=[0.0, 1.0]), "distinct columns beside 'time'"),
+        (FRAME.assign(time=pd.date_range("2026-01-01", periods=4)), "'time' holds datetime64"),
+        (FRAME * 1j, "holds complex128"),
+        (FRAME.set_index(["time", "w"]), "several levels"),
+        (pd.concat({"a": FRAME}, axis=1), "several levels"),
+        (pd.DataFrame({"time": [0.0], "v": ["x"]}), "not a number"),
+        (pd.DataFrame({"time": [1.0, 0.0], "v": [0.0, 0.0]}), "time falls"),
+        (pd.DataFrame({"time": [0.0, 1.0], "v": [0.0, np.nan]}), "not finite"),
+    ],
+)
+def test_frames_that_cannot_be(frame, message):
+    with pytest.raises(cosim.SignalError, match=message):
+        cosim.read_tables(frame)
+
+
+@pytest.mark.parametrize("unit", [None, "s"], ids=["numbers", "differences of time"])
+@pytest.mark.parametrize("kind", ["frame", "series", "column"])
+def test_pandas_gives_inputs_as_tables_do(kind, unit):
+    time = FRAME["time"].to_numpy()
+    frame = FRAME[["v"]].set_axis(pd.to_timedelta(time, unit=unit) if unit else time)
+    inputs = {"frame": frame, "series": {"v": frame["v"]}, "column": FRAME.drop(columns="w")}[kind]
+    found = cosim.signals_of(inputs)["v"]
+    assert found.sample(AT).tolist() == cosim.Table(time, FRAME["v"]).sample(AT).tolist()
+
+
+def test_other_inputs_stay_what_they_are():
+    given = {"a": 1.0, "b": [0.0, 1.0], "c": np.sin, "d": cosim.Trapezoid(1.0, 1.0, 1.0)}
+    assert cosim.signals_of(given) == given
+    with pytest.raises(
+        cosim.SignalError, match=r"inputs: expected a dictionary .* data frame, got"
+    ):
+        cosim.signals_of([1.0])
+
+
+def test_a_column_that_is_not_there_cannot_be_held():
+    with pytest.raises(cosim.SignalError, match="cannot hold x"):
+        cosim.read_tables(FRAME, held=["x"])
+
+
+def test_integers_and_truths_are_numbers(tmp_path):
+    arrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    path = tmp_path / "in.parquet"
+    columns = {"time": [0, 1], "n": arrow.array([3, 4], arrow.uint8()), "on": [False, True]}
+    parquet.write_table(arrow.table(columns), path)
+    tables = cosim.read_tables(path)
+    times = np.array([0.0, 1.0])
+    assert tables["n"].sample(times).tolist() == [3.0, 4.0]
+    assert tables["on"].sample(times).tolist() == [0.0, 1.0]
+
+
+def test_without_pyarrow_the_message_says_how_to_get_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(cosim.SignalError, match=r"pip install 'stickslip\[parquet\]'"):
+        cosim.read_tables(tmp_path / "in.parquet")
+
+
+def test_results_in_parquet_keep_every_bit_and_the_units(make, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    system = cosim.System("one")
+    system.add("a", make("gain"))
+    system.expose("x", "a.u")
+    result = system.prepare(step=0.1, stop=1.0).run(inputs={"x": np.sin})
+    path = result.to_parquet(tmp_path / "out.parquet")
+    schema = parquet.read_schema(path)
+    assert schema.field("a.y").metadata == {b"unit": b"N"}
+    assert schema.field("time").metadata == {b"unit": b"s"}
+    again = cosim.read_tables(path)
+    np.testing.assert_array_equal(again["a.y"].values, result["a.y"])
+    assert [p.name for p in tmp_path.iterdir()] == ["out.parquet"]
+
+
+def read(tmp_path, data: bytes):
+    file = tmp_path / "in.csv"
+    file.write_bytes(data)
+    return cosim.Table.all_from_csv(file)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"time,u\n0,1\n1,3\n",
+        b"\xef\xbb\xbftime,u\r\n0,1\r\n1,3\r\n",
+        b'"time" , "u"\n0,1\n\n1,3'.replace(b'" , "', b'","'),
+        b"time, u\r 0 , 1.0\r1e0,+3\r",
+        b"u,time\n1,0\n3,1\n",
+    ],
+    ids=["plain", "mark and CRLF", "quoted", "CR and blanks", "time last"],
+)
+def test_one_table_in_many_forms(tmp_path, data):
+    tables = read(tmp_path, data)
+    assert list(tables) == ["u"]
+    assert tables["u"].time.tolist() == [0.0, 1.0]
+    assert tables["u"].sample(np.array([0.0, 1.0])).tolist() == [1.0, 3.0]
+
+
+def test_times_may_repeat_and_need_not_cover_the_run(tmp_path):
+    table = read(tmp_path, b"time,u\n1,1\n2,2\n2,5\n3,6\n")["u"]
+    t = np.array([0.0, 1.5, 2.0, 2.5, 3.0, 9.0])
+    assert table.sample(t).tolist() == [1.0, 1.5, 5.0, 5.5, 6.0, 6.0]
+
+
+def test_one_row_is_a_constant(tmp_path):
+    table = read(tmp_path, b"time,u\n5,7\n")["u"]
+    assert table.sample(np.array([0.0, 5.0, 9.0])).tolist() == [7.0, 7.0, 7.0]
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"time,u\n0,0\n\n1,x\n", r"line 4: column 'u': expected a finite number, got 'x'"),
+        (b"time,\x1b[31m\n0,x\n", r"column '\\x1b\[31m'"),
+    ],
+)
+def test_faults_have_a_place(tmp_path, data, message):
+    with pytest.raises(cosim.SignalError, match=message) as error:
+        read(tmp_path, data)
+    assert str(tmp_path / "in.csv") in str(error.value)
+    assert "\n" not in str(error.value)
+    assert "\x1b" not in str(error.value)
+
+
+def test_the_input_in_a_package_is_read_alike(tmp_path, make):
+    import zipfile
+
+    from stickslip.default_input import MEMBER, packed_input
+
+    system = cosim.System("s")
+    system.add("a", make("gain"))
+    package = cosim.write_ssp(system, tmp_path / "a.ssp")
+    with zipfile.ZipFile(package, "a") as archive:
+        archive.writestr(MEMBER, "time,u\n0,0\n1,off\n")
+    with pytest.raises(cosim.SignalError, match=r"input\.csv, line 3: column 'u'"):
+        packed_input(package)

@@ -48,8 +48,7 @@ def drawn(make, seed, *, nested=False, scaled=False, fmi=2):
 
 
 def jacobi(system):
-    with system.prepare(step=STEP, stop=EXPERIMENT.stop, coupling="jacobi") as simulation:
-        return simulation.run()
+    return system.prepare(step=STEP, stop=EXPERIMENT.stop, coupling="jacobi").run()
 
 
 def in_fmpy(system, path, **inputs):
@@ -82,7 +81,7 @@ def in_libcosim(system, path, signals):
     return values
 
 
-SEEDS = range(12)
+SEEDS = range(8)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -106,8 +105,7 @@ def test_fmpy_runs_any_system_to_the_values_of_our_jacobi(make, tmp_path, seed):
     }
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("version", ["1.0", "2.0"])
+@pytest.mark.parametrize(("version", "seed"), [("1.0", 1), ("2.0", 2)])
 def test_pyssp_standard_reads_any_system(make, tmp_path, seed, version):
     pyssp = pytest.importorskip("pyssp_standard.ssp")
     system = drawn(make, seed, scaled=True, fmi=3 if version == "2.0" else 2)
@@ -161,3 +159,12 @@ def test_the_schemas_find_our_packages_valid(make, tmp_path):
             root = etree.parse(file).getroot()
             assert root.get("version") == version
             assert cosim.ssp.markup.violation(root, file.suffix[1:], version) is None
+
+
+def test_the_same_system_gives_the_same_bytes(make, tmp_path):
+    system = drawn(make, 1, nested=True, scaled=True)
+    one, again = (cosim.write_ssp(system, tmp_path / f"{n}.ssp", EXPERIMENT) for n in "ab")
+    assert one.read_bytes() == again.read_bytes()
+    read, experiment = cosim.read_ssp(one)
+    assert experiment == EXPERIMENT
+    assert cosim.write_ssp(read, again, experiment).read_bytes() == one.read_bytes()

@@ -1,13 +1,16 @@
-"""A system refuses what cannot be, and names both ends and what was meant."""
+"""A system refuses what cannot be, names both ends, and converts units."""
 
 from __future__ import annotations
 
 import math
 import pickle
 
+import numpy as np
 import pytest
 
 from stickslip import cosim
+from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link, Scaling, conversion
+from stickslip.fmi.description.units import Unit
 
 
 @pytest.fixture
@@ -126,3 +129,121 @@ def test_an_algebraic_loop_is_named(make):
         assert system.connections[target] == source
     assert "coupling='jacobi'" in str(error.value)
     system.prepare(step=0.1, stop=1.0, coupling="jacobi").run()
+
+
+NEWTON = Unit("N", (1, 1, -2, 0, 0, 0, 0, 0))
+KELVIN = Unit("K", (0, 0, 0, 0, 1, 0, 0, 0))
+CELSIUS = Unit("degC", KELVIN.exponents, 1.0, 273.15)
+FAHRENHEIT = Unit("degF", KELVIN.exponents, 5 / 9, 273.15 - 32 * 5 / 9)
+
+
+def two_gains(make, source, target, link=PLAIN):
+    system = cosim.System("line")
+    system.add("a", make("gain", y=source), {"k": 2.0})
+    system.add("b", make("gain", 3, u=target))
+    system.expose("x", "a.u")
+    system.connect("a.y", "b.u", link)
+    return system
+
+
+def end(system, **inputs):
+    return system.prepare(step=0.5, stop=1.0).run(inputs=inputs)["b.y"][-1]
+
+
+def test_a_unit_converts_to_itself_and_back():
+    assert conversion(NEWTON, NEWTON) == IDENTITY
+    there, back = conversion(FAHRENHEIT, CELSIUS), conversion(CELSIUS, FAHRENHEIT)
+    assert there(212.0) == pytest.approx(100.0)
+    assert there.then(back)(50.0) == pytest.approx(50.0)
+    assert there.inverse(there(50.0)) == pytest.approx(50.0)
+    assert conversion(NEWTON, KELVIN) is None
+
+
+@pytest.mark.parametrize(("source", "target", "factor"), [("mN", "N", 1e-3), ("N", "mN", 1e3)])
+def test_a_connection_converts_units(make, source, target, factor):
+    assert end(two_gains(make, source, target), x=3.0) == pytest.approx(6.0 * factor, rel=1e-15)
+
+
+def test_an_exposed_input_has_one_unit_and_feeds_targets_in_theirs(make):
+    system = cosim.System("fan")
+    system.add("a", make("gain"))
+    system.add("b", make("gain", u="mN"))
+    system.expose("x", "a.u", "b.u")
+    assert end(system, x=2.0) == pytest.approx(2000.0)
+    other = cosim.System("fan")
+    other.add("b", make("gain", u="mN"), {"u": 7000.0})
+    other.expose("x", "b.u", unit=NEWTON)
+    assert other.unit("x") == "N"
+    assert end(other) == pytest.approx(7000.0)  # the start value of the target, through its unit
+
+
+def test_a_scaling_comes_after_the_units_or_in_their_place(make):
+    line = Scaling(factor=10.0, offset=1.0)
+    assert end(two_gains(make, "mN", "N", Link(line)), x=3.0) == pytest.approx(0.06 + 1)
+    assert end(two_gains(make, "mN", "N", Link(line, convert=False)), x=3.0) == 61.0
+    assert end(two_gains(make, "m", "N", Link(convert=False)), x=3.0) == 6.0
+
+
+def test_a_scaling_of_one_changes_no_bit(make):
+    signal = np.array([0.1, -0.3, 0.7])
+    plain = two_gains(make, "N", "N")
+    assert end(plain, x=signal) == end(two_gains(make, "N", "kg.m/s2"), x=signal)
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "of_20"),
+    [
+        ("degC difference", "K difference", 20.0),
+        ("K difference", "degC difference", 20.0),
+        ("degF difference", "degC difference", 20.0 * 5 / 9),
+        ("degC difference", "degF difference", 36.0),
+        ("degC", "K", 293.15),
+        ("degF", "degC", -20.0 / 3),
+        ("degC difference", "degC", 20.0),  # the same unit: the number stays
+        ("mN difference", "N", 0.02),  # without an offset there is nothing to confuse
+        ("N", "mN difference", 20e3),
+    ],
+)
+def test_no_offset_applies_to_a_difference(make, source, target, of_20):
+    """20 degC of difference are 20 K; said by the variable (FMI 2.0) or its type (FMI 3.0)."""
+    assert end(two_gains(make, source, target), x=10.0) == pytest.approx(of_20, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("source", "target"),
+    [("degC difference", "K"), ("K", "degC difference"), ("degF", "degC difference")],
+)
+def test_a_difference_is_no_temperature(make, source, target):
+    with pytest.raises(cosim.ConnectionFault, match=r"as a difference \(relativeQuantity\).*Link"):
+        two_gains(make, source, target)
+    as_meant = Link(Scaling(), convert=False)
+    assert end(two_gains(make, source, target, as_meant), x=10.0) == 20.0
+
+
+def test_a_unit_from_outside_is_for_what_its_target_is(make):
+    """An exposed input in another unit is a difference where its first target is one."""
+    for unit, target, of_20 in (
+        (FAHRENHEIT, "degC difference", 20.0 * 5 / 9),
+        (CELSIUS, "K difference", 20.0),
+        (CELSIUS, "K", 293.15),
+    ):
+        system = cosim.System("one")
+        system.add("b", make("gain", 2, u=target))
+        system.expose("x", "b.u", unit=unit)
+        assert end(system, x=20.0) == pytest.approx(of_20, rel=1e-12)
+        start = system.copy()
+        start.set("b.u", of_20)
+        assert end(start) == pytest.approx(of_20, rel=1e-12)
+    system = cosim.System("both")
+    system.add("a", make("gain", 2, u="K difference"))
+    system.add("b", make("gain", 2, u="K"))
+    with pytest.raises(cosim.ConnectionFault, match="as a difference"):
+        system.expose("x", "a.u", "b.u", unit=CELSIUS)
+
+
+def test_a_container_says_that_its_signals_are_differences(make, tmp_path):
+    system = cosim.System("one")
+    system.add("a", make("gain", 2, u="degC difference", y="degC"))
+    system.expose("u", "a.u")
+    variables = cosim.Fmu(cosim.write_fmu(system, tmp_path / "a.fmu", step=0.1, fmi=3)).variables
+    assert [n for n, v in variables.items() if v.relative] == ["u"]

@@ -1,19 +1,17 @@
-"""Each platform under the names the standards give it, built from this one."""
+"""What differs from machine to machine: names of platforms, the cache, futures of pools."""
 
 from __future__ import annotations
 
 import platform
 import sys
+from concurrent.futures import Future
+from threading import Event
 
 import pytest
 
 from stickslip.fmi import toolchain
-from stickslip.fmi.toolchain import PLATFORMS, host_platform
-
-# First bytes of a library of each format: ELF, PE, Mach-O of 64 bit.
-MAGIC = {".so": b"\x7fELF", ".dll": b"MZ", ".dylib": b"\xcf\xfa\xed\xfe"}
-# e_machine of ELF at byte 18
-ELF_MACHINE = {"x86_64-linux": 0x3E, "aarch64-linux": 0xB7}
+from stickslip.fmi.process import cancel_all, threads
+from stickslip.fmi.toolchain import PLATFORMS, cache_directory, host_platform
 
 
 def test_names_are_those_of_the_standards():
@@ -48,15 +46,46 @@ def test_an_unknown_host_is_named(monkeypatch):
         host_platform()
 
 
-@pytest.mark.parametrize("name", PLATFORMS)
-def test_libraries_are_built_for_other_platforms(name):
-    target = PLATFORMS[name]
-    export = "dllexport" if target.suffix == ".dll" else 'visibility("default")'
-    head = f"__attribute__(({export})) double one(double x)"
-    source = {"one.c": f"{head};\n{head} {{ return x + 1.0; }}\n"}
-    library = toolchain.shared_library("one", source, platform=target, standalone=True)
-    head = library.read_bytes()[:20]
-    assert library.suffix == target.suffix
-    assert head.startswith(MAGIC[target.suffix])
-    if target.tuple in ELF_MACHINE:
-        assert head[18] == ELF_MACHINE[target.tuple]
+def test_the_cache_lies_where_the_environment_says(monkeypatch, tmp_path):
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "here"))
+    assert cache_directory() == tmp_path / "here"
+
+
+@pytest.mark.parametrize(
+    ("system", "variable", "place"),
+    [
+        ("linux", "XDG_CACHE_HOME", "base/stickslip"),
+        ("win32", "LOCALAPPDATA", "base/stickslip"),
+        ("darwin", "HOME", "base/Library/Caches/stickslip"),
+        ("linux", "HOME", "base/.cache/stickslip"),
+    ],
+)
+@pytest.mark.skipif(sys.platform == "win32", reason="pretends other systems from a POSIX one")
+def test_without_it_the_cache_is_the_users(monkeypatch, tmp_path, system, variable, place):
+    monkeypatch.delenv("STICKSLIP_CACHE", raising=False)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(sys, "platform", system)
+    monkeypatch.setenv(variable, str(tmp_path / "base"))
+    assert cache_directory() == tmp_path / place
+
+
+class Lost(Future[None]):
+    """A future of a cluster that does not answer."""
+
+    def cancel(self) -> bool:
+        Event().wait()
+        return True
+
+
+class Broken(Future[None]):
+    """A future of a cluster that was closed."""
+
+    def cancel(self) -> bool:
+        raise RuntimeError("closed")
+
+
+def test_cancelling_ends_though_a_future_does_not_answer(monkeypatch):
+    monkeypatch.setattr(threads, "PATIENCE", 0.1)
+    waiting = [Future[None]() for _ in range(2)]
+    cancel_all(one for one in (waiting[0], Broken(), waiting[1], Lost()))
+    assert all(one.cancelled() for one in waiting)

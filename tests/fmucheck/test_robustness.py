@@ -1,12 +1,28 @@
-"""No file makes the checker itself fail; tests/hostile/test_fuzz.py changes descriptions."""
+"""The checker itself: any bytes, messages, patience, rules that explain themselves, our FMUs."""
 
+from __future__ import annotations
+
+import ctypes
 import random
+import re
+import struct
+import time
+import zipfile
+from pathlib import Path
 
 import pytest
+from lxml import etree
 
-from stickslip import fmucheck
-from stickslip.fmucheck.description.model import number
-from tests.corpus.defects.reference import members, pack
+from stickslip import fmucheck, models
+from stickslip.fmi import toolchain
+from stickslip.fmi.binary import read_library
+from stickslip.fmucheck import check
+from stickslip.fmucheck.description.model import Description, number
+from stickslip.fmucheck.running import bench as benches
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.calls import Callbacks
+from stickslip.fmucheck.running.parent import TIMEOUT
+from tests.corpus.defects.reference import binary_name, members, pack, with_defect
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -40,3 +56,129 @@ def test_digits_without_end_are_no_number():
     """A pattern with two ways to divide them would be at it for hours."""
     assert number("9" * 1_000_000 + "x") is None
     assert number("9" * 300 + ".5e0") == float("9" * 300)
+
+
+@pytest.mark.parametrize("rule", fmucheck.RULES.values(), ids=lambda rule: rule.id)
+def test_a_rule_explains_itself(rule):
+    assert rule.summary.endswith(".")
+    assert rule.advice
+    assert rule.sections
+    assert all(re.fullmatch(r"(\d(\.\d+)*)?", section) for section in rule.sections.values())
+
+
+CODE = """
+__attribute__((visibility("default"))) double shown(double x);
+double shown(double x) { return x; }
+"""
+
+
+def test_an_unsigned_library_for_arm_macs_is_found(tmp_path):
+    """The load command of the signature becomes one of another kind."""
+    platform = toolchain.PLATFORMS["aarch64-darwin"]
+    data = toolchain.shared_library("a", {"a.c": CODE}, platform=platform).read_bytes()
+    command = struct.pack("<II", 0x1D, 16)
+    assert data.count(command) == 1
+    unsigned = data.replace(command, struct.pack("<II", 0x26, 16))
+    assert read_library(unsigned).unsigned
+    sound = models.build_fmu("stage", tmp_path, fmi=3)
+    assert "unsigned-for-arm-mac" not in check(sound, run=False).rules
+    path = tmp_path / "unsigned.fmu"
+    with zipfile.ZipFile(sound) as archive:
+        content = {name: archive.read(name) for name in archive.namelist()}
+    pack(path, content | {"binaries/aarch64-darwin/stage.dylib": unsigned})
+    assert "unsigned-for-arm-mac" in check(path, run=False).rules
+
+
+CALLS = {
+    '"%d of %u"': "-3, 7u",
+    '"%ld %lld %zu"': "-3000000000L, 1LL << 40, (unsigned long)5",
+    '"%s|%10s|%-4s|%.2s"': '"word", "ten", "a", "cut off"',
+    '"%g %.3f %e"': "0.1, 3.14159, -1e300",
+    '"%d %g %s %g %d"': '1, 2.5, "three", 4.5, 5',
+    '"%*d|%.*f|%05d|%+d|%x|%#o"': "5, 42, 2, 1.005, 7, 8, 255, 8",
+    '"%c%%%c"': "'a', 'b'",
+    '"%d %d %d %d %d %d %d %s"': '1, 2, 3, 4, 5, 6, 7, "eight"',
+    '"plain"': "",
+}
+
+
+@pytest.fixture(scope="module")
+def library():
+    cases = "".join(
+        f'case {i}: log(env, "a", 0, "b", {text}{", " * bool(given)}{given});\n'
+        f"snprintf(out, 200, {text}{', ' * bool(given)}{given}); break;\n"
+        for i, (text, given) in enumerate(CALLS.items())
+    )
+    source = (
+        "#include <stdio.h>\n"
+        "typedef void Log(void *, const char *, int, const char *, const char *, ...);\n"
+        '__attribute__((visibility("default"))) void say(Log *log, void *env, int i, char *out);\n'
+        f"void say(Log *log, void *env, int i, char *out) {{ switch (i) {{\n{cases}}} }}\n"
+    )
+    flags = ("-Wno-format", "-Wno-pedantic", "-Wno-error")
+    return ctypes.CDLL(str(toolchain.shared_library("printf", {"say.c": source}, flags=flags)))
+
+
+@pytest.mark.parametrize("i", range(len(CALLS)), ids=list(CALLS))
+def test_a_message_is_formatted_as_by_printf(library, i):
+    callbacks, out = Callbacks(), ctypes.create_string_buffer(200)
+    library.say(callbacks.logger2, ctypes.c_void_p(callbacks.environment), i, out)
+    (message,) = callbacks.messages
+    assert message.text == out.value.decode()
+    assert (message.category, message.status) == ("b", 0)
+
+
+@pytest.mark.parametrize(("elapsed", "tried"), [(0.0, [1, 2, 3]), (1e6, [])])
+def test_things_are_tried_while_there_is_time(elapsed, tried):
+    description = Description(etree.XML("<a><CoSimulation/></a>"), 2)
+    bench = Bench(description, description.interfaces[0], Path(), Path(), [])
+    bench.began = time.monotonic() - elapsed
+    assert list(bench.while_time([1, 2, 3])) == tried
+
+
+@pytest.mark.slow
+def test_one_instance_per_process_is_respected(tmp_path):
+    """An FMU that keeps its state in a global variable is sound if it says so.
+
+    The time is not enough for all rules: what is known by then is reported.
+    """
+    once = b'canBeInstantiatedOnlyOncePerProcess="true" modelIdentifier='
+    sound = members(2)
+    description = sound["modelDescription.xml"].replace(b"modelIdentifier=", once)
+    binary = {binary_name(2): with_defect("shared-state")}
+    path = pack(tmp_path / "a.fmu", sound | {"modelDescription.xml": description} | binary)
+    began = time.monotonic()
+    report = fmucheck.check(path, total=4.0)
+    assert time.monotonic() - began < 12.0
+    assert [f for f in report if f.severity > fmucheck.Severity.NOTE] == []
+    assert "time for all rules is over" in " ".join(f.message for f in report)
+
+
+def test_findings_of_one_cause_are_one(tmp_path):
+    units = members(2)["modelDescription.xml"].replace(b'unit="', b'unit="other ')
+    units = units.replace(b'<Unit name="other ', b'<Unit name="')
+    path = pack(tmp_path / "a.fmu", members(2) | {"modelDescription.xml": units})
+    found = [f for f in fmucheck.check(path, run=False) if f.rule == "undefined-unit"]
+    assert 1 < sum(f.count for f in found) == len(found) + sum(len(f.others) for f in found)
+    assert len({f.cause for f in found}) == len(found)
+
+
+def test_patience_is_shorter_than_the_default_time_limit():
+    assert benches.PATIENCE < TIMEOUT
+
+
+USUAL = ("stage", "compensator", "drive+gms", "dob", "velocity_controller", "lugre_network")
+SOUND = [*models.model_names(), *(f"drive+{law}" for law in models.law_names())]
+
+
+@pytest.mark.parametrize(
+    ("name", "version"),
+    [
+        pytest.param(name, 2 + k % 2, marks=() if name in USUAL else pytest.mark.thorough)
+        for k, name in enumerate(SOUND)
+    ],
+)
+def test_our_models_are_sound(build, name, version):
+    report = fmucheck.check(build(name, version))
+    assert report.fmi == f"{version}.0"
+    assert [f for f in report if f.severity > fmucheck.Severity.NOTE] == []

@@ -88,7 +88,7 @@ def test_what_an_fmu_reaches_for_is_denied_and_found(tmp_path):
 
 
 def test_every_rule_has_a_seed():
-    # In test_check.py and test_libraries.py; the last one tells of mistakes of ours.
+    # In test_check.py and test_robustness.py; the last one tells of mistakes of ours.
     elsewhere = {"not-named-fmu", "unsigned-for-arm-mac", "rule-not-tried", "reaches-outside"}
     every = {s.rule for s in [*descriptions.SEEDS, *files.SEEDS, *binaries.SEEDS]}
     assert set(fmucheck.RULES) - every == elsewhere

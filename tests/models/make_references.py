@@ -267,32 +267,41 @@ def armstrong(p: Parameters) -> Columns:
     return {"time": t, "v": v, "F_f": np.array(F_f), "F_mean": np.array(F_mean)}
 
 
+def controlled(p: Parameters, inputs: Columns) -> np.ndarray:
+    """Return u, v_est, I, J (n, 4) after each sample of the controller's inputs (n,)."""
+    keep = np.exp(-p["T_s"] / p["tau_f"]) if p["tau_f"] > 0 else 0.0
+    v_est, integrals, x_last, rows = 0.0, np.zeros(2), inputs["x_enc"][0], []
+    for v_cmd, a_cmd, x, F_ff, x_cmd, v_hat in zip(*inputs.values(), strict=True):
+        v_est = keep * v_est + (1 - keep) * (x - x_last) / p["T_s"]
+        x_last, e_x = x, x_cmd - x
+        e_v = (
+            p["velocity_feedforward"] * v_cmd
+            + p["K_x"] * e_x
+            - (v_hat if p["use_v_hat"] else v_est)
+        )
+        trial = integrals + p["T_s"] * np.array([p["K_i"] * e_v, p["I_x"] * e_x])
+        demand = p["K_p"] * e_v + p["P_x"] * e_x + trial.sum() + F_ff + p["m_ff"] * a_cmd
+        u = np.clip(demand, -p["u_max"], p["u_max"])
+        free = (u == demand) | (np.sign(demand) != np.sign([e_v, e_x]))
+        integrals = np.where(free, trial, integrals)
+        rows.append((u, v_est, *integrals))
+    return np.array(rows)
+
+
 def velocity_controller(p: Parameters) -> Columns:
     """Follow a sine with an encoder that lags behind it; the force runs into its limit."""
     t = np.arange(201) * STEP
     v_cmd = 0.03 * np.sin(2 * np.pi * 20.0 * t) + np.where((t > 0.06) & (t < 0.07), 0.05, 0.0)
-    x_enc = np.rint(2e-4 * (1.0 - np.cos(2 * np.pi * 20.0 * t - 0.2)) / 4e-7) * 4e-7
     inputs = {
         "v_cmd": v_cmd,
         "a_cmd": np.gradient(v_cmd, STEP),
-        "x_enc": x_enc,
+        "x_enc": np.rint(2e-4 * (1.0 - np.cos(2 * np.pi * 20.0 * t - 0.2)) / 4e-7) * 4e-7,
         "F_ff": 6.0 * np.sign(v_cmd),
         "x_cmd": 2e-4 * (1.0 - np.cos(2 * np.pi * 20.0 * t)),
         "v_hat": v_cmd,
-    }  # the last two say nothing where the switch is off and the gains of position are 0
-    keep = np.exp(-p["T_s"] / p["tau_f"])
-    v, integral, x_last, u, v_est = 0.0, 0.0, x_enc[0], [0.0], [0.0]
-    rows = list(zip(*inputs.values(), strict=True))[:-1]
-    for command, acceleration, x, feedforward, *_ in rows:
-        v = keep * v + (1.0 - keep) * (x - x_last) / p["T_s"]
-        x_last, e = x, command - v
-        trial = integral + p["T_s"] * p["K_i"] * e
-        demand = p["K_p"] * e + trial + feedforward + p["m_ff"] * acceleration
-        u.append(np.clip(demand, -p["u_max"], p["u_max"]))
-        v_est.append(v)
-        if u[-1] == demand or np.sign(demand) != np.sign(e):
-            integral = trial
-    return {"time": t, **inputs, "u": np.array(u), "v_est": np.array(v_est)}
+    }  # the last two have no effect where the switch is off and the gains of position are 0
+    u, v_est, *_ = controlled(p, {name: values[:-1] for name, values in inputs.items()}).T
+    return {"time": t, **inputs, "u": np.append(0.0, u), "v_est": np.append(0.0, v_est)}
 
 
 def lagging_motion() -> Columns:
@@ -355,7 +364,7 @@ def coulomb_observer(p: Parameters) -> Columns:
     N = given.pop("N")
     ahead, v_r = predictor(p, N), 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
     now, a, s, v_last = np.zeros(3), p["a_0"], 0.0, v_r[0]
-    F, a_hat = [0.0], [0.0]
+    F, a_hat = [0.0], [a]
     for k, position in enumerate(given["x_enc"][:-1]):
         x, v, _ = ahead(k, np.array([now[0], now[1], -a * s]))
         r = position - x
@@ -400,7 +409,7 @@ def momentum_observer(p: Parameters) -> Columns:
     """Observe the same by the change of momentum."""
     given, residual = lagging_motion(), momentum(p)
     N, x, v_r = given.pop("N"), given["x_enc"], 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
-    a, F, a_hat, s, w, v_k = p["a_0"], [0.0], [0.0], 1.0, p["w_q"], 0.0
+    a, F, a_hat, s, w, v_k = p["a_0"], [0.0], [p["a_0"]], 1.0, p["w_q"], 0.0
     for k in range(200):
         last = max(k - 1, 0)
         friction, v = residual(N[[last, k]], x[[last, k]])
@@ -509,7 +518,7 @@ def lffc(p: Parameters) -> Columns:
     """Learn with hats by linear interpolation of unit vectors over the knots."""
     given = learning_signals(p)
     knots = np.append(0.0, np.geomspace(p["first"], p["last"], 13))
-    v_r, w, F = given["v_r"], np.zeros((2, 14)), [0.0]
+    v_r, w, F = given["v_r"], weights(p, 2, 14), [0.0]
     v_last, u_r, q, row, old = v_r[0], 0.0, 0.0, None, []
     for k in range(400):
         error = given["u"][k] - F[-1] - u_r
@@ -526,12 +535,21 @@ def lffc(p: Parameters) -> Columns:
         old.append(mu)
         if k >= p["D"]:
             before = old[k - int(p["D"])]
-            w += p["gamma"] * error * before / (before**2).sum()
+            w = w + p["gamma"] * error * before / (before**2).sum()
+            w = np.clip(w, -p["F_max"], p["F_max"])
     return {**given, "F": np.array(F)}
 
 
-def network(p: Parameters, w: np.ndarray, force: Network, gradient: Network) -> Columns:
-    """Learn the weights w of force(w, y_v, y_q) along gradient(w, y_v, y_q)."""
+def weights(p: Parameters, rows: int, columns: int) -> np.ndarray:
+    """Return the weights to start with."""
+    every = range(1, rows + 1), range(1, columns + 1)
+    return np.array([[p[f"w_0[{i},{j}]"] for j in every[1]] for i in every[0]])
+
+
+def network(
+    p: Parameters, w: np.ndarray, force: Network, gradient: Network, limit: np.ndarray | float
+) -> Columns:
+    """Learn weights w, up to a limit, of force(w, y_v, y_q) along gradient(w, y_v, y_q)."""
     given, F, old = learning_signals(p), [0.0], []
     v_r = given["v_r"]
     v_last, u_r, q, direction = v_r[0], 0.0, 0.0, 0.0
@@ -549,7 +567,7 @@ def network(p: Parameters, w: np.ndarray, force: Network, gradient: Network) -> 
         F.append(given["F_in"][k] + force(w, *old[-1]))
         if k >= p["D"]:
             by = gradient(w, *old[k - int(p["D"])])
-            w = w + p["gamma"] * error * by / (by**2).sum()
+            w = np.clip(w + p["gamma"] * error * by / (by**2).sum(), -limit, limit)
     return {**given, "F": np.array(F)}
 
 
@@ -564,12 +582,14 @@ def rbf(p: Parameters) -> Columns:
     def both(_: np.ndarray, y_v: float, y_q: float) -> np.ndarray:
         return np.outer(shares(y_v, 11), shares(y_q, 8))
 
-    return network(p, np.zeros((11, 8)), lambda w, *place: (w * both(w, *place)).sum(), both)
+    def force(w: np.ndarray, *place: float) -> np.ndarray:
+        return (w * both(w, *place)).sum()
+
+    return network(p, weights(p, 11, 8), force, both, p["F_max"])
 
 
 def mlp(p: Parameters) -> Columns:
     """Learn with a hidden layer, whose gradient is from complex steps."""
-    start = [[p[f"w_0[{i},{j}]"] for j in range(1, 5)] for i in range(1, 9)]
 
     def force(w: np.ndarray, y_v: float, y_q: float) -> np.ndarray:
         return p["F_max"] * np.tanh(w[:, :3] @ [y_v, y_q, 1.0]) @ w[:, 3]
@@ -578,7 +598,7 @@ def mlp(p: Parameters) -> Columns:
         moved = (w + 1e-30j * one.reshape(8, 4) for one in np.eye(32))
         return np.reshape([force(each, *place).imag / 1e-30 for each in moved], (8, 4))
 
-    return network(p, np.array(start), force, gradient)
+    return network(p, weights(p, 8, 4), force, gradient, np.array([20.0, 20.0, 20.0, 1.0]))
 
 
 def lugre_network(p: Parameters) -> Columns:
@@ -667,33 +687,9 @@ def command_static(p: Parameters) -> Columns:
 
 def main(folder: Path) -> None:
     """Write every model's reference.csv below a folder."""
-    for calculate in (
-        stage,
-        drive,
-        lugre,
-        dahl,
-        elasto_plastic,
-        leuven,
-        gms,
-        coulomb_stribeck,
-        armstrong,
-        velocity_controller,
-        velocity_filter,
-        static_feedforward,
-        dob,
-        coulomb_observer,
-        momentum_observer,
-        adaptive_scale,
-        lugre_observer,
-        lffc,
-        rbf,
-        mlp,
-        lugre_network,
-        nominal_loop,
-        command_feedforward,
-        command_static,
-    ):
-        name = calculate.__name__
+    for name in (*models.law_names(), *models.model_names()):
+        if not (calculate := globals().get(name)):  # the compensator has that of its law
+            continue
         table = pd.DataFrame(calculate(start_values(name)))
         text = table.to_csv(index=False, float_format="%.15g", lineterminator="\n")
         path = reference_file(model_of(name))

@@ -1,4 +1,4 @@
-"""The LuGre bristle: equations (2) to (4) and the exact step at constant velocity."""
+"""The LuGre law: equations (2) to (4), the exact step, a damping that fades."""
 
 from __future__ import annotations
 
@@ -82,36 +82,46 @@ def test_step_is_the_closed_form(lugre, p, v, h, start):
     assert force == pytest.approx(expected, rel=1e-8, abs=1e-8 * scale)
 
 
-@settings(EVERYWHERE, max_examples=15)
-@given(p=contacts, v=velocities, h=steps)
-def test_step_solves_the_differential_equation(lugre, p, v, h):
-    reach = equation_4(v, p) / p["sigma_0"]
-    solution = solve_ivp(
-        lambda _, z: v - abs(v) / reach * z, (0, h), [0.0], "Radau", rtol=1e-10, atol=1e-14 * reach
-    )
-    assert lugre(h, v, 0.0, p)[0] == pytest.approx(solution.y[0, -1], rel=1e-7, abs=1e-9 * reach)
-
-
-@EVERYWHERE
-@given(p=contacts, v=velocities, parts=st.integers(2, 6), h=steps)
-def test_steps_compose(lugre, p, v, parts, h):
-    """A step cut into parts ends where the whole step ends, and its mean force is their mean."""
-    z, forces = 0.0, []
-    for _ in range(parts):
-        z, force = lugre(h / parts, v, z, p)
-        forces.append(force)
-    whole, mean = lugre(h, v, 0.0, p)
-    assert z == pytest.approx(whole, rel=1e-12)
-    assert np.mean(forces) == pytest.approx(mean, rel=1e-10)
-
-
 def test_standing_still_keeps_the_deflection(lugre):
     assert lugre(1e-3, 0.0, 1e-5, TABLE_2) == (1e-5, pytest.approx(3.9162e5 * 1e-5, rel=1e-15))
 
 
-def test_small_motions_feel_a_spring(lugre):
-    """In presliding F_f = sigma_0 x to first order in x / (F_s / sigma_0)."""
-    way, z = 1e-8, 0.0
-    for _ in range(1000):
-        z, _ = lugre(1e-3, way / 1.0, z, TABLE_2)
-    assert z == pytest.approx(way, rel=1e-3)
+H = 5e-4  # s
+F_S, F_C, V_S, SIGMA_0, SIGMA_1 = 8.999, 5.999, 5.5697e-4, 3.9162e5, 4424.8
+M, B = 5.557, 6.6135  # kg, N s/m
+V_D = 2e-3  # m/s
+
+
+def test_the_damping_fades_with_the_velocity(follow):
+    """sigma_1 exp(-(v / v_d)^2) takes the place of sigma_1, and z is as before."""
+    v = 3e-3 * np.sin(np.arange(400) * 0.05)
+    whole, none = (follow("lugre", H, v, sigma_1=s)["F_mean"] for s in (SIGMA_1, 0.0))
+    faded = follow("lugre", H, v, v_d=V_D)["F_mean"]
+    share = np.exp(-((v / V_D) ** 2))
+    np.testing.assert_allclose(faded, none + share * (whole - none), atol=1e-12)
+    assert abs(whole - faded).max() > 1.0
+
+
+@pytest.mark.parametrize(("v_d", "passive"), [(0.0, False), (V_D, True)])
+def test_a_fast_start_from_break_away_is_not_pushed(follow, v_d, passive):
+    """From z = F_s / sigma_0 the force is F_s - sigma_1 v (F_s - F_c) / F_c: -35 N at 20 mm/s."""
+    v = np.full(20, 0.02)
+    force = follow("lugre", 1e-6, v, v_d=v_d, z=F_S / SIGMA_0)["F_mean"]
+    assert (force.min() > 0.0) == passive
+
+
+def test_a_pushed_mass_against_radau(push):
+    u = np.repeat([5.0, 12.0, -3.0, -14.0], 40)
+    found, y = push("lugre", H, u, v_d=V_D), np.zeros(3)  # um, mm/s, um
+    for k in range(0, len(u), 40):
+
+        def motion(_: float, y: np.ndarray, force: float = u[k]) -> list[float]:
+            v, z = 1e-3 * y[1], 1e-6 * y[2]
+            dz = v - SIGMA_0 * abs(v) / (F_C + (F_S - F_C) * np.exp(-abs(v) / V_S)) * z
+            damping = SIGMA_1 * np.exp(-((v / V_D) ** 2))
+            return [v * 1e6, (force - B * v - SIGMA_0 * z - damping * dz) / M * 1e3, dz * 1e6]
+
+        y = solve_ivp(motion, (0.0, 40 * H), y, "Radau", rtol=1e-9, atol=1e-9).y[:, -1]
+        assert 1e3 * found["v"][k + 40] == pytest.approx(y[1], abs=2e-3)
+        assert 1e6 * found["x"][k + 40] == pytest.approx(y[0], abs=0.01)
+    assert np.ptp(found["v"]) > 0.03

@@ -1,13 +1,18 @@
-"""exp, log, sin and the phi functions against decimal arithmetic of 60 digits."""
+"""Elementary functions against decimal arithmetic; noise; messages written as by printf."""
 
 from __future__ import annotations
 
+import ctypes
 import math
 from collections.abc import Callable
 from decimal import Decimal, localcontext
+from pathlib import Path
 
 import numpy as np
 import pytest
+
+from stickslip import models
+from stickslip.fmi import toolchain
 
 PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620900")
 
@@ -95,3 +100,106 @@ def test_what_is_not_a_number_stays_none(c):
 def test_symmetry(c):
     x = RANDOM.uniform(0, 50, 500)
     np.testing.assert_array_equal(c("sin", -x), -c("sin", x))
+
+
+N = 100_000
+
+
+@pytest.fixture
+def draw(library: ctypes.CDLL) -> Callable[..., np.ndarray]:
+    def draw(seed: int = 0, channel: int = 0, n: int = N) -> np.ndarray:
+        y = np.empty(n)
+        library.probe_noise(
+            ctypes.c_size_t(n), ctypes.c_double(seed), channel, y.ctypes.data_as(ctypes.c_void_p)
+        )
+        return y
+
+    return draw
+
+
+def test_mean_0_and_variance_1(draw):
+    """Within five standard errors: 1 / sqrt(n), and sqrt((kurtosis - 1) / n) of the variance."""
+    y = draw()
+    assert abs(y.mean()) < 5 / np.sqrt(N)
+    assert abs(y.var() - 1) < 5 * np.sqrt(1.9 / N)
+
+
+def test_bell_shape(draw):
+    """Twelve uniforms summed: no skew, kurtosis 3 - 1.2 / 12, and 68.3 % within one deviation."""
+    y = draw()
+    assert abs((y**3).mean()) < 5 * np.sqrt(15 / N)
+    assert abs((y**4).mean() - 2.9) < 5 * np.sqrt(96 / N)
+    assert abs((np.abs(y) < 1).mean() - 0.6785) < 0.01
+    assert np.abs(y).max() <= 6
+
+
+def test_same_seed_same_noise(draw):
+    np.testing.assert_array_equal(draw(7), draw(7))
+
+
+@pytest.mark.parametrize("other", [{"seed": 1}, {"channel": 1}, {"seed": 2**31 - 1}])
+def test_seeds_and_channels_are_independent(draw, other):
+    y, z = draw(), draw(**other)
+    assert abs(np.corrcoef(y, z)[0, 1]) < 5 / np.sqrt(N)
+
+
+def test_draws_are_independent_of_those_before(draw):
+    y = draw(3)
+    for lag in (1, 2, 7):
+        assert abs(np.corrcoef(y[:-lag], y[lag:])[0, 1]) < 5 / np.sqrt(N)
+
+
+ADAPTER = Path(models.__file__).parent / "adapter"
+PROBE = """
+#include "text.h"
+#ifdef _WIN32
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+EXPORT void probe(char *out, size_t size, const char *format, ...);
+void probe(char *out, size_t size, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    text_write(out, size, format, arguments);
+    va_end(arguments);
+}
+"""
+
+
+@pytest.fixture(scope="session")
+def write() -> Callable[..., str]:
+    """Write with the adapter's text.c: ``write("%g s", 1.5)``."""
+    files = {name: (ADAPTER / name).read_text() for name in ("text.c", "text.h")}
+    library = ctypes.CDLL(str(toolchain.shared_library("text", files | {"probe.c": PROBE})))
+
+    def write(form: str, *values: object, size: int = 200) -> str:
+        out = ctypes.create_string_buffer(size)
+        library.probe(out, ctypes.c_size_t(size), form.encode(), *values)
+        return out.value.decode()
+
+    return write
+
+
+def test_numbers_look_as_printf_writes_them(write):
+    rng = np.random.default_rng(0)
+    drawn = rng.standard_normal(2000) * 10.0 ** rng.integers(-300, 300, 2000)
+    plain = [0.0, 1.0, -1.5, 5e-4, 0.1, 999999.4, 999999.6, 1e6, 123456789.0, 1e-4, 1e-5, 0.025]
+    ends = [1.7976931348623157e308, 5e-324, float("inf"), float("-inf"), float("nan")]
+    for value in [*drawn, *ends]:
+        written = write("%g", ctypes.c_double(value))
+        digits = float(written) / float(f"{value:g}") - 1.0  # the sixth may be one off
+        assert written == f"{value:g}" or abs(digits) < 1.1e-5
+    for value in plain:
+        assert write("%g", ctypes.c_double(value)) == f"{value:g}"
+
+
+def test_the_other_conversions(write):
+    assert write("%s is %d of %d", b"k", -3, 2**31 - 1) == f"k is -3 of {2**31 - 1}"
+    most = 2**64 - 1
+    assert write("%zu bytes", ctypes.c_size_t(most)) == f"{most} bytes"
+    assert write("%lu%s", ctypes.c_ulong(0), b"!") == "0!"
+
+
+def test_no_more_is_written_than_there_is_room_for(write):
+    assert write("%s%g", b"abcdef", ctypes.c_double(1.25), size=8) == "abcdef1"

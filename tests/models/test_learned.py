@@ -109,18 +109,6 @@ def test_two_runs_are_one_without_an_interruption(fmus, name):
     assert untrained.tobytes() != whole_run.tobytes()
 
 
-def test_the_next_run_begins_with_the_error_of_the_last(fmus):
-    """Friction 5 N of which 4 N are known: the scale starts at 1.25 and not at 1."""
-    given = signals(np.full(4000, 0.125))
-    with simulation(fmus / "adaptive_scale.fmu", 4000) as prepared:
-        given = inputs(prepared, given)
-        prepared.run({"c.rate": 5.0, "c.m": 1e-6, "c.b": 0.0}, given)
-        kept = prepared.learned()
-        force = prepared.run(kept, given)["c.F"]
-    assert kept["c.s_0"] == pytest.approx(1.25, rel=1e-3)
-    assert force[1] == 4.0 * kept["c.s_0"]
-
-
 def test_values_are_those_at_the_end(fmus):
     with simulation(fmus / "lffc.fmu", 100) as prepared:
         with pytest.raises(SimulationError, match=r"c.gamma has no value yet: run first"):

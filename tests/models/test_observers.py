@@ -1,4 +1,4 @@
-"""Observers of friction and of its amplitude: identities, convergence, a loop without friction."""
+"""Observers of friction: identities, convergence, a loop without friction, orders."""
 
 from __future__ import annotations
 
@@ -7,59 +7,36 @@ import pytest
 from scipy.linalg import expm
 
 from stickslip import cosim, models
+from stickslip.servo.axis import Axis
+from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 
 T = 5e-4  # s
 PLAIN = {"tau_f": 0.0, "tau_i": 0.0, "b": 0.0, "m": 1e-6}
 """A momentum observer whose residual is the motor force."""
 
 
-def observe(fmus, name, signals, **parameters):
-    """Run an observer alone; inputs without a signal stay 0."""
-    system = cosim.System()
-    system.add("fmu", fmus / f"{name}.fmu", parameters)
-    for signal in signals:
-        system.expose(signal, f"fmu.{signal}")
-    stop = T * (len(next(iter(signals.values()))) - 1)
-    with system.prepare(step=T, stop=stop, constant_step=True) as simulation:
-        return simulation.run(inputs=signals)
-
-
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_in_one_direction_the_amplitude_is_the_force(fmus, sign):
+def test_in_one_direction_the_amplitude_is_the_force(observe, sign):
     """Friedland and Park with mu = 1, k / m = w_q gives the bits of the disturbance observer."""
     t = np.arange(1000) * T
     v = sign * (0.04 + 0.01 * np.sin(20 * t))
     F_m = sign * np.where(t > 0.0, 6.0 + 3.0 * np.cos(30 * t), 0.0)
     signals = {"x_enc": np.cumsum(v) * T, "F_m": F_m, "v_r": v}
     force, amplitude = (
-        observe(fmus, "momentum_observer", signals, coulomb=coulomb, **PLAIN)
-        for coulomb in (False, True)
+        observe("momentum_observer", signals, coulomb=coulomb, **PLAIN) for coulomb in (False, True)
     )
     np.testing.assert_array_equal(sign * force["fmu.a_hat"], amplitude["fmu.a_hat"])
     np.testing.assert_array_equal(force["fmu.F"][2:], amplitude["fmu.F"][2:])
     assert amplitude["fmu.a_hat"].max() > 6.0
 
 
-def test_after_a_reversal_the_force_is_learned_again_and_the_amplitude_is_kept(fmus):
-    """The force's error is twice the friction and decays with w_q."""
-    v = np.repeat([0.04, -0.04], 800)
-    signals = {"x_enc": np.cumsum(v) * T, "F_m": 5.0 * np.sign(v), "v_r": v}
-    options = {"a_0": 5.0, "w_q": 40.0, **PLAIN}
-    amplitude = observe(fmus, "momentum_observer", signals, **options)["fmu.a_hat"]
-    force = observe(fmus, "momentum_observer", signals, coulomb=False, **options)["fmu.a_hat"]
-    np.testing.assert_allclose(amplitude[1:], 5.0, atol=0.02)
-    error = force[802:1001] + 5.0
-    np.testing.assert_allclose(error[1:], error[0] * np.exp(-40.0 * T * np.arange(1, 199)))
-    assert error[0] == pytest.approx(10.0, rel=0.05)
-
-
-def test_the_error_of_the_amplitude_decays_with_a_power_of_the_speed(fmus):
+def test_the_error_of_the_amplitude_decays_with_a_power_of_the_speed(observe):
     """a_hat = 1 - exp(-(k mu / m)(t + (1 - cos t) / 2)) for v = 1 + sin(t) / 2 and mu = 2."""
     t = np.arange(2001) * T
     v, k, mu, v_t = 1.0 + 0.5 * np.sin(t), 2.0, 2.0, 1e-3
     signals = {"x_enc": t + 0.5 * (1.0 - np.cos(t)), "F_m": np.ones(2001), "v_r": v}
     options = {**PLAIN, "mu": mu, "v_t": v_t, "w_q": k * mu * v_t}
-    found = observe(fmus, "momentum_observer", signals, **options)["fmu.a_hat"]
+    found = observe("momentum_observer", signals, **options)["fmu.a_hat"]
     expected = 1.0 - np.exp(-k * mu * (t + 0.5 * (1.0 - np.cos(t))))
     np.testing.assert_allclose(found[1:], expected[:-1], atol=5e-3)
 
@@ -74,45 +51,20 @@ def slid(p: dict[str, float], force: float, n: int) -> np.ndarray:
     return np.array(x)
 
 
-def test_the_amplitude_converges_with_the_poles_of_the_gains(fmus):
+def test_the_amplitude_converges_with_the_poles_of_the_gains(observe):
     """In one direction it is the disturbance observer's force, whose error is (A - L C A)^k."""
     model = models.load_model("coulomb_observer")
     p = {v.name: v.start for v in model.variables if v.role == "parameter"}
     signals = {"x_enc": slid(p, 3.0, 300), "F_m": np.zeros(300)}
-    found = observe(fmus, "coulomb_observer", {**signals, "v_r": np.full(300, -1.0)})["fmu.a_hat"]
+    found = observe("coulomb_observer", {**signals, "v_r": np.full(300, -1.0)})["fmu.a_hat"]
     rates = np.array([[0.0, 1.0, 0.0], [0.0, -p["b"] / p["m"], 1.0 / p["m"]], [0.0, 0.0, 0.0]])
     A, L = expm(rates * T), np.array([[p["L_x"]], [p["L_v"]], [p["L_d"]]])
     error = np.array([0.0, 0.0, 3.0])
     for amplitude in found[1:]:
         assert 3.0 - amplitude == pytest.approx(error[2], abs=1e-8)
         error = (A - L @ A[:1]) @ error
-    dob = observe(fmus, "dob", signals)
+    dob = observe("dob", signals)
     np.testing.assert_allclose(found, dob["fmu.d_hat"], rtol=0, atol=1e-9)
-
-
-def test_the_direction_is_measured_or_commanded(fmus):
-    """At rest under a command the measured direction compensates nothing."""
-    n = 200
-    signals = {"x_enc": np.zeros(n), "F_m": np.zeros(n), "v_r": np.full(n, 0.01)}
-    for name in ("coulomb_observer", "momentum_observer"):
-        commanded, measured = (
-            observe(fmus, name, signals, a_0=4.0, measured=measured)["fmu.F"]
-            for measured in (False, True)
-        )
-        assert commanded[1] == pytest.approx(4.0)
-        np.testing.assert_array_equal(measured[1:], 0.0)
-
-
-def test_the_error_of_the_acceleration_is_fed_back(fmus):
-    """Tafazoli's term, here without a correction by the encoder: -k_a (F_m - b v - m a_r)."""
-    model = models.load_model("coulomb_observer")
-    p = {v.name: v.start for v in model.variables if v.role == "parameter"}
-    F_m = np.where(np.arange(100) > 0, 10.0, 0.0)
-    signals = {"x_enc": np.zeros(100), "F_m": F_m, "v_r": 2.0 * T * np.arange(100)}
-    off = {"L_x": 0.0, "L_v": 0.0, "L_d": 0.0, "tau_i": 0.0, "k_a": 0.3}
-    found = observe(fmus, "coulomb_observer", signals, **off)["fmu.F"]
-    v = 10.0 / p["b"] * -np.expm1(-p["b"] / p["m"] * T * np.arange(1, 99))
-    np.testing.assert_allclose(found[2:], -0.3 * (10.0 - p["b"] * v - p["m"] * 2.0), rtol=1e-9)
 
 
 def binary_axis(_t, h, x, u):
@@ -152,8 +104,48 @@ def test_without_a_disturbance_the_loop_stays_as_it_is(fmus, name, mode):
             for place in places:
                 system.connect(source, place)
         sine = cosim.SineSweep(frequency=(5.0, 5.0), amplitude=(0.04, 0.04), duration=1.0)
-        with system.prepare(step=h, stop=1.0, constant_step=True) as simulation:
-            result = simulation.run(inputs={"v_cmd": sine})
+        result = system.prepare(step=h, stop=1.0, constant_step=True).run(inputs={"v_cmd": sine})
         forces.append(result["controller.u"])
     assert np.ptp(forces[0]) > 10.0
     assert forces[0].tobytes() == forces[1].tobytes()
+
+
+P = {v.name: v.start for v in models.load_model("dob").variables if v.role == "parameter"}
+
+
+def axis(force: float, n: int, change: float = 0.0) -> np.ndarray:
+    """Return the position at n + 1 samples under a force alone, which changes at each sample."""
+    rates = np.array([[0.0, 1.0, 0.0], [0.0, -P["b"] / P["m"], 1.0 / P["m"]], [0.0, 0.0, 0.0]])
+    state, move, x = np.array([0.0, 0.0, force]), expm(rates * T), []
+    for _ in range(n + 1):
+        x.append(state[0])
+        state = move @ state + [0.0, 0.0, change]
+    return np.array(x)
+
+
+def test_its_estimate_is_that_of_the_velocity_filter(observe):
+    t = np.arange(301) * T
+    x, F, known = 1e-3 * np.sin(20 * t), 5.0 * np.cos(30 * t), 2.0 * np.sign(np.cos(20 * t))
+    signals = {"x_enc": x, "F_m": F}
+    dob = observe("dob", {**signals, "F_in": known})
+    plain = observe("velocity_filter", {**signals, "F_ff": known})
+    assert dob["fmu.d_hat"].tobytes() == plain["fmu.d_hat"].tobytes()
+    passed = np.append(0.0, known[:-1])
+    np.testing.assert_array_equal(dob["fmu.F"], passed - dob["fmu.d_hat"])
+
+
+def test_only_order_2_follows_a_ramp_without_an_error(observe):
+    """Of order 1 the error is what one sample adds over what the correction takes away."""
+    x, rate = axis(0.0, 800, 40.0 * T), 40.0
+    weights = FilterSpecification(4e-7, 0.05, 1.5), FilterSpecification(4e-7, 0.05, 300.0, 2)
+    designed = [design_velocity_filter(Axis(P["m"], P["b"], P["tau_i"]), T, w) for w in weights]
+    lag, none = (
+        rate * T * np.arange(-1, 800)
+        - observe("dob", {"x_enc": x, "F_m": 0 * x}, **Observer(one).parameters())["fmu.d_hat"]
+        for one in designed
+    )
+    first = designed[0]
+    A = first.disturbance().A[:3, :3]
+    expected = np.linalg.solve(np.eye(3) - A, [0.0, 0.0, rate * T])[2]
+    assert lag[-1] == pytest.approx(expected, rel=1e-6)
+    assert abs(none[-1]) < 1e-6 * expected

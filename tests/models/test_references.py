@@ -2,30 +2,27 @@
 
 from __future__ import annotations
 
-import runpy
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
 
 from stickslip import models
 from stickslip.models.export.reference import reference_file
+from tests.models import make_references as references
 
-CALCULATED = (
-    *("velocity_controller", "velocity_filter", "nominal_loop", "static_feedforward", "dob"),
-    *("coulomb_observer", "momentum_observer", "lugre_observer", "lffc", "rbf", "mlp"),
-    "lugre_network",
-    *("adaptive_scale", "command_feedforward", "command_static"),
-)
+SLOW = {"stage", "drive", "lugre_observer"}
+NAMES = [
+    name
+    for name in (*models.law_names(), *models.model_names())
+    if name not in SLOW and hasattr(references, name)
+]
 
 
-# Those of stage and drive take seconds; tests/conformance holds them against the models.
-@pytest.mark.parametrize("name", [*models.law_names(), *CALCULATED])
+# Those of stage, drive and lugre_observer take seconds; tests/conformance holds them.
+@pytest.mark.parametrize("name", NAMES)
 def test_reference_is_up_to_date(name):
-    script = runpy.run_path(str(Path(__file__).with_name("make_references.py")))
-    fresh = pd.DataFrame(script[name](script["start_values"](name)))
-    kept = pd.read_csv(reference_file(script["model_of"](name)))
+    fresh = pd.DataFrame(getattr(references, name)(references.start_values(name)))
+    kept = pd.read_csv(reference_file(references.model_of(name)))
     assert list(kept) == list(fresh)
     # Matrix exponentials of two processors were seen to differ by 1e-11.
     np.testing.assert_allclose(kept, fresh, rtol=1e-10, atol=1e-12)

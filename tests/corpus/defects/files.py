@@ -187,12 +187,7 @@ _ARCHIVE = [
 SEEDS = [
     *(Seed("file", v, *seed) for v in (2, 3) for seed in _file_seeds(v)),
     *(Seed("file", 3, *seed) for seed in _FILES3),
-    Seed("file", 2, "sources-not-listed", "none", lambda path, content: pack(
-        path,
-        {n: d for n, d in content.items() if n != _BUILD}
-        | {"modelDescription.xml": content["modelDescription.xml"].replace(
-            b'<SourceFiles>\n      <File name="model.c"/>\n    </SourceFiles>', b"")},
-    )),
+    Seed("file", 2, "sources-not-listed", "none", lambda path, content: pack(path, {n: d for n, d in content.items() if n != _BUILD} | {"modelDescription.xml": content["modelDescription.xml"].replace(b'<SourceFiles>\n      <File name="model.c"/>\n    </SourceFiles>', b"")})),
     *(Seed("archive", 2, *seed) for seed in _ARCHIVE),
     Seed("archive", 3, "zip-version", "4.5", _raw(_newer)),
     Seed("archive", 3, "stored-with-data-descriptor", "one", _described),

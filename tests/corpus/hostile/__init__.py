@@ -1,42 +1,15 @@
 """Hostile inputs of every kind, what we make of them and what FMPy does."""
 
-from tests.corpus.hostile import (
-    archives,
-    arena,
-    arguments,
-    binaries,
-    clusters,
-    descriptions,
-    exports,
-    folders,
-    learning,
-    options,
-    rigs,
-    sandboxed,
-    statuses,
-    systems,
-    tables,
-    xml,
-)
+from importlib import import_module
+
 from tests.corpus.hostile.case import GROUPS, Case
 
+_MODULES = (
+    *("archives", "xml", "descriptions", "binaries", "statuses", "systems", "tables", "learning"),
+    *("folders", "rigs", "arena", "arguments", "options", "exports", "sandboxed", "clusters"),
+)
 CASES: list[Case] = [
-    *archives.CASES,
-    *xml.CASES,
-    *descriptions.CASES,
-    *binaries.CASES,
-    *statuses.CASES,
-    *systems.CASES,
-    *tables.CASES,
-    *learning.CASES,
-    *folders.CASES,
-    *rigs.CASES,
-    *arena.CASES,
-    *arguments.CASES,
-    *options.CASES,
-    *exports.CASES,
-    *sandboxed.CASES,
-    *clusters.CASES,
+    case for name in _MODULES for case in import_module(f"{__name__}.{name}").CASES
 ]
 """All of them, group by group."""
 

@@ -76,17 +76,10 @@ _IDENTIFIERS = [
     _identifier("dot", "evil.so", "modelIdentifier is", 'modelIdentifier="evil.so"'),
     _identifier("empty", "nothing", "modelIdentifier is", 'modelIdentifier=""'),
     _identifier("missing", "none at all", "modelIdentifier is", ""),
-    _identifier(
-        "long", "10,000 letters", "modelIdentifier is", f'modelIdentifier="{"a" * 10_000}"'
-    ),
+    _identifier("long", "10,000 letters", "modelIdentifier is", f'modelIdentifier="{"a" * 10_000}"'),
     _identifier("device", "a device of Windows", "modelIdentifier is", 'modelIdentifier="con"'),
     _identifier("newline", "a newline", "modelIdentifier is", 'modelIdentifier="a&#10;b"'),
-    _identifier(
-        "letters",
-        "letters that are not of C",
-        "modelIdentifier is",
-        'modelIdentifier="r\u00e9f\u00e9rence"',
-    ),
+    _identifier("letters", "letters that are not of C", "modelIdentifier is", 'modelIdentifier="r\u00e9f\u00e9rence"'),
     _source("up", "an FMU above the package", "outside the package", "../../../a.fmu"),
     _source("encoded", "one hidden by %2e%2e", "outside the package", "%2e%2e/%2e%2e/a.fmu"),
     _source("absolute", "an FMU at /", "outside the package|names no file", "/srv/a.fmu"),
@@ -97,7 +90,7 @@ _IDENTIFIERS = [
     _source("nul", "a NUL in a path", "names no file|missing", "resources/a%00.fmu"),
     _source("folder", "a folder", "missing from the package", "resources"),
     _source("long", "a path of 10,000 letters", "names no file", "a" * 10_000),
-]
+]  # fmt: skip
 
 
 _times = spoils(11, "times", 'startTime="0" stopTime="2" tolerance="1e-6" stepSize="0.1"')

@@ -122,8 +122,8 @@ static int act(Model *m) {
     IF("_exit0") { _exit(0); }
     IF("overflow") { return overflow(NULL); }
     IF("hang") {
-        for (volatile bool waiting = true; waiting;) {
-        }
+        for (volatile bool waiting = true; waiting;)
+            sleep(60);
     }
     IF("stop") { raise(SIGSTOP); }
     IF("leak") { leak(); }

@@ -116,8 +116,7 @@ FLEETS = [
 STATES = [
     _state("text", "a saved state that is text", "no saved state", b"hello"),
     _state("empty", "a saved state that holds nothing", "no saved state", _zip()),
-    _state("pickle", "a saved state with Python objects", "holds what was not saved here",
-           _zip(row=b"\x93NUMPY\1\0v\0{'descr': '|O', 'fortran_order': False, 'shape': (1,), }\n")),
+    _state("pickle", "a saved state with Python objects", "holds what was not saved here", _zip(row=b"\x93NUMPY\1\0v\0{'descr': '|O', 'fortran_order': False, 'shape': (1,), }\n")),
     _state("code", "a saved state whose header is an expression", "holds what was not saved here", _zip(row=b"\x93NUMPY\1\0v\0" + b"(" * 5000)),
 ]  # fmt: skip
 

@@ -89,14 +89,8 @@ def _no_structure(path: Path) -> None:
 
 
 CONNECTIONS = [
-    _case("cycle", "two components without delay and no common solution",
-          r"the loop .* was not solved in \d+ iterations",
-          structure(A + B, LOOP, before=binding("a.ssv")),
-          {"a.ssv": values(("a.d", "1"), ("b.d", "1"))}),
-    _case("self-connection", "a component that feeds itself without delay, and cannot",
-          "the loop .*a.* was not solved",
-          structure(A, [connection("a.y", "a.u")], before=binding("a.ssv")),
-          {"a.ssv": values(("a.d", "1"))}),
+    _case("cycle", "two components without delay and no common solution", r"the loop .* was not solved in \d+ iterations", structure(A + B, LOOP, before=binding("a.ssv")), {"a.ssv": values(("a.d", "1"), ("b.d", "1"))}),
+    _case("self-connection", "a component that feeds itself without delay, and cannot", "the loop .*a.* was not solved", structure(A, [connection("a.y", "a.u")], before=binding("a.ssv")), {"a.ssv": values(("a.d", "1"))}),
     _connected("two-sources", "two outputs to one input", r"b\.u is already connected", connection("a.y", "b.u"), connection("a.z", "b.u")),
     _connected("two-outputs", "an output led to an output", "both ends give a signal", connection("a.y", "b.y")),
     _connected("two-inputs", "an input led to an input", "both ends take a signal", connection("a.u", "b.u")),
@@ -105,21 +99,12 @@ CONNECTIONS = [
     _connected("unknown-end-of-system", "a connection to a connector that the system has not", "the system has no connector 'v'", connection("v", "b.u")),
     _connected("types", "a text led to a number", "only types that lose nothing connect", connection("v", "b.u"), connectors=connector("v", "input", "<ssc:String/>")),
     _connected("units", "metres led to metres per second", "'m' cannot be converted to 'm/s'", connection("a.y", "b.u", convert=True)),
-    _connected("unit-unknown", "furlongs led to metres per second",
-               "'furlong' cannot be converted .*no file defines what 'furlong' is",
-               connection("v", "b.u", convert=True),
-               connectors=connector("v", "input", '<ssc:Real unit="furlong"/>')),
+    _connected("unit-unknown", "furlongs led to metres per second", "'furlong' cannot be converted .*no file defines what 'furlong' is", connection("v", "b.u", convert=True), connectors=connector("v", "input", '<ssc:Real unit="furlong"/>')),
     _connected("scale-nan", "a transformation by NaN", "factor is 'NaN', expected a finite", connection("a.y", "b.u", '<ssc:LinearTransformation factor="NaN"/>')),
-    _connected("mapping-of-numbers", "a table of integers between two numbers",
-               "IntegerMapping.* is for .* values",
-               connection("a.y", "b.u", "<ssc:IntegerMappingTransformation><ssc:MapEntry"
-                          ' source="1" target="2"/></ssc:IntegerMappingTransformation>')),
+    _connected("mapping-of-numbers", "a table of integers between two numbers", "IntegerMapping.* is for .* values", connection("a.y", "b.u", "<ssc:IntegerMappingTransformation><ssc:MapEntry" ' source="1" target="2"/></ssc:IntegerMappingTransformation>')),
     _case("arrays", "an array of three led to one of two", r"dimensions are \(3,\) and \(2,\)", _arrays(3, 2)),
     _case("array-huge", "an array of a thousand million elements", "at most 1000000", _arrays(10**9, 10**9)),
-    _case("declared-otherwise", "a connector that its FMU has as something else",
-          "a.y is declared as input",
-          structure(component("a", f"<ssd:Connectors>{connector('y', 'input')}</ssd:Connectors>"),
-                    [connection("v", "a.y")], connectors=V)),
+    _case("declared-otherwise", "a connector that its FMU has as something else", "a.y is declared as input", structure(component("a", f"<ssd:Connectors>{connector('y', 'input')}</ssd:Connectors>"), [connection("v", "a.y")], connectors=V)),
     _case("connector-twice", "two connectors of one name", "two connectors 'v'", structure(A, connectors=V + V)),
     _case("component-twice", "two components of one name", "two elements 'a'", structure(A + A)),
     _case("name-with-dot", "a component called a.b", "a name without '.'", structure(component("a.b"))),
@@ -134,10 +119,7 @@ CONNECTIONS = [
                     [connection("d.v", "d.w"), connection("d.w", "d.v")],
                     behind='<ssd:SignalDictionaries><ssd:SignalDictionary name="bus" source="a.ssb"/></ssd:SignalDictionaries>'),
           {"a.ssb": document("ssb:SignalDictionary", "".join(f'<ssb:DictionaryEntry name="{e}"><ssc:Real/></ssb:DictionaryEntry>' for e in "vw"))}),
-    _case("no-dictionary", "a reference to a signal dictionary that is none",
-          "there is no signal dictionary 'bus'",
-          structure(A + '<ssd:SignalDictionaryReference name="d" dictionary="bus"/>',
-                    [connection("a.y", "d.z")])),
+    _case("no-dictionary", "a reference to a signal dictionary that is none", "there is no signal dictionary 'bus'", structure(A + '<ssd:SignalDictionaryReference name="d" dictionary="bus"/>', [connection("a.y", "d.z")])),
 ]  # fmt: skip
 
 SOURCES = [
@@ -182,16 +164,12 @@ BINDINGS = [
     _bound("mapping-no-source", "an empty source of a mapping beside one for a parameter that is none", "has no variable 'q'", binding("a.ssv", "a.ssm"), a_ssv=values(("a.k", "1")), a_ssm=document("ssm:ParameterMapping", '<ssm:MappingEntry source="" target="a.k"/><ssm:MappingEntry source="a.k" target="a.q"/>')),
     _bound("mapping-nan", "a mapping by NaN", "factor is 'NaN', expected a finite number", binding("a.ssv", "a.ssm"), a_ssv=values(("x", "1")), a_ssm=document("ssm:ParameterMapping", '<ssm:MappingEntry source="x" target="a.k"><ssc:LinearTransformation factor="NaN"/></ssm:MappingEntry>')),
     _bound("value-vector", "three numbers for one, in SSP 2.0", "a.k: expected a value of type Real, got", binding("a.ssv"), a_ssv=document("ssv:ParameterSet", '<ssv:Parameters><ssv:Parameter name="a.k"><ssv:Float64 value="1 2 3"/></ssv:Parameter></ssv:Parameters>', "2.0")),
+    _bound("mapping-unit", "a mapped value in a unit that no file defines", r"parameter 'a\.k' is given in '\[N\]'.* is not defined by its file", binding("a.ssv", "a.ssm"), a_ssv=values(("L", '2" unit="[N]')), a_ssm=document("ssm:ParameterMapping", '<ssm:MappingEntry source="L" target="a.k"/>')),
     _bound("mapping-missing", "a binding to an .ssm file that is not there", "'a.ssm' is missing", binding("a.ssv", "a.ssm"), a_ssv=values(("a.k", "1"))),
     _bound("mapping-text", "an .ssm file that is text", "a.ssm: .*expected", binding("a.ssv", "a.ssm"), a_ssv=values(("a.k", "1")), a_ssm="a -> b"),
     _bound("mapping-of-nothing", "a mapping of a parameter that is none", "no parameter 'none'", binding("a.ssv", "a.ssm"), a_ssv=values(("a.k", "1")), a_ssm=MAPPING),
-    _case("dictionary-missing", "a signal dictionary in a file that is not there",
-          "'a.ssb' is missing",
-          structure(A, behind='<ssd:SignalDictionaries><ssd:SignalDictionary name="d"'
-                    ' source="a.ssb"/></ssd:SignalDictionaries>')),
-    _case("dictionary-text", "a signal dictionary that is text", "a.ssb: .*expected",
-          structure(A, behind='<ssd:SignalDictionaries><ssd:SignalDictionary name="d"'
-                    ' source="a.ssb"/></ssd:SignalDictionaries>'), {"a.ssb": "bus"}),
+    _case("dictionary-missing", "a signal dictionary in a file that is not there", "'a.ssb' is missing", structure(A, behind='<ssd:SignalDictionaries><ssd:SignalDictionary name="d"' ' source="a.ssb"/></ssd:SignalDictionaries>')),
+    _case("dictionary-text", "a signal dictionary that is text", "a.ssb: .*expected", structure(A, behind='<ssd:SignalDictionaries><ssd:SignalDictionary name="d"' ' source="a.ssb"/></ssd:SignalDictionaries>'), {"a.ssb": "bus"}),
     _case("binding-empty", "a binding that neither holds nor names values", "is missing", structure(A, before=bound("<ssd:ParameterBinding/>"))),
 ]  # fmt: skip
 
@@ -206,19 +184,11 @@ FILES = [
     _case("deep", "elements a hundred thousand deep", "SystemStructure.ssd: .*[Dd]ep", DEEP),
     _case("cut-off", "half a description", "SystemStructure.ssd: ", structure(A)[:300]),
     _case("empty-structure", "an empty description", "SystemStructure.ssd: ", ""),
-    _case("units-twice-nothing", "a unit whose factor is 0", "factor of a unit cannot be 0",
-          structure(A, rest='<ssd:Units><ssc:Unit name="m"><ssc:BaseUnit factor="0"/></ssc:Unit>'
-                    "</ssd:Units>")),
-    _case("unit-two-definitions", "a unit that is a length and a time", "unit 'm' has two definitions",
-          structure(A, rest='<ssd:Units><ssc:Unit name="m"><ssc:BaseUnit m="1"/></ssc:Unit><ssc:Unit'
-                    ' name="m"><ssc:BaseUnit s="1"/></ssc:Unit></ssd:Units>')),
-    _case("dictionary-twice", "two signal dictionaries of one name", "two signal dictionaries 'd'",
-          structure(A, behind="<ssd:SignalDictionaries>" + '<ssd:SignalDictionary name="d" source="a.ssb"/>' * 2
-                    + "</ssd:SignalDictionaries>"), {"a.ssb": document("ssb:SignalDictionary", "")}),
-    _case("real-to-enumeration", "a number led to an enumeration", "only types that lose nothing connect",
-          structure(A + B, [connection("a.y", "b.mode")])),
-    _case("binary-to-number", "binary data led to a number, in SSP 2.0", "only types that lose nothing connect",
-          structure(A, [connection("v", "a.u")], connectors=connector("v", "input", "<ssc:Binary/>"), version="2.0")),
+    _case("units-twice-nothing", "a unit whose factor is 0", "factor of a unit cannot be 0", structure(A, rest='<ssd:Units><ssc:Unit name="m"><ssc:BaseUnit factor="0"/></ssc:Unit>' "</ssd:Units>")),
+    _case("unit-two-definitions", "a unit that is a length and a time", "unit 'm' has two definitions", structure(A, rest='<ssd:Units><ssc:Unit name="m"><ssc:BaseUnit m="1"/></ssc:Unit><ssc:Unit' ' name="m"><ssc:BaseUnit s="1"/></ssc:Unit></ssd:Units>')),
+    _case("dictionary-twice", "two signal dictionaries of one name", "two signal dictionaries 'd'", structure(A, behind="<ssd:SignalDictionaries>" + '<ssd:SignalDictionary name="d" source="a.ssb"/>' * 2 + "</ssd:SignalDictionaries>"), {"a.ssb": document("ssb:SignalDictionary", "")}),
+    _case("real-to-enumeration", "a number led to an enumeration", "only types that lose nothing connect", structure(A + B, [connection("a.y", "b.mode")])),
+    _case("binary-to-number", "binary data led to a number, in SSP 2.0", "only types that lose nothing connect", structure(A, [connection("v", "a.u")], connectors=connector("v", "input", "<ssc:Binary/>"), version="2.0")),
     _case("dictionary-two-sources", "two outputs led to one entry of a dictionary", "is already connected",
           structure(A + B + '<ssd:SignalDictionaryReference name="d" dictionary="bus"/>',
                     [connection("a.y", "d.z"), connection("b.y", "d.z")],
@@ -231,9 +201,7 @@ FILES = [
     _case("step-zero", "a step of 0", "expected a positive one", structure(A, times=experiment("0"))),
     _case("step-tiny", "a step of 1e-12 s", "at most .* are done", structure(A, times=experiment("1e-12"))),
     _case("variant-unknown", "a variant that the package has not", "no variant 'x'", structure(A), None, "--variant x"),
-    _case("packed-input", "a packed input whose time falls", "line 3: time falls from 1.0 to 0.5",
-          structure(A, [connection("v", "a.u")], connectors=V),
-          {"extra/stickslip/input.csv": "time,v\n1,0\n0.5,1\n"}),
+    _case("packed-input", "a packed input whose time falls", "line 3: time falls from 1.0 to 0.5", structure(A, [connection("v", "a.u")], connectors=V), {"extra/stickslip/input.csv": "time,v\n1,0\n0.5,1\n"}),
 ]  # fmt: skip
 
 CASES = [*CONNECTIONS, *SOURCES, *BINDINGS, *FILES]

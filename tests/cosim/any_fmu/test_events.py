@@ -1,6 +1,8 @@
-"""Events of FMI 3.0 Co-Simulation, and FMUs that end a run."""
+"""Events and clocks of FMI 3.0, and FMUs that end a run."""
 
 from __future__ import annotations
+
+import logging
 
 import numpy as np
 import pytest
@@ -57,7 +59,6 @@ def test_a_continuous_input_that_moves_is_no_event(export, version, interfaces):
         assert not result["b.events"].any()
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("interfaces", ["CS", "CS events"])
 def test_an_fmu_that_ends_the_run_keeps_what_fmpy_keeps(export, version, interfaces):
     path = export("stair", version, interfaces)
@@ -85,3 +86,95 @@ def test_time_events_are_where_they_are_after_a_late_start(export, interfaces, s
     exact = rows / 2.5
     sure = abs(exact - np.round(exact)) > 0.01 + 41 * np.spacing(start) / period
     np.testing.assert_array_equal(result["a.count"][sure], np.floor(exact[sure]))
+
+
+STEP, STOP = 0.1, 2.0
+
+
+@pytest.fixture(params=["CS events", "ME"])
+def interfaces(request):
+    return request.param
+
+
+def run(path, step=STEP):
+    system = one(path)
+    with system.prepare(step=step, stop=STOP) as simulation:
+        first = simulation.run()
+        np.testing.assert_array_equal(simulation.run().values, first.values)
+    return first
+
+
+@pytest.mark.parametrize("step", [0.1, 0.5, 0.0625])
+@pytest.mark.parametrize(
+    ("clock", "ticks"),
+    [
+        ("every", 0.125 + 0.25 * np.arange(8)),
+        ("growing", [0.0, 0.2, 0.6, 1.4]),  # 0.1 before the first tick, then 0.2, 0.4, 0.8
+        ("after", [0.475, 0.475]),
+        ("by_hand", []),
+        ("asked", [0.0, 0.4, 0.8, 1.2, 1.6, 2.0]),
+    ],
+)
+def test_a_clock_ticks_at_its_times(export, interfaces, step, clock, ticks):
+    result = run(export("clocked", 3, interfaces), step)
+    reached = np.searchsorted(ticks, result.time + 1e-9)
+    np.testing.assert_array_equal(result[f"a.{clock}_ticks"], reached)
+    last = np.concatenate([[0.0], ticks])[reached]
+    np.testing.assert_allclose(result[f"a.{clock}_at"], last, atol=1e-12)
+
+
+def test_clocks_that_will_not_tick_are_named(export, caplog):
+    with caplog.at_level(logging.WARNING, "stickslip.cosim.fmu.fmu"):
+        fmu = cosim.Fmu(export("clocked", 3, "CS"))
+    assert "the clocks every, growing, after, by_hand, asked never tick" in caplog.text
+    assert fmu.clocks == []
+    system = one(export("clocked", 3, "CS"))
+    assert "a.tock" not in system.prepare(step=STEP, stop=STOP).run().names
+    with pytest.raises(cosim.ConnectionFault, match="by_hand is a Clock input, expected"):
+        system.expose("tick", "a.by_hand")
+
+
+@pytest.mark.parametrize("step", [0.125, 0.1])
+def test_an_output_clock_ticks_the_input_clock_that_it_is_connected_to(export, interfaces, step):
+    """Its column is 1 after each step in which it ticked; each tick is one event of the other."""
+    path = export("clocked", 3, interfaces)
+    system = one(path)
+    system.add("b", path)
+    system.connect("a.tock", "b.by_hand")
+    with system.prepare(step=step, stop=STOP) as simulation:
+        result = simulation.run()
+        np.testing.assert_array_equal(simulation.run().values, result.values)
+    every = np.diff(result["a.every_ticks"], prepend=0)
+    np.testing.assert_array_equal(result["a.tock"], every)
+    np.testing.assert_array_equal(result["b.by_hand_ticks"], result["a.every_ticks"])
+
+
+def test_clocks_are_connected_in_ssp_2(export, tmp_path):
+    system = one(export("clocked", 3, "CS events"))
+    system.add("b", export("clocked", 3, "CS events"))
+    cosim.write_ssp(system, tmp_path / "apart.ssp")
+    system.connect("a.tock", "b.by_hand")
+    with pytest.raises(cosim.SspError, match=r"a\.tock is a clock, which SSP 1.0 has not"):
+        cosim.write_ssp(system, tmp_path / "one.ssp")
+    cosim.write_ssp(system, tmp_path / "two.ssp", version="2.0")
+    assert cosim.read_ssp(tmp_path / "two.ssp")[0].connections == system.connections
+
+
+def test_a_triggered_clock_ticks_where_its_input_is_not_0(export, interfaces):
+    system = one(export("clocked", 3, interfaces), u="by_hand")
+    table = cosim.Table([0.0, 0.15, 0.6, 0.85], [1.0, 0.0, 1.0, 0.0], held=True)
+    result = system.prepare(step=0.1, stop=STOP).run(inputs={"u": table})
+    ticks = np.array([0.0, 0.1, 0.6, 0.7, 0.8])
+    late = 0 if interfaces == "ME" else 1e-9  # Co-Simulation takes inputs when its next step begins
+    reached = np.searchsorted(ticks + late, result.time + 1e-12, side="right")
+    np.testing.assert_array_equal(result["a.by_hand_ticks"], reached)
+
+
+@pytest.mark.parametrize("start", [1e4, 1.7e9])
+def test_a_clock_ticks_at_its_times_after_a_late_start(export, interfaces, start):
+    """The intervals of these clocks are those of the run from 0 on, in steps of 0.025 s."""
+    system = one(export("clocked", 3, interfaces))
+    late = system.prepare(step=0.025, start=start, stop=start + STOP).run()
+    soon = system.prepare(step=0.025, stop=STOP).run()
+    for name in (name for name in soon.names if name.endswith("_ticks")):
+        np.testing.assert_array_equal(late[name], soon[name])

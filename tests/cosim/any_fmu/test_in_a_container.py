@@ -12,7 +12,7 @@ from tests.cosim.single import by_fmpy, one
 STEP, STOP = 0.05, 2.0
 
 
-@pytest.mark.parametrize(("version", "interface", "fmi"), [(2, "CS", 3), (3, "CS events", 2)])
+@pytest.mark.parametrize(("version", "interface", "fmi"), [(3, "CS events", 2)])
 def test_a_container_gives_the_values_of_the_system(export, tmp_path, version, interface, fmi):
     system = one(export("stair", version, interface), {"period": 0.13}, u="trigger")
     system.add("b", export("feedthrough", version, interface))
@@ -33,7 +33,7 @@ def test_a_container_gives_the_values_of_the_system(export, tmp_path, version, i
     assert theirs["b.Int32_out"].dtype == np.int32
 
 
-@pytest.mark.parametrize(("version", "fmi", "coupling"), [(2, 3, "gauss_seidel"), (3, 2, "jacobi")])
+@pytest.mark.parametrize(("version", "fmi", "coupling"), [(2, 3, "gauss_seidel")])
 def test_model_exchange_in_a_container(export, tmp_path, version, fmi, coupling):
     """Two oscillators and a stair, with time and state events, by the solver in the resources."""
     system = one(
@@ -43,8 +43,7 @@ def test_model_exchange_in_a_container(export, tmp_path, version, fmi, coupling)
     system.add("c", export("stair", version, "ME"), {"period": 0.13})
     system.add("d", export("ball", version, "ME"))
     system.connect("c.count", "b.force")
-    with system.prepare(step=STEP, stop=STOP, coupling=coupling) as simulation:
-        ours = simulation.run(inputs={"u": 0.25})
+    ours = system.prepare(step=STEP, stop=STOP, coupling=coupling).run(inputs={"u": 0.25})
     path = cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, fmi=fmi, coupling=coupling)
     names = ["a.position", "b.position", "c.count", "d.bounces", "d.height"]
     theirs = by_fmpy(path, STEP, STOP, *names, start_values={"u": 0.25})

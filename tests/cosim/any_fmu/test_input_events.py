@@ -31,7 +31,6 @@ def both(path, name, time, values, kind="CoSimulation", **prepared):
     return [(ours[f"a.{output}"], theirs[output][regular]) for output in OUTPUTS[model]]
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("interfaces", ["CS", "CS fixed"])  # the latter cannot stop in between
 @pytest.mark.parametrize(
     ("model", "name", "values"), [("oscillator", "force", FORCE), ("stair", "trigger", TRIGGER)]
@@ -57,7 +56,6 @@ def test_a_jump_a_rounding_error_beside_a_point_lies_at_it():
         assert jump.sample(np.array([n * 0.001])) == 1
 
 
-@pytest.mark.parametrize("version", [2, 3])
 def test_a_jump_at_most_the_slack_behind_a_point_lies_at_it(export, version):
     """To the last bit, so that neither a point in time nor an event is on both sides of it."""
     system = one(export("stair", version, "ME"), {"period": 1e9}, u="trigger")
@@ -79,19 +77,6 @@ def test_with_constant_steps_or_a_scenario_a_jump_waits_for_the_next_point(expor
         )
     with system.prepare(step=STEP, stop=STOP, constant_step=True) as simulation:
         np.testing.assert_array_equal(simulation.run(inputs=jump)["a.level"][4:6], [0, 10])
-
-
-def test_a_run_that_is_halted_and_one_without_inputs_are_not_led_astray(export):
-    system = one(export("oscillator", 2, "CS"), u="force")
-    table = {"u": cosim.Table(TIME, FORCE)}
-    with system.prepare(step=STEP, stop=STOP, record=["a.position"]) as simulation:
-        free = simulation.run()
-        whole = simulation.run(inputs=table)
-        looked = simulation.run(inputs=table, progress=lambda _: None)
-        half = simulation.run(inputs=table, until=1.0)
-        np.testing.assert_array_equal(simulation.run().values, free.values)
-    np.testing.assert_array_equal(looked.values, whole.values)
-    np.testing.assert_array_equal(half.values, whole.values[:11])
 
 
 @pytest.mark.parametrize("kind", ["CS", "ME"])
@@ -122,7 +107,6 @@ def test_coupled_components_stop_together(export, coupling):
     assert coarse["b.position"][2] == (fine["b.position"][8] if coupling == "gauss_seidel" else 0)
 
 
-@pytest.mark.parametrize("version", [2, 3])
 def test_model_exchange_has_the_events_of_fmpy_at_jumps(export, version):
     stair = export("stair", version, "ME")
     for ours, theirs in both(stair, "trigger", TIME, TRIGGER, "ModelExchange"):
@@ -159,22 +143,6 @@ def test_model_exchange_follows_a_table_within_its_steps(export, begin, table, k
         np.testing.assert_allclose(result["a.position"], exact, atol=1e-6)
         untouched = simulation.run(inputs={"u": 0.0})["a.position"]
     np.testing.assert_allclose(untouched, np.cos(2 * result.time), atol=1e-6)
-
-
-@pytest.mark.parametrize("kind", ["CS", "ME"])
-@pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("untouched", [cosim.Scenario(), cosim.Scenario().set("v", 1.0, at=0.5)])
-def test_a_scenario_leaves_the_events_of_other_inputs(export, version, kind, untouched):
-    system = cosim.System()
-    for name, signal in (("a", "u"), ("b", "v")):
-        system.add(name, export("oscillator", version, kind))
-        system.expose(signal, f"{name}.force")
-    inputs = {"u": cosim.Table(TIME, FORCE), "v": 0.0}
-    with system.prepare(step=STEP, stop=STOP) as simulation:
-        plain = simulation.run(inputs=inputs)
-        result = simulation.run(inputs=inputs, scenario=untouched)
-    for name in ("a.position", "a.gain"):
-        np.testing.assert_array_equal(result[name], plain[name])
 
 
 @pytest.mark.parametrize("disturbed", ["a.gain", "b.position"])

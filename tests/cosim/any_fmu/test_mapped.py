@@ -28,7 +28,6 @@ def seen(system, values, coupling="gauss_seidel", **how):
         return run.run(inputs={"u": np.asarray(values, float)})
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("coupling", COUPLINGS, ids=str)
 def test_what_has_a_pair_is_replaced_and_all_else_stays(export, version, coupling):
     flags = "canGetAndSetFMUstate" if version == 2 else "canGetAndSetFMUState"

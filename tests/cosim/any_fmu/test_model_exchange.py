@@ -17,11 +17,6 @@ G = 9.81
 FINE = 1e-8
 
 
-@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
-def version(request):
-    return request.param
-
-
 one = partial(single.one, interface="model_exchange")
 
 
@@ -127,15 +122,6 @@ def test_a_run_halts_and_goes_the_same_way(export, version, tmp_path):
         np.testing.assert_array_equal(half.values, whole.values[: len(half.time)])
         with pytest.raises(cosim.SimulationError, match="cannot serialise"):
             simulation.save(tmp_path / "a.state")
-
-
-def test_a_run_that_is_looked_at_ends_where_the_fmu_ends_it(export, version):
-    with one(export("stair", version, "ME")).prepare(step=0.3, stop=30.0) as simulation:
-        whole = simulation.run()
-        looked = simulation.run(progress=lambda _: None)
-    assert whole.stopped == looked.stopped
-    np.testing.assert_array_equal(looked.time, whole.time)
-    np.testing.assert_array_equal(looked.values, whole.values)
 
 
 def test_without_its_solver_one_line_says_where_there_is_one(export, version, monkeypatch):

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import ctypes
-
 import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim import kernel
 from tests.cosim.single import one
 
 WORD = {2: "FMUstate", 3: "FMUState"}
@@ -68,7 +65,6 @@ def test_other_types(export, tmp_path, coupling):
     np.testing.assert_array_equal(rest, whole)
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("model", ["ball", "oscillator", "stair"])
 def test_the_solver_of_model_exchange_starts_anew(export, tmp_path, version, model):
     system = one(export(model, version, "ME", flags(version)))
@@ -101,7 +97,6 @@ JUMPS = {
 }
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("table", JUMPS)
 @pytest.mark.parametrize("until", [0.1, 0.2, 0.3, 0.5, 0.9, 1.0, 1.1])
 @pytest.mark.parametrize("coupling", ["gauss_seidel", cosim.Coupling("jacobi", degree=1)], ids=str)
@@ -139,36 +134,3 @@ def test_clocks_go_back_with_their_fmu(export, interfaces):
     clocks = one(export("clocked", 3, interfaces, flags(3))).prepare(step=0.1, stop=2.0).run()
     for name in (name for name in clocks.names if name.endswith("_ticks")):
         np.testing.assert_array_equal(result[name], clocks[name])
-
-
-@pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("interface", ["model_exchange", "co_simulation"])
-def test_restored_steps_equal_the_saved(export, version, interface):
-    system = one(export("ball", version, "ME CS events", flags(version)), interface=interface)
-    assert system.components["a"].restores_state
-    simulation = system.prepare(step=0.1, stop=1.0, tolerance=1e-8)
-    simulation.run()
-    save, restore, free = (
-        ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(address)
-        for address in simulation._fmus.general["a"].state_calls()
-    )
-    instance = simulation._fmus.slots["a"].instance
-    step, get = kernel.load().general_DoStep, kernel.load().general_GetReal
-    state, value = ctypes.c_void_p(), ctypes.c_double()
-
-    def heights():
-        for n in range(5):
-            t = ctypes.c_double(1.0 + 0.1 * n)
-            assert step(ctypes.c_void_p(instance), t, ctypes.c_double(0.1), 1) == 0
-            place = (ctypes.c_uint32 * 1)(1)
-            get(ctypes.c_void_p(instance), place, ctypes.c_size_t(1), ctypes.byref(value))
-            yield value.value
-
-    assert save(instance, ctypes.byref(state)) == 0
-    first = list(heights())
-    assert restore(instance, state) == 0
-    second = list(heights())
-    assert free(instance, ctypes.byref(state)) == 0
-    assert state.value is None
-    assert len(set(first)) == 5
-    assert first == pytest.approx(second, abs=1e-6 if interface == "model_exchange" else 0)

@@ -70,8 +70,7 @@ def test_mapped_connections_are_read_run_and_written(export, pack, tmp_path, kin
     assert system.links == {f"b.{kind}_in": Link(ValueMap.of(expected))}
     assert cosim.write_ssp(system, tmp_path / "same.ssp").stat().st_size
     system.expose("u", f"a.{kind}_in")
-    with system.prepare(step=0.1, stop=0.2) as simulation:
-        result = simulation.run(inputs={"u": np.array([0, 1, 1])})
+    result = system.prepare(step=0.1, stop=0.2).run(inputs={"u": np.array([0, 1, 1])})
     assert result[f"b.{kind}_out"][-1] == expected[1]
     again, _ = cosim.read_ssp(cosim.write_ssp(system, tmp_path / "b.ssp"))
     assert again.links == system.links
@@ -82,11 +81,7 @@ def test_a_new_system_with_maps_is_written_and_read_back(export, tmp_path, versi
     system = cosim.System("maps")
     for name in ("a", "b"):
         system.add(name, export("feedthrough", 2 if version == "1.0" else 3))
-    links = {
-        "Boolean": {1: 0, 0: 1},
-        "Enumeration": {1: 2, 2: 1},
-        "Int32": {4: 5},
-    }
+    links = {"Boolean": {1: 0, 0: 1}, "Enumeration": {1: 2, 2: 1}, "Int32": {4: 5}}
     for kind, given in links.items():
         system.connect(f"a.{kind}_out", f"b.{kind}_in", Link(ValueMap.of(given)))
     system.expose("u", "a.Enumeration_in")
@@ -256,8 +251,7 @@ def test_types_that_lose_nothing_connect(export, pack, source, target, text, exp
     path = pack(export("feedthrough", 3, "CS"), two(joined, outside, connectors=x))
     system, _ = cosim.read_ssp(path)
     values = [1, 3, 2, 0] if source == "Int32" else [0, 1, 0, 0]
-    with system.prepare(step=0.1, stop=0.3) as run:
-        result = run.run(inputs={"x": np.array(values, float)})
+    result = system.prepare(step=0.1, stop=0.3).run(inputs={"x": np.array(values, float)})
     np.testing.assert_array_equal(result[f"b.{target}_out"][1:], expected)
 
 

@@ -45,9 +45,13 @@ def gain(make, request):
     return system
 
 
-@pytest.mark.parametrize("compiled", [False, True])
-@pytest.mark.parametrize("coupling", ["jacobi", cosim.Coupling("iterative", degree=0)], ids=str)
-@pytest.mark.parametrize("record", [None, ["a.y"]])
+@pytest.mark.parametrize(
+    ("coupling", "compiled", "record"),
+    [
+        *(("jacobi", False, None), ("jacobi", True, ["a.y"])),
+        (cosim.Coupling("iterative", degree=0), False, ["a.y"]),
+    ],
+)
 def test_from_its_time_on_each_step_has_the_new_value(gain, compiled, coupling, record):
     scenario = Scenario().set("a.k", 5.0, at=0.5).override("a.k", 7.0, 1.0, 1.5)
     expected = np.full(N + 1, 2.0)

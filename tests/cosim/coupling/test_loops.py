@@ -71,7 +71,6 @@ def test_iteration_names_who_cannot_go_back(linear, two_masses):
         system.prepare(step=0.1, stop=1.0, coupling="iterative")
 
 
-@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize(("off", "noticed"), [(1e-8, False), (1e-4, True)])
 def test_a_state_that_comes_back_a_little_off_is_noticed(two_masses, linear, version, off, noticed):
     flags = (f"-DRESTORED=(((Model*)m)->x[0]+={off})",)
@@ -151,6 +150,18 @@ def test_a_cycle_of_components_that_is_no_loop_of_variables(linear):
     np.testing.assert_allclose(result["a.y2"][1:], 30.0 * w[:-1], rtol=1e-15)
     result = chain(restores=False).prepare(step=1.0, stop=5.0).run(inputs={"w": w})
     np.testing.assert_allclose(result["a.y2"][2:], 30.0 * w[:-2], rtol=1e-15)  # a step late
+
+
+@pytest.mark.parametrize("method", ["gauss_seidel", "iterative"])
+def test_a_scaled_connection_in_a_loop(linear, method):
+    """a = 2 (-1.5 3 a + 0.25) + 0.7"""
+    system = cosim.System("gains")
+    system.add("a", linear(2, "d11", "d12"), {"d11": 2.0, "d12": 1.0, "f1": 0.7})
+    system.add("b", linear(2, "d11"), {"d11": 3.0})
+    system.connect("a.y1", "b.u1")
+    system.connect("b.y1", "a.u1", cosim.Link(cosim.Scaling(factor=-1.5, offset=0.25)))
+    a = system.prepare(step=1e-2, stop=0.5, coupling=method).run()["a.y1"]
+    np.testing.assert_allclose(a, (2.0 * 0.25 + 0.7) / (1.0 + 2.0 * 1.5 * 3.0), atol=1e-11)
 
 
 def test_runs_of_a_loop_repeat_bit_for_bit_and_leave_nothing(gains):

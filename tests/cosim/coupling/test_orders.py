@@ -110,7 +110,7 @@ def test_several_rates(two_masses, linear, kind, method, every):
 
 
 @pytest.mark.slow
-@each_kind
+@pytest.mark.parametrize("kind", ["CS 2.0 interpolating", "CS 3.0"])
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("method", METHODS)
 def test_adaptive_steps_follow_their_tolerance(two_masses, linear, kind, method, degree):
@@ -149,15 +149,6 @@ def test_lines_of_a_table_are_followed_exactly(linear, kind):
     t = result.time
     first, second = t - 2 * t**2, -1.0 + -3.0 * (t - 1) + 4 * (t - 1) ** 2
     np.testing.assert_allclose(result["a.y1"], np.where(t < 1, first, second), atol=1e-8)
-
-
-def test_the_best_is_far_more_accurate_than_gauss_seidel(two_masses, linear):
-    plain, default, best = (
-        coupled_error(two_masses, linear, "CS 2.0 interpolating", 1e-3, coupling)[0]
-        for coupling in ("gauss_seidel", "iterative", Coupling("iterative", degree=2))
-    )
-    assert default < plain / 200
-    assert best < plain / 20_000
 
 
 @pytest.mark.parametrize("kind", ["CS 2.0", "CS 2.0 interpolating"])

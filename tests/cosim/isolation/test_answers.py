@@ -64,24 +64,6 @@ def test_a_part_of_an_answer_is_not_waited_for_any_longer(kind, n):
         assert answers.get(10.0) == {"n": 123456}
 
 
-@KINDS
-def test_an_answer_that_dribbles_is_not_waited_for_any_longer(kind):
-    whole = message(TOKEN, b'{"n": 123456}')
-
-    def dribble(write: int) -> None:
-        for byte in whole:
-            os.write(write, bytes([byte]))
-            time.sleep(0.02)
-
-    with connected(kind) as (answers, write, _):
-        thread = threading.Thread(target=dribble, args=(write,))
-        thread.start()
-        with pytest.raises(Empty):
-            answers.get(0.1)
-        assert answers.get(60.0) == {"n": 123456}
-        thread.join()
-
-
 def _framed(content: bytes, token: bytes = TOKEN, check: int | None = None) -> bytes:
     check = zlib.crc32(content) if check is None else check
     return struct.pack("<16sQL", token, len(content), check) + content

@@ -50,11 +50,9 @@ def assert_same(one, other):
 SUM = cosim.Record(sum_of_squares={"v": "mass.v"})
 HOW = {
     "plain": {},
-    "jacobi": {"coupling": "jacobi"},
     "some": {"record": cosim.Record(["mass.v", "y"], every=7)},
     "last": {"record": cosim.Record("mass.*", keep="last")},
-    "sums": {"record": SUM},
-    "compiled": {"compiled": True, "constant_step": True},
+    "compiled": {"compiled": True, "constant_step": True, "record": SUM, "coupling": "jacobi"},
 }
 NOISE = cosim.Scenario().add_noise("mass.v", 0.1, seed=3).set("y", 0.2, at=0.1)
 RUNS = {
@@ -127,8 +125,6 @@ def test_a_run_that_an_fmu_ends(make):
 
 def test_mistakes_of_the_caller_are_those_of_the_caller(fmus):
     system = loop(fmus)
-    with pytest.raises(cosim.ExperimentError, match="does not divide"):
-        system.prepare(step=0.3, stop=1.0, isolation="process")
     with pytest.raises(cosim.ExperimentError, match="expected 'foreign', 'process'"):
         system.prepare(step=0.1, stop=1.0, isolation="thread")
     with pytest.raises(cosim.ExperimentError, match="timeout is 0"):
@@ -138,10 +134,6 @@ def test_mistakes_of_the_caller_are_those_of_the_caller(fmus):
             simulation.run({"controller.K_q": 1.0})
         with pytest.raises(cosim.SignalError, match="not finite"):
             simulation.run(inputs={"y": np.nan})
-        with pytest.raises(cosim.SignalError, match="expected numbers"):
-            simulation.run(inputs={"y": "a lot"})
-        with pytest.raises(cosim.ExperimentError, match="not a point in time"):
-            simulation.run(inputs={"y": 1.0}, until=1e-9)
         with pytest.raises(cosim.SimulationError, match="halt a run"):
             simulation.save("nowhere")
         assert simulation.run(inputs={"y": 1.0}).stopped is None

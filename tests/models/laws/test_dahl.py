@@ -20,8 +20,7 @@ def cycle(amplitude: float, n: int = 200) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("amplitude", "force", "loss"),
-    [(30e-6, 5.764857, 3.666460e-4), (10e-6, 3.440773, 2.913115e-5)],
+    ("amplitude", "force", "loss"), [(30e-6, 5.764857, 3.666460e-4), (10e-6, 3.440773, 2.913115e-5)]
 )
 def test_the_steady_cycle_has_the_closed_form(follow, amplitude, force, loss):
     """F(A) = F_c tanh a; the loss is 4 F_c^2 / sigma_0 (a - tanh a), a = sigma_0 A / F_c."""
@@ -70,30 +69,6 @@ def test_lugre_without_damping_and_stribeck_is_dahl(follow):
     v = 0.01 * np.sin(np.arange(800) * 0.05) * np.cos(np.arange(800) * 0.003)
     lugre = follow("lugre", H, v, F_s=F_C, F_c=F_C, sigma_1=0.0)
     np.testing.assert_allclose(follow("dahl", H, v)["F_mean"], lugre["F_mean"], atol=2e-13)
-
-
-def test_only_the_way_counts(follow):
-    way = 2e-6 * np.sin(np.arange(300) * 0.05)
-    slow, fast = follow("dahl", 1e-2, way / 1e-2), follow("dahl", 1e-4, way / 1e-4)
-    np.testing.assert_allclose(slow["F_f"], fast["F_f"], atol=1e-12)
-
-
-def test_minor_loops_do_not_close(follow):
-    """0, 40, 0, 15, 0 um: the force at the second 0 differs from the first, unlike with GMS."""
-    v = np.repeat([40e-6, -40e-6, 15e-6, -15e-6], 100) / (100 * H)
-    force = follow("dahl", H, v)["F_f"]
-    assert force[200] == pytest.approx(-5.150, abs=1e-3)
-    assert force[400] == pytest.approx(-3.065, abs=1e-3)
-
-
-def test_a_mass_that_coasts_stops_where_the_closed_form_says(push):
-    """With a stiff contact Dahl is Coulomb friction: m/b ln(1 + b v0 / F_c) until it stands."""
-    m, b, v0 = 5.557, 6.6135, 0.57685
-    found = push("dahl", H, np.zeros(1000), sigma_0=1e9, v=v0, F_d=F_C)
-    distance = m / b * (v0 - F_C / b * np.log1p(b * v0 / F_C))
-    assert found["x"].max() == pytest.approx(distance, abs=2e-8)
-    standing = np.flatnonzero(found["v"] < 2e-4)[0] * H
-    assert standing == pytest.approx(m / b * np.log1p(b * v0 / F_C), abs=H)
 
 
 def test_parameters_declare_what_estimation_needs():

@@ -59,34 +59,3 @@ def test_a_load_that_oscillates_moves_it_only_beyond_break_away(push, z_ba, move
     x = push("elasto_plastic", H, u, z_ba=z_ba)["x"]
     drift = (x[16000] - x[8000]) / 4.0
     assert (drift > 1e-6) if moves else abs(drift) < 1e-12
-
-
-def test_break_away_near_the_limit_is_an_elastic_spring_that_slips(follow):
-    """z_ba -> 1 without Stribeck effect is Dahl's law with i = 0."""
-    v = 0.002 * np.sin(np.arange(600) * 0.05)
-    level = {"F_s": P["F_c"], "sigma_1": 0.0, "z_ba": 0.99}
-    found = follow("elasto_plastic", H, v, **level)
-    spring = follow("dahl", H, v, i=0.0)
-    np.testing.assert_allclose(found["F_mean"], spring["F_mean"], atol=0.02)
-
-
-def test_a_pushed_mass_against_radau(push):
-    """Break-away, sliding and reversal; the step is that of 10 midpoint sub-steps."""
-    u = np.repeat([5.0, 12.0, -3.0, -14.0, 2.0], 40)
-    found = push("elasto_plastic", H, u)
-
-    def motion(t: float, y: np.ndarray) -> list[float]:
-        v, z = 1e-3 * y[1], 1e-6 * y[2]
-        dz = stretching(v, z, P, 0.7)
-        force = u[min(int(t / H), len(u) - 1)]
-        a = (force - B * v - P["sigma_0"] * z - P["sigma_1"] * dz) / M
-        return [v * 1e6, a * 1e3, dz * 1e6]
-
-    y = np.zeros(3)  # um, mm/s, um
-    for k in range(0, len(u), 40):
-        span = (k * H, (k + 40) * H - 1e-12)
-        y = solve_ivp(motion, span, y, "Radau", rtol=1e-9, atol=1e-9, max_step=H).y[:, -1]
-        assert 1e3 * found["v"][k + 40] == pytest.approx(y[1], abs=3e-3)
-        assert 1e6 * found["x"][k + 40] == pytest.approx(y[0], abs=0.03)
-    assert found["v"].max() > 0.015
-    assert found["v"].min() < -0.015

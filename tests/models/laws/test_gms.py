@@ -40,16 +40,6 @@ def test_the_first_way_and_the_way_back_follow_masing(follow):
     np.testing.assert_allclose(force[n:], back, atol=1e-9)
 
 
-def test_the_loss_of_a_cycle_has_the_closed_form(follow):
-    A = 40e-6
-    v = path([A, -2 * A, 2 * A, -2 * A, 2 * A])
-    mean = follow("gms", H, v, **MAXWELL)["F_mean"]
-    loss = float(np.sum((mean * v)[-200:]) * H)
-    slipping = W / K < A
-    assert loss == pytest.approx(4.0 * float(np.sum((W * (A - W / K))[slipping])), rel=1e-9)
-    assert loss == pytest.approx(4.1163e-4, rel=1e-4)
-
-
 def test_minor_loops_close_and_are_wiped_out(follow):
     """0, 40, 0, 15, 0, -40 um: at the second 0 nothing is left of the loop to 15 um."""
     long = follow("gms", H, path([40e-6, -40e-6, 15e-6, -15e-6, -40e-6]), **MAXWELL)["F_f"]

@@ -46,12 +46,6 @@ def test_minor_loops_close_in_z(follow):
     np.testing.assert_allclose(long[:101], virgin, atol=1e-6)
 
 
-def test_minor_loops_do_not_close_in_the_position(follow):
-    """The bristles slip as well, which is why generalised Maxwell-slip followed."""
-    force = follow("leuven", H, LOOPS, sigma_1=0.0)["F_f"]
-    assert abs(force[400] - force[200]) > 0.3
-
-
 @pytest.mark.parametrize("v", [1e-5, -3e-4, 0.02])
 def test_steady_friction_is_reached_whatever_the_elements(follow, v):
     g = np.sign(v) * (F_C + (F_S - F_C) * np.exp(-abs(v) / V_S))
@@ -87,22 +81,3 @@ def test_any_exponent_against_a_solver(follow, n, near):
         rate, force = stretching(speed, 1e-6 * q, n)
         expected.append(force + SIGMA_1 * rate)
     np.testing.assert_allclose(found["F_f"][1:], expected, atol=near)
-
-
-def test_a_pushed_mass_against_radau(push):
-    """One element, n = 2: break-away, sliding and reversal, by 10 midpoint sub-steps."""
-    u = np.repeat([5.0, 12.0, -3.0, -14.0], 40)
-    found = push("leuven", H, u, n_h=2.0, **ONE)
-    y = np.zeros(3)  # um, mm/s, um
-    for k in range(0, len(u), 40):
-
-        def motion(_: float, y: np.ndarray, force: float = u[k]) -> list[float]:
-            v, z = 1e-3 * y[1], 1e-6 * y[2]
-            dz, elements = stretching(v, np.array([z, z]), 2.0)
-            a = (force - B * v - elements - SIGMA_1 * dz) / M
-            return [v * 1e6, a * 1e3, dz * 1e6]
-
-        y = solve_ivp(motion, (0.0, 40 * H), y, "Radau", rtol=1e-8, atol=1e-9).y[:, -1]
-        assert 1e3 * found["v"][k + 40] == pytest.approx(y[1], abs=5e-3)
-        assert 1e6 * found["x"][k + 40] == pytest.approx(y[0], abs=0.05)
-    assert np.ptp(found["v"]) > 0.03

@@ -20,9 +20,7 @@ from stickslip import cosim, models
 FMUTOOL = "from fmu_manipulation_toolbox.cli.fmutool import fmutool; fmutool()"
 
 
-@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
-def fmi(request):
-    return request.param
+each_version = pytest.mark.parametrize("fmi", [2, 3])
 
 
 def alone(path) -> cosim.System:
@@ -55,9 +53,9 @@ def many_modes(states: int) -> control.StateSpace:
     return control.ss(T @ A @ T.T, T @ B, C @ T.T, 0, name="modes")
 
 
-def test_fifty_states_follow_python_controls_step_response(fmi, tmp_path):
+def test_fifty_states_follow_python_controls_step_response(tmp_path):
     system = many_modes(50)
-    path = models.export_lti(system, tmp_path, fmi=fmi, step=0.01)
+    path = models.export_lti(system, tmp_path, step=0.01)
     for step, n in ((0.01, 500), (0.0173, 20), (0.5, 10)):
         result = run(path, step, n, [1.0])
         expected = control.step_response(system, result.time).outputs
@@ -102,9 +100,9 @@ def test_badly_scaled_coordinates_cost_no_digits(tmp_path):
     np.testing.assert_allclose(result["f.y[0]"], expected, rtol=0, atol=1e-11 * max(expected))
 
 
-def test_uneven_steps_end_where_even_ones_do(fmi, tmp_path):
+def test_uneven_steps_end_where_even_ones_do(tmp_path):
     system = many_modes(6)
-    path = models.export_lti(system, tmp_path, fmi=fmi, step=0.05)
+    path = models.export_lti(system, tmp_path, fmi=3, step=0.05)
     rng = np.random.default_rng(0)
     u = rng.standard_normal(20)
     expected = run(path, 0.05, 20, [np.append(u, 0.0)])
@@ -131,7 +129,7 @@ def transfer_matrix(dt: float) -> control.TransferFunction:
     )
 
 
-@pytest.mark.parametrize("dt", [0.0, 0.1])
+@pytest.mark.parametrize(("dt", "fmi"), [(0.0, 2), (0.1, 3)])
 def test_transfer_functions_of_many_inputs_and_outputs(dt, fmi, tmp_path):
     """Each response is that of the single transfer function; none of them needs slycot."""
     system = transfer_matrix(dt)
@@ -145,7 +143,7 @@ def test_transfer_functions_of_many_inputs_and_outputs(dt, fmi, tmp_path):
             np.testing.assert_allclose(result[f"f.{name}"], expected, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("ratio", [1.0, 0.25, 3.0])
+@pytest.mark.parametrize(("ratio", "fmi"), [(1.0, 2), (0.25, 3), (3.0, 2)])
 def test_discrete_systems_sample_at_their_own_period(ratio, fmi, tmp_path):
     """Held, an output with direct gain shows the last sample taken, any other the one due."""
     system = control.ss(
@@ -178,14 +176,14 @@ def test_a_loop_of_discrete_systems_is_python_controls(tmp_path):
     system.connect("pi.y[0]", "plant.u[0]")
     system.connect("plant.y[0]", "error.y")
     system.expose("r", "error.r")
-    with system.prepare(step=0.01, stop=1.0) as simulation:
-        result = simulation.run(inputs={"r": 1.0})
+    result = system.prepare(step=0.01, stop=1.0).run(inputs={"r": 1.0})
     closed = control.feedback(plant * integral, 1)
     expected = control.step_response(closed, result.time).outputs
     assert expected[-1] > 0.5
     np.testing.assert_allclose(result["plant.y[0]"], expected, rtol=0, atol=1e-12)
 
 
+@each_version
 def test_names_and_units_are_kept(fmi, tmp_path):
     system = control.ss(
         -np.eye(2), np.eye(2), np.eye(2), 0, name="motor",
@@ -215,7 +213,7 @@ def test_names_and_units_are_kept(fmi, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("dt", [0.0, 0.1])
+@pytest.mark.parametrize(("dt", "fmi"), [(0.0, 3), (0.1, 2)])
 def test_checkers_and_fmpy_take_it(dt, fmi, tmp_path):
     path = models.export_lti(transfer_matrix(dt), tmp_path, fmi=fmi, name="matrix")
     assert validate_fmu(str(path)) == []
@@ -231,10 +229,10 @@ def test_checkers_and_fmpy_take_it(dt, fmi, tmp_path):
         np.testing.assert_allclose(theirs[name], ours[f"f.{name}"], rtol=0, atol=1e-13)
 
 
-def test_model_exchange_follows_python_control(fmi, tmp_path):
+def test_model_exchange_follows_python_control(tmp_path):
     """Integrated by FMPy's solver, within its tolerance."""
     system = many_modes(10)
-    path = models.export_lti(system, tmp_path, fmi=fmi)
+    path = models.export_lti(system, tmp_path, fmi=3)
     result = fmpy.simulate_fmu(
         str(path), fmi_type="ModelExchange", stop_time=3.0, output_interval=0.01,
         relative_tolerance=1e-9, start_values={"u[0]": 1.0}, output=["y[0]"],
@@ -255,6 +253,7 @@ def test_gains_and_autonomous_systems(tmp_path):
     np.testing.assert_allclose(result["f.y"], 6 * np.exp(-result.time), rtol=1e-14)
 
 
+@each_version
 def test_direct_gains_alone_are_feedthrough(fmi, tmp_path):
     system = control.ss(-1, [[1, 1]], [[1], [1]], [[0, 2.0], [0, 0]], inputs=["a", "b"])
     fmu = cosim.Fmu(models.export_lti(system, tmp_path, fmi=fmi))
@@ -340,8 +339,6 @@ def test_files_in_toml_and_json(tmp_path):
         ("D = [[1.0]]\ndt = -1.0", "dt is -1.0 s"),
         ("D = [[1.0]]\ninputs = ['a', 'b']", "inputs: 2 names for 1"),
         ("num = [1.0]", "den is missing"),
-        ("num = [1.0]\nden = [0.0]", "den holds a polynomial that is 0"),
-        ("num = [1.0, 2.0]\nden = [1.0]", "improper"),
         ("num = [[[1.0], [2.0]]]\nden = [[[1.0]]]", "num and den differ"),
         ("num = ['a']\nden = [1.0]", "num: expected numbers"),
     ],

@@ -6,8 +6,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from campaigns.fuzz_calls import Fuzzer, find_compiler
 from stickslip import models
-from tests.corpus.fuzz_calls import Fuzzer, find_compiler
 
 
 def main() -> None:

@@ -1,0 +1,172 @@
+"""What a run is prepared from, steps compiled for one system, and the structures of the kernel."""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+import re
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from benchmarks.coupling import ring
+from stickslip import cosim
+from stickslip.cosim import kernel
+from stickslip.cosim.assembly.plan import check_memory, count_steps
+from stickslip.cosim.kernel import structures
+from stickslip.cosim.kernel.unrolled import MOST_COMPONENTS
+from stickslip.cosim.system.loops import stepping_order
+from stickslip.fmi import toolchain
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "step", "n"),
+    [(0, 1, 0.1, 10), (-1, 1, 0.001, 2000), (1.7e9, 1.7e9 + 1, 1e-3, 1000), (0, 1e10, 1, 10**10)],
+)
+def test_steps_are_counted(start, stop, step, n):
+    assert count_steps(start, stop, step) == n
+
+
+def test_a_run_beyond_the_memory_is_refused():
+    check_memory(1000, 1000)
+    with pytest.raises(cosim.ExperimentError, match="record less"):
+        check_memory(10**10, 1000)
+
+
+def test_without_feedthrough_the_order_stays():
+    assert stepping_order(["c", "a", "b"], []) == ["c", "a", "b"]
+
+
+def test_the_loop_of_the_paper():
+    names = ["drive", "controller", "compensator", "nominal"]
+    feedthrough = [
+        ("nominal.v", "compensator.v"),
+        ("compensator.F", "controller.F"),
+        ("controller.u", "drive.u"),
+    ]
+    order = stepping_order(names, feedthrough)
+    assert order == ["nominal", "compensator", "controller", "drive"]
+
+
+@given(st.permutations(range(8)), st.sets(st.tuples(st.integers(0, 7), st.integers(0, 7))))
+def test_every_source_comes_first(ranks, pairs):
+    names = [f"c{i}" for i in range(8)]
+    edges = [(f"c{a}.y", f"c{b}.u") for a, b in pairs if ranks[a] < ranks[b]]
+    order = stepping_order(names, edges)
+    assert sorted(order) == names
+    for source, target in edges:
+        assert order.index(source[:2]) < order.index(target[:2])
+
+
+N = 20_000
+
+
+@pytest.mark.slow
+def test_a_large_description_is_read_whole(tmp_path, version):
+    fmu = cosim.Fmu(ring.build(tmp_path, "mass", version, extra=N))
+    assert gc.isenabled()
+    assert len(fmu.variables) == N + len(ring.MODELS["mass"]) + (version == 3)  # the time
+    assert fmu.variables[f"copy[{N - 1}]"].causality == "output"
+    assert not fmu.feedthrough[f"copy[{N - 1}]"]
+
+
+def test_a_few_of_very_many_variables_are_recorded(tmp_path):
+    system = cosim.System()
+    system.add("mass", ring.build(tmp_path, "mass", 2, extra=N), {"u": 1.0})
+    result = system.prepare(step=0.1, stop=1.0, record=["mass.copy[7]", "mass.v"]).run()
+    assert result["mass.copy[7]"][-1] == result["mass.v"][-1] > 0
+
+
+def circle(make, n):
+    """Gains and integrators of both versions in a circle, and one that nothing feeds."""
+    system = cosim.System("circle")
+    for i in range(n):
+        kind = "gain" if i % 3 else "integrator"
+        system.add(f"c{i}", make(kind, 2 + i % 2), {"k": 0.5})
+    for i in range(n - 1):
+        system.connect(f"c{i}.y", f"c{(i + 1) % (n - 1)}.u")
+    return system
+
+
+SOME = ["c1.y", "c0.*"]
+
+
+@pytest.mark.parametrize(
+    ("n", "coupling", "record"),
+    [
+        *((4, "gauss_seidel", SOME), (MOST_COMPONENTS, "jacobi", None)),
+        (MOST_COMPONENTS + 1, "gauss_seidel", None),
+    ],
+)
+def test_compiled_steps_give_the_same_bits(make, n, coupling, record):
+    spec = {"step": 1e-3, "stop": 1.0, "coupling": coupling, "record": record}
+    system = circle(make, n)
+    table = system.prepare(**spec).run()
+    compiled = system.prepare(**spec, compiled=True).run()
+    assert compiled.names == table.names
+    np.testing.assert_array_equal(compiled.values, table.values)
+
+
+def test_a_system_without_components_can_be_compiled():
+    result = cosim.System().prepare(step=0.5, stop=1.0, compiled=True).run()
+    assert len(result.time) == 3
+    assert not result.names
+
+
+HEADERS = ["kernel.h", "general_path.h", "coupling.h", "arithmetic.h", "mark.h"]
+OWN = {"Fmi2", "Fmi3", "Polynomial"}  # of C alone
+ADDED = {"Mark": ["name"]}  # fields behind those of the C structure, which only Python uses
+
+
+def test_structures_have_the_layout_of_the_headers():
+    here, standard = Path(kernel.__file__).parent, Path(fmpy.__file__).parent / "c-code"
+    files = {h.name: h.read_text(encoding="utf-8") for h in here.glob("*.h")}
+    files |= {f"system/{h.name}": h.read_text() for h in standard.glob("fmi[23]*.h")}
+    classes = {name: getattr(structures, name) for name in structures._BODIES if name not in OWN}
+    mirrors = {
+        name: {f: getattr(c, f) for f, *_ in c._fields_ if f not in ADDED.get(name, [])}
+        for name, c in classes.items()
+    }
+    places = [(name, field) for name, fields in mirrors.items() for field in fields]
+    assert len(mirrors) >= 22
+    assert len(places) > 200
+    entries = [f"sizeof({name})," for name in mirrors]
+    entries += [f"offsetof({n}, {f}), sizeof((({n} *)0)->{f})," for n, f in places]
+    includes = "".join(f'#include "{header}"\n' for header in HEADERS)
+    files["layouts.c"] = (
+        f"#include <stddef.h>\n{includes}EXPORT extern const size_t layouts[];\n"
+        f"const size_t layouts[] = {{{' '.join(entries)}}};\n"
+    )
+    library = ctypes.CDLL(str(toolchain.shared_library("layouts", files)))
+    found = iter((ctypes.c_size_t * (len(mirrors) + 2 * len(places))).in_dll(library, "layouts"))
+    sizes = {name: next(found) for name in mirrors}
+    for name, size in sizes.items():
+        added = ADDED.get(name)
+        c = classes[name]
+        assert size == (getattr(c, added[0]).offset if added else ctypes.sizeof(c)), name
+    for name, field in places:
+        mirror = mirrors[name][field]
+        assert (next(found), next(found)) == (mirror.offset, mirror.size), f"{name}.{field}"
+
+
+def test_no_files_of_the_kernel_call_each_other_in_a_circle():
+    """Each may call what lies below it, as the headers say."""
+    files = {path.stem: path.read_text() for path in Path(kernel.__file__).parent.glob("*.c")}
+    defined = {
+        name: stem
+        for stem, text in files.items()
+        for name in re.findall(r"^(?!static|typedef)\w[\w *]*?\b(\w+)\([^;]*?\) \{", text, re.M)
+    }
+    calls = {
+        stem: {defined[name] for name in re.findall(r"\b\w+(?=\()", text) if name in defined}
+        for stem, text in files.items()
+    }
+    order = [*TopologicalSorter({stem: calls[stem] - {stem} for stem in calls}).static_order()]
+    general = ["general_calls", "values", "events", "exchange", "saving", "general_path"]
+    assert [stem for stem in order if stem in general] == general
+    assert order.index("coupled") < order.index("adaptive") < order.index("run")

@@ -1,0 +1,347 @@
+"""The operators: parents, survivors, rates that follow success, sections, models of the cost."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stickslip import ga
+from stickslip.ga.algorithms.generation import Generation
+from stickslip.ga.operators.crossover import arithmetic, differential
+from stickslip.ga.operators.quadratic import RADIUS, bottom, bowl, unknowns
+from stickslip.ga.operators.rates import LEAST, MutationRate, Shares
+from stickslip.ga.operators.sections import Sections
+from stickslip.ga.operators.surrogates import Archive
+
+N = 20
+LABELS = np.arange(N, dtype=float)[:, np.newaxis]  # a string names its candidate
+
+
+def test_parents_are_drawn_in_proportion_to_their_fitness():
+    """Where none is crossed, children are copies: of each as many as the inverse of its cost."""
+    settings = replace(ga.PAPER, population=N, k1=0.0, k2=0.0)
+    costs = np.linspace(1.0, 20.0, N)
+    rng = np.random.default_rng(0)
+    drawn = [arithmetic(LABELS, costs, settings, rng) for _ in range(2000)]
+    counts = np.bincount(np.concatenate(drawn).astype(int).ravel(), minlength=N)
+    share = (1.0 / costs) / (1.0 / costs).sum()
+    deviation = np.sqrt(counts.sum() * share)
+    assert abs(counts - counts.sum() * share).max() < 4.5 * deviation.max()
+    assert np.mean(((counts - counts.sum() * share) / deviation) ** 2) < 2.0
+
+
+def test_children_of_a_pair_lie_between_them_and_keep_their_mean():
+    settings = replace(ga.PAPER, population=N, k1=1.0, k2=1.0)
+    children = arithmetic(LABELS, np.full(N, 3.0), settings, np.random.default_rng(1))
+    first, second = children[0::2], children[1::2]
+    assert ((children >= 0) & (children <= N - 1)).all()
+    both = (first[: len(second)] + second).ravel()  # of labels, which are whole numbers
+    np.testing.assert_allclose(both, np.round(both), atol=1e-9)
+    assert np.ptp(first % 1.0) > 0.1
+
+
+def test_a_difference_is_of_two_others(monkeypatch):
+    """The parent itself is not among them; the origin is the best one in 70 % of all children."""
+    monkeypatch.setattr("stickslip.ga.operators.crossover.STRETCH", (1.0, 1.0))
+    settings = replace(ga.DEFAULT, population=N, crossover_rate=1.0)
+    strings = 3.0 ** np.arange(N)[:, np.newaxis]  # so that a child shows what it is the sum of
+    rng, n = np.random.default_rng(2), np.arange(N)
+    origin, plus, minus = (axis.ravel() for axis in np.meshgrid(n, n, n, indexing="ij"))
+    sums = 3.0**origin + 3.0**plus - 3.0**minus
+    best = []
+    for _ in range(40):
+        children = differential(strings, np.zeros(N), settings, rng)
+        for place, child in enumerate(children[:, 0], start=settings.elites):
+            found = (sums == child) & (plus != minus) & (plus != place) & (minus != place)
+            assert found.any()
+            best.append(bool((origin[found] == 0).any()))
+    assert np.mean(best) == pytest.approx(0.7, abs=0.08)
+
+
+INF = float("inf")
+
+
+def generation(costs):
+    strings = np.arange(len(costs), dtype=float)[:, np.newaxis]
+    return Generation.once(strings, strings, np.array(costs))
+
+
+def test_a_repeated_cost_is_the_mean_of_all_its_runs():
+    runs = np.random.default_rng(0).random((6, 3))
+    kept = generation(runs[0])
+    for n, costs in enumerate(runs[1:], start=2):
+        kept = kept.averaged(costs[:2])
+        np.testing.assert_allclose(kept.costs[:2], runs[:n, :2].mean(axis=0), rtol=1e-14)
+    assert kept.costs[2] == runs[0, 2]
+    assert kept.runs.tolist() == [6, 6, 1]
+
+
+def test_a_child_takes_the_place_of_a_rival_that_is_not_better():
+    settings = replace(ga.DEFAULT, population=6, survival="rival")
+    parents = generation([1.0, 2.0, 3.0, 4.0, INF, INF])
+    rivals = parents.costs[settings.elites :]
+    children = generation(np.where(np.arange(len(rivals)) % 2, rivals, rivals + 1.0))
+    wins = parents.winners(children, settings)
+    assert wins.tolist() == (children.costs <= rivals).tolist()
+    kept = parents.followed_by(children, wins)
+    assert (kept.costs == parents.costs).all()  # those that win cost the same here
+    everyone = replace(settings, survival="generational")
+    assert parents.winners(children, everyone).all()
+
+
+def probability(parents, best=4.0, mean=2.0, k1=0.9, k2=0.7):
+    return ga.crossover_probability(np.array(parents), best=best, mean=mean, k1=k1, k2=k2)
+
+
+def test_values_of_equation_7():
+    np.testing.assert_allclose(
+        probability([4.0, 3.0, 2.5, 2.0, 1.9, 0.0]), [0.0, 0.45, 0.675, 0.9, 0.7, 0.7]
+    )
+
+
+def test_an_equal_generation_crosses_with_k2():
+    np.testing.assert_array_equal(probability([2.0, 2.0], best=2.0), [0.7, 0.7])
+
+
+@given(
+    costs=st.lists(st.floats(0, 1e300) | st.just(float("inf")), min_size=4, max_size=12),
+    k1=st.floats(0, 1),
+    k2=st.floats(0, 1),
+)
+def test_it_is_a_probability_for_any_generation(costs, k1, k2):
+    J = ga.fitness(np.array(costs))
+    P_c = ga.crossover_probability(J, best=J.max(), mean=J.mean(), k1=k1, k2=k2)
+    assert ((P_c >= 0) & (P_c <= max(k1, k2) * (1 + 1e-9))).all()
+
+
+@pytest.mark.parametrize(
+    ("costs", "expected"),
+    [([2.0, 4.0, np.inf], [1, 0.5, 0]), ([0.0, 1.0, 0.0], [1, 0, 1]), ([np.inf, np.inf], [1, 1])],
+)
+def test_fitness_is_the_inverse_of_cost_as_a_fraction_of_the_best(costs, expected):
+    np.testing.assert_array_equal(ga.fitness(np.array(costs)), expected)
+
+
+@given(st.floats(1e-3, 1e3))
+def test_scaling_the_cost_leaves_fitness_alone(scale):
+    costs = np.array([1.0, 2.0, 5.0])
+    np.testing.assert_allclose(ga.fitness(scale * costs), ga.fitness(costs), rtol=1e-12)
+
+
+def drawn(rate, n=2000):
+    return rate.draw(n, np.random.default_rng(0))
+
+
+def test_it_moves_to_the_rates_that_succeeded():
+    rate = MutationRate(ga.Settings(mutation_rate=0.3))
+    before = drawn(rate)
+    assert before.mean() == pytest.approx(0.3, abs=0.01)
+    assert (before >= 0).all()
+    for _ in range(20):
+        rates = drawn(rate)
+        rate.follow(rates, rates[:, 0] > np.quantile(rates, 0.9))
+    assert drawn(rate).mean() > 0.4
+    level = drawn(rate)
+    rate.follow(level, np.zeros(len(level), dtype=bool))
+    np.testing.assert_array_equal(drawn(rate), level)
+
+
+def test_a_fixed_rate_stays_and_draws_nothing():
+    rate, rng = MutationRate(ga.PAPER), np.random.default_rng(1)
+    state = rng.bit_generator.state
+    rates = rate.draw(5, rng)
+    rate.follow(rates, np.ones(5, dtype=bool))
+    np.testing.assert_array_equal(rate.draw(5, rng), np.full((5, 1), ga.PAPER.mutation_rate))
+    assert rng.bit_generator.state == state
+
+
+def test_shares_follow_the_way_that_succeeds_more_often_and_none_dies_out():
+    shares, rng = Shares((5, 1, 1)), np.random.default_rng(0)
+    assert np.argmax(shares.shares) == 0
+    chances = np.array([0.02, 0.4, 0.0])
+    for _ in range(60):
+        ways = shares.draw(7, rng)
+        shares.follow(ways, rng.random(7) < chances[ways])
+    assert shares.shares.sum() == pytest.approx(1)
+    assert shares.shares[1] > 0.6
+    assert (shares.shares >= LEAST).all()
+
+
+def test_generations_without_success_teach_nothing():
+    shares = Shares((1, 2))
+    before = shares.shares
+    shares.follow(np.array([0, 1, 1]), np.zeros(3, dtype=bool))
+    np.testing.assert_array_equal(shares.shares, before)
+
+
+def separable(string):
+    """Return a sum over genes, each with several minima; the lowest, 0, at 0.7."""
+    away = 10 * (string - 0.7)
+    return float(np.sum(away**2 + 5 * (1 - np.cos(2 * np.pi * away))))
+
+
+def searched(cost, start, generations, children=4, seed=0):
+    """Return every candidate and its cost, the best one moved to after each generation."""
+    rng = np.random.default_rng(seed)
+    best, lowest = np.array(start), cost(np.array(start))
+    sections, rows = Sections(best, lowest), []
+    for _ in range(generations):
+        strings = sections.propose(children, rng)
+        costs = [cost(string) for string in strings]
+        for string, value in zip(strings, costs, strict=True):
+            sections.add(string, value)
+            rows.append((string, value))
+        if min(costs) < lowest:
+            lowest, best = min(costs), strings[int(np.argmin(costs))]
+            sections.move(best, lowest)
+    return sections, rows
+
+
+def test_a_sum_of_many_valleys_is_solved_gene_by_gene():
+    """The grid of its minima has 11 ** 5 points."""
+    _, rows = searched(separable, np.full(5, 0.13), 80)
+    assert min(cost for _, cost in rows) < 1e-3
+
+
+def test_children_change_one_gene_in_turn_and_stay_in_range():
+    sections = Sections(np.full(3, 0.5), 1.0)
+    children = sections.propose(7, np.random.default_rng(0))
+    changed = children != 0.5
+    assert (changed.sum(axis=1) == 1).all()
+    np.testing.assert_array_equal(changed.argmax(axis=1), np.arange(7) % 3)
+    assert ((children >= 0) & (children <= 1)).all()
+
+
+def test_what_improves_two_genes_apart_is_put_together():
+    sections = Sections(np.array([0.5, 0.5, 0.5]), 5.0)
+    sections.add(np.array([0.2, 0.5, 0.5]), 4.0)
+    sections.add(np.array([0.5, 0.9, 0.5]), 3.0)
+    rng = np.random.default_rng(0)
+    np.testing.assert_array_equal(sections.propose(1, rng)[0], [0.2, 0.9, 0.5])
+    sections.add(np.array([0.2, 0.9, 0.5]), 30.0)  # the genes do not act independently
+    assert not np.array_equal(sections.propose(1, rng)[0], [0.2, 0.9, 0.5])
+
+
+@pytest.mark.parametrize("cost", [np.inf, 1e300])
+def test_what_fails_is_avoided(cost):
+    def half(string):
+        return cost if string[0] > 0.6 else float((string[0] - 0.55) ** 2)
+
+    _, rows = searched(half, np.array([0.1]), 40)
+    assert min(value for _, value in rows) < 1e-8
+
+
+def test_costs_that_differ_by_the_smallest_number_are_no_obstacle():
+    """A wished improvement below it would round to nothing."""
+    sections = Sections(np.array([0.5]), 0.0)
+    sections.add(np.array([0.25]), 5e-324)
+    children = sections.propose(50, np.random.default_rng(0))
+    assert ((children >= 0) & (children <= 1)).all()
+
+
+def paraboloid(k, seed):
+    """Return a bottom (k,) and a cost function of random shape and tilt."""
+    rng = np.random.default_rng(seed)
+    lowest, root = rng.uniform(0.4, 0.6, k), rng.standard_normal((k, k)) + np.eye(k)
+    return lowest, lambda x: 3.0 + np.sum(((x - lowest) @ root) ** 2, axis=1)
+
+
+def ranked(points, costs):
+    order = np.argsort(costs)
+    return points[order], costs[order]
+
+
+@settings(max_examples=25)
+@given(k=st.integers(1, 6), seed=st.integers(0, 2**32))
+def test_the_bottom_of_a_paraboloid_is_found_in_a_few_steps(k, seed):
+    lowest, cost = paraboloid(k, seed)
+    points = lowest + 0.05 * np.random.default_rng(seed + 1).standard_normal((2 * unknowns(k), k))
+    for _ in range(3):  # one, unless it is farther than `RADIUS`
+        points = np.vstack([points, bottom(*ranked(points, cost(points)))])
+    assert cost(points)[-1] == pytest.approx(3.0, abs=1e-9)
+
+
+def test_noise_is_averaged():
+    lowest, cost = paraboloid(3, 1)
+    rng = np.random.default_rng(2)
+    errors = {}
+    for n in (20, 2000):
+        points = lowest + 0.05 * rng.standard_normal((n, 3))
+        points, _ = ranked(points, cost(points))
+        noise = 0.1 * np.std(cost(points)) * rng.standard_normal(n)
+        errors[n] = np.linalg.norm(bottom(points, cost(points) + noise) - lowest)
+    assert errors[2000] < 0.3 * errors[20]
+
+
+@pytest.mark.parametrize("slope", [[1.0, 2.0], [-3.0, 0.0]])
+@pytest.mark.parametrize("bend", [0.0, -4.0])
+def test_where_there_is_no_bottom_it_goes_down_and_not_far(slope, bend):
+    points = 0.5 + 0.1 * np.random.default_rng(0).standard_normal((30, 2))
+    costs = 10 + points @ slope + bend * np.sum((points - 0.5) ** 2, axis=1)
+    points, costs = ranked(points, costs)
+    found = bottom(points, costs)
+    spread = np.linalg.cholesky(np.cov(points, rowvar=False))
+    assert np.linalg.norm(np.linalg.solve(spread, found - points[0])) <= RADIUS * (1 + 1e-6)
+    assert 10 + found @ slope + bend * np.sum((found - 0.5) ** 2) < costs[0]
+
+
+@pytest.mark.parametrize(
+    "costs", [np.arange(6.0), np.full(30, 2.0), np.append(np.arange(6.0), np.full(24, np.inf))]
+)
+def test_what_cannot_be_said_is_not_said(costs):
+    points = np.random.default_rng(0).random((len(costs), 2))
+    assert bottom(points, costs) is None
+    assert bottom(np.zeros_like(points), np.arange(len(costs), dtype=float)) is None
+
+
+def test_an_archive_keeps_the_cheapest_in_order(monkeypatch):
+    monkeypatch.setattr("stickslip.ga.operators.surrogates.ARCHIVED", 12)
+    rng = np.random.default_rng(0)
+    archive, added = Archive(2), []
+    for _ in range(5):
+        points = rng.random((8, 2))
+        added.append(np.column_stack([points.sum(axis=1), points]))
+        archive.add(points, points.sum(axis=1))
+    cheapest = np.vstack(added)
+    cheapest = cheapest[np.argsort(cheapest[:, 0])][:12]
+    np.testing.assert_array_equal(archive.costs, cheapest[:, 0])
+    np.testing.assert_array_equal(archive.strings, cheapest[:, 1:])
+
+
+@settings(max_examples=25)
+@given(k=st.integers(1, 8), seed=st.integers(0, 2**32))
+def test_the_bottom_of_a_round_bowl_is_exact_wherever_the_points_are(k, seed):
+    rng = np.random.default_rng(seed)
+    lowest = rng.uniform(0.2, 0.8, k)
+    points = np.vstack([rng.random((20, k)), 0.1 + 0.01 * rng.standard_normal((40, k))])
+    costs = 3 + np.sum((points - lowest) ** 2, axis=1)
+    np.testing.assert_allclose(bowl(*ranked(points, costs)), lowest, atol=1e-8)
+
+
+def test_a_bowl_sees_past_ripples_that_trap_the_best_candidate_and_the_crowd_around_it():
+    """Ripples as high as a third of the bowl, and most points in one of them."""
+    rng = np.random.default_rng(0)
+    lowest = np.full(3, 0.6)
+    points = np.vstack([rng.random((100, 3)), 0.3 + 0.01 * rng.standard_normal((300, 3))])
+    away = points - lowest
+    costs = np.sum(away**2 + 0.05 * (1 - np.cos(2 * np.pi * away / 0.1)), axis=1)
+    points, costs = ranked(points, costs)
+    assert np.abs(bowl(points, costs) - lowest).max() < 0.05
+    assert np.abs(points[0] - lowest).max() > 0.05
+
+
+@pytest.mark.parametrize(
+    "costs", [np.arange(4.0), np.full(30, 2.0), np.append(np.arange(4.0), np.full(24, np.inf))]
+)
+def test_there_is_no_bowl_through_too_few_or_equal_costs(costs):
+    points = np.random.default_rng(0).random((len(costs), 2))
+    assert bowl(points, costs) is None
+
+
+def test_there_is_no_bowl_where_the_cost_bends_down():
+    points = np.random.default_rng(0).random((30, 2))
+    assert bowl(*ranked(points, 5 - np.sum((points - 0.5) ** 2, axis=1))) is None

@@ -1,0 +1,146 @@
+"""Genes, settings, encoding and repair."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from problems import GENES
+
+from stickslip import ga
+from stickslip.ga.problem.encoding import Encoding
+
+UNIT = st.lists(st.floats(0, 1), min_size=3, max_size=3).map(lambda row: np.array([row]))
+
+
+@pytest.mark.parametrize("kind", ["linear", "log"])
+@given(strings=UNIT)
+def test_decode_undoes_encode_within_the_bounds(kind, strings):
+    encoding = Encoding(GENES, kind, None)
+    values = encoding.decode(strings)
+    assert (values >= encoding.lower).all()
+    assert (values <= encoding.upper).all()
+    np.testing.assert_allclose(encoding.encode(values), strings, atol=1e-12)
+
+
+def test_log_gives_each_decade_the_same_room():
+    values = Encoding(GENES, "log", None).decode(np.array([[0.0], [1 / 3], [2 / 3], [1.0]]))
+    np.testing.assert_allclose(values[:, 0], [0.1, 1, 10, 100])
+
+
+def test_linear_strings_are_steps_of_the_resolution():
+    settled = Encoding(GENES, "linear", 1e-4).settle(np.array([[0.12344, 0.12346, 1.0]]))
+    np.testing.assert_allclose(settled, [[0.1234, 0.1235, 1.0]], atol=1e-15)
+
+
+@given(st.lists(st.floats(-5, 5), min_size=3, max_size=3))
+def test_strings_that_left_come_back(row):
+    settled = Encoding(GENES, "log", 0.3).settle(np.array([row]))
+    assert ((settled >= 0) & (settled <= 1)).all()
+
+
+def test_strings_are_mirrored_at_their_ends():
+    settled = Encoding(GENES, "log", None).settle(np.array([[-0.2, 1.25, 0.5]]))
+    np.testing.assert_allclose(settled, [[0.2, 0.75, 0.5]])
+
+
+def test_log_refuses_a_bound_of_zero():
+    with pytest.raises(ga.SettingsError, match="gene x: log encoding needs a lower bound above 0"):
+        Encoding([ga.Gene("x", 0.0, 1.0, 0.5)], "log", None)
+
+
+REPAIR = ga.AtLeast("b", "a")
+
+
+@given(st.tuples(st.floats(0.1, 100), st.floats(0.6, 600), st.floats(1e-5, 1e-2)))
+def test_the_constraint_and_the_bounds_hold(row):
+    repaired = REPAIR(np.array([row]), GENES)[0]
+    assert repaired[1] >= repaired[0]
+    for value, gene in zip(repaired, GENES, strict=True):
+        assert gene.lower <= value <= gene.upper
+
+
+def test_a_candidate_that_keeps_the_constraint_is_left_alone():
+    values = np.array([[2.0, 3.0, 1e-3], [3.0, 2.0, 1e-3]])
+    np.testing.assert_array_equal(REPAIR(values, GENES), [[2.0, 3.0, 1e-3], [2.0, 3.0, 1e-3]])
+    assert values[1, 0] == 3.0
+
+
+def test_a_repair_that_changes_the_shape_is_refused():
+    algorithm = ga.GeneticAlgorithm(GENES, repair=lambda values, _: values[0])
+    with pytest.raises(ga.SettingsError, match=r"shape \(10, 3\), got \(3,\)"):
+        algorithm.ask()
+
+
+def test_it_pickles():
+    assert pickle.loads(pickle.dumps(REPAIR)) == REPAIR  # noqa: S301 - our own bytes
+
+
+def test_an_unknown_gene_is_named():
+    with pytest.raises(ga.SettingsError, match="no gene 'z' among a, b, c"):
+        ga.AtLeast("z", "a")(np.ones((1, 3)), GENES)
+
+
+def test_bounds_without_room_are_refused():
+    genes = [ga.Gene("low", 0, 1, 0.5), ga.Gene("high", 2, 3, 2.5)]
+    with pytest.raises(ga.SettingsError, match="low ends at 1, below the lower bound 2 of high"):
+        ga.AtLeast("low", "high")(np.array([[0.5, 2.5]]), genes)
+
+
+def test_the_preset_paper_is_table_3():
+    paper = ga.PRESETS["paper"]
+    assert (paper.population, paper.generations, paper.elites) == (10, 100, 2)
+    assert (paper.mutation_rate, paper.resolution, paper.encoding) == (0.15, 1e-4, "linear")
+
+
+def test_the_default_preset_is_the_default():
+    assert ga.PRESETS["default"] == ga.DEFAULT == ga.Settings()
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("population", 3),
+        ("generations", 0),
+        ("elite_rate", 1.0),
+        ("elite_rate", -0.1),
+        ("mutation_rate", 1.5),
+        ("crossover_rate", float("nan")),
+        ("k1", -1.0),
+        ("near_share", 2.0),
+        ("near_spread", 0.0),
+        ("resolution", 0.0),
+        ("threshold", -1.0),
+        ("crossover", "magic"),
+        ("encoding", "binary"),
+        ("survival", "all"),
+        ("mutation", "none"),
+        ("patience", 0),
+        ("restarts", -1),
+    ],
+)
+def test_a_setting_out_of_range_is_named(field, value):
+    with pytest.raises(ga.SettingsError, match=f"{field} must be .*, got"):
+        ga.Settings(**{field: value})
+
+
+@pytest.mark.parametrize(
+    ("bounds", "message"),
+    [
+        ((1.0, 1.0, 1.0), "lower must be below upper"),
+        ((0.0, 1.0, 2.0), "start 2.0 is outside"),
+        ((0.0, float("inf"), 1.0), "upper must be finite"),
+    ],
+)
+def test_a_gene_of_impossible_bounds_is_named(bounds, message):
+    with pytest.raises(ga.SettingsError, match=f"gene F_c: {message}"):
+        ga.Gene("F_c", *bounds)
+
+
+@pytest.mark.parametrize("names", [[], ["a", "a"]])
+def test_genes_need_names_of_their_own(names):
+    with pytest.raises(ga.SettingsError, match="each with its own name"):
+        ga.GeneticAlgorithm([ga.Gene(name, 0.1, 1, 0.5) for name in names])
