@@ -12,12 +12,13 @@ from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.learned.file import LearnedFile
-from stickslip.learned.writing import datasheet_document, loop_document, validation_document
+from stickslip.learned.writing import loop_document, validation_document
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
+from stickslip.storage.codec import encode
 
 pytestmark = pytest.mark.slow
 
@@ -64,7 +65,7 @@ def test_what_an_older_file_lacks_has_a_default_and_the_rest_comes_back(learned)
     assert (file.validation, file.datasheet) == (VALIDATION, Datasheet())
     assert LearnedFile(learned(validation=validation_document(SLOW))).validation == SLOW
     sheet = Datasheet(peak_force=40.0, tau_i=0.0, encoder_step=1e-6)
-    assert LearnedFile(learned(datasheet=datasheet_document(sheet))).datasheet == sheet
+    assert LearnedFile(learned(datasheet=encode(sheet))).datasheet == sheet
     with pytest.raises(UsageError, match="datasheet: expected peak_force, tau_i, encoder_step"):
         assert LearnedFile(learned(datasheet={"encoder_step": {"value": -1.0}})).datasheet
 
