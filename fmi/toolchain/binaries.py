@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from stickslip.fmi.binary.universal import universal
+from stickslip.fmi.binary import universal
 from stickslip.fmi.process.threads import Threads
 from stickslip.fmi.toolchain.compiler import vouch
 from stickslip.fmi.toolchain.platforms import Platform

@@ -16,8 +16,7 @@ from functools import cache
 from pathlib import Path
 
 from stickslip.fmi.binary import read_library
-from stickslip.fmi.files.atomic import atomic_write
-from stickslip.fmi.files.lock import lock
+from stickslip.fmi.files import atomic_write, lock
 from stickslip.fmi.process.child import child_process
 from stickslip.fmi.process.interruption import check_interruption, temporary_folder
 from stickslip.fmi.toolchain.cache import CACHE_ADVICE, cache_directory

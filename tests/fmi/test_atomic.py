@@ -16,7 +16,7 @@ from stickslip.fmi.files import atomic_write
 HALF = """
 import sys, time
 from pathlib import Path
-from stickslip.fmi.files import atomic
+from stickslip.fmi import files as atomic
 with atomic._beside(Path(sys.argv[1])) as (file, _):
     file.write(b"half")
     file.flush()

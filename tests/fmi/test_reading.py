@@ -6,8 +6,7 @@ import os
 
 import pytest
 
-from stickslip.fmi.files import parse_json, parse_toml, read_limited
-from stickslip.fmi.files.reading import DEEPEST
+from stickslip.fmi.files import DEEPEST, parse_json, parse_toml, read_limited
 
 
 def test_a_file_is_read_up_to_its_limit(tmp_path):
