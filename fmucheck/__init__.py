@@ -15,8 +15,7 @@ _THEMES = (
     *("archive", "document"),
     *(f"description.{name}" for name in ("identity", "variables", "structure", "capabilities")),
     *("files", "binaries"),
-    *(f"running.{name}" for name in ("loading", "values", "repeating", "sensitivity")),
-    *(f"running.{name}" for name in ("dependencies", "refusals", "logging", "process")),
+    *(f"running.{name}" for name in ("plain_run", "repeating", "dependencies", "conduct")),
     *("running.continuous", "ending"),
 )
 for _theme in _THEMES:  # importing a theme registers its rules

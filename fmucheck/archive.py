@@ -13,15 +13,17 @@ from pathlib import Path
 
 from stickslip.fmi.archive.directory import (
     MAX_BYTES,
+    MAX_MEMBERS,
     METHODS,
+    Refused,
+    check_frame,
+    is_device,
     is_encrypted,
     is_inflated,
     is_link,
     is_special,
 )
-from stickslip.fmi.archive.frame import MAX_MEMBERS, check_frame
-from stickslip.fmi.archive.members import FAULTS, extract_file
-from stickslip.fmi.archive.names import Refused, is_device
+from stickslip.fmi.archive.unpacked import FAULTS, extract_file
 from stickslip.fmi.files import open_regular_file
 from stickslip.fmucheck.rules import Claims, error, note, warning
 

@@ -6,7 +6,7 @@ import statistics
 import time
 from pathlib import Path
 
-from benchmarks import workers
+from benchmarks import measurements
 from benchmarks.learning.problem import cost, problem
 from stickslip import ga
 
@@ -31,7 +31,7 @@ def run(folder: Path) -> dict[str, float]:
                 raise RuntimeError(f"{name}: one and two workers learned differently")
             speeds[name] = statistics.median(a / b for (a, _), (b, _) in rounds)
     found = {f"two {name} / one (goal {GOALS[name]})": speed for name, speed in speeds.items()}
-    return found | workers.measure(folder / "workers")
+    return found | measurements.workers(folder / "workers")
 
 
 def _learn(evaluate: ga.SimulatedCost, executor, evaluations: int) -> tuple[float, str]:

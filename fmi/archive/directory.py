@@ -1,15 +1,173 @@
-"""The directory of an archive, checked before anything is unpacked."""
+"""What an archive says of itself, checked before anything is unpacked: ends, names, sizes."""
 
 from __future__ import annotations
 
+import os
+import re
 import stat
+import struct
+import sys
+import unicodedata
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from pathlib import PurePosixPath
+from typing import IO
 
-from stickslip.fmi.archive.names import Refused, check_distinct, place
 from stickslip.fmi.messages import shown
+
+MAX_DEPTH = 64
+MAX_LENGTH = 1000  # bytes of a path
+_MAX_PART = 255  # bytes, of every usual file system
+
+_FOLDS = sys.platform in ("win32", "darwin")
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
+_LEAVES = re.compile(r"^/|^[A-Za-z]:|(^|/)\.\.(/|$)")
+# Device names of Windows, which they are with any extension, too.
+_DEVICE = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[0-9\u00b9\u00b2\u00b3])", re.I)
+
+
+class Refused(Exception):
+    """An archive that is not unpacked; the message lacks its path, which the caller knows."""
+
+
+def is_device(name: str) -> bool:
+    """Tell whether Windows takes a file of this name for a device."""
+    return _DEVICE.fullmatch(name.partition(".")[0].rstrip(" ")) is not None
+
+
+def place(name: str) -> PurePosixPath:
+    """Return where a member goes, relative to the folder it is unpacked to."""
+    if fault := _name_fault(name):
+        raise Refused(f"member {shown(name)} {fault}")
+    return PurePosixPath(name)
+
+
+def _name_fault(name: str) -> str | None:
+    if _CONTROL.search(name):
+        return "has control characters in its name; pack the archive again without them"
+    if "\\" in name:
+        return "has a backslash in its name, where the standard wants '/'; pack the archive again"
+    if _LEAVES.search(name):
+        return "would leave the folder it is unpacked to; only relative paths are unpacked"
+    parts = name.removesuffix("/").split("/")
+    if not all(parts):
+        return "has an empty part in its path; pack the archive again"
+    if parts[-1] == "." and not name.endswith("/"):
+        return "names a folder, and is a file; pack the archive again"
+    if len(parts) > MAX_DEPTH:
+        return f"lies {len(parts)} folders deep, expected at most {MAX_DEPTH}"
+    length = len(name.encode())
+    if length > MAX_LENGTH or any(len(part.encode()) > _MAX_PART for part in parts):
+        return f"has a path of {length} bytes, expected at most {MAX_LENGTH}, {_MAX_PART} in a part"
+    if os.name == "nt":
+        if ":" in name:
+            return "has a colon in its name, which names a drive or a stream on Windows; rename it"
+        if any(p.endswith((".", " ")) and p != "." for p in parts):
+            return "has a name with a dot or blank at its end, which Windows drops; rename it"
+        if any(map(is_device, parts)):
+            return "has the name of a device of Windows; rename it"
+    return None
+
+
+def check_distinct(places: Iterable[tuple[PurePosixPath, bool]]) -> None:
+    """Check that no two members (path, whether it is a folder) need the same place.
+
+    Upper and lower case, and accents written as one letter or two, count as the same on systems
+    where they are.
+    """
+    files: dict[str, PurePosixPath] = {}
+    folders: dict[str, PurePosixPath] = {}
+    for path, is_folder in places:
+        key = _key(path)
+        if not is_folder:
+            if key in files:
+                raise Refused(f"member {shown(str(path))} occurs twice; keep one")
+            files[key] = path
+        for folder in (path, *path.parents) if is_folder else path.parents:
+            folders.setdefault(_key(folder), folder)
+    if both := files.keys() & folders.keys():
+        name = shown(str(files[min(both)]))
+        raise Refused(f"member {name} is a file, and a folder of other members; rename one")
+
+
+def _key(path: PurePosixPath) -> str:
+    name = str(path)
+    return unicodedata.normalize("NFC", name).casefold() if _FOLDS else name
+
+
+MAX_MEMBERS = 20_000
+_MAX_DIRECTORY = 32 * 1024**2  # bytes that list the members
+
+_END = struct.Struct("<4s4H2LH")
+_END_MARK = b"PK\x05\x06"
+_END64 = struct.Struct("<4sQ2H2L4Q")
+_END64_MARK = b"PK\x06\x06"
+_POINTER = struct.Struct("<4sLQL")  # to _END64
+
+
+def check_frame(file: IO[bytes]) -> int:
+    """Check that a file is one zip archive from first byte to last; return how many members.
+
+    Anything before or after it would be read by some tools and not by others.
+
+    Raises
+    ------
+    ValueError
+        Also when the list of members is too long to be read at all.
+    """
+    size = file.seek(0, 2)
+    if not size:
+        raise ValueError("not a zip archive: the file is empty; copy it again")
+    file.seek(0)
+    head = file.read(4)
+    begin = max(0, size - _END.size - 0xFFFF)
+    file.seek(begin)
+    tail = file.read()
+    found = tail.rfind(_END_MARK)
+    if found < 0 or len(tail) - found < _END.size:
+        what = "a damaged one: its end is missing" if head[:2] == b"PK" else "its end is missing"
+        raise ValueError(f"not a zip archive, or {what}; copy or export it again")
+    fields: tuple[int, ...] = _END.unpack_from(tail, found)[4:]
+    members, length, offset, comment = fields
+    if behind := len(tail) - found - _END.size - comment:
+        raise ValueError(
+            f"{abs(behind)} bytes {'behind' if behind > 0 else 'missing at'} the end of the zip"
+            " archive; copy or export it again"
+        )
+    end = begin + found
+    if members == 0xFFFF or 0xFFFFFFFF in (length, offset):
+        members, length, offset, end = _end64(file, end, (members, length, offset, end))
+    if members > MAX_MEMBERS or length > _MAX_DIRECTORY:
+        raise ValueError(
+            f"{members} members, listed in {length} bytes; at most {MAX_MEMBERS} are unpacked"
+        )
+    if (before := end - length - offset) or (members and head != b"PK\x03\x04"):
+        raise ValueError(
+            f"{abs(before)} bytes {'before' if before >= 0 else 'missing from'} the zip archive:"
+            " it does not begin with its first member; copy or export it again"
+        )
+    return members
+
+
+def _end64(file: IO[bytes], end: int, plain: tuple[int, ...]) -> tuple[int, ...]:
+    """Return number of members, length and place of their list, and its end, of a zip64."""
+    if end < _POINTER.size + _END64.size:
+        return plain
+    file.seek(end - _POINTER.size)
+    mark, _, at, _ = _POINTER.unpack(file.read(_POINTER.size))
+    if mark != b"PK\x06\x07":
+        return plain
+    if at + _END64.size > end:
+        raise ValueError(
+            "damaged zip archive: its end points behind itself; copy or export it again"
+        )
+    file.seek(at)
+    mark, *_, members, length, offset = _END64.unpack(file.read(_END64.size))
+    if mark != _END64_MARK:
+        raise ValueError("damaged zip archive: its zip64 end is missing; copy or export it again")
+    return members, length, offset, at
+
 
 MAX_BYTES = 2 * 1024**3  # unpacked
 MAX_RATIO = 500  # of what is large when unpacked; deflate itself ends at 1032

@@ -14,12 +14,12 @@ from stickslip.fmi.description.attributes import (
     WORDS,
     DescriptionFault,
     Remarks,
+    TypeDefinition,
     flag,
     real,
     whole,
     whole_of,
 )
-from stickslip.fmi.description.types import TypeDefinition
 from stickslip.fmi.description.variables import (
     FLOATS,
     INITIALS,

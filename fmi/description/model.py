@@ -1,14 +1,135 @@
-"""What is read of a description."""
+"""What is read of a description: clocks, what an FMU learns, and the structure of the model.
+
+FMI 2.0 refers to variables by their place in the list, FMI 3.0 by their value references.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
-from stickslip.fmi.description.clocks import Clock
-from stickslip.fmi.description.learned import LearnedVariables
+from stickslip.fmi.description.attributes import DescriptionFault, Remarks, finite, whole
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable
+from stickslip.fmi.messages import shown
+
+# When an FMU is asked for the interval, by ``intervalVariability``; places in ``enum Asked``.
+# Clocks of other kinds are triggered by whoever runs the FMU.
+_TRIGGERED = "triggered"
+_NEVER, _ONCE = 0, 1
+_ASKED = {
+    "constant": _NEVER,
+    "fixed": _NEVER,
+    "tunable": _NEVER,
+    "calculated": _ONCE,
+    "changing": 2,
+    "countdown": 3,
+}
+
+
+@dataclass(frozen=True)
+class Clock:
+    """An input clock.
+
+    Attributes
+    ----------
+    asked : when the FMU is asked for the interval, None where the clock does not tick by time
+    interval, shift : s
+    """
+
+    name: str
+    reference: int
+    asked: int | None
+    interval: float = 0.0
+    shift: float = 0.0
+
+
+def read_clocks(elements: Sequence[Any], remarks: Remarks) -> tuple[Clock, ...]:
+    """Return the input clocks among the elements of variables, whose clocks should be some."""
+    clocks = [element for element in elements if element.tag == "Clock"]
+    references = {element.get("valueReference") for element in clocks}
+    for element in elements:
+        for word in element.get("clocks", "").split():
+            if word not in references:
+                remarks.add(element, f"clocks has {word!r:.40}, which is no clock")
+    return tuple(_clock(element) for element in clocks if element.get("causality") == "input")
+
+
+def _clock(element: Any) -> Clock:
+    kind = element.get("intervalVariability", _TRIGGERED)
+    if kind not in (*_ASKED, _TRIGGERED):
+        expected = ", ".join((*_ASKED, _TRIGGERED))
+        raise DescriptionFault(element, f"intervalVariability is {kind!r:.40}, expected {expected}")
+    asked = _ASKED.get(kind)
+    interval = _seconds(element, "interval")
+    if asked == _NEVER and not interval:
+        asked = _ONCE
+    return Clock(
+        element.get("name"),
+        whole(element.get("valueReference"), "valueReference", element),
+        asked,
+        interval,
+        _seconds(element, "shift"),
+    )
+
+
+def _seconds(element: Any, what: str) -> float:
+    """Return a time given as a decimal number or by counter and resolution; 0 where it is not."""
+    if decimal := element.get(f"{what}Decimal"):
+        seconds = finite(decimal, f"{what}Decimal", element)
+    else:
+        counter = whole(element.get(f"{what}Counter", "0"), f"{what}Counter", element)
+        resolution = whole(element.get("resolution", "1"), "resolution", element)
+        if resolution < 1:
+            raise DescriptionFault(element, f"resolution is {resolution}, expected at least 1")
+        seconds = counter / resolution
+    if seconds < 0:
+        raise DescriptionFault(element, f"{what} of a clock is {seconds} s, expected none below 0")
+    return seconds
+
+
+ANNOTATION = "stickslip"
+"""Name of the tool in FMI 2.0, type of the annotation in FMI 3.0."""
+_PLACES = (
+    f"VendorAnnotations/Tool[@name='{ANNOTATION}']/Learned/State",
+    f"Annotations/Annotation[@type='{ANNOTATION}']/Learned/State",
+)
+
+
+@dataclass(frozen=True)
+class LearnedVariables:
+    """What an FMU learns.
+
+    Attributes
+    ----------
+    model : that learns; empty where the FMU learns nothing
+    variables : parameter -> variable, both scalars or elements of arrays
+    """
+
+    model: str = ""
+    variables: Mapping[str, str] = field(default_factory=dict)
+
+
+def read_learned(root: Any, variables: Mapping[str, Variable]) -> LearnedVariables:
+    """Return what the annotation of a description says."""
+    model, found = "", dict[str, str]()
+    for element in (each for place in _PLACES for each in root.iterfind(place)):
+        model = element.getparent().get("model", "")
+        ends = [element.get(end, "") for end in ("parameter", "variable")]
+        parameters, learned = (_elements(end, variables) for end in ends)
+        if not parameters or len(parameters) != len(learned):
+            what = " and ".join(map(shown, ends))
+            raise DescriptionFault(element, f"{what} are not variables of the same size")
+        found |= dict(zip(parameters, learned, strict=True))
+    return LearnedVariables(model, found)
+
+
+def _elements(name: str, variables: Mapping[str, Variable]) -> list[str]:
+    """Return a scalar, or the elements of an array, which in FMI 2.0 are scalars."""
+    if name in variables:
+        return [each.name for each in variables[name].elements()]
+    return [each for each in variables if each.partition("[")[0] == name]
 
 
 @dataclass(frozen=True)
@@ -74,3 +195,86 @@ class Description:
     clocks: tuple[Clock, ...]
     learned: LearnedVariables
     remarks: tuple[str, ...]
+
+
+Places = Mapping[str, str]
+"""Index or value reference, in digits -> name of the variable."""
+
+_KINDS = {
+    2: {"Outputs": "outputs", "Derivatives": "derivatives", "InitialUnknowns": "initial"},
+    3: {
+        "Output": "outputs",
+        "ContinuousStateDerivative": "derivatives",
+        "EventIndicator": "indicators",
+        "ClockedState": "clocked",
+        "InitialUnknown": "initial",
+    },
+}
+
+
+def read_unknowns(
+    root: Any, version: int, places: Places, remarks: Remarks
+) -> dict[str, list[Unknown]]:
+    """Return the entries of ModelStructure by kind.
+
+    Raises
+    ------
+    DescriptionFault
+        When a state or an event indicator, which a solver has to count, is no variable.
+    """
+    kinds = _KINDS[version]
+    found: dict[str, list[Unknown]] = {kind: [] for kind in kinds.values()}
+    solved = {"derivatives", "indicators"} if root.find("ModelExchange") is not None else set()
+    for element in root.iterfind("ModelStructure/*"):
+        if not (kind := kinds.get(element.tag)):
+            continue
+        key, entries = ("valueReference", [element]) if version == 3 else ("index", element)
+        for entry in entries:
+            given = (entry, key, places, remarks)
+            unknown = _unknown(*given) if kind in solved else remarks.attempt(_unknown, *given)
+            found[kind] += [unknown] if unknown else []
+    return found
+
+
+def _unknown(element: Any, key: str, places: Places, remarks: Remarks) -> Unknown:
+    name = _name(element.get(key, ""), key, element, places)
+    return Unknown(name, remarks.attempt(_dependencies, element, places))
+
+
+def _dependencies(element: Any, places: Places) -> tuple[str, ...] | None:
+    if (known := element.get("dependencies")) is None:
+        return None
+    return tuple(_name(word, "dependencies", element, places) for word in known.split())
+
+
+def read_derivatives(
+    elements: Iterable[tuple[Any, str]], places: Places, remarks: Remarks
+) -> dict[str, str]:
+    """Return name -> name of what it is the derivative of.
+
+    Parameters
+    ----------
+    elements : with the attribute ``derivative`` where they have one, and the variable's name
+    """
+    states: dict[str, str] = {}
+    for element, name in elements:
+        if (text := element.get("derivative")) is None:
+            continue
+        state = remarks.attempt(_name, text, "derivative", element, places)
+        following = state
+        while following and following != name:
+            following = states.get(following)
+        if following:
+            remarks.add(element, f"{shown(name)} is a derivative of itself; this is ignored")
+        elif state:
+            states[name] = state
+    return states
+
+
+def _name(text: str, what: str, element: Any, places: Places) -> str:
+    if (name := places.get(text)) is not None:
+        return name
+    place = whole(text, what, element)  # it may be spelled with blanks or a sign
+    if (name := places.get(str(place))) is None:
+        raise DescriptionFault(element, f"{what} of {element.tag} is {place}, which is no variable")
+    return name

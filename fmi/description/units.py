@@ -6,6 +6,7 @@ Source: FMI 2.0 section 2.2.2, FMI 3.0 section 2.4.3.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
@@ -32,18 +33,18 @@ class Unit:
         """Return its name for messages."""
         return repr(self.name) + (" as a difference (relativeQuantity)" if self.relative else "")
 
-    def like(self, other: Unit | None) -> Unit:
+    def like(self, other: Self | None) -> Self:
         """Return it as measuring differences or not, as another one does, where it does not say."""
         silent = self.relative is None
         return replace(self, relative=other.relative) if other and silent else self
 
-    def same_as(self, other: Unit) -> bool:
+    def same_as(self, other: Self) -> bool:
         """Whether a number means the same in both units."""
         if self.exponents is None or other.exponents is None:
             return self.name == other.name
         mine = (self.exponents, self.factor, self.offset)
         return mine == (other.exponents, other.factor, other.offset)
 
-    def measures_as(self, other: Unit) -> bool:
+    def measures_as(self, other: Self) -> bool:
         """Whether both are known to measure the same thing."""
         return self.exponents is not None and self.exponents == other.exponents

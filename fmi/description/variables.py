@@ -25,7 +25,7 @@ from ctypes import (
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import Any
+from typing import Any, Self
 
 Scalar = float | int | bool | str | bytes
 Value = Scalar | tuple[Scalar, ...]  # arrays row by row
@@ -175,7 +175,7 @@ class Variable:
         """Number of values."""
         return math.prod(self.dimensions)
 
-    def elements(self) -> Iterator[Variable]:
+    def elements(self) -> Iterator[Self]:
         """Yield ``name[1,1]``, ``name[1,2]``, ...; of a scalar the variable itself."""
         if not self.dimensions:
             yield self
@@ -183,7 +183,7 @@ class Variable:
         for place, indices in enumerate(product(*map(range, self.dimensions))):
             yield self._element(place, [i + 1 for i in indices])
 
-    def at(self, indices: tuple[int, ...]) -> Variable | None:
+    def at(self, indices: tuple[int, ...]) -> Self | None:
         """Return the element at these indices, which count from 1; None when there is none."""
         if len(indices) != len(self.dimensions) or not all(
             1 <= i <= length for i, length in zip(indices, self.dimensions, strict=True)
@@ -194,7 +194,7 @@ class Variable:
             place = place * length + i - 1
         return self._element(place, indices)
 
-    def _element(self, place: int, indices: Sequence[int]) -> Variable:
+    def _element(self, place: int, indices: Sequence[int]) -> Self:
         return replace(
             self,
             name=f"{self.name}[{','.join(map(str, indices))}]",

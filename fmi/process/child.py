@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -49,8 +50,8 @@ def child_process(command: Sequence[str], **options: Any) -> Iterator[subprocess
 def start_python(
     arguments: Sequence[str],
     room: Path,
-    guard: Guard | None,
-    allow: Permissions,
+    guard: "Guard | None",
+    allow: "Permissions",
     variables: Mapping[str, str],
     files: Sequence[int] = (),
 ) -> subprocess.Popen[bytes]:
@@ -129,3 +130,27 @@ def limit(memory: float) -> None:
         _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
         size = int(memory * 1e6) if most == resource.RLIM_INFINITY else most
         resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+
+def open_standard_streams() -> None:
+    """Open the null device in the place of each standard stream that is closed.
+
+    A file that is opened later would else get the stream's number, and what is printed or read by
+    that number would go into it or come out of it. Characters that the encoding of an output lacks
+    are printed by their number, such as U+00E4, as escapes.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            opened = os.open(os.devnull, os.O_RDWR)
+            if opened != number:
+                os.dup2(opened, number)
+                os.close(opened)
+            os.set_inheritable(number, True)
+        if getattr(sys, name) is None:
+            mode = "w" if number else "r"
+            setattr(sys, name, open(number, mode, encoding="utf-8", closefd=False))  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")

@@ -20,13 +20,14 @@ from pathlib import Path
 from stat import S_ISREG
 from typing import Any, Self
 
-from stickslip.fmi.process.calls import numbers, processor
 from stickslip.fmi.process.permitted import HUGE, program
 from stickslip.fmi.process.sandbox import (
     NETWORK,
     Permissions,
     interpreter_folders,
     is_below,
+    numbers,
+    processor,
     system_paths,
 )
 

@@ -1,4 +1,7 @@
-"""C sources in, a shared library out."""
+"""C sources in, a shared library out: compiled, or taken from ``compiled.zip`` of a wheel.
+
+A member of the archive is called RECIPE/FILE; its comment is the version of the compiler.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import zipfile
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -19,15 +23,42 @@ from stickslip.fmi.binary import read_library
 from stickslip.fmi.files import atomic_write, lock
 from stickslip.fmi.process.child import child_process
 from stickslip.fmi.process.interruption import check_interruption, temporary_folder
-from stickslip.fmi.toolchain.cache import CACHE_ADVICE, cache_directory
-from stickslip.fmi.toolchain.errors import (
+from stickslip.fmi.toolchain.platforms import (
+    CACHE_ADVICE,
     CacheUnusable,
     CompilationFailed,
     CompilerMissing,
+    Platform,
     WrongExports,
+    cache_directory,
+    host_platform,
 )
-from stickslip.fmi.toolchain.platforms import Platform, host_platform
-from stickslip.fmi.toolchain.shipped import shipped_compiler, shipped_library
+
+ARCHIVE = Path(__file__).with_name("compiled.zip")
+
+
+@cache
+def _content(archive: Path) -> tuple[str, frozenset[str]]:
+    """Return the version of the compiler, and the names of the members."""
+    if not archive.exists():
+        return "", frozenset()
+    with zipfile.ZipFile(archive) as opened:
+        return opened.comment.decode(), frozenset(opened.namelist())
+
+
+def shipped_compiler(member: str) -> str | None:
+    """Return the version of the compiler that a library is from; None if it is not there."""
+    compiler, members = _content(ARCHIVE)
+    return compiler if member in members else None
+
+
+def shipped_library(member: str) -> bytes | None:
+    """Return the bytes of a library; None if it is not there."""
+    if shipped_compiler(member) is None:
+        return None
+    with zipfile.ZipFile(ARCHIVE) as opened:
+        return opened.read(member)
+
 
 # No fused multiply-add and a named target: the same bits on every processor.
 # -O2 also keeps the compiler from linking its debug runtime (4 MB) into each library.
@@ -56,7 +87,7 @@ def shared_library(
 
     The result lies in the cache under a hash of all that went in, so a second call returns at once.
     Its own hash lies beside it; a library that has another one was damaged and is built again. What
-    came with the package is not compiled, but taken from ``shipped.py``.
+    came with the package is not compiled, but taken from its archive.
 
     Parameters
     ----------

@@ -1,12 +1,51 @@
-"""The platforms an FMU can be built for, with the names each standard gives them."""
+"""The platforms an FMU can be built for, where built files lie, and the errors of the toolchain."""
 
 from __future__ import annotations
 
+import os
 import platform as machine
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 
-from stickslip.fmi.toolchain.errors import ToolchainError
+from stickslip.fmi.errors import Fault
+
+
+class ToolchainError(Fault, RuntimeError):
+    """Building a shared library from C sources failed."""
+
+
+class CompilerMissing(ToolchainError):
+    """Something has to be compiled, and the ``ziglang`` package, the compiler, is not installed."""
+
+
+class CompilationFailed(ToolchainError):
+    """The compiler rejected the sources. The message ends with its output."""
+
+
+class CacheUnusable(ToolchainError):
+    """The folder of built files, or the one for temporary files, cannot be written."""
+
+
+class WrongExports(ToolchainError):
+    """The library lacks a requested function, or exports one that was not requested."""
+
+
+CACHE_ADVICE = "set STICKSLIP_CACHE to a folder that can be written and has space"
+
+
+def cache_directory() -> Path:
+    """Return the folder of built files: ``$STICKSLIP_CACHE``, else the user's cache folder."""
+    override = os.environ.get("STICKSLIP_CACHE")
+    if override:
+        return Path(override).expanduser().absolute()
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA", "~/AppData/Local")
+    elif sys.platform == "darwin":
+        base = "~/Library/Caches"
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    return Path(base).expanduser() / "stickslip"
 
 
 @dataclass(frozen=True)

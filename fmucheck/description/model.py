@@ -218,7 +218,7 @@ class Unknown(Entry):
     variable, dependencies : resolved; ``None`` where no such variable exists
     """
 
-    def __init__(self, element: Element, group: str, description: Description) -> None:
+    def __init__(self, element: Element, group: str, description: "Description") -> None:
         super().__init__(element)
         self.group = group
         self.key = self.given.get("index" if description.version == 2 else "valueReference", "")

@@ -27,7 +27,7 @@ from stickslip.fmucheck.description.model import Fmu
 from stickslip.fmucheck.ending import MOST_TEXT, TELLING, Ending, signal_name
 from stickslip.fmucheck.rules import Finding
 from stickslip.fmucheck.running.child import MEMORY, Job
-from stickslip.fmucheck.running.loading import GATES
+from stickslip.fmucheck.running.plain_run import GATES
 
 Claim = tuple[str, str]
 
@@ -166,7 +166,7 @@ def _tried(
         yield from _ended(Ending(once, "", "not-run", text=text), fmu)
 
 
-def _gated(child: _Child) -> set[str]:
+def _gated(child: "_Child") -> set[str]:
     """Return the interfaces of which nothing more can be tried."""
     claimed = {key for key, claims in child.claims.items() if claims}
     failed = {(kind, rule) for kind, rule, reason in child.failed if reason == "call-fails"}

@@ -6,7 +6,7 @@ import copy
 import math
 from collections.abc import Sequence
 from ctypes import c_double
-from typing import Any
+from typing import Any, Self
 
 from stickslip.fmi.description.variables import FLOATS
 from stickslip.fmucheck.description.model import RANGES, Description, Variable, number, whole
@@ -137,7 +137,7 @@ class Run:
         """Tell whether an input can be set where steps are done."""
         return True
 
-    def branch(self, instance: Instance | None = None) -> Run:
+    def branch(self, instance: Instance | None = None) -> Self:
         """Return a run that goes on from here, with another instance if one is given."""
         twin = copy.copy(self)
         twin.rows = []

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal, Self, get_args
 
 from stickslip.models.errors import DescriptionError, StartValueError
 from stickslip.models.export.law import MODELS, Law, merge, read_law, read_toml, require_known
@@ -154,7 +154,7 @@ class Model:
         """Tell whether a tool's solver can take it over."""
         return self.is_continuous or self.sampled
 
-    def of_motion(self, *, rotary: bool) -> Model:
+    def of_motion(self, *, rotary: bool) -> Self:
         """Return the model with the units of a linear drive, as in model.toml, or a rotary one."""
 
         def given(unit: str | None) -> str | None:
@@ -165,7 +165,7 @@ class Model:
         )
         return replace(self, variables=tuple(variables), rotary=rotary)
 
-    def with_start(self, start: Mapping[str, float]) -> Model:
+    def with_start(self, start: Mapping[str, float]) -> Self:
         """Return the model with other start values.
 
         Raises

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
-from stickslip.fmi.description.learned import ANNOTATION
+from stickslip.fmi.description.model import ANNOTATION
 from stickslip.fmi.description.writing import child, document, text
 from stickslip.models.export.description import Model, Variable
 from stickslip.models.export.sources import START, FmiVersion, c_files, compiled

@@ -25,19 +25,29 @@ from stickslip.fmi.toolchain import (
 )
 from stickslip.models.errors import ModelError, StartValueError, UnknownLaw, UnknownModel
 from stickslip.models.export.description import Model, read_model
-from stickslip.models.export.headers import MARKER, MARKER_SIZE, start_bytes, start_source
 from stickslip.models.export.law import MODELS, Law, read_law, read_toml
 from stickslip.models.export.model_description import model_description
-from stickslip.models.export.presentation import index, png, svg, terminals_and_icons
-from stickslip.models.export.reference import cross_check, layered_standard, reference_file
+from stickslip.models.export.presentation import (
+    cross_check,
+    index,
+    layered_standard,
+    png,
+    reference_file,
+    svg,
+    terminals_and_icons,
+)
 from stickslip.models.export.sources import (
     COMPILER_OPTIONS,
+    MARKER,
+    MARKER_SIZE,
     START,
     FmiVersion,
     build_description,
     c_files,
     fmi_headers,
     grouped,
+    start_bytes,
+    start_source,
     text,
 )
 

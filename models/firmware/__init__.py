@@ -13,8 +13,8 @@ from stickslip.models.errors import ModelError
 from stickslip.models.export.package import checked_name, load_model
 from stickslip.models.export.units import motion_unit
 from stickslip.models.firmware.c99 import c_files, struct_name
+from stickslip.models.firmware.program import is_reserved
 from stickslip.models.firmware.structured_text import st_file
-from stickslip.models.firmware.words import is_reserved
 
 Language = Literal["c", "st"]
 _COMMENT = re.compile(r"(?:/\*|\(\*).*?(?:\*/|\*\))", re.DOTALL)

@@ -1,9 +1,9 @@
-"""The C that a model's steps need, parsed by pycparser, with the types of structured text."""
+"""The C that a model's steps need, parsed by pycparser, with names and types of structured text."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import prod
 from operator import add, floordiv, mul, sub
@@ -12,10 +12,44 @@ from pycparser import c_ast, c_generator, c_parser
 
 from stickslip.models.errors import UnknownModel
 from stickslip.models.export.description import Model
-from stickslip.models.export.headers import variables_header
-from stickslip.models.export.sources import shared_files
-from stickslip.models.firmware.amalgam import needed, pieces, without_comments
-from stickslip.models.firmware.words import distinct
+from stickslip.models.export.sources import shared_files, variables_header
+from stickslip.models.firmware.c99 import needed, pieces, without_comments
+
+_RESERVED = """
+    abs abstract and any array at bool by byte case char clk concat configuration constant
+    cos date delete dint div do dt dword else elsif end exit exp expt extends false final
+    find for from function if implements in insert int interface internal jmp ld left len
+    limit ln log lreal lword max method mid min mod move mux n ne not of on or out pointer
+    private program property protected public r read real reference replace resource ret
+    retain return right s sel shl shr sin sint sqrt st step stn string struct super tan task
+    then this time to tod true trunc type udint uint until usint var when while with word
+    write xor
+"""
+SMALLEST = 2.0**-126
+"""Compilers such as matiec take no literal that is not 0 and below what a REAL holds."""
+
+
+def literal(value: float) -> str:
+    """Return a real literal: it needs a point, also before an exponent."""
+    mantissa, exponent, power = repr(float(value)).partition("e")
+    return (mantissa if "." in mantissa else f"{mantissa}.0") + exponent.upper() + power
+
+
+def is_reserved(name: str) -> bool:
+    """Whether a name is a word of the language, in upper or lower case."""
+    return name.lower() in _RESERVED.split()
+
+
+def distinct(names: Iterable[str]) -> dict[str, str]:
+    """Return names that differ by more than case and are not words of the language."""
+    found: dict[str, str] = {}
+    for name in names:
+        new, taken = name, {other.lower() for other in found.values()}
+        while new.lower() in taken or is_reserved(new):
+            new += "_1" if new == name else "1"
+        found[name] = new
+    return found
+
 
 ROLES = ("Inputs", "States", "Memory", "Parameters", "Outputs")
 LIBRARY = {"elementary_exp": "EXP", "elementary_log": "LN", "elementary_sin": "SIN"}

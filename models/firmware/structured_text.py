@@ -1,7 +1,9 @@
 """A compensator as a function block in IEC 61131-3 structured text, for a PLC.
 
-The functions are translated from the C of the model; the function block around them has the
-inputs, parameters and outputs as variables, and what it learns as outputs.
+The functions are translated from the C of the model: structs become STRUCTs, what a pointer points
+to VAR_IN_OUT, and a conditional expression IF before the statement that it is in. exp, log and sin
+are those of the controller. The function block around them has the inputs, parameters and outputs
+as variables, and what it learns as outputs.
 """
 
 from __future__ import annotations
@@ -11,9 +13,45 @@ from collections.abc import Iterable
 from stickslip.models.errors import UnknownModel
 from stickslip.models.export.description import Model, Role, Variable
 from stickslip.models.firmware.c99 import explained, formulas
-from stickslip.models.firmware.program import Program
-from stickslip.models.firmware.translation import translated
-from stickslip.models.firmware.words import SMALLEST, distinct, literal
+from stickslip.models.firmware.program import ROLES, SMALLEST, Program, distinct, literal
+from stickslip.models.firmware.statements import Statements
+
+_EXP = """(* e^x without overflow and underflow *)
+FUNCTION {prefix}_exp : LREAL
+VAR_INPUT
+    x : LREAL;
+END_VAR
+    IF x < -700.0 THEN
+        {prefix}_exp := 0.0;
+    ELSIF x > 700.0 THEN
+        {prefix}_exp := EXP(700.0);
+    ELSE
+        {prefix}_exp := EXP(x);
+    END_IF;
+END_FUNCTION
+"""
+
+
+def translated(program: Program) -> str:
+    """Return TYPEs and FUNCTIONs, callees first."""
+    functions = [
+        Statements(program, variant).text()
+        for name in reversed(program.functions)
+        for variant in program.variants.get(name, {}).values()
+    ]
+    own = [name for name in program.fields if name not in ROLES]
+    types = [_struct(program, name) for name in (*ROLES, *own) if program.fields[name]]
+    return "\n".join(
+        [*program.arrays.values(), *types, _EXP.format(prefix=program.prefix), *reversed(functions)]
+    )
+
+
+def _struct(program: Program, name: str) -> str:
+    members = program.fields[name].values()
+    lines = [program.declaration(one, program.member(name, one.name)) for one in members]
+    head = f"TYPE {program.type_name(name)} :"
+    return "\n".join([head, "STRUCT", *lines, "END_STRUCT;", "END_TYPE", ""])
+
 
 _PARTS = {"x": "states", "w": "memory", "u": "inputs", "p": "parameters", "y": "outputs"}
 _ROLES: dict[str, Role] = {

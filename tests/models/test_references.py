@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from stickslip import models
-from stickslip.models.export.reference import reference_file
+from stickslip.models.export.presentation import reference_file
 
 CALCULATED = (
     *("velocity_controller", "velocity_filter", "nominal_loop", "static_feedforward", "dob"),

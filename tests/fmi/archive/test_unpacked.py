@@ -9,7 +9,8 @@ import zipfile
 import pytest
 
 from stickslip import cosim
-from stickslip.fmi.archive import members, unpack, unpacked
+from stickslip.fmi.archive import unpack, unpacked
+from stickslip.fmi.archive import unpacked as members
 from tests.corpus.hostile.zips import DEFLATE, Member, zipped
 
 CONTENT = {"a.txt": b"text", "folder/b.bin": bytes(range(256)) * 99}
