@@ -1,7 +1,5 @@
 """The paper's loop (10 s at 2 kHz) as one FMU, stepped by one call, relative to our kernel."""
 
-from __future__ import annotations
-
 import tempfile
 from pathlib import Path
 

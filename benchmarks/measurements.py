@@ -1,7 +1,5 @@
 """Small measurements, a function each."""
 
-from __future__ import annotations
-
 import ctypes
 import gc
 import time

@@ -1,7 +1,5 @@
 """Shared libraries as files, read without loading them: ELF, PE and Mach-O."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Values that a caller gives by name, in whatever form his tools have them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Files: atomic writes, locks, and limited reads of untrusted input."""
 
-from __future__ import annotations
-
 import errno
 import hashlib
 import json

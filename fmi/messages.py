@@ -1,7 +1,5 @@
 """Texts in messages: names that are not trusted, what they may mean, and quantities."""
 
-from __future__ import annotations
-
 import difflib
 import math
 import re

@@ -1,7 +1,5 @@
 """Untrusted XML: no DTD and so no entities, nothing fetched, bounded in size and depth."""
 
-from __future__ import annotations
-
 import codecs
 import re
 from typing import Any

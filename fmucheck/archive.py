@@ -1,7 +1,5 @@
 """Rules about the zip archive and the names in it; reading and unpacking without trusting it."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 import zipfile

@@ -1,7 +1,5 @@
 """Rules about binaries/: a library for each platform, with what it must export; none is loaded."""
 
-from __future__ import annotations
-
 import posixpath
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Rules about modelDescription.xml as an XML file; how the XML files of an FMU are read."""
 
-from __future__ import annotations
-
 import codecs
 from dataclasses import dataclass
 from functools import cache

@@ -1,7 +1,5 @@
 """Rules about how the child process ended in which a binary was tried."""
 
-from __future__ import annotations
-
 import signal
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Rules about sources, terminals and icons, documentation and licences."""
 
-from __future__ import annotations
-
 import posixpath
 import re
 from collections.abc import Iterator

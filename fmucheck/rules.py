@@ -1,7 +1,5 @@
 """Rules, their findings, and the report of one file."""
 
-from __future__ import annotations
-
 import enum
 import itertools
 import re

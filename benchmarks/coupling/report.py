@@ -1,7 +1,5 @@
 """The ring of three FMUs: cosim, C loops and every peer that pip installs, in one run."""
 
-from __future__ import annotations
-
 import csv
 import time
 from concurrent.futures import ThreadPoolExecutor

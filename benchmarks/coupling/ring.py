@@ -1,7 +1,5 @@
 """The ring: three FMUs of a few operations each, or three times as many; C loops over them."""
 
-from __future__ import annotations
-
 import ctypes
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What a step of the ring costs, and one candidate, relative to the plain C loop; other masters."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Standard functions, each racer with the same evaluations, bounds and start: medians."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

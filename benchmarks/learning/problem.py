@@ -1,7 +1,5 @@
 """The problem of the races: five LuGre genes and the cost of the paper's closed loop of FMUs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

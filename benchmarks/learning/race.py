@@ -1,7 +1,5 @@
 """Evaluations and seconds to a given cost, from the same starts, on the paper's closed loop."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

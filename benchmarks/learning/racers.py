@@ -4,8 +4,6 @@ All search the logarithms of the genes from the same start, keep F_s >= F_c by t
 have the same budget, except for the paper's preset, which is as published.
 """
 
-from __future__ import annotations
-
 import contextlib
 import time
 import warnings

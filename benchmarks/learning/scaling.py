@@ -1,7 +1,5 @@
 """Learning on two workers, relative to one: threads, processes and Dask."""
 
-from __future__ import annotations
-
 import statistics
 import time
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A candidate of 10 s at 2 kHz: against the same physics as plain C, and FMPy's simulate_fmu."""
 
-from __future__ import annotations
-
 import ctypes
 import time
 from pathlib import Path

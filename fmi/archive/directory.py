@@ -1,7 +1,5 @@
 """What an archive says of itself, checked before anything is unpacked: ends, names, sizes."""
 
-from __future__ import annotations
-
 import os
 import re
 import stat

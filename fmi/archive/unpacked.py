@@ -3,8 +3,6 @@
 The bytes that come out of a member are counted, whatever the headers say.
 """
 
-from __future__ import annotations
-
 import errno
 import hashlib
 import json

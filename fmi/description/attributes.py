@@ -1,7 +1,5 @@
 """Attributes as values, units, declared types: a number that is none names element and line."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping

@@ -3,8 +3,6 @@
 Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Any

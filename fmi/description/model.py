@@ -3,8 +3,6 @@
 FMI 2.0 refers to variables by their place in the list, FMI 3.0 by their value references.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any

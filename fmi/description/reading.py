@@ -3,8 +3,6 @@
 Source: FMI 1.0 for Co-Simulation, sections 2.2 and 3.2; FMI 2.0, section 2.2.
 """
 
-from __future__ import annotations
-
 import codecs
 import re
 from collections.abc import Sequence

@@ -3,8 +3,6 @@
 Source: FMI 2.0 section 2.2.2, FMI 3.0 section 2.4.3.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Self
 

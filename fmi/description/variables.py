@@ -3,8 +3,6 @@
 Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """Child processes: started in a session of their own, limited, and ended with all they started."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """The parent's part of the sandbox: decides what a child may not decide, refuses and names it."""
 
-from __future__ import annotations
-
 import ctypes
 import errno
 import os

@@ -13,8 +13,6 @@ handler of ours only notes the signal; ``KeyboardInterrupt`` is raised
 notebook, Ctrl-C is Python's own, but ``held`` puts it off just the same.
 """
 
-from __future__ import annotations
-
 import os
 import select
 import signal
@@ -137,7 +135,7 @@ def _note(number: int, _: FrameType | None) -> None:
         raise KeyboardInterrupt
 
 
-def _report(failed: sys.UnraisableHookArgs) -> None:
+def _report(failed: "sys.UnraisableHookArgs") -> None:
     """Report what a finaliser raised, but not that it was interrupted: that is raised again."""
     if not issubclass(failed.exc_type, KeyboardInterrupt):
         sys.__unraisablehook__(failed)

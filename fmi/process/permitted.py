@@ -4,8 +4,6 @@ A call that is not listed, or whose arguments differ from what is listed, goes t
 refuses and names it (`Guard`). `ALLOWED` is also the table of docs/isolation.md.
 """
 
-from __future__ import annotations
-
 import errno
 import struct
 from collections.abc import Mapping

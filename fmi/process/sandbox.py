@@ -5,8 +5,6 @@ a seccomp filter the system calls of ``permitted.py``; the others go to the pare
 refuses and names them.
 """
 
-from __future__ import annotations
-
 import array
 import ctypes
 import os

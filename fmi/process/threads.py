@@ -1,7 +1,5 @@
 """Threads, and futures of any pool, whose locks no KeyboardInterrupt leaves taken."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import suppress

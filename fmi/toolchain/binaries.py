@@ -1,7 +1,5 @@
 """The libraries of an FMU for several platforms, and data written into them."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re

@@ -3,8 +3,6 @@
 A member of the archive is called RECIPE/FILE; its comment is the version of the compiler.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.util
 import os

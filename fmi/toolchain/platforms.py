@@ -1,7 +1,5 @@
 """The platforms an FMU can be built for, where built files lie, and the errors of the toolchain."""
 
-from __future__ import annotations
-
 import os
 import platform as machine
 import sys

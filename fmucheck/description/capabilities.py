@@ -1,7 +1,5 @@
 """Rules about the default experiment, capability flags and clocks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

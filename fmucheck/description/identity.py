@@ -1,7 +1,5 @@
 """Rules about names, interfaces, units, types and log categories."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator

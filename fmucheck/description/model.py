@@ -5,8 +5,6 @@ cannot serve them; the tables of the standard are those of that reader. All is p
 sent to the child process.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections import Counter

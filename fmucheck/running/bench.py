@@ -1,7 +1,5 @@
 """The bench an FMU is tried on: makes instances, knows what may be read, set and varied."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import time

@@ -4,8 +4,6 @@ A callback in Python has no variable arguments. The logger of FMI 2.0 is declare
 further ones as the system passes in registers and, beyond, in eight words of the caller's stack.
 """
 
-from __future__ import annotations
-
 import ctypes
 import os
 import platform

@@ -5,8 +5,6 @@ when the process died. Each line begins with the token of the job: the FMU may w
 report too.
 """
 
-from __future__ import annotations
-
 import json
 import pickle
 import secrets

@@ -1,7 +1,5 @@
 """Rules about calls that must be refused, messages, and what an FMU does to its process."""
 
-from __future__ import annotations
-
 import ctypes
 import gc
 import itertools

@@ -1,7 +1,5 @@
 """Rules about Model Exchange."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Rules about derivatives and dependencies: each known is moved, and what moves is seen."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from ctypes import c_double, c_size_t

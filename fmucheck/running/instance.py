@@ -1,7 +1,5 @@
 """One instance of an FMU, with the same methods for both versions of the standard."""
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Sequence
 from ctypes import Structure, byref, c_bool, c_double, c_int, c_size_t, c_void_p

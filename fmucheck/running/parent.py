@@ -1,7 +1,5 @@
 """The parent: starts children, watches over them, and survives what they load."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import math

@@ -1,7 +1,5 @@
 """Rules about a plain run: that it loads, instantiates and runs, and the values that come out."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from ctypes import c_char_p

@@ -1,7 +1,5 @@
 """A run: the same steps with the same inputs, by either interface, recorded bit for bit."""
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """model.toml: the one place where a model's variables are written down."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """law.toml: the one place where a friction law's states and parameters are written down."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping

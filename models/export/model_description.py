@@ -1,7 +1,5 @@
 """modelDescription.xml of FMI 2.0 and FMI 3.0."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from xml.etree import ElementTree as ET

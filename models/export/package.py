@@ -1,7 +1,5 @@
 """From a model's folder to an .fmu file."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import re

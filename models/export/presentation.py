@@ -1,7 +1,5 @@
 """What an FMU carries besides its model: icon (SVG and PNG), plugs, documentation, results."""
 
-from __future__ import annotations
-
 import csv
 import html
 import io

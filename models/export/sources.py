@@ -1,7 +1,5 @@
 """The C of an FMU: structs and a table generated from model.toml, and how it is compiled."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path

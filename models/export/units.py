@@ -1,7 +1,5 @@
 """Units as exponents of SI base units: those of our models, and what is made of known symbols."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """A compensator as source code: C for a drive's firmware, structured text for a PLC."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import replace

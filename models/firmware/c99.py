@@ -6,8 +6,6 @@ first column, ends before the next blank line outside braces, and has its commen
 its prototype.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The C that a model's steps need, parsed by pycparser, with names and types of structured text."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Statements and expressions of C in structured text."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import NamedTuple

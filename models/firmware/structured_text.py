@@ -6,8 +6,6 @@ are those of the controller. The function block around them has the inputs, para
 as variables, and what it learns as outputs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from stickslip.models.errors import UnknownModel

@@ -1,7 +1,5 @@
 """From a linear system to an FMU: its variables, its documentation and its matrices."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A linear system with named variables, from python-control, JSON or TOML (see README.md)."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
