@@ -254,9 +254,8 @@ _ALIGNMENT = 14
 def universal(libraries: Iterable[bytes]) -> bytes:
     """Join thin Mach-O libraries; one alone stays as it is.
 
-    Source
-    ------
-    Apple, mach-o/fat.h: a header of big-endian words, one entry a processor, then the libraries.
+    Source: Apple, mach-o/fat.h: a header of big-endian words, one entry a processor, then the
+    libraries.
     """
     parts = list(libraries)
     if len(parts) == 1:
@@ -283,24 +282,19 @@ class Library:
     Attributes
     ----------
     targets : platforms it runs on, such as ``x86_64-linux``; several in a universal file of macOS
-    exports : names of the functions that can be loaded from it
-    needs : file names of the libraries it loads itself
     unsigned : a part for arm64 macOS has no signature, without which it is not loaded
     """
 
     targets: frozenset[str]
-    exports: frozenset[str]
-    needs: tuple[str, ...]
+    exports: frozenset[str]  # names of the functions that can be loaded from it
+    needs: tuple[str, ...]  # file names of the libraries it loads itself
     unsigned: bool = False
 
 
 def read_library(data: bytes) -> Library:
     """Read the headers of a shared library.
 
-    Raises
-    ------
-    NotALibrary
-        When the bytes are of none of the three formats, or their headers are damaged.
+    NotALibrary when the bytes are of none of the three formats, or their headers are damaged.
     """
     try:
         if data[:4] == _ELF:

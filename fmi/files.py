@@ -58,13 +58,8 @@ def atomic_write(path: Path, content: bytes | str) -> Path:
     """Write a file so that a reader sees the old one or the new one, never a part of it.
 
     Text is written as UTF-8. The folder is made if it is absent. What killed processes left in it
-    half-written is deleted.
-
-    Raises
-    ------
-    OSError
-        When there is a link or no plain file of that name, the folder cannot be written or the disk
-        is full; ``path`` is then as it was. The error names ``path``.
+    half-written is deleted. OSError when there is a link or no plain file of that name, the folder
+    cannot be written or the disk is full; ``path`` is then as it was. The error names ``path``.
     """
     data = content.encode() if isinstance(content, str) else content
     require_regular_file(path)

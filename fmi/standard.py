@@ -7,12 +7,8 @@ from pathlib import Path
 def standard_files(folder: str) -> Path:
     """Return a folder of FMPy's wheel: ``c-code`` or ``schema``.
 
-    FMPy itself is not imported, which takes longer than many a run.
-
-    Raises
-    ------
-    ModuleNotFoundError
-        When FMPy is not installed.
+    FMPy itself is not imported, which takes longer than many a run. ModuleNotFoundError when FMPy
+    is not installed.
     """
     found = find_spec("fmpy")
     if found is None or not found.origin:

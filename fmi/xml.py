@@ -31,15 +31,13 @@ def parse_xml(
 ) -> Any:
     """Return the root element. No entity is resolved and nothing is fetched.
 
+    Raises Malformed.
+
     Parameters
     ----------
     name : of the file, to be found in ``docinfo.URL``
     remarks : whether comments and processing instructions stay in
     lenient : whether a DOCTYPE and all encodings are accepted, for a checker that reports them
-
-    Raises
-    ------
-    Malformed
     """
     if len(data) > MAX_BYTES:
         raise Malformed(f"{len(data)} bytes, expected at most {MAX_BYTES}")

@@ -33,16 +33,12 @@ _UNSAFE = re.compile(r"^$|^/|\\|^[A-Za-z]:|(^|/)\.\.(/|$)|[\x00-\x1f]")
 class Archive:
     """What the directory of a zip archive lists.
 
-    Attributes
-    ----------
-    fault : why it cannot be read at all
-    is_zip : it begins as one
-    damaged : member name -> why its content cannot be read; filled by ``unpack``
+    ``damaged``: member name -> why its content cannot be read; filled by ``unpack``.
     """
 
     path: Path
-    fault: str | None = None
-    is_zip: bool = False
+    fault: str | None = None  # why it cannot be read at all
+    is_zip: bool = False  # it begins as one
     members: list[zipfile.ZipInfo] = field(default_factory=list)
     damaged: dict[str, str] = field(default_factory=dict)
 

@@ -44,9 +44,7 @@ def _schema(name: str) -> Any:
 def violations(document: Document, schema: str) -> list[tuple[str, str]]:
     """Return place and message of each violation of an XML schema of the FMI project.
 
-    Parameters
-    ----------
-    schema : file of the FMI project, such as ``fmi3/fmi3ModelDescription.xsd``
+    ``schema``: file of the FMI project, such as ``fmi3/fmi3ModelDescription.xsd``.
     """
     validator = _schema(schema)
     if document.root is None or validator.validate(document.root):

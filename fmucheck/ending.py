@@ -21,20 +21,15 @@ MOST_TEXT = 1_000_000  # bytes on standard output and error
 class Ending:
     """How a child ended.
 
-    Attributes
-    ----------
-    during : interface and rule that was being tried
-    rule : the one of this module that tells it
-    status : exit status, or minus the number of the signal that ended it; ``None`` when the checker
-        ended it
-    text : what was printed, the beginning of it; or what failed, or why it was not run
+    ``status``: exit status, or minus the number of the signal that ended it; ``None`` when the
+    checker ended it.
     """
 
     interface: str
-    during: str
-    rule: str
+    during: str  # interface and rule that was being tried
+    rule: str  # the one of this module that tells it
     status: int | None = None
-    text: str = ""
+    text: str = ""  # what was printed, the beginning of it; or what failed, or why it was not run
     seconds: float = 0.0
 
     @property

@@ -107,12 +107,8 @@ _POINTER = struct.Struct("<4sLQL")  # to _END64
 def check_frame(file: IO[bytes]) -> int:
     """Check that a file is one zip archive from first byte to last; return how many members.
 
-    Anything before or after it would be read by some tools and not by others.
-
-    Raises
-    ------
-    ValueError
-        Also when the list of members is too long to be read at all.
+    Anything before or after it would be read by some tools and not by others. ValueError also when
+    the list of members is too long to be read at all.
     """
     size = file.seek(0, 2)
     if not size:
@@ -180,11 +176,8 @@ def check_members(
 ) -> list[tuple[PurePosixPath, zipfile.ZipInfo]]:
     """Check what the archive's directory says; return where each member goes.
 
-    A file that occurs again with the same size and CRC-32 is left out.
-
-    Parameters
-    ----------
-    stated : how many members there are, by the end of the archive
+    A file that occurs again with the same size and CRC-32 is left out. ``stated``: how many members
+    there are, by the end of the archive.
     """
     if len(members) != stated:
         raise Refused(

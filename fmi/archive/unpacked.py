@@ -99,12 +99,8 @@ def unpack(path: Path, room: str, error: type[Fault]) -> Path:
 
     The folder appears whole or not at all. A list beside it holds what its files were. As long as
     they are that, the archive is not opened again; a folder in which something was changed, added
-    or removed, as an FMU can do, is replaced.
-
-    Raises
-    ------
-    error
-        When the file cannot be read, is no zip archive, or holds members that are not safe.
+    or removed, as an FMU can do, is replaced. ``error`` when the file cannot be read, is no zip
+    archive, or holds members that are not safe.
     """
     try:
         return _unpacked(path, room)
@@ -120,10 +116,7 @@ def unpack(path: Path, room: str, error: type[Fault]) -> Path:
 def restore(folder: Path, path: Path, error: type[Fault]) -> None:
     """Unpack an archive again where its folder is not any more as it was unpacked.
 
-    Raises
-    ------
-    error
-        When that is not possible, or the archive is another one than was unpacked.
+    ``error`` when that is not possible, or the archive is another one than was unpacked.
     """
     if not _is_whole(folder) and unpack(path, folder.parent.name, error) != folder:
         raise error(

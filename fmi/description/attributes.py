@@ -115,17 +115,11 @@ def flag(attributes: Mapping[str, str], name: str) -> bool:
 
 @dataclass(frozen=True)
 class TypeDefinition:
-    """A declared type: what a variable of it need not say itself.
-
-    Attributes
-    ----------
-    given : attributes as text
-    items : (name, number), of an enumeration
-    """
+    """A declared type: what a variable of it need not say itself."""
 
     name: str
-    given: Mapping[str, str]
-    items: tuple[tuple[str, int], ...]
+    given: Mapping[str, str]  # attributes as text
+    items: tuple[tuple[str, int], ...]  # (name, number), of an enumeration
 
 
 def read_units(root: Any, remarks: Remarks) -> dict[str, Unit]:

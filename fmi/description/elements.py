@@ -54,12 +54,7 @@ def read_variable(
     lengths: Lengths,
     remarks: Remarks,
 ) -> Variable:
-    """Return a variable.
-
-    Parameters
-    ----------
-    typed : what ``typed_element`` returns
-    """
+    """Return a variable; ``typed``: what ``typed_element`` returns."""
     name, kind = element.get("name"), typed.tag
     own = typed.attrib
     declared = remarks.attempt(_declared, own.get("declaredType"), types, name, element)

@@ -99,13 +99,10 @@ _PLACES = (
 class LearnedVariables:
     """What an FMU learns.
 
-    Attributes
-    ----------
-    model : that learns; empty where the FMU learns nothing
-    variables : parameter -> variable, both scalars or elements of arrays
+    ``variables``: parameter -> variable, both scalars or elements of arrays.
     """
 
-    model: str = ""
+    model: str = ""  # that learns; empty where the FMU learns nothing
     variables: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -147,9 +144,7 @@ class DefaultExperiment:
 class Unknown:
     """An entry of ModelStructure.
 
-    Attributes
-    ----------
-    dependencies : names of the variables it depends on; None where the FMU does not say
+    ``dependencies``: names of the variables it depends on; None where the FMU does not say.
     """
 
     name: str
@@ -162,37 +157,29 @@ class Description:
 
     Attributes
     ----------
-    standard : 1, 2 or 3; what is FMI 1.0 is given in the form of FMI 2.0
-    token : the GUID of FMI 2.0, the instantiation token of FMI 3.0
-    licence : what the FMU says of it
     interfaces : ``CoSimulation``, ``ModelExchange`` or ``ScheduledExecution`` -> its attributes
-    variables : by name, in the order of the file
-    aliases : other name -> name, in FMI 3.0
     derivatives : of continuous states: name -> name of the state, None where it is not said
     derivative_of : name -> name of what it is the derivative of, whether a state is or not
     n_states, n_indicators : numbers of continuous states and of event indicators
-    clocks : the input clocks
-    learned : what it learns in a run
-    remarks : what is wrong in it and no run needs, in lines
     """
 
-    standard: int
+    standard: int  # 1, 2 or 3; what is FMI 1.0 is given in the form of FMI 2.0
     name: str
-    token: str
-    licence: str
+    token: str  # the GUID of FMI 2.0, the instantiation token of FMI 3.0
+    licence: str  # what the FMU says of it
     interfaces: Mapping[str, Mapping[str, str]]
     experiment: DefaultExperiment
     units: Mapping[str, Unit]
-    variables: Mapping[str, Variable]
-    aliases: Mapping[str, str]
+    variables: Mapping[str, Variable]  # by name, in the order of the file
+    aliases: Mapping[str, str]  # other name -> name, in FMI 3.0
     outputs: tuple[Unknown, ...]
     derivatives: Mapping[str, str | None]
     derivative_of: Mapping[str, str]
     n_states: int
     n_indicators: int
-    clocks: tuple[Clock, ...]
-    learned: LearnedVariables
-    remarks: tuple[str, ...]
+    clocks: tuple[Clock, ...]  # the input clocks
+    learned: LearnedVariables  # what it learns in a run
+    remarks: tuple[str, ...]  # what is wrong in it and no run needs, in lines
 
 
 Places = Mapping[str, str]
@@ -215,10 +202,8 @@ def read_unknowns(
 ) -> dict[str, list[Unknown]]:
     """Return the entries of ModelStructure by kind.
 
-    Raises
-    ------
-    DescriptionFault
-        When a state or an event indicator, which a solver has to count, is no variable.
+    DescriptionFault when a state or an event indicator, which a solver has to count, is no
+    variable.
     """
     kinds = _KINDS[version]
     found: dict[str, list[Unknown]] = {kind: [] for kind in kinds.values()}
@@ -250,9 +235,7 @@ def read_derivatives(
 ) -> dict[str, str]:
     """Return name -> name of what it is the derivative of.
 
-    Parameters
-    ----------
-    elements : with the attribute ``derivative`` where they have one, and the variable's name
+    ``elements``: with the attribute ``derivative`` where they have one, and the variable's name.
     """
     states: dict[str, str] = {}
     for element, name in elements:

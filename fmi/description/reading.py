@@ -41,10 +41,7 @@ from stickslip.fmi.messages import shown
 def upgrade(root: Any) -> None:
     """Turn a description of FMI 1.0 into one of FMI 2.0, whose lines stay those of the file.
 
-    Raises
-    ------
-    DescriptionFault
-        When the FMU is for Model Exchange, or an input or output is a negated alias.
+    DescriptionFault when the FMU is for Model Exchange, or an input or output is a negated alias.
     """
     capabilities = root.find("Implementation/*/Capabilities")
     if capabilities is None:

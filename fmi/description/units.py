@@ -13,16 +13,12 @@ BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 class Unit:
     """A unit: value in base units = factor * value + offset.
 
-    Attributes
-    ----------
-    name : as the FMU writes it
-    exponents : of ``BASE_UNITS``; None when the FMU does not say
-    relative : whether it measures differences (relativeQuantity of FMI), to which no offset
-        applies; None where that is not said, as of units in SSP: then it is as at the other end
+    ``relative``: whether it measures differences (relativeQuantity of FMI), to which no offset
+    applies; None where that is not said, as of units in SSP: then it is as at the other end.
     """
 
-    name: str
-    exponents: tuple[int, ...] | None = None
+    name: str  # as the FMU writes it
+    exponents: tuple[int, ...] | None = None  # of ``BASE_UNITS``; None when the FMU does not say
     factor: float = 1.0
     offset: float = 0.0
     relative: bool | None = None

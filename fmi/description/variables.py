@@ -103,38 +103,31 @@ class Variable:
 
     Attributes
     ----------
-    type : Real, Integer, ... of FMI 2.0 or Float64, Int32, ... of FMI 3.0
-    unit : as the FMU writes it; None when it gives none
-    relative : whether it is a difference, to which no offset of units applies
     start, minimum, maximum, nominal : in ``unit``; None when the FMU gives none
-    dimensions : length of each; empty for a scalar
     structure : for each dimension the structural parameter that sets its length, None where fixed
     array, element : of an element of an array, the array's name and the place in it, row by row
-    enumeration : name of its type, of an enumeration
-    items : (name, number) of that type
-    triggered : of a clock, whether it is a signal, which is 1 where the clock ticks
     """
 
     name: str
     reference: int
-    type: str
+    type: str  # Real, Integer, ... of FMI 2.0 or Float64, Int32, ... of FMI 3.0
     causality: str
     variability: str
     initial: str | None = None
-    unit: str | None = None
+    unit: str | None = None  # as the FMU writes it; None when it gives none
     start: Value | None = None
     minimum: float | None = None
     maximum: float | None = None
     nominal: float | None = None
     description: str = ""
-    dimensions: tuple[int, ...] = ()
+    dimensions: tuple[int, ...] = ()  # length of each; empty for a scalar
     structure: tuple[str | None, ...] = ()
     array: str | None = None
     element: int = 0
-    enumeration: str | None = None
-    items: tuple[tuple[str, int], ...] = ()
-    relative: bool = False
-    triggered: bool = False
+    enumeration: str | None = None  # name of its type, of an enumeration
+    items: tuple[tuple[str, int], ...] = ()  # (name, number) of that type
+    relative: bool = False  # whether it is a difference, to which no offset of units applies
+    triggered: bool = False  # of a clock, whether it is a signal, which is 1 where the clock ticks
 
     @property
     def is_signal(self) -> bool:

@@ -21,16 +21,8 @@ if TYPE_CHECKING:  # the table of system calls is for parents only
 def child_process(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen[bytes]]:
     """Start a process in a session of its own; at the end of the block it is gone.
 
-    So is all that it has started. Signals of the terminal do not reach it.
-
-    Parameters
-    ----------
-    options : of ``subprocess.Popen``
-
-    Raises
-    ------
-    OSError
-        When it cannot be started.
+    So is all that it has started. Signals of the terminal do not reach it. ``options``: of
+    ``subprocess.Popen``. OSError when it cannot be started.
     """
     process = None
     try:
@@ -55,6 +47,8 @@ def start_python(
 ) -> subprocess.Popen[bytes]:
     """Start Python in a session of its own, for code that is not trusted; all streams are pipes.
 
+    OSError when it cannot be started.
+
     Parameters
     ----------
     arguments : of Python
@@ -63,11 +57,6 @@ def start_python(
     allow : what its sandbox allows besides
     variables : of its environment, besides
     files : descriptors that it inherits
-
-    Raises
-    ------
-    OSError
-        When it cannot be started.
     """
     search = os.pathsep.join(str(Path(path).absolute()) for path in sys.path if path)
     environment = dict(os.environ)

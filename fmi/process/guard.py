@@ -125,9 +125,7 @@ class Guard:
     ) -> Self:
         """Return the guard of a child that runs Python, where there is a sandbox.
 
-        Parameters
-        ----------
-        packages : that are imported here, and may be there
+        ``packages``: that are imported here, and may be there.
         """
         paths = [Path(path) for name in packages for path in sys.modules[name].__path__]
         return cls([*interpreter_folders(paths), *readable], writable, allow, memory, where)

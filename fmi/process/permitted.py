@@ -32,22 +32,15 @@ class Argument(NamedTuple):
 class Allowed(NamedTuple):
     """Calls that are allowed, for one reason.
 
-    Attributes
-    ----------
-    why : the reason
-    calls : their names
-    limit : which of them, in words; those that ``where`` does not let through ask the parent
-    where : what the arguments must be
-    asks : whether the parent decides on each
-    word : of ``--allow`` that they need
+    ``limit``: which of them, in words; those that ``where`` does not let through ask the parent.
     """
 
-    why: str
-    calls: str
+    why: str  # the reason
+    calls: str  # their names
     limit: str = ""
-    where: tuple[Argument, ...] = ()
-    asks: bool = False
-    word: str = ""
+    where: tuple[Argument, ...] = ()  # what the arguments must be
+    asks: bool = False  # whether the parent decides on each
+    word: str = ""  # of ``--allow`` that they need
 
 
 _NO_ADDRESS = (Argument(4, (0,)), Argument(4, (0,), upper=True))

@@ -179,27 +179,18 @@ def interpreter_folders(packages: Iterable[Path]) -> list[str]:
 
 
 class Permissions(NamedTuple):
-    """What is allowed besides.
+    """What is allowed besides."""
 
-    Attributes
-    ----------
-    folders : that may be read and written
-    words : NETWORK, EXEC
-    variables : of the environment
-    """
-
-    folders: tuple[str, ...] = ()
-    words: frozenset[str] = frozenset()
-    variables: frozenset[str] = frozenset()
+    folders: tuple[str, ...] = ()  # that may be read and written
+    words: frozenset[str] = frozenset()  # NETWORK, EXEC
+    variables: frozenset[str] = frozenset()  # of the environment
 
     @classmethod
     def of(cls, allow: Iterable[str]) -> Self:
         """Return what the words of ``--allow`` mean.
 
-        Raises
-        ------
-        ValueError
-            When a word is not ``network``, ``exec``, ``env=NAME`` or ``files=DIR`` with a folder.
+        ValueError when a word is not ``network``, ``exec``, ``env=NAME`` or ``files=DIR`` with a
+        folder.
         """
         folders, words, variables = [], set(), set()
         for word in allow:
@@ -235,6 +226,8 @@ def enter(
 ) -> None:
     """Restrict this process and all that it starts, for good.
 
+    OSError when the kernel refuses, or there are other threads, which would stay outside.
+
     Parameters
     ----------
     readable, writable : paths, with all below them
@@ -242,11 +235,6 @@ def enter(
     file : descriptor of the socket whose other end a Guard has
     code : the filter of system calls, without the number of this process
     seccomp : number of the call that installs it
-
-    Raises
-    ------
-    OSError
-        When the kernel refuses, or there are other threads, which would stay outside.
     """
     if len(os.listdir("/proc/self/task")) > 1:  # noqa: PTH208 (one of many system calls)
         raise OSError("sandbox: other threads run already")

@@ -21,10 +21,7 @@ _SHA256 = 2
 def patched(library: bytes, marker: bytes, content: bytes) -> bytes:
     """Return a library with other bytes behind a marker, and with the hashes of its signature.
 
-    Raises
-    ------
-    ToolchainError
-        When it does not contain the marker once.
+    ToolchainError when it does not contain the marker once.
     """
     if library.count(marker) != 1:
         raise ToolchainError(f"the library contains {marker!r} {library.count(marker)} times")
@@ -40,9 +37,8 @@ def patched(library: bytes, marker: bytes, content: bytes) -> bytes:
 def _sign(library: bytearray, begin: int, end: int) -> None:
     """Renew the hashes of the pages that have bytes from begin to end, where there are any.
 
-    Source
-    ------
-    cs_blobs.h and loader.h of Apple's XNU: a superblob with a code directory, in big-endian.
+    Source: cs_blobs.h and loader.h of Apple's XNU: a superblob with a code directory, in
+    big-endian.
     """
     place = 32
     for _ in range(*struct.unpack_from("<I", library, 16)):

@@ -85,7 +85,8 @@ def shared_library(
 
     The result lies in the cache under a hash of all that went in, so a second call returns at once.
     Its own hash lies beside it; a library that has another one was damaged and is built again. What
-    came with the package is not compiled, but taken from its archive.
+    came with the package is not compiled, but taken from its archive. Raises CompilerMissing,
+    CompilationFailed, CacheUnusable, WrongExports.
 
     Parameters
     ----------
@@ -100,10 +101,6 @@ def shared_library(
         there and takes a minute to compile; the sources may then call nothing of it but ``mem...``
     exports : the names that the library must export, these and no others; not looked at if None
     loads : whether it loads other libraries, so that ``compiled_here`` does not vouch for it
-
-    Raises
-    ------
-    CompilerMissing, CompilationFailed, CacheUnusable, WrongExports
     """
     target = platform or host_platform()
     bare = standalone and target.suffix == ".dll"

@@ -50,19 +50,14 @@ def cache_directory() -> Path:
 class Platform:
     """One operating system on one processor.
 
-    Attributes
-    ----------
-    tuple : platform tuple of FMI 3.0, section 2.5.1.4.1 (``x86_64-linux``)
-    fmi2 : folder under ``binaries/`` in FMI 2.0 (``linux64``); both processors of macOS share one,
-        for a universal library
-    target : the compiler's target, with the oldest system it must run on
-    suffix : ending of a shared library
+    ``fmi2``: folder under ``binaries/`` in FMI 2.0 (``linux64``); both processors of macOS share
+    one, for a universal library.
     """
 
-    tuple: str
+    tuple: str  # platform tuple of FMI 3.0, section 2.5.1.4.1 (``x86_64-linux``)
     fmi2: str
-    target: str
-    suffix: str
+    target: str  # the compiler's target, with the oldest system it must run on
+    suffix: str  # ending of a shared library
 
 
 PLATFORMS = {
@@ -83,10 +78,7 @@ _PROCESSORS = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm
 def host_platform() -> Platform:
     """Return the platform this interpreter runs on.
 
-    Raises
-    ------
-    ToolchainError
-        When it is none of ``PLATFORMS``.
+    ToolchainError when it is none of ``PLATFORMS``.
     """
     system = _SYSTEMS.get(sys.platform, sys.platform)
     processor = _PROCESSORS.get(machine.machine().lower(), machine.machine())

@@ -47,26 +47,21 @@ class Bench:
     ----------
     changes : other values of parameters, with which it still runs; ``None`` until tried
     seen : for each mode and unknown the knowns it moves with; ``None`` until tried
-    before : settings of the process before the library was loaded
     first : what an earlier process found out, for rules that compare two processes
-    results : what is found out, for a later process
-    tick : tells the parent that work goes on
-    began : when the rule that is being tried began, by the monotonic clock
-    instantiated : whether an instance was made, or refused
     """
 
     description: Description
     interface: Interface
     library: Path
     resources: Path
-    before: Settings
+    before: Settings  # settings of the process before the library was loaded
     first: dict[str, str] = field(default_factory=dict)
-    results: dict[str, str] = field(default_factory=dict)
-    tick: Callable[[], None] = lambda: None
-    began: float = 0.0
+    results: dict[str, str] = field(default_factory=dict)  # what is found out, for a later process
+    tick: Callable[[], None] = lambda: None  # tells the parent that work goes on
+    began: float = 0.0  # when the rule that is being tried began, by the monotonic clock
     changes: list[tuple[Variable, Values]] | None = None
     seen: dict[tuple[str, int], set[int]] | None = None
-    instantiated: bool = False
+    instantiated: bool = False  # whether an instance was made, or refused
     _open: list[Instance] = field(default_factory=list)
 
     @property
@@ -96,10 +91,7 @@ class Bench:
     ) -> Instance | None:
         """Return a new instance, or ``None`` when the FMU refuses.
 
-        Raises
-        ------
-        Spent
-            When the FMU allows one instance per process, and this process has had it.
+        Spent when the FMU allows one instance per process, and this process has had it.
         """
         if self.is_spent:
             raise Spent
@@ -143,13 +135,7 @@ class Bench:
         return self.interface.flag("hasEventMode")
 
     def new(self, *, logging: bool = True) -> Instance:
-        """Return a new instance.
-
-        Raises
-        ------
-        CallFailed
-            When the FMU refuses.
-        """
+        """Return a new instance; CallFailed when the FMU refuses."""
         instance = self.instantiate(logging=logging)
         if instance is None:
             raise CallFailed("instantiation", FATAL, ": it gave no instance")

@@ -121,13 +121,7 @@ class CallFailed(Exception):
 
 
 class Binary:
-    """A loaded library.
-
-    Raises
-    ------
-    OSError
-        When the system cannot load it.
-    """
+    """A loaded library; OSError when the system cannot load it."""
 
     def __init__(self, path: Path, version: int) -> None:
         self.prefix = f"fmi{version}"
@@ -138,10 +132,7 @@ class Binary:
     def function(self, name: str, result: Any = c_int) -> Any:
         """Return a function by its name without prefix, with what it returns.
 
-        Raises
-        ------
-        CallFailed
-            When the library does not export it.
+        CallFailed when the library does not export it.
         """
         try:
             found = self._library[self.prefix + name]
@@ -155,13 +146,7 @@ class Binary:
         return int(self.function(name)(*arguments))
 
     def do(self, name: str, *arguments: Any) -> int:
-        """Call a function that must succeed.
-
-        Raises
-        ------
-        CallFailed
-            When it returns neither OK nor Warning.
-        """
+        """Call a function that must succeed; CallFailed when it returns neither OK nor Warning."""
         status = self.call(name, *arguments)
         if status not in (OK, WARNING):
             raise CallFailed(self.prefix + name, status)

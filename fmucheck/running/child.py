@@ -33,8 +33,6 @@ class Job:
 
     Attributes
     ----------
-    libraries : interface -> its binary
-    first : interface -> what an earlier process found out
     token : a word that begins each line of the report
     tried : interfaces and rules that other children have tried before
     sandbox : the arguments with which it is entered, ``None`` without one
@@ -42,9 +40,9 @@ class Job:
 
     stage: str
     description: Description
-    libraries: dict[str, Path]
+    libraries: dict[str, Path]  # interface -> its binary
     resources: Path
-    first: dict[str, dict[str, str]]
+    first: dict[str, dict[str, str]]  # interface -> what an earlier process found out
     token: str = field(default_factory=lambda: secrets.token_hex(16))
     tried: frozenset[tuple[str, str]] = frozenset()
     sandbox: dict[str, Any] | None = None

@@ -51,18 +51,11 @@ def host_binary(fmu: Fmu, identifier: str) -> str | None:
 
 @dataclass(frozen=True)
 class Limits:
-    """How long running may take, and what it may do.
+    """How long running may take, and what it may do."""
 
-    Attributes
-    ----------
-    rule : s for one rule
-    end : of all, by the monotonic clock
-    allow : what the sandbox lets the binary do, as words of ``--allow``
-    """
-
-    rule: float = TIMEOUT
-    end: float = math.inf
-    allow: tuple[str, ...] = ()
+    rule: float = TIMEOUT  # s for one rule
+    end: float = math.inf  # of all, by the monotonic clock
+    allow: tuple[str, ...] = ()  # what the sandbox lets the binary do, as words of ``--allow``
 
 
 def findings_of_runs(

@@ -190,10 +190,7 @@ class Model:
 def read_model(folder: Path, law: Law | None = None) -> Model:
     """Read ``model.toml`` in a model's folder, with the friction law that it contains.
 
-    Raises
-    ------
-    DescriptionError
-        When the file is not well formed.
+    DescriptionError when the file is not well formed.
     """
     content = read_toml(folder / "model.toml")
     content.setdefault("parameters", {})

@@ -121,10 +121,7 @@ class Law:
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the content of a TOML file, with the tables of the one in models/ that it includes.
 
-    Raises
-    ------
-    DescriptionError
-        When the file is not well formed.
+    DescriptionError when the file is not well formed.
     """
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -146,13 +143,7 @@ def require_known(where: str, words: Iterable[str], known: Iterable[str]) -> Non
 
 
 def read_law(folder: Path) -> Law:
-    """Read ``law.toml`` in a law's folder.
-
-    Raises
-    ------
-    DescriptionError
-        When the file is not well formed.
-    """
+    """Read ``law.toml`` in a law's folder; DescriptionError when the file is not well formed."""
     content = read_toml(folder / "law.toml")
     try:
         tables = {
@@ -216,15 +207,10 @@ def merge(content: dict[str, Any], law: Law) -> None:
     """Add a law's states and parameters to the content of a model.toml.
 
     In ``depends``, ``derivative`` and ``uses`` of the model, ``law`` stands for what the law's
-    force depends on; ``uses_with_level`` is used where that includes the level of friction. Where
-    a state of the model has no derivative, the law's have none either; those of a sampled model are
+    force depends on; ``uses_with_level`` is used where that includes the level of friction. Where a
+    state of the model has no derivative, the law's have none either; those of a sampled model are
     memory, without a range. A law with events is integrated with the mass it acts on, so the model
-    must have states of its own.
-
-    Raises
-    ------
-    DescriptionError
-        When a name of the law is one of the model's.
+    must have states of its own. DescriptionError when a name of the law is one of the model's.
     """
     own = content.setdefault("states", {})
     roles = ("inputs", "states", "memory", "outputs", "parameters")

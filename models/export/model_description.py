@@ -39,9 +39,7 @@ _STRUCTURED = re.compile(rf"{_PATH}|der\({_PATH}\)", re.ASCII)
 def model_description(model: Model, token: str, fmi: FmiVersion) -> str:
     """Return the XML. ``token`` is what the binary checks.
 
-    Source
-    ------
-    FMI 2.0.4, section 2.2; FMI 3.0.2, section 2.4.
+    Source: FMI 2.0.4, section 2.2; FMI 3.0.2, section 2.4.
     """
     structured = all(_STRUCTURED.fullmatch(v.name) for v in model.variables)
     root = ET.Element(

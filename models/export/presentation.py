@@ -102,9 +102,7 @@ def _points(line: Line) -> list[tuple[float, float]]:
 def terminals_and_icons(model: Model) -> str:
     """Return the XML; members of the same name fit each other.
 
-    Source
-    ------
-    FMI 3.0.2, section 2.6; FMI 2.0.4 takes the same file.
+    Source: FMI 3.0.2, section 2.6; FMI 2.0.4 takes the same file.
     """
     root = ET.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     picture = writing.child(root, "GraphicalRepresentation")
@@ -196,9 +194,7 @@ def span(model: Model) -> tuple[float, float]:
 def layered_standard(model: Model) -> dict[str, str]:
     """Return the files of FMI-LS-REF by path in the FMU.
 
-    Source
-    ------
-    FMI Layered Standard References 1.0.0-alpha.1 (modelica/fmi-ls-ref).
+    Source: FMI Layered Standard References 1.0.0-alpha.1 (modelica/fmi-ls-ref).
     """
     stimuli, references = f"{model.name}_in.csv", f"{model.name}_out.csv"
     ET.register_namespace("fmi-ls", _MANIFEST)
@@ -243,9 +239,7 @@ def layered_standard(model: Model) -> dict[str, str]:
 def cross_check(model: Model) -> dict[str, str]:
     """Return the files that go beside an FMU, by name.
 
-    Source
-    ------
-    FMI Cross-Check, rules 4.1 (modelica/fmi-cross-check).
+    Source: FMI Cross-Check, rules 4.1 (modelica/fmi-cross-check).
     """
     stop, step = span(model)
     stimuli, references = tables(model)

@@ -65,10 +65,7 @@ _STRUCTS = {"x": "States", "w": "Memory", "u": "Inputs", "p": "Parameters", "y":
 def st_file(model: Model) -> dict[str, str]:
     """Return ``NAME.st`` with the start values of a compensator.
 
-    Raises
-    ------
-    UnknownModel
-        When its C uses what structured text has not.
+    UnknownModel when its C uses what structured text has not.
     """
     step = "sample" if model.sampled else "model_step"
     try:

@@ -22,11 +22,7 @@ def realise(
     """Return A, B, C, D of the transfer functions [output][input], highest power first.
 
     Outputs that share an input and its denominator share states, in controllable canonical form.
-
-    Raises
-    ------
-    LtiError
-        When one is improper, or its coefficients are not real.
+    LtiError when one is improper, or its coefficients are not real.
     """
     outputs, inputs = len(numerators), len(numerators[0])
     blocks = []
@@ -146,17 +142,14 @@ def linear_system(
 ) -> LinearSystem:
     """Take a state space or transfer function of python-control, with its names.
 
+    LtiError when it is neither, is improper, has no sample period though it is discrete, or has no
+    variable of a name in ``units``.
+
     Parameters
     ----------
     name : instead of the system's own
     units : of inputs, outputs and states by name
     x0 : (n,) state at the start; 0 by default
-
-    Raises
-    ------
-    LtiError
-        When it is neither, is improper, has no sample period though it is discrete, or has no
-        variable of a name in ``units``.
     """
     import control  # late, for those who start quickly
 
