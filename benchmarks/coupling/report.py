@@ -23,11 +23,7 @@ from benchmarks.timing import interleaved
 mpl.use("Agg")
 
 
-def draw(
-    path: Path,
-    steps: dict[str, float],
-    growth: dict[str, dict[int, float]],
-) -> None:
+def draw(path: Path, steps: dict[str, float], growth: dict[str, dict[int, float]]) -> None:
     """Draw ratios to the plain C loop (steps) and ns per FMU and step (growth)."""
     figure, (left, right) = plt.subplots(
         1, 2, figsize=(13, 5), width_ratios=(1.2, 1), layout="constrained"

@@ -19,11 +19,7 @@ MODELS = {
              "d parameter 0.1"],
     "friction": ["v input 0", "f output 0", "c parameter 1.5", "z local 0"],
 }  # fmt: skip
-FEEDS = {
-    "controller.u": "mass.u",
-    "friction.f": "mass.f",
-    "mass.v": ("controller.y", "friction.v"),
-}
+FEEDS = {"controller.u": "mass.u", "friction.f": "mass.f", "mass.v": ("controller.y", "friction.v")}
 
 
 def system(folder: Path, version: int, n: int = 3, extra: int = 0) -> cosim.System:

@@ -13,7 +13,7 @@ import tempfile
 import time
 import zipfile
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
@@ -43,7 +43,10 @@ def extract(file: IO[bytes], folder: Path) -> dict[str, int]:
     with archive:
         members = archive.infolist()
         placed = directory.check_members(members, stated)
-        _check_room(members, folder.parent)
+        total = sum(member.file_size for member in members)
+        if total > (free := shutil.disk_usage(folder.parent).free):
+            what = f"{total} bytes, but only {free} are free"
+            raise OSError(errno.ENOSPC, what, str(folder.parent))
         folder.mkdir()
         checks: dict[str, int] = {}
         for path, member in placed:
@@ -55,13 +58,6 @@ def extract(file: IO[bytes], folder: Path) -> dict[str, int]:
                 extract_file(archive, member, target)
                 checks[str(path)] = member.CRC
         return checks
-
-
-def _check_room(members: Sequence[zipfile.ZipInfo], folder: Path) -> None:
-    total = sum(member.file_size for member in members)
-    free = shutil.disk_usage(folder).free
-    if total > free:
-        raise OSError(errno.ENOSPC, f"{total} bytes, but only {free} are free", str(folder))
 
 
 def extract_file(archive: zipfile.ZipFile, member: zipfile.ZipInfo, target: Path) -> None:

@@ -18,13 +18,7 @@ WORDS = {"true": True, "1": True, "false": False, "0": False}
 
 
 class DescriptionFault(ValueError):
-    """A description, or a part of it, that is not taken; the message begins with the line.
-
-    Parameters
-    ----------
-    element : of the XML that is wrong
-    what : what it is, what was expected, what to do
-    """
+    """A description, or a part of it, that is not taken; the message begins with the line."""
 
     def __init__(self, element: Any, what: str) -> None:
         super().__init__(f"line {element.sourceline}: {what}")
@@ -102,9 +96,8 @@ def whole_of(element: Any, attribute: str, least: int, most: int) -> int:
         raise DescriptionFault(element, f"{element.tag} has no {attribute}; export it again")
     number = whole(text, attribute, element)
     if not least <= number <= most:
-        raise DescriptionFault(
-            element, f"{attribute} is {number}, expected an integer from {least} to {most}"
-        )
+        what = f"{attribute} is {number}, expected an integer from {least} to {most}"
+        raise DescriptionFault(element, what)
     return number
 
 

@@ -35,10 +35,7 @@ MAX_REFERENCE = 2**32 - 1
 
 _TYPES = {2: frozenset(SETTERS[2]), 3: frozenset(SETTERS[3])}
 _INITIALS = {None, "exact", "approx", "calculated"}
-_LAWFUL = {
-    **dict.fromkeys(("input", "output", "local"), "discrete"),
-    "independent": "continuous",
-}
+_LAWFUL = {**dict.fromkeys(("input", "output", "local"), "discrete"), "independent": "continuous"}
 """The variability that is taken where the one that is given does not go with the causality."""
 _CAUSALITIES, _VARIABILITIES = map(set, zip(*INITIALS, strict=True))
 
@@ -75,9 +72,8 @@ def read_variable(
     causality, variability, initial = _roles(element, version, kind, name, remarks)
     low, high = (number("min"), number("max")) if kind not in NOT_NUMBERS else (None, None)
     if low is not None and high is not None and low > high:
-        remarks.add(
-            element, f"min of {shown(name)} is {low}, above its max {high}; both are ignored"
-        )
+        what = f"min of {shown(name)} is {low}, above its max {high}; both are ignored"
+        remarks.add(element, what)
         low = high = None
     nominal = number("nominal") if kind in FLOATS else None
     if nominal is not None and not 0 < nominal < math.inf:
@@ -140,9 +136,8 @@ def _declared(
     name: str | None, types: Mapping[str, TypeDefinition], variable: str, element: Any
 ) -> TypeDefinition | None:
     if name is not None and name not in types:
-        raise DescriptionFault(
-            element, f"declaredType of {shown(variable)} is {shown(name)}, which is not defined"
-        )
+        what = f"declaredType of {shown(variable)} is {shown(name)}, which is not defined"
+        raise DescriptionFault(element, what)
     return types.get(name or "")
 
 
@@ -178,17 +173,15 @@ def _dimensions(
     pairs = [_dimension(each, name, lengths) for each in element.iterfind("Dimension")]
     dimensions = tuple(length for length, _ in pairs)
     if len(dimensions) > 32 or math.prod(dimensions) > MAX_ELEMENTS:  # as many as numpy has
-        raise DescriptionFault(
-            element, f"array {shown(name)} is too large, at most {MAX_ELEMENTS} elements are read"
-        )
+        what = f"array {shown(name)} is too large, at most {MAX_ELEMENTS} elements are read"
+        raise DescriptionFault(element, what)
     return dimensions, tuple(source for _, source in pairs)
 
 
 def _dimension(element: Any, name: str, lengths: Lengths) -> tuple[int, str | None]:
     if (element.get("start") is None) == (element.get("valueReference") is None):
-        raise DescriptionFault(
-            element, f"a Dimension of {shown(name)} needs either start or valueReference"
-        )
+        what = f"a Dimension of {shown(name)} needs either start or valueReference"
+        raise DescriptionFault(element, what)
     if element.get("start") is not None:
         return whole_of(element, "start", 1, MAX_ELEMENTS), None
     reference = whole_of(element, "valueReference", 0, MAX_REFERENCE)
@@ -260,9 +253,8 @@ def _bytes(text: str, what: str, element: Any) -> bytes:
     try:
         return bytes.fromhex(text)
     except ValueError:
-        raise DescriptionFault(
-            element, f"{what} is {shown(text)}, expected hexadecimal digits"
-        ) from None
+        said = f"{what} is {shown(text)}, expected hexadecimal digits"
+        raise DescriptionFault(element, said) from None
 
 
 def _text(text: str, what: str, element: Any) -> str:  # noqa: ARG001 - as the others

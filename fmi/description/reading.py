@@ -34,7 +34,7 @@ from stickslip.fmi.description.model import (
     read_learned,
     read_unknowns,
 )
-from stickslip.fmi.description.variables import MAX_ELEMENTS, Variable
+from stickslip.fmi.description.variables import MAX_ELEMENTS
 from stickslip.fmi.messages import shown
 
 
@@ -135,7 +135,9 @@ def read_description(root: Any) -> Description:
         read_variable(each, inner, version, types, lengths, remarks) for _, each, inner in found
     ]
     aliases = _aliases(elements, remarks) if version == 3 else {}
-    _check_size(variables, elements)
+    if (total := sum(v.size for v in variables)) > MAX_ELEMENTS:
+        what = f"all arrays together have {total} elements, expected at most {MAX_ELEMENTS}"
+        raise DescriptionFault(elements[0].getparent(), what)
     places: dict[str, str] = {}
     for (place, element, _), variable in zip(found, variables, strict=True):
         name = places.setdefault(str(place if version == 2 else variable.reference), variable.name)
@@ -198,9 +200,7 @@ def _elements(root: Any, version: int, remarks: Remarks) -> list[tuple[int, Any,
     found = []
     for place, element in enumerate(listed, 1):
         typed = remarks.attempt(typed_element, element, version)
-        if typed is None:
-            continue
-        if remarks.attempt(name_apart, element, taken, remarks) is not None:
+        if typed is not None and remarks.attempt(name_apart, element, taken, remarks) is not None:
             found.append((place, element, typed))
     return found
 
@@ -228,14 +228,6 @@ def _aliases(elements: Sequence[Any], remarks: Remarks) -> dict[str, str]:
             elif name:
                 found[name] = element.get("name")
     return found
-
-
-def _check_size(variables: Sequence[Variable], elements: Sequence[Any]) -> None:
-    if (total := sum(v.size for v in variables)) > MAX_ELEMENTS:
-        raise DescriptionFault(
-            elements[0].getparent(),
-            f"all arrays together have {total} elements, expected at most {MAX_ELEMENTS}",
-        )
 
 
 def _indicators(root: Any) -> int:

@@ -3,23 +3,10 @@
 Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7.
 """
 
+import ctypes
 import math
 import re
 from collections.abc import Iterator, Sequence
-from ctypes import (
-    c_bool,
-    c_char_p,
-    c_double,
-    c_float,
-    c_int8,
-    c_int16,
-    c_int32,
-    c_int64,
-    c_uint8,
-    c_uint16,
-    c_uint32,
-    c_uint64,
-)
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -28,31 +15,25 @@ from typing import Any, Self
 Scalar = float | int | bool | str | bytes
 Value = Scalar | tuple[Scalar, ...]  # arrays row by row
 
+_INTEGERS = [f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")]
 # Per FMI version and type: the function that sets it and the C type it takes.
 SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
     2: {
-        "Real": ("fmi2SetReal", c_double),
-        "Integer": ("fmi2SetInteger", c_int32),
-        "Enumeration": ("fmi2SetInteger", c_int32),
-        "Boolean": ("fmi2SetBoolean", c_int32),
-        "String": ("fmi2SetString", c_char_p),
+        "Real": ("fmi2SetReal", ctypes.c_double),
+        "Integer": ("fmi2SetInteger", ctypes.c_int32),
+        "Enumeration": ("fmi2SetInteger", ctypes.c_int32),
+        "Boolean": ("fmi2SetBoolean", ctypes.c_int32),
+        "String": ("fmi2SetString", ctypes.c_char_p),
     },
     3: {
-        "Float32": ("fmi3SetFloat32", c_float),
-        "Float64": ("fmi3SetFloat64", c_double),
-        "Int8": ("fmi3SetInt8", c_int8),
-        "UInt8": ("fmi3SetUInt8", c_uint8),
-        "Int16": ("fmi3SetInt16", c_int16),
-        "UInt16": ("fmi3SetUInt16", c_uint16),
-        "Int32": ("fmi3SetInt32", c_int32),
-        "UInt32": ("fmi3SetUInt32", c_uint32),
-        "Int64": ("fmi3SetInt64", c_int64),
-        "UInt64": ("fmi3SetUInt64", c_uint64),
-        "Enumeration": ("fmi3SetInt64", c_int64),
-        "Boolean": ("fmi3SetBoolean", c_bool),
-        "String": ("fmi3SetString", c_char_p),
-        "Binary": ("fmi3SetBinary", c_char_p),
-        "Clock": ("fmi3SetClock", c_bool),
+        "Float32": ("fmi3SetFloat32", ctypes.c_float),
+        "Float64": ("fmi3SetFloat64", ctypes.c_double),
+        **{name: (f"fmi3Set{name}", getattr(ctypes, f"c_{name.lower()}")) for name in _INTEGERS},
+        "Enumeration": ("fmi3SetInt64", ctypes.c_int64),
+        "Boolean": ("fmi3SetBoolean", ctypes.c_bool),
+        "String": ("fmi3SetString", ctypes.c_char_p),
+        "Binary": ("fmi3SetBinary", ctypes.c_char_p),
+        "Clock": ("fmi3SetClock", ctypes.c_bool),
     },
 }
 
@@ -79,7 +60,7 @@ standard does not allow. Inputs have none in FMI 2.0, and only ``exact`` in FMI 
 _ELEMENT = re.compile(r"(?P<array>.+)\[(?P<indices>[0-9]+(, ?[0-9]+)*)\]")
 _FAMILIES = {
     "number": ("Real", "Float64", "Float32"),
-    "integer": ("Integer", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))),
+    "integer": ("Integer", *_INTEGERS),
     "enumeration": ("Enumeration",),
     "Boolean": ("Boolean",),
     "string": ("String",),
@@ -176,12 +157,12 @@ class Variable:
 
     def at(self, indices: tuple[int, ...]) -> Self | None:
         """Return the element at these indices, which count from 1; None when there is none."""
-        if len(indices) != len(self.dimensions) or not all(
-            1 <= i <= length for i, length in zip(indices, self.dimensions, strict=True)
-        ):
+        if len(indices) != len(self.dimensions):
             return None
         place = 0
         for i, length in zip(indices, self.dimensions, strict=True):
+            if not 1 <= i <= length:
+                return None
             place = place * length + i - 1
         return self._element(place, indices)
 

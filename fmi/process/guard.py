@@ -18,16 +18,8 @@ from pathlib import Path
 from stat import S_ISREG
 from typing import Any, Self
 
+from stickslip.fmi.process import sandbox
 from stickslip.fmi.process.permitted import HUGE, program
-from stickslip.fmi.process.sandbox import (
-    NETWORK,
-    Permissions,
-    interpreter_folders,
-    is_below,
-    numbers,
-    processor,
-    system_paths,
-)
 
 _MOST_AT_ONCE = 256  # processes and threads
 _MOST_NOTED = 200
@@ -93,7 +85,7 @@ class Guard:
         self,
         readable: Iterable[str],
         writable: Iterable[str],
-        allow: Permissions,
+        allow: sandbox.Permissions,
         memory: float,
         where: Callable[[], str] = str,
     ) -> None:
@@ -119,7 +111,7 @@ class Guard:
         packages: Iterable[str],
         readable: Iterable[str],
         writable: Iterable[str],
-        allow: Permissions,
+        allow: sandbox.Permissions,
         memory: float,
         where: Callable[[], str] = str,
     ) -> Self:
@@ -128,22 +120,20 @@ class Guard:
         ``packages``: that are imported here, and may be there.
         """
         paths = [Path(path) for name in packages for path in sys.modules[name].__path__]
-        return cls([*interpreter_folders(paths), *readable], writable, allow, memory, where)
+        return cls([*sandbox.interpreter_folders(paths), *readable], writable, allow, memory, where)
 
     def entry(self) -> dict[str, Any]:
         """Return the arguments of ``sandbox.enter``; the child can have been started before."""
-        readable, writable = [*system_paths(), *self._readable], self._writable
+        readable, writable = [*sandbox.system_paths(), *self._readable], self._writable
         self._writable = [*map(os.path.realpath, writable), "/dev/null"]
-        self._readable = [*map(os.path.realpath, self._readable), *system_paths(), *self._writable]
-        code = _code(self._words)
-        return {
-            "readable": readable,
-            "writable": writable,
-            "allow": self._words,
-            "file": self.file,
-            "code": code,
-            "seccomp": numbers()["seccomp"],
-        }
+        self._readable = [
+            *map(os.path.realpath, self._readable),
+            *sandbox.system_paths(),
+            *self._writable,
+        ]
+        paths = {"readable": readable, "writable": writable}
+        code, seccomp = _code(self._words), sandbox.numbers()["seccomp"]
+        return paths | {"allow": self._words, "file": self.file, "code": code, "seccomp": seccomp}
 
     def close_file(self) -> None:
         """Close what the child has inherited."""
@@ -162,12 +152,12 @@ class Guard:
             _, files, _, _ = socket.recv_fds(channel, 1, 1)
         if not files:  # it has not entered
             return
-        self._names = {number: name for name, number in numbers().items()}
+        self._names = {number: name for name, number in sandbox.numbers().items()}
         ioctl = ctypes.CDLL(None, use_errno=True).ioctl
         poll = select.poll()
         poll.register(files[0], select.POLLIN)
         note = ctypes.create_string_buffer(_NOTE.size)
-        here = processor()
+        here = sandbox.processor()
         try:
             while True:
                 events = poll.poll(1e3 * _LOOK)
@@ -212,7 +202,7 @@ class Guard:
             return self._refuse(f"call {call} for process {target}")
         if call in _ATTRIBUTES and (call != "fcntl" or arguments[1] in _LOCKS):
             path = self._path(process, *_ATTRIBUTES[call], arguments)
-            if is_below(os.path.realpath(path), self._writable):
+            if sandbox.is_below(os.path.realpath(path), self._writable):
                 return _DONE
             return self._refuse(f"call {call} for {path}", errno.EACCES)
         if call == "mmap" and not arguments[3] & HUGE:
@@ -222,7 +212,7 @@ class Guard:
             self.exhausted = True
             return self._refuse("share more memory than it may take", errno.ENOMEM)
         if call == "socket":
-            if NETWORK in self._words and (
+            if sandbox.NETWORK in self._words and (
                 arguments[0] in (2, 10) or (arguments[0], arguments[2]) == _ROUTES
             ):
                 return _GOES_ON
@@ -320,7 +310,7 @@ class Guard:
         us = f"/proc/{os.getpid()}/"
         if path.startswith(f"/proc/{process}/") or (real.startswith(us) and us not in path):
             return False  # of the process itself, such as /proc/self
-        if is_below(real, self._readable if verb == "read" else self._writable):
+        if sandbox.is_below(real, self._readable if verb == "read" else self._writable):
             return False
         return verb != "read" or os.path.lexists(path)
 
@@ -334,7 +324,7 @@ class Guard:
 
 @cache
 def _code(allow: frozenset[str]) -> bytes:
-    return program(numbers(), processor(), allow)
+    return program(sandbox.numbers(), sandbox.processor(), allow)
 
 
 def _status(process: int, name: str) -> str:

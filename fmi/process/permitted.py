@@ -43,6 +43,10 @@ class Allowed(NamedTuple):
     word: str = ""  # of ``--allow`` that they need
 
 
+_PROCESSES = "processes and threads of its own"
+_CLOCK = "clock, random numbers, and what it is"
+_TERMINAL = (0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451)  # of ioctl
+_INTERFACES = (0x8910, 0x8912, 0x8913, 0x8915, 0x8919, 0x891B, 0x8921, 0x8927, 0x8933)
 _NO_ADDRESS = (Argument(4, (0,)), Argument(4, (0,), upper=True))
 
 ALLOWED = (
@@ -73,7 +77,7 @@ ALLOWED = (
         "files by handle",
         "ioctl",
         "whether it is a terminal and how large, bytes to read, close on exec, not blocking",
-        (Argument(1, (0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451)),),
+        (Argument(1, _TERMINAL),),
     ),
     Allowed(
         "waiting",
@@ -107,34 +111,29 @@ ALLOWED = (
         "own files, without effect",
         asks=True,
     ),
-    Allowed("processes and threads of its own", "clone fork vfork", "256 at a time", asks=True),
+    Allowed(_PROCESSES, "clone fork vfork", "256 at a time", asks=True),
     Allowed(
-        "processes and threads of its own",
+        _PROCESSES,
         "exit exit_group wait4 waitid futex futex_waitv futex_wait futex_wake futex_requeue"
         " set_tid_address set_robust_list rseq arch_prctl sched_yield getcpu",
     ),
     Allowed(
-        "processes and threads of its own",
+        _PROCESSES,
         "sched_setaffinity sched_setscheduler sched_setparam sched_setattr",
         "its own",
         (Argument(0, (0, OWN)),),
     ),
+    Allowed(_PROCESSES, "setpriority", "its own", (Argument(0, (0,)), Argument(1, (0, OWN)))),
     Allowed(
-        "processes and threads of its own",
-        "setpriority",
-        "its own",
-        (Argument(0, (0,)), Argument(1, (0, OWN))),
-    ),
-    Allowed(
-        "processes and threads of its own",
+        _PROCESSES,
         "kill tkill tgkill rt_sigqueueinfo rt_tgsigqueueinfo",
         "to itself and what it has started",
         (Argument(0, (0, OWN)),),
     ),
-    Allowed("processes and threads of its own", "setrlimit"),
-    Allowed("processes and threads of its own", "prlimit64", "its own", (Argument(0, (0, OWN)),)),
+    Allowed(_PROCESSES, "setrlimit"),
+    Allowed(_PROCESSES, "prlimit64", "its own", (Argument(0, (0, OWN)),)),
     Allowed(
-        "processes and threads of its own",
+        _PROCESSES,
         "prctl",
         "names of threads and of memory, the timer's slack, and what only reads",
         (Argument(0, (1, 2, 3, 7, 15, 16, 21, 23, 25, 27, 29, 30, 38, 39, 42, 0x53564D41)),),
@@ -146,19 +145,14 @@ ALLOWED = (
         " timer_getoverrun timer_delete",
     ),
     Allowed(
-        "clock, random numbers, and what it is",
+        _CLOCK,
         "clock_gettime clock_getres gettimeofday time times getrandom getpid gettid getppid getuid"
         " geteuid getgid getegid getresuid getresgid getgroups getpgrp getpgid getsid capget"
         " getrusage getrlimit sysinfo uname getpriority sched_getaffinity sched_getscheduler"
         " sched_getparam sched_getattr sched_get_priority_max sched_get_priority_min"
         " sched_rr_get_interval",
     ),
-    Allowed(
-        "clock, random numbers, and what it is",
-        "personality",
-        "reads it",
-        (Argument(0, (0xFFFFFFFF,)),),
-    ),
+    Allowed(_CLOCK, "personality", "reads it", (Argument(0, (0xFFFFFFFF,)),)),
     Allowed("programs, in the same sandbox", "execve execveat", word=EXEC),
     Allowed(
         "the network",
@@ -170,15 +164,7 @@ ALLOWED = (
         "the network",
         "ioctl",
         "also: names and addresses of interfaces",
-        (
-            Argument(
-                1,
-                (
-                    *(0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451),
-                    *(0x8910, 0x8912, 0x8913, 0x8915, 0x8919, 0x891B, 0x8921, 0x8927, 0x8933),
-                ),
-            ),
-        ),
+        (Argument(1, (*_TERMINAL, *_INTERFACES)),),
         word=NETWORK,
     ),
 )
@@ -199,15 +185,8 @@ def program(numbers: Mapping[str, int], processor: int, allow: frozenset[str]) -
         code = codes.get(number, _NOTED)
         if ranges[-1][1] != code:
             ranges.append((number, code))
-    return b"".join(
-        (
-            _line(_LOAD, _ARCHITECTURE),
-            _line(_EQUAL, processor, 1),
-            _NOTED,
-            _line(_LOAD, _NUMBER),
-            _search(ranges),
-        )
-    )
+    checked = _line(_LOAD, _ARCHITECTURE) + _line(_EQUAL, processor, 1) + _NOTED
+    return checked + _line(_LOAD, _NUMBER) + _search(ranges)
 
 
 def _line(what: int, value: int, then: int = 0) -> bytes:

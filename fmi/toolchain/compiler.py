@@ -21,16 +21,7 @@ from stickslip.fmi.binary import read_library
 from stickslip.fmi.files import atomic_write, lock
 from stickslip.fmi.process.child import child_process
 from stickslip.fmi.process.interruption import check_interruption, temporary_folder
-from stickslip.fmi.toolchain.platforms import (
-    CACHE_ADVICE,
-    CacheUnusable,
-    CompilationFailed,
-    CompilerMissing,
-    Platform,
-    WrongExports,
-    cache_directory,
-    host_platform,
-)
+from stickslip.fmi.toolchain import platforms
 
 ARCHIVE = Path(__file__).with_name("compiled.zip")
 
@@ -75,7 +66,7 @@ def shared_library(
     name: str,
     files: Mapping[str, str],
     *,
-    platform: Platform | None = None,
+    platform: platforms.Platform | None = None,
     flags: Sequence[str] = (),
     standalone: bool = False,
     exports: Collection[str] | None = None,
@@ -102,7 +93,7 @@ def shared_library(
     exports : the names that the library must export, these and no others; not looked at if None
     loads : whether it loads other libraries, so that ``compiled_here`` does not vouch for it
     """
-    target = platform or host_platform()
+    target = platform or platforms.host_platform()
     bare = standalone and target.suffix == ".dll"
     if bare:
         files = {**files, **_standalone()}
@@ -118,7 +109,7 @@ def shared_library(
     file = name + target.suffix
     member = f"{recipe}/{file}"
     compiler = shipped_compiler(member) or compiler_version()
-    library = cache_directory() / "libraries" / f"{recipe}-{compiler}" / file
+    library = platforms.cache_directory() / "libraries" / f"{recipe}-{compiler}" / file
     if not _is_whole(library):
         try:
             with _alone(library.parent):
@@ -157,7 +148,7 @@ def _note(digest: str) -> None:
 
 
 def _noted(digest: str) -> Path:
-    return cache_directory() / "compiled" / digest
+    return platforms.cache_directory() / "compiled" / digest
 
 
 @contextmanager
@@ -193,9 +184,9 @@ def _is_whole(library: Path) -> bool:
         return False
 
 
-def _compiler(target: Platform) -> list[str]:
+def _compiler(target: platforms.Platform) -> list[str]:
     own = os.environ.get("STICKSLIP_CC")
-    if own and target == host_platform():
+    if own and target == platforms.host_platform():
         return ["env", own, "-Wno-unknown-pragmas"]
     return [sys.executable, "-m", "ziglang", "cc", "-target", target.target]
 
@@ -218,16 +209,16 @@ def _digest(words: Sequence[str], files: Mapping[str, str]) -> str:
 def _check_exports(library: bytes, expected: Collection[str], name: str) -> None:
     exported = read_library(library).exports - _OF_THE_LINKER
     if lacking := sorted(set(expected) - exported):
-        raise WrongExports(f"{name} does not export {', '.join(lacking)}")
+        raise platforms.WrongExports(f"{name} does not export {', '.join(lacking)}")
     if foreign := sorted(exported - set(expected)):
-        raise WrongExports(f"{name} exports {', '.join(foreign)}, which nobody asked for")
+        raise platforms.WrongExports(f"{name} exports {', '.join(foreign)}, which nobody asked for")
 
 
 @cache
 def compiler_version() -> str:
     """Return the version of ziglang; raise CompilerMissing where it is not installed."""
     if importlib.util.find_spec("ziglang") is None:
-        raise CompilerMissing(
+        raise platforms.CompilerMissing(
             "this needs the C compiler, package 'ziglang', which is not installed; "
             "run: pip install 'stickslip[compile]'"
         )
@@ -237,11 +228,8 @@ def compiler_version() -> str:
 
 
 def _compile(command: Sequence[str], files: Mapping[str, str], output: str) -> bytes:
-    zig = cache_directory() / "zig"
-    environment = os.environ | {
-        "ZIG_GLOBAL_CACHE_DIR": str(zig),
-        "ZIG_LOCAL_CACHE_DIR": str(zig),
-    }
+    zig = platforms.cache_directory() / "zig"
+    environment = os.environ | {"ZIG_GLOBAL_CACHE_DIR": str(zig), "ZIG_LOCAL_CACHE_DIR": str(zig)}
     with temporary_folder("stickslip-build-") as folder:
         for path, text in files.items():
             file = folder / path
@@ -256,15 +244,19 @@ def _compile(command: Sequence[str], files: Mapping[str, str], output: str) -> b
             if any(word in printed for word in _CLOSED):
                 raise _unusable(zig, "cannot be written")
             said = printed.strip() or f"nothing, and ended with status {status}"
-            raise CompilationFailed(f"cannot compile {output}; the compiler said:\n{said}")
+            raise platforms.CompilationFailed(
+                f"cannot compile {output}; the compiler said:\n{said}"
+            )
         return (folder / output).read_bytes()
 
 
-def _unusable(place: Path, why: str) -> CacheUnusable:
-    advice = CACHE_ADVICE
-    if not place.is_relative_to(cache_directory()) and place.is_relative_to(tempfile.gettempdir()):
+def _unusable(place: Path, why: str) -> platforms.CacheUnusable:
+    advice = platforms.CACHE_ADVICE
+    if not place.is_relative_to(platforms.cache_directory()) and place.is_relative_to(
+        tempfile.gettempdir()
+    ):
         advice = advice.replace("STICKSLIP_CACHE", "TMPDIR")
-    return CacheUnusable(f"{place}: {why}; {advice}")
+    return platforms.CacheUnusable(f"{place}: {why}; {advice}")
 
 
 def _run(command: Sequence[str], folder: Path, environment: Mapping[str, str]) -> tuple[int, str]:

@@ -4,12 +4,7 @@ import math
 from collections.abc import Iterator
 
 from stickslip.fmi.description.attributes import flag
-from stickslip.fmucheck.description.model import (
-    Description,
-    Interface,
-    Variable,
-    number,
-)
+from stickslip.fmucheck.description.model import Description, Interface, Variable, number
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
 _PLACE = "DefaultExperiment"

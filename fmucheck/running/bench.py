@@ -10,22 +10,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-from stickslip.fmucheck.description.model import (
-    Description,
-    Interface,
-    Variable,
-    is_number,
-    number,
-)
+from stickslip.fmucheck.description.model import Description, Interface, Variable, is_number, number
 from stickslip.fmucheck.rules import Claims
-from stickslip.fmucheck.running.calls import (
-    FATAL,
-    WARNING,
-    Binary,
-    Callbacks,
-    CallFailed,
-    status_name,
-)
+from stickslip.fmucheck.running import calls
 from stickslip.fmucheck.running.instance import Instance, Values
 
 Settings = list[tuple[str, object]]
@@ -70,9 +57,9 @@ class Bench:
         return self.instantiated and self.interface.flag("canBeInstantiatedOnlyOncePerProcess")
 
     @cached_property
-    def binary(self) -> Binary:
+    def binary(self) -> calls.Binary:
         """The loaded library."""
-        return Binary(self.library, self.description.version)
+        return calls.Binary(self.library, self.description.version)
 
     @property
     def still(self) -> bool:
@@ -97,19 +84,14 @@ class Bench:
             raise Spent
         self.instantiated = True
         self.tick()
-        callbacks = Callbacks(self.description.variables)
+        callbacks = calls.Callbacks(self.description.variables)
         given = (self.description.token if token is None else token).encode()
         log = callbacks.logger3 if logger else c_void_p()
         if self.description.version == 2:
             name, kind = "Instantiate", c_int(0 if self.is_exchange else 1)
             location = self.resources.absolute().as_uri().encode()
-            arguments: list[Any] = [
-                kind,
-                c_char_p(given),
-                c_char_p(location),
-                byref(callbacks.functions),
-            ]
-            arguments += [c_int(0), c_int(logging)]
+            arguments: list[Any] = [kind, c_char_p(given), c_char_p(location)]
+            arguments += [byref(callbacks.functions), c_int(0), c_int(logging)]
         else:
             name = f"Instantiate{self.interface.kind}"
             folder = f"{self.resources}/".encode() if self.resources.is_dir() else None
@@ -119,7 +101,7 @@ class Bench:
                 arguments += [c_bool(self._event_mode), c_bool(False), c_void_p(), c_size_t(0)]
                 end.append(c_void_p())
             elif self.interface.kind == "ScheduledExecution":
-                self._nothing = [ctypes.CFUNCTYPE(None)(_ignore) for _ in range(3)]
+                self._nothing = [ctypes.CFUNCTYPE(None)(lambda: None) for _ in range(3)]
                 end += self._nothing
             arguments += end
         handle = self.binary.function(name, c_void_p)(c_char_p(b"fmucheck"), *arguments)
@@ -138,7 +120,7 @@ class Bench:
         """Return a new instance; CallFailed when the FMU refuses."""
         instance = self.instantiate(logging=logging)
         if instance is None:
-            raise CallFailed("instantiation", FATAL, ": it gave no instance")
+            raise calls.CallFailed("instantiation", calls.FATAL, ": it gave no instance")
         return instance
 
     def last_words(self) -> str:
@@ -160,8 +142,8 @@ class Bench:
 
     def failed(self, name: str, status: int) -> Claims:
         """Yield that a function failed, if it did."""
-        if status > WARNING:
-            yield f"{self.binary.prefix}{name}", f"returned {status_name(status)}"
+        if status > calls.WARNING:
+            yield f"{self.binary.prefix}{name}", f"returned {calls.status_name(status)}"
 
     def while_time(self, things: Iterable[Thing]) -> Iterator[Thing]:
         """Yield things until the rule has taken long; fewer of them are tried on slow FMUs."""
@@ -185,25 +167,15 @@ class Bench:
     @cached_property
     def inputs(self) -> list[Variable]:
         """The inputs that can be moved as numbers or switches."""
-        return [
-            v
-            for v in self.description.variables
-            if v.causality == "input" and self._readable(v) and v.kind not in ("String", "Binary")
-        ]
+        every = [v for v in self.description.variables if v.causality == "input"]
+        return [v for v in every if self._readable(v) and v.kind not in ("String", "Binary")]
 
     @cached_property
     def parameters(self) -> list[Variable]:
         """The scalar numeric parameters that can be set before initialisation."""
-        return [
-            v
-            for v in self.description.variables
-            if v.causality == "parameter"
-            and self._readable(v)
-            and is_number(v.kind)
-            and v.kind != "Enumeration"
-            and not v.dimensions
-            and v.start_numbers
-        ]
+        every = [v for v in self.description.variables if v.causality == "parameter"]
+        numeric = [v for v in every if is_number(v.kind) and v.kind != "Enumeration"]
+        return [v for v in numeric if self._readable(v) and not v.dimensions and v.start_numbers]
 
     # Times
 
@@ -225,7 +197,3 @@ class Bench:
         if fixed is not None and 0.0 < fixed < math.inf:
             step = max(1.0, round(step / fixed)) * fixed
         return float(step)
-
-
-def _ignore() -> None:
-    """Take a callback of Scheduled Execution."""

@@ -227,15 +227,13 @@ def _stepped(bench: Bench) -> tuple[str, ...]:
     return ("Output", "ContinuousStateDerivative") if bench.is_exchange else ("Output",)
 
 
-def _movable(v: Variable) -> bool:
-    return v.kind not in ("String", "Binary", "Clock") and v.clocks is None
-
-
 def _initial(bench: Bench) -> Iterator[Seen]:
     """Yield what is seen in initialisation mode."""
     unknowns = [u.variable for u in _unknowns(bench, ("InitialUnknown",)) if u.variable]
-    exact = [v for v in bench.description.variables if _movable(v) and v.variability != "constant"]
-    knowns = [v for v in exact if v.initial == "exact" and v.causality != "structuralParameter"]
+    every = [v for v in bench.description.variables if v.clocks is None and v.initial == "exact"]
+    every = [v for v in every if v.kind not in ("String", "Binary", "Clock")]
+    every = [v for v in every if v.causality != "structuralParameter"]
+    knowns = [v for v in every if v.variability != "constant"]
     everything = [*bench.inputs, *knowns][:_MOST] if unknowns else []
     for known, shift in bench.while_time(itertools.product(everything, (False, True))):
         instance = bench.new()
@@ -318,16 +316,12 @@ def _seen(bench: Bench) -> dict[tuple[str, int], set[int]]:
     return bench.seen
 
 
-def _mode(unknown: Unknown) -> str:
-    return "initialisation" if unknown.group == "InitialUnknown" else "stepping"
-
-
 def _declared(bench: Bench) -> Iterator[tuple[Unknown, set[int], set[int], set[int]]]:
     """Yield unknown, knowns declared, knowns seen and knowns tried, as indices."""
     seen = _seen(bench)
     for unknown in _unknowns(bench, (*_stepped(bench), "InitialUnknown")):
         if unknown.dependencies is not None and unknown.variable:
-            mode = _mode(unknown)
+            mode = "initialisation" if unknown.group == "InitialUnknown" else "stepping"
             declared = {v.index for _, v in unknown.dependencies if v}
             found = seen.get((mode, unknown.variable.index), set())
             yield unknown, declared, found, seen.get((mode, -1), set())

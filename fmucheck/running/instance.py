@@ -8,16 +8,7 @@ from typing import Any
 
 from stickslip.fmi.description.variables import SETTERS
 from stickslip.fmucheck.description.model import Description, Variable
-from stickslip.fmucheck.running.calls import (
-    DISCARD,
-    OK,
-    WARNING,
-    Binary,
-    Callbacks,
-    CallFailed,
-    pointer,
-    references,
-)
+from stickslip.fmucheck.running import calls
 
 Values = tuple[Any, ...]
 _TERMINATED = 3  # fmi2StatusKind
@@ -47,10 +38,14 @@ class Instance:
     """Whether Co-Simulation was instantiated with events left to the importer."""
 
     def __init__(
-        self, binary: Binary, description: Description, handle: int, callbacks: Callbacks
+        self,
+        binary: calls.Binary,
+        description: Description,
+        handle: int,
+        callbacks: calls.Callbacks,
     ) -> None:
         self.binary, self.description = binary, description
-        self.handle, self.callbacks = pointer(handle), callbacks
+        self.handle, self.callbacks = calls.pointer(handle), callbacks
         self.warned: list[str] = []
         self.broken = False
         self.two = description.version == 2
@@ -97,13 +92,13 @@ class Instance:
             return list(array)
         sizes = (c_size_t * count)()
         n, total = c_size_t(len(numbers)), c_size_t(count)
-        self.do("GetBinary", references(numbers), n, sizes, array, total)
+        self.do("GetBinary", calls.references(numbers), n, sizes, array, total)
         pairs = zip(array, sizes, strict=True)
         return [ctypes.string_at(p, s) if p else None for p, s in pairs]
 
     def _access(self, name: str, numbers: list[int], array: Any, count: int) -> None:
         counts = [] if self.two else [c_size_t(count)]
-        self.do(name, references(numbers), c_size_t(len(numbers)), array, *counts)
+        self.do(name, calls.references(numbers), c_size_t(len(numbers)), array, *counts)
 
     # Life
 
@@ -134,11 +129,11 @@ class Instance:
         self.broken = True
         status = self.status("DoStep", c_double(time), c_double(step), c_int(0))
         ended = c_int(0)
-        if status == DISCARD:
+        if status == calls.DISCARD:
             self.status("GetBooleanStatus", c_int(_TERMINATED), byref(ended))
-        if not ended.value and status not in (OK, WARNING):
-            raise CallFailed("fmi2DoStep", status, f" for the step from {time} by {step}")
-        if status == WARNING:
+        if not ended.value and status not in (calls.OK, calls.WARNING):
+            raise calls.CallFailed("fmi2DoStep", status, f" for the step from {time} by {step}")
+        if status == calls.WARNING:
             self.warned.append("DoStep")
         self.broken = False
         return bool(ended.value)
@@ -148,7 +143,9 @@ class Instance:
         results = byref(event), byref(end), byref(early), byref(last)
         self.do("DoStep", c_double(time), c_double(step), c_bool(False), *results)
         if early.value and not end.value:
-            raise CallFailed("fmi3DoStep", 0, f" early at {last.value}, though that is not allowed")
+            raise calls.CallFailed(
+                "fmi3DoStep", 0, f" early at {last.value}, though that is not allowed"
+            )
         if event.value and self.event_mode:
             self.do("EnterEventMode")
             self.leave_event_mode()

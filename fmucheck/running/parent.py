@@ -255,9 +255,8 @@ class _Child:
         """
         if sandbox.unavailable():
             return None
-        packages = [path for name in _PACKAGES for path in sys.modules[name].__path__]
-        readable = sandbox.interpreter_folders(map(Path, packages))
-        return Guard(readable, [str(room), str(self.folder)], allow, MEMORY / 1e6)
+        writable = [str(room), str(self.folder)]
+        return Guard.of_python(_PACKAGES, [], writable, allow, MEMORY / 1e6)
 
     def _wait(
         self, process: subprocess.Popen[bytes], report: Path, output: Path, limits: Limits

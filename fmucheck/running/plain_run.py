@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Iterator
 from ctypes import c_char_p
-from typing import Any
 
 from stickslip.fmi.description.variables import FLOATS
 from stickslip.fmucheck.description.model import Variable, is_number
@@ -137,13 +136,11 @@ def leaves_its_range(bench: Bench) -> Claims:
             return ""
         low, high = v.number("min"), v.number("max")
         slack = 1e-9 * scale(v, max(abs(low or 0), abs(high or 0)))
-        return f"is {elements}" if any(_outside(x, low, high, slack) for x in elements) else ""
+        above = high is not None and any(x > high + slack for x in elements)
+        below = low is not None and any(x < low - slack for x in elements)
+        return f"is {elements}" if above or below else ""
 
     return _first(bench, fault)
-
-
-def _outside(x: Any, low: float | None, high: float | None, slack: float) -> bool:
-    return bool((low is not None and x < low - slack) or (high is not None and x > high + slack))
 
 
 @error("2.2.7", "2.4.7.5", "use the same values in code and description")

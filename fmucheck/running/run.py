@@ -193,8 +193,7 @@ class ExchangeRun(Run):
                 break
             step *= 0.25
         self._put(
-            self._time + step,
-            [a + step * (b + c) / 2 for a, b, c in zip(x, f, slope, strict=True)],
+            self._time + step, [a + step * (b + c) / 2 for a, b, c in zip(x, f, slope, strict=True)]
         )
         self._time += step
         self._step = min(self.bench.step_size, 2.0 * step) if step else self.bench.step_size

@@ -7,16 +7,8 @@ from pathlib import Path
 from typing import Any, Literal, Self, get_args
 
 from stickslip.models.errors import DescriptionError, StartValueError
+from stickslip.models.export import units
 from stickslip.models.export.law import MODELS, Law, merge, read_law, read_toml, require_known
-from stickslip.models.export.units import (
-    DISPLAY,
-    NOMINAL,
-    READ_IN,
-    UNITS,
-    motion_unit,
-    parameter_range,
-    rate_unit,
-)
 
 Role = Literal[
     "time", "input", "state", "mode", "derivative", "indicator", "output", "memory", "parameter"
@@ -156,7 +148,7 @@ class Model:
         """Return the model with the units of a linear drive, as in model.toml, or a rotary one."""
 
         def given(unit: str | None) -> str | None:
-            return unit and motion_unit(unit, rotary=rotary)
+            return unit and units.motion_unit(unit, rotary=rotary)
 
         variables = (
             replace(v, unit=given(v.unit), display=given(v.display)) for v in self.variables
@@ -266,16 +258,16 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
     """Yield one variable, or one for each element of an array in C order."""
     where = f"{file}, variable {name}"
     require_known(where, table, _KEYS)
-    require_known(where, filter(None, [table.get("unit")]), UNITS)
+    require_known(where, filter(None, [table.get("unit")]), units.UNITS)
     require_known(
-        where, filter(None, [table.get("display")]), DISPLAY.get(table.get("unit", "1"), {})
+        where, filter(None, [table.get("display")]), units.DISPLAY.get(table.get("unit", "1"), {})
     )
     require_known(where, table.get("depends", {}).values(), _KINDS)
     unit: str | None = table.get("unit")
     size = table.get("size", ())
     start = _flat(table.get("start", 0.0))
     indices = _indices(size)
-    minimum, maximum = parameter_range(table if role == "parameter" else {**_OPEN, **table})
+    minimum, maximum = units.parameter_range(table if role == "parameter" else {**_OPEN, **table})
     if len(start) not in (1, len(indices)):
         raise DescriptionError(f"{where}: {len(start)} start values for {len(indices)} elements")
     for place, index in enumerate(indices):
@@ -285,11 +277,13 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
             description=table["description"],
             type=table.get("type", "real"),
             unit=unit,
-            display=table.get("display", READ_IN.get(unit or "")),
+            display=table.get("display", units.READ_IN.get(unit or "")),
             start=start[place if len(start) > 1 else 0],
             minimum=minimum,
             maximum=maximum,
-            nominal=table.get("nominal", None if role == "parameter" else NOMINAL.get(unit or "")),
+            nominal=table.get(
+                "nominal", None if role == "parameter" else units.NOMINAL.get(unit or "")
+            ),
             is_output=role == "output" or table.get("output", False),
             depends=table.get("depends", {}),
             uses=tuple(table.get("uses", ())),
@@ -318,7 +312,7 @@ def _derivatives(state: str, table: dict[str, Any], names: set[str]) -> Iterator
             name=f"der({state}{index})",
             role="derivative",
             description=f"Derivative of: {table['description']}",
-            unit=rate_unit(table["unit"]),
+            unit=units.rate_unit(table["unit"]),
             depends={n.replace("[]", index): kind for n, kind in table["derivative"].items()},
             uses=tuple(n for given, n in uses.items() if n == given or n in names),
             of=f"{state}{index}",

@@ -14,16 +14,8 @@ Steady = Literal["coulomb", "stribeck", "lorentz"]
 Coordinate = Literal["log", "linear"]
 End = Literal["low", "high"]
 MODELS = Path(__file__).parents[1]
-_KNOWLEDGE = (
-    "symbol",
-    "coordinate",
-    "at_least",
-    "spread",
-    "shown_by",
-    "requires",
-    "choices",
-    "weakest",
-)
+_OPTIONAL = {"at_least", "spread", "shown_by", "requires", "weakest"}
+_KNOWLEDGE = {"symbol", "coordinate", "choices", *_OPTIONAL}
 
 
 @dataclass(frozen=True)
@@ -57,14 +49,14 @@ class LawParameter:
     display: str | None
     symbol: str
     coordinate: Coordinate
-    at_least: str | None
-    spread: float | None
-    shown_by: str | None
-    requires: str | None
-    weakest: End
-    choices: tuple[float, ...]
     force: int
     length: int
+    choices: tuple[float, ...]
+    at_least: str | None = None
+    spread: float | None = None
+    shown_by: str | None = None
+    requires: str | None = None
+    weakest: End = "low"
 
 
 @dataclass(frozen=True)
@@ -146,10 +138,8 @@ def read_law(folder: Path) -> Law:
     """Read ``law.toml`` in a law's folder; DescriptionError when the file is not well formed."""
     content = read_toml(folder / "law.toml")
     try:
-        tables = {
-            name: {"variability": "tunable", **table}
-            for name, table in content["parameters"].items()
-        }
+        given = content["parameters"].items()
+        tables = {name: {"variability": "tunable", **table} for name, table in given}
         law = Law(
             name=folder.name,
             title=content["title"],
@@ -192,14 +182,10 @@ def _parameter(name: str, table: Mapping[str, Any]) -> LawParameter:
         display=table.get("display", READ_IN.get(table["unit"])),
         symbol=table["symbol"],
         coordinate=table.get("coordinate", "linear"),
-        at_least=table.get("at_least"),
-        spread=table.get("spread"),
-        shown_by=table.get("shown_by"),
-        requires=table.get("requires"),
-        weakest=table.get("weakest", "low"),
-        choices=tuple(map(float, table.get("choices", ()))),
         force=force,
         length=length,
+        choices=tuple(map(float, table.get("choices", ()))),
+        **{key: table[key] for key in _OPTIONAL & table.keys()},
     )
 
 

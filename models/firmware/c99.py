@@ -89,10 +89,7 @@ _STRUCTS: dict[Role, str] = {
     "state": "States",
     "memory": "Memory",
 }
-_WHEN = {
-    False: "Go h [s] ahead, h > 0",
-    True: "Take a sample, once in each period T_s",
-}
+_WHEN = {False: "Go h [s] ahead, h > 0", True: "Take a sample, once in each period T_s"}
 # with another form for 32 bits
 _ELEMENTARY = ("elementary_exp", "elementary_log", "elementary_sin")
 _NUMBER = r"\b(?:\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+)"

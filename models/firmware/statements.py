@@ -1,6 +1,5 @@
 """Statements and expressions of C in structured text."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -25,6 +24,10 @@ from stickslip.models.firmware.program import (
 _BINDING = {"OR": 1, "AND": 2, "=": 3, "<>": 3, "<": 4, ">": 4, "<=": 4, ">=": 4}
 _BINDING |= {"+": 5, "-": 5, "*": 6, "/": 6}
 _PLACES = (c_ast.ID, c_ast.StructRef, c_ast.ArrayRef)  # what * and & are applied to
+_BLOCKS = (c_ast.Compound, c_ast.DeclList, c_ast.EmptyStatement, c_ast.ExprList)
+_STEPS = ("p++", "++", "p--", "--")
+# comparison and step -> what is added to the bound of FOR, and what follows it
+_COUNTED = {"<+": (-1, ""), "<=+": (0, ""), ">-": (1, " BY -1"), ">=-": (0, " BY -1")}
 _SPELT = {"||": "OR", "&&": "AND", "==": "=", "!=": "<>"}
 
 
@@ -45,7 +48,7 @@ class Text(NamedTuple):
         return Text(f"INT_TO_LREAL({self.text})", "LREAL")
 
 
-class Expressions(ABC):
+class Statements:
     """The names of one function, and its lines as far as they are translated."""
 
     def __init__(self, program: Program, function: Function) -> None:
@@ -65,10 +68,6 @@ class Expressions(ABC):
         self.further: list[str] = []
         self.lines: list[str] = []
         self.depth = 1
-
-    @abstractmethod
-    def assign(self, target: c_ast.Node, value: c_ast.Node) -> None:
-        """Add an assignment before what is being translated."""
 
     def refused(self, reason: str) -> UnknownModel:
         """Return why there is no structured text."""
@@ -180,16 +179,6 @@ class Expressions(ABC):
         names = distinct(used)
         arguments = ", ".join(f"{names[own]} := {one.text}" for own, one in used.items())
         return Text(f"{self.program.prefix}_{called.name}({arguments})", called.returns)
-
-
-_BLOCKS = (c_ast.Compound, c_ast.DeclList, c_ast.EmptyStatement, c_ast.ExprList)
-_STEPS = ("p++", "++", "p--", "--")
-# comparison and step -> what is added to the bound of FOR, and what follows it
-_COUNTED = {"<+": (-1, ""), "<=+": (0, ""), ">-": (1, " BY -1"), ">=-": (0, " BY -1")}
-
-
-class Statements(Expressions):
-    """The lines of one function."""
 
     def text(self) -> str:
         """Return the function."""
