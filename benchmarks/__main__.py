@@ -9,9 +9,9 @@ import tempfile
 from pathlib import Path
 
 from benchmarks import container, learn, measurements
+from benchmarks.common import table
 from benchmarks.coupling import report
 from benchmarks.learning import speed
-from benchmarks.timing import table
 
 MODULES = {"coupling": report, "container": container, "learn": learn, "speed": speed}
 BENCHMARKS = {

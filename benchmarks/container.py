@@ -10,8 +10,7 @@ from fmpy.container_fmu.cli import create_container_fmu
 from fmpy.fmi2 import FMU2Slave
 from fmpy.model_description import CoSimulation, ModelDescription, ModelVariable
 
-from benchmarks.loop import STOP, specification
-from benchmarks.timing import interleaved
+from benchmarks.common import STOP, interleaved, specification
 from stickslip import cosim
 from stickslip.cosim.fmu.names import component_of
 

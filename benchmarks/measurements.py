@@ -10,9 +10,8 @@ from pathlib import Path
 import fmpy
 import numpy as np
 
+from benchmarks.common import COMPENSATOR, INPUTS, LOOP, interleaved, specification
 from benchmarks.coupling import ring
-from benchmarks.loop import COMPENSATOR, INPUTS, LOOP, specification
-from benchmarks.timing import interleaved
 from stickslip import cosim
 from stickslip.fmi import toolchain
 from stickslip.ga import SimulatedCost

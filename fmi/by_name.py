@@ -10,14 +10,9 @@ from stickslip.fmi.messages import printable
 def by_name(what: str, given: Any, error: type[Fault], also: str = "") -> dict[str, Any]:
     """Return what is given by name as a dictionary, an empty one for None.
 
+    It is a mapping, a series or one-row data frame of pandas, or a named tuple, as ``itertuples``
+    returns of a data frame. ``what`` it is, and what is expected ``also``, are for messages.
     ``error`` when it is something else, or a name is not a text or occurs twice.
-
-    Parameters
-    ----------
-    what : it is, for messages
-    given : a mapping, a series or one-row data frame of pandas, or a named tuple, as ``itertuples``
-        returns of a data frame
-    also : what else is expected, for messages
     """
     if given is None:
         return {}

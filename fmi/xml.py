@@ -31,13 +31,9 @@ def parse_xml(
 ) -> Any:
     """Return the root element. No entity is resolved and nothing is fetched.
 
-    Raises Malformed.
-
-    Parameters
-    ----------
-    name : of the file, to be found in ``docinfo.URL``
-    remarks : whether comments and processing instructions stay in
-    lenient : whether a DOCTYPE and all encodings are accepted, for a checker that reports them
+    The file's ``name`` is found in ``docinfo.URL``. With ``remarks``, comments and processing
+    instructions stay in. A DOCTYPE and all encodings are accepted for a ``lenient`` checker, which
+    reports them. Raises Malformed.
     """
     if len(data) > MAX_BYTES:
         raise Malformed(f"{len(data)} bytes, expected at most {MAX_BYTES}")

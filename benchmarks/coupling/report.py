@@ -8,6 +8,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib import pyplot as plt
 
+from benchmarks.common import interleaved
 from benchmarks.coupling import ring
 from benchmarks.coupling.steps import (
     CANDIDATE_IN_TURN,
@@ -18,7 +19,6 @@ from benchmarks.coupling.steps import (
     measure_peers,
 )
 from benchmarks.coupling.steps import measure as measure_steps
-from benchmarks.timing import interleaved
 
 mpl.use("Agg")
 

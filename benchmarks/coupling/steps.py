@@ -12,9 +12,9 @@ import fmpy
 import numpy as np
 
 from benchmarks import container as sealed
+from benchmarks.common import interleaved
 from benchmarks.coupling import ring
 from benchmarks.coupling.ring import Loops, sources
-from benchmarks.timing import interleaved
 from stickslip import cosim
 
 LINKS = [

@@ -13,7 +13,7 @@ BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 class Unit:
     """A unit: value in base units = factor * value + offset.
 
-    ``relative``: whether it measures differences (relativeQuantity of FMI), to which no offset
+    ``relative`` tells whether it measures differences (relativeQuantity of FMI), to which no offset
     applies; None where that is not said, as of units in SSP: then it is as at the other end.
     """
 

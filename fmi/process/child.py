@@ -47,16 +47,9 @@ def start_python(
 ) -> subprocess.Popen[bytes]:
     """Start Python in a session of its own, for code that is not trusted; all streams are pipes.
 
-    OSError when it cannot be started.
-
-    Parameters
-    ----------
-    arguments : of Python
-    room : folder that it may write
-    guard : of its sandbox; without one it has the environment and the folder of this process
-    allow : what its sandbox allows besides
-    variables : of its environment, besides
-    files : descriptors that it inherits
+    It may write below ``room``, has ``variables`` in its environment and inherits the descriptors
+    ``files``. Without a guard it has the environment and the folder of this process. OSError when
+    it cannot be started.
     """
     search = os.pathsep.join(str(Path(path).absolute()) for path in sys.path if path)
     environment = dict(os.environ)

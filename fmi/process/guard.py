@@ -67,12 +67,8 @@ _VALUES = {"fcntl": 1, "ioctl": 1, "prctl": 0}  # place of what is to be done
 class Guard:
     """Refuses and notes what a child in the sandbox tries.
 
-    Parameters
-    ----------
-    readable, writable : paths, with all below them
-    allow : what is allowed besides
-    memory : MB that the child may share between its processes
-    where : returns what the child is doing, for the notes
+    ``readable`` and ``writable`` are paths, with all below them, ``memory`` the MB that the child
+    may share between its processes; ``where`` returns what it is doing, for the notes.
 
     Attributes
     ----------
@@ -115,10 +111,7 @@ class Guard:
         memory: float,
         where: Callable[[], str] = str,
     ) -> Self:
-        """Return the guard of a child that runs Python, where there is a sandbox.
-
-        ``packages``: that are imported here, and may be there.
-        """
+        """Return the guard of a child that runs Python and may import what is in ``packages``."""
         paths = [Path(path) for name in packages for path in sys.modules[name].__path__]
         return cls([*sandbox.interpreter_folders(paths), *readable], writable, allow, memory, where)
 

@@ -32,7 +32,7 @@ class Argument(NamedTuple):
 class Allowed(NamedTuple):
     """Calls that are allowed, for one reason.
 
-    ``limit``: which of them, in words; those that ``where`` does not let through ask the parent.
+    ``limit`` says in words which of them; those that ``where`` does not let through ask the parent.
     """
 
     why: str  # the reason

@@ -226,15 +226,10 @@ def enter(
 ) -> None:
     """Restrict this process and all that it starts, for good.
 
+    ``readable`` and ``writable`` are paths, with all below them, ``allow`` is of NETWORK and EXEC,
+    ``file`` the descriptor of the socket whose other end a Guard has. ``code`` is the filter of
+    system calls without the number of this process, which the call numbered ``seccomp`` installs.
     OSError when the kernel refuses, or there are other threads, which would stay outside.
-
-    Parameters
-    ----------
-    readable, writable : paths, with all below them
-    allow : NETWORK, EXEC
-    file : descriptor of the socket whose other end a Guard has
-    code : the filter of system calls, without the number of this process
-    seccomp : number of the call that installs it
     """
     if len(os.listdir("/proc/self/task")) > 1:  # noqa: PTH208 (one of many system calls)
         raise OSError("sandbox: other threads run already")

@@ -77,14 +77,8 @@ def binaries(
 ) -> dict[str, bytes]:
     """Build for all platforms side by side; return path in the FMU -> library.
 
-    Platforms that share a folder in FMI 2.0 share a universal library.
-
-    Parameters
-    ----------
-    name : what the libraries are called in the FMU, without ending
-    fmi : version of the standard, which names the folders
-    build : returns the library of a platform
-    change : returns what becomes of the content of a library; nothing by default
+    Platforms that share a folder in FMI 2.0 share a universal library. ``name`` is what libraries
+    are called, without ending, and ``change`` returns what becomes of the content of one.
     """
     targets = list(platforms)
     parts: dict[str, list[bytes]] = {}

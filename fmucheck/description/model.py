@@ -82,10 +82,8 @@ def _attributes(element: Element) -> Attributes:
 class Entry:
     """An element of the description, of which rules say ``place``.
 
-    Attributes
-    ----------
-    kind : tag of the element that has what belongs to the type: in FMI 2.0 the one inside
-    given : attributes of that element as they are written
+    ``kind`` and ``given`` are tag and attributes, as they are written, of the element that has what
+    belongs to the type: in FMI 2.0 the one inside.
     """
 
     what = ""
@@ -137,14 +135,9 @@ class Dimension(NamedTuple):
 class Variable(Entry):
     """One variable.
 
-    Attributes
-    ----------
-    index : place in ModelVariables, from 1
-    kind : Real, Float64, Int32, ...
-    initial : the one in force, which may be a default
-    start : as written, one for each element; ``None`` when there is none
-    derivative : index (FMI 2.0) or value reference (FMI 3.0) of the state
-    aliases : attributes of each Alias
+    ``index`` is its place in ModelVariables, from 1; ``initial`` is in force, and may be a default;
+    ``start`` is as written, one for each element; ``derivative`` is the index (FMI 2.0) or value
+    reference (FMI 3.0) of the state; ``aliases`` are the attributes of each Alias.
     """
 
     what = "variable"
@@ -207,13 +200,9 @@ class Variable(Entry):
 
 
 class Unknown(Entry):
-    """An entry of ModelStructure.
+    """An entry of ModelStructure: ``key`` is its index or value reference, as written.
 
-    Attributes
-    ----------
-    group : Output, InitialUnknown, ...
-    key : index or value reference as written
-    variable, dependencies : resolved; ``None`` where no such variable exists
+    ``variable`` and ``dependencies`` are resolved; ``None`` where no such variable exists.
     """
 
     def __init__(self, element: Element, group: str, description: "Description") -> None:

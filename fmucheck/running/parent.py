@@ -63,10 +63,8 @@ def findings_of_runs(
 ) -> Iterator[Finding]:
     """Yield what is found by running every interface of an FMU.
 
-    Parameters
-    ----------
-    blocked : rules whose findings make running pointless
-    broken : binary that cannot be loaded -> the rule that found so
+    Findings of the rules ``blocked`` make it pointless; ``broken`` has binaries that cannot be
+    loaded, with the rule that found so.
     """
     libraries = {}
     for interface in fmu.description.interfaces:

@@ -67,14 +67,9 @@ STEPS = 12
 
 
 class Run:
-    """A run of one instance.
+    """A run of one instance; ``rows`` hold what was read after each step, with every bit.
 
-    ``rows`` hold what was read after each step as text that shows every bit.
-
-    Parameters
-    ----------
-    phase : shifts the inputs, so that two runs can differ
-    watching : read everything after each step, not only at the end
+    ``phase`` shifts the inputs, so that two runs can differ; without ``watching``, nothing is read.
     """
 
     def __init__(

@@ -1,8 +1,16 @@
-"""Times that can be compared: one process, case after case in turn, medians; and their table."""
+"""The paper's loop, ready to run, and times that can be compared, with their table."""
 
 import statistics
 import time
 from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from stickslip import cosim
+from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import TRAINING
+from stickslip.servo.systems import build_fmus, paper_loop
+from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 
 def interleaved(
@@ -29,3 +37,20 @@ def interleaved(
 def table(figures: Mapping[str, float]) -> str:
     """Return a line for each figure."""
     return "\n".join(f"  {name:76} {figure:8.4g}" for name, figure in figures.items())
+
+
+STOP = 10.0
+COMPENSATOR = {name: PAPER[name] for name in LUGRE}
+
+
+def design() -> VelocityLoop:
+    return design_velocity_loop(Datasheet().axis(PAPER["m"], PAPER["b"]), LOOP)
+
+
+def specification(folder: Path) -> cosim.Specification:
+    build_fmus(folder, {})
+    system = paper_loop(folder, design(), COMPENSATOR)
+    return cosim.Specification(system, LOOP.T_s, STOP, record=("drive.x_enc", "nominal.v_r"))
+
+
+INPUTS = {"v_cmd": TRAINING}
