@@ -14,7 +14,6 @@ MOST_SECTIONS = 96
 """Of PE: Windows loads no more."""
 MOST_NAMES = 65_536
 """Of functions in PE, which have ordinals of 16 bits."""
-
 _LONGEST = 4096  # bytes of a name
 _MOST_TEXT = 2**25  # bytes of all names
 
@@ -45,7 +44,6 @@ def _checked(count: int, what: str, most: int = MOST_SYMBOLS) -> int:
 
 
 _ELF = b"\x7fELF"
-
 _ELF_MACHINES = {0x03: "x86", 0x3E: "x86_64", 0x28: "aarch32", 0xB7: "aarch64", 0xF3: "riscv"}
 _LOAD, _DYNAMIC, _SHARED = 1, 2, 3
 _NEEDED, _HASH, _STRINGS, _SYMBOL_TABLE, _GNU_HASH = 1, 4, 5, 6, 0x6FFFFEF5
@@ -133,7 +131,6 @@ def _elf_exports(data: bytes, table: int, count: int, order: str, wide: bool) ->
 
 
 _PE = b"MZ"
-
 _PE_MACHINES = {0x14C: "x86", 0x8664: "x86_64", 0xAA64: "aarch64", 0x1C4: "aarch32"}
 _IS_DLL = 0x2000
 
@@ -181,7 +178,6 @@ def _read_pe(data: bytes) -> tuple[str, list[str], list[str]]:
 _THIN = {b"\xcf\xfa\xed\xfe": True, b"\xce\xfa\xed\xfe": False}
 _FAT = b"\xca\xfe\xba\xbe"
 _MACH_O = (*_THIN, _FAT)
-
 _MACH_O_MACHINES = {7: "x86", 0x01000007: "x86_64", 12: "aarch32", 0x0100000C: "aarch64"}
 _LIBRARIES = (6, 8)  # dylib and bundle
 _SYMBOL_COMMAND, _SIGNATURE = 0x2, 0x1D

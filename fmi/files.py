@@ -140,7 +140,6 @@ DEEPEST = 32
 """Lists and tables within each other, and names joined by dots."""
 MOST_TEXT = 1 << 25
 """Bytes of a document."""
-
 _STRINGS = re.compile(
     r'"""(?:\\.|[^\\])*?"""|\'\'\'.*?\'\'\'|"(?:\\.|[^"\\\n])*+"|\'[^\'\n]*+\'|#[^\n]*+', re.DOTALL
 )

@@ -13,7 +13,6 @@ MAX_BYTES = 2**27
 MAX_ELEMENTS = 500_000
 """Of a document, which are 0.5 GB and 10 s when it is read; the largest of 300 public FMUs, with
 100,000 variables, has 400,150."""
-
 _WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _DECLARED = re.compile(rb"""\s*<\?xml[^>]*?\sencoding\s*=\s*["']([^"'>]*)["']""")
 # What may stand before the first element; possessive, so that no text takes more than one pass.

@@ -10,7 +10,6 @@ from stickslip.fmucheck.checker import check
 from stickslip.fmucheck.rules import RULES, Finding, Report, Rule, Severity
 
 __all__ = ["RULES", "Finding", "Report", "Rule", "Severity", "check"]
-
 _THEMES = (
     *("archive", "document"),
     *(f"description.{name}" for name in ("identity", "variables", "structure", "capabilities")),

@@ -13,7 +13,6 @@ TELLING = {
     "needs-a-logger",
 }
 """Rules that try what an FMU must withstand: when it does not, that is their finding."""
-
 MOST_TEXT = 1_000_000  # bytes on standard output and error
 
 

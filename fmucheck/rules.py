@@ -122,7 +122,6 @@ class Report:
 Claim = tuple[str, str]
 """Place and message."""
 Claims = Iterable[Claim]
-
 _STANDARDS = {2: "FMI 2.0.5", 3: "FMI 3.0.2"}
 STAGES = (
     *("archive", "document", "description", "files", "binaries"),
@@ -170,8 +169,6 @@ class Rule:
 
 
 RULES: dict[str, Rule] = {}
-
-
 Check = TypeVar("Check", bound=Callable[[Any], Iterable[Any]])
 
 

@@ -14,7 +14,6 @@ from stickslip import ga
 
 SCHWEFEL = 420.9687462275036
 STYBLINSKI = -2.9035340277711772
-
 LEVEL = 10.0
 """Mean of the noise, in its standard deviations: costs may not be negative."""
 
@@ -183,7 +182,6 @@ STANDARD = {
     "ellipsoid, decades": Function(ellipsoid, -4, 4, decades=True),
 }
 """What is raced on."""
-
 FURTHER = {
     "Rosenbrock, rotated": Function(rosenbrock, -5, 10, rotated=True),
     "Ackley, rotated": Function(ackley, -32.768, 32.768, rotated=True),
@@ -199,10 +197,7 @@ FURTHER = {
     "Rosenbrock, decades": Function(rosenbrock, -4, 4, decades=True),
 }
 """Further ones."""
-
-
 OURS = "ours"
-
 CONTESTANTS: dict[str, Racer] = {
     OURS: ours("default"),
     "cma, 0.1": cma(0.1),
@@ -213,10 +208,8 @@ CONTESTANTS: dict[str, Racer] = {
     "GA, 20": pymoo_ga(20),
 }
 """Populations of DE are given for each gene, as scipy counts them; of cma, the first sigma."""
-
 REACHED = 1e-8
 """What costs less has arrived: it does not lose to another that has."""
-
 DIMENSIONS = (5, 10)
 SEVERAL = (2, 5, 10, 20, 30, 50, 100)
 

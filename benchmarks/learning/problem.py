@@ -17,7 +17,6 @@ from stickslip.tuning.learning import VelocityCost
 
 COARSENESS = dict(zip(LUGRE, (0.3, 0.1, 0.8, 0.3, 0.5), strict=True))
 """Standard deviation of what was identified, as a logarithm."""
-
 KINDS = {
     "measured": {},  # encoder steps make the cost rough
     "smooth": {"encoder": False, "dac": False},

@@ -12,7 +12,6 @@ from benchmarks.learning.problem import cost, problem
 from benchmarks.learning.racers import race_one, racers
 
 mpl.use("Agg")
-
 _OURS, _PRESET, _OTHERS = (
     "#1b6ca8",
     "#c0392b",

@@ -19,7 +19,6 @@ from stickslip.ga.problem.encoding import Encoding
 Cost = Callable[[np.ndarray], float]
 Racer = Callable[[Cost, ga.Problem, int, int], None]
 """(cost of values (k,), problem, seed, budget): evaluates until `Spent` is raised or it is done"""
-
 FAILED = 1e9  # the others do not all take infinity
 SIGMAS = (0.1, 0.2)
 

@@ -17,7 +17,6 @@ from stickslip.fmi.messages import shown
 MAX_DEPTH = 64
 MAX_LENGTH = 1000  # bytes of a path
 _MAX_PART = 255  # bytes, of every usual file system
-
 _FOLDS = sys.platform in ("win32", "darwin")
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 _LEAVES = re.compile(r"^/|^[A-Za-z]:|(^|/)\.\.(/|$)")
@@ -96,7 +95,6 @@ def _key(path: PurePosixPath) -> str:
 
 MAX_MEMBERS = 20_000
 _MAX_DIRECTORY = 32 * 1024**2  # bytes that list the members
-
 _END = struct.Struct("<4s4H2LH")
 _END_MARK = b"PK\x05\x06"
 _END64 = struct.Struct("<4sQ2H2L4Q")

@@ -26,7 +26,6 @@ from stickslip.fmi.files import atomic_write, require_regular_file
 from stickslip.fmi.messages import printable, shown
 
 _CHUNK = 1024**2
-
 # All that zipfile and zlib raise for what is in a file: RuntimeError for encrypted members,
 # NotImplementedError for methods, ValueError for impossible offsets and names.
 FAULTS = (zipfile.BadZipFile, zlib.error, EOFError, ValueError, RuntimeError, OverflowError)

@@ -32,13 +32,11 @@ from stickslip.fmi.description.variables import (
 from stickslip.fmi.messages import shown
 
 MAX_REFERENCE = 2**32 - 1
-
 _TYPES = {2: frozenset(SETTERS[2]), 3: frozenset(SETTERS[3])}
 _INITIALS = {None, "exact", "approx", "calculated"}
 _LAWFUL = {**dict.fromkeys(("input", "output", "local"), "discrete"), "independent": "continuous"}
 """The variability that is taken where the one that is given does not go with the causality."""
 _CAUSALITIES, _VARIABILITIES = map(set, zip(*INITIALS, strict=True))
-
 Lengths = Mapping[int, tuple[str, int]]
 """Value reference of what can be a length -> its name and start value."""
 

@@ -184,7 +184,6 @@ class Description:
 
 Places = Mapping[str, str]
 """Index or value reference, in digits -> name of the variable."""
-
 _KINDS = {
     2: {"Outputs": "outputs", "Derivatives": "derivatives", "InitialUnknowns": "initial"},
     3: {

@@ -14,7 +14,6 @@ from typing import Any, Self
 
 Scalar = float | int | bool | str | bytes
 Value = Scalar | tuple[Scalar, ...]  # arrays row by row
-
 _INTEGERS = [f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")]
 # Per FMI version and type: the function that sets it and the C type it takes.
 SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
@@ -36,7 +35,6 @@ SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
         "Clock": ("fmi3SetClock", ctypes.c_bool),
     },
 }
-
 MAX_ELEMENTS = 1_000_000  # of all arrays together; each is a signal of its own
 FLOATS = {"Real", "Float64", "Float32"}
 NOT_NUMBERS = {"String", "Binary", "Clock"}
@@ -69,7 +67,6 @@ _FAMILIES = {
 }
 FAMILY = {name: family for family, names in _FAMILIES.items() for name in names}
 """Type of FMI or SSP -> the kind of value it holds."""
-
 # What a value becomes without loss; a Boolean becomes 0 or 1. Every family becomes itself.
 _WIDER = {
     "Boolean": {"integer", "number"},

@@ -25,10 +25,8 @@ _MOST_AT_ONCE = 256  # processes and threads
 _MOST_NOTED = 200
 _LOOK = 0.25  # s between two looks at memory and files; a disk takes some 0.3 GB meanwhile
 _LONGEST = 200  # characters of a path in a message
-
 _RECEIVE, _SEND, _CONTINUE = 0xC0502100, 0xC0182101, 1  # linux/seccomp.h
 _NOTE, _ANSWER = struct.Struct("<QIIiIQ6Q"), struct.Struct("<QqiI")
-
 _GOES_ON, _DONE = -1, 0  # to the kernel; as if it had worked
 _HERE = -100  # AT_FDCWD
 _FAMILIES = {1: "a socket of other programs", 2: "a network connection", 10: "a network connection"}

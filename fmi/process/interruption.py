@@ -34,7 +34,6 @@ AGAIN = 1.0
 """How long (s) after the first signal another one ends the process at once."""
 DEADLINE = 20.0
 """How long (s) all may take to end; a native function that does not return takes for ever."""
-
 Handler = Callable[[int, FrameType | None], Any] | int | None
 
 

@@ -13,7 +13,6 @@ from stickslip.fmi.process.sandbox import EXEC, NETWORK, OWN
 
 SHARED, ANONYMOUS, HUGE = 0x1, 0x20, 0x40000  # mmap
 _STREAM = 1  # socketpair
-
 ALLOW, ERROR, NOTIFY = 0x7FFF0000, 0x00050000, 0x7FC00000
 _LOAD, _AND, _EQUAL, _AT_LEAST, _END = 0x20, 0x54, 0x15, 0x35, 0x06
 _INSTRUCTION = struct.Struct("<HBBI")
@@ -48,7 +47,6 @@ _CLOCK = "clock, random numbers, and what it is"
 _TERMINAL = (0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451)  # of ioctl
 _INTERFACES = (0x8910, 0x8912, 0x8913, 0x8915, 0x8919, 0x891B, 0x8921, 0x8927, 0x8933)
 _NO_ADDRESS = (Argument(4, (0,)), Argument(4, (0,), upper=True))
-
 ALLOWED = (
     Allowed(
         "own memory",

@@ -118,7 +118,6 @@ def numbers(machine: str = "") -> dict[str, int]:
 NETWORK, EXEC = "network", "exec"
 OWN = 0x0F4EC0DE
 """In the filter: the number of the process that enters the sandbox, which puts it in its place."""
-
 SYSTEM = (
     *("/usr", "/lib", "/lib32", "/lib64", "/bin", "/sbin", "/opt", "/nix/store", "/gnu/store"),
     *("/dev/random", "/dev/urandom", "/sys/devices/system", "/sys/fs/cgroup", "/sys/kernel/mm"),
@@ -140,7 +139,6 @@ VARIABLES = (
 )
 FAMILIES = ("LC_", "PYTHON", "STICKSLIP_", "OMP_", "GOMP_", "KMP_", "MKL_", "OPENBLAS_")
 """What of the environment goes to the child: these variables, and those that begin so."""
-
 # Landlock (linux/landlock.h): calls, rights
 _CREATE_RULESET, _ADD_RULE, _RESTRICT_SELF = 444, 445, 446
 _EXECUTE, _WRITE, _READ, _READ_FOLDER = 1, 2, 4, 8
@@ -150,7 +148,6 @@ _SPECIAL = 1 << 6 | 1 << 9 | 1 << 10 | 1 << 11 | 1 << 12  # devices, sockets, pi
 _OF_FILES = _EXECUTE | _WRITE | _READ | _TRUNCATE
 _CONNECTIONS = 3  # TCP
 _ABSTRACT_SOCKETS, _SIGNALS = 1, 2
-
 # seccomp (linux/seccomp.h), prctl, capset
 _NO_NEW_PRIVILEGES, _SET_FILTER, _NEW_LISTENER = 38, 1, 8
 _SPECULATION = 4  # as without a filter: until Linux 5.15 stores were slower behind one

@@ -11,7 +11,6 @@ from stickslip.fmi.process.interruption import held
 P = ParamSpec("P")
 T = TypeVar("T")
 R = TypeVar("R")
-
 LOOK = 0.1
 """How often (s) a thread that waits looks for signals."""
 PATIENCE = 5.0

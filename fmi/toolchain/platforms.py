@@ -70,7 +70,6 @@ PLATFORMS = {
         Platform("aarch64-darwin", "darwin64", "aarch64-macos.11.0", ".dylib"),
     )
 }
-
 _SYSTEMS = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
 _PROCESSORS = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
 

@@ -25,7 +25,6 @@ RANGES = {
     **{f"UInt{n}": (0, 2**n - 1) for n in (8, 16, 32, 64)},
 }
 """Smallest and largest value of each integer type."""
-
 Number = float | int
 Attributes = dict[str, str]
 _FLOAT = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")  # linear: one way to match
@@ -329,6 +328,10 @@ class Description:
         lengths = [self.length(each) for each in variable.dimensions]
         known = [n for n in lengths if n is not None]
         return math.prod(known) if len(known) == len(lengths) else None
+
+    def count(self, variables: Iterable[Variable | None]) -> int:
+        """Return how many values variables have; None has none."""
+        return sum(self.size(v) or 1 for v in variables if v)
 
 
 @dataclass(frozen=True)

@@ -71,8 +71,6 @@ class Bench:
         """Whether this is Model Exchange."""
         return self.interface.kind == "ModelExchange"
 
-    # Instances
-
     def instantiate(
         self, *, token: str | None = None, logging: bool = True, logger: bool = True
     ) -> Instance | None:
@@ -152,8 +150,6 @@ class Bench:
                 return
             yield thing
 
-    # Variables
-
     def _readable(self, v: Variable) -> bool:
         return v.kind != "Clock" and v.clocks is None and v.reference is not None
 
@@ -176,8 +172,6 @@ class Bench:
         every = [v for v in self.description.variables if v.causality == "parameter"]
         numeric = [v for v in every if is_number(v.kind) and v.kind != "Enumeration"]
         return [v for v in numeric if self._readable(v) and not v.dimensions and v.start_numbers]
-
-    # Times
 
     @property
     def start_time(self) -> float:

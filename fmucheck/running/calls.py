@@ -167,7 +167,6 @@ _LIBC = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
 _LIBC.calloc.restype = c_void_p
 _LIBC.calloc.argtypes = (c_size_t, c_size_t)
 _LIBC.free.argtypes = (c_void_p,)
-
 MOST_MESSAGES = 10_000  # kept of one instance
 LOGGER2 = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, *ARGUMENTS)
 LOGGER3 = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)

@@ -8,7 +8,7 @@ from ctypes import byref, c_double, c_size_t
 from stickslip.fmucheck.rules import Claims, error, warning
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import status_name
-from stickslip.fmucheck.running.run import STEPS, ExchangeRun, indicator_count, new_run, state_count
+from stickslip.fmucheck.running.run import STEPS, ExchangeRun, indicator_count, new_run
 
 _GUARD = -1.2345678e-300  # what nothing computes
 _SPARE = 4
@@ -29,7 +29,7 @@ def wrong_count(bench: Bench) -> Claims:
     for run in _begun(bench):
         three = bench.description.version == 3
         wanted = {
-            "ContinuousStates": state_count(bench.description),
+            "ContinuousStates": bench.description.count(bench.description.states),
             "EventIndicators": indicator_count(bench.description),
         }
         for name, count in wanted.items():

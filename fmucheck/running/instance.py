@@ -9,6 +9,7 @@ from typing import Any
 from stickslip.fmi.description.variables import SETTERS
 from stickslip.fmucheck.description.model import Description, Variable
 from stickslip.fmucheck.running import calls
+from stickslip.fmucheck.running.calls import Binary, Callbacks
 
 Values = tuple[Any, ...]
 _TERMINATED = 3  # fmi2StatusKind
@@ -27,7 +28,6 @@ class Event:
 
     more: bool
     end: bool = False
-    changed: bool = False
     next_time: float | None = None
 
 
@@ -38,11 +38,7 @@ class Instance:
     """Whether Co-Simulation was instantiated with events left to the importer."""
 
     def __init__(
-        self,
-        binary: calls.Binary,
-        description: Description,
-        handle: int,
-        callbacks: calls.Callbacks,
+        self, binary: Binary, description: Description, handle: int, callbacks: Callbacks
     ) -> None:
         self.binary, self.description = binary, description
         self.handle, self.callbacks = calls.pointer(handle), callbacks
@@ -62,8 +58,6 @@ class Instance:
     def status(self, name: str, *arguments: Any) -> int:
         """Call a function of this instance and return its status."""
         return self.binary.call(name, self.handle, *arguments)
-
-    # Values
 
     def get(self, variables: Sequence[Variable]) -> list[Values]:
         """Return the values of variables, each as a tuple of its elements."""
@@ -100,8 +94,6 @@ class Instance:
         counts = [] if self.two else [c_size_t(count)]
         self.do(name, calls.references(numbers), c_size_t(len(numbers)), array, *counts)
 
-    # Life
-
     def enter_initialisation(
         self, start: float, parameters: Sequence[tuple[Variable, Values]] = ()
     ) -> None:
@@ -116,10 +108,6 @@ class Instance:
         for variable, values in parameters:
             self.set(variable, values)
         self.do("EnterInitializationMode", *(() if self.two else times))
-
-    def exit_initialisation(self) -> None:
-        """Leave initialisation mode."""
-        self.do("ExitInitializationMode")
 
     def step(self, time: float, step: float) -> bool:
         """Do one communication step; return whether the FMU wants the run to end."""
@@ -143,9 +131,8 @@ class Instance:
         results = byref(event), byref(end), byref(early), byref(last)
         self.do("DoStep", c_double(time), c_double(step), c_bool(False), *results)
         if early.value and not end.value:
-            raise calls.CallFailed(
-                "fmi3DoStep", 0, f" early at {last.value}, though that is not allowed"
-            )
+            why = f" early at {last.value}, though that is not allowed"
+            raise calls.CallFailed("fmi3DoStep", 0, why)
         if event.value and self.event_mode:
             self.do("EnterEventMode")
             self.leave_event_mode()
@@ -156,15 +143,15 @@ class Instance:
         info = _EventInfo()
         if self.two:
             self.do("NewDiscreteStates", byref(info))
-            flags = [info.more, info.end, info.changed, info.has_time]
+            flags = [info.more, info.end, info.has_time]
         else:
             answers = [c_bool() for _ in range(5)]
             time = c_double()
             self.do("UpdateDiscreteStates", *map(byref, answers), byref(time))
-            flags = [answers[k].value for k in (0, 1, 3, 4)]
+            flags = [answers[k].value for k in (0, 1, 4)]
             info.time = time.value
-        more, end, changed, has_time = map(bool, flags)
-        return Event(more, end, changed, info.time if has_time else None)
+        more, end, has_time = map(bool, flags)
+        return Event(more, end, info.time if has_time else None)
 
     def complete_step(self) -> tuple[bool, bool]:
         """Complete an integration step; return whether there is an event, and the end."""
@@ -179,8 +166,6 @@ class Instance:
                 break
         self.do("EnterStepMode")
 
-    # Model Exchange
-
     def vector(self, name: str, count: int) -> list[float]:
         """Call a getter of a vector, such as ContinuousStates."""
         array = (c_double * count)()
@@ -193,8 +178,6 @@ class Instance:
         if states:
             array = (c_double * len(states))(*states)
             self.do("SetContinuousStates", array, c_size_t(len(states)))
-
-    # State
 
     def save(self, state: c_void_p | None = None) -> c_void_p:
         """Return a copy of the complete state, in ``state`` if one is given."""
@@ -221,15 +204,10 @@ class Instance:
     def deserialise(self, content: bytes) -> c_void_p:
         """Return a saved state from bytes."""
         state = c_void_p()
-        memory = (c_size_t * (len(content) // 8 + 1)).from_buffer_copy(
-            content.ljust(len(content) + 8)
-        )
-        self.do(
-            f"De{'S' if self.two else 's'}erialize{self.state_name}",
-            memory,
-            c_size_t(len(content)),
-            byref(state),
-        )
+        kind = c_size_t * (len(content) // 8 + 1)
+        memory = kind.from_buffer_copy(content.ljust(len(content) + 8))
+        name = f"De{'S' if self.two else 's'}erialize{self.state_name}"
+        self.do(name, memory, c_size_t(len(content)), byref(state))
         return state
 
     def free(self) -> None:

@@ -28,7 +28,6 @@ from stickslip.fmucheck.running.child import MEMORY, Job
 from stickslip.fmucheck.running.plain_run import GATES
 
 Claim = tuple[str, str]
-
 TIMEOUT = 20.0  # s that one rule may take
 _MOST_CHILDREN = 8
 _GRACE = 2.0  # s that the sandbox's guard may take to end after the child

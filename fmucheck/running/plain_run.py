@@ -14,7 +14,6 @@ from stickslip.fmucheck.running.run import STEPS, Run, finished, new_run, other,
 
 LOADING = {"does-not-load", "wrong-version-string", "refuses-its-token", "accepts-any-token"}
 """All that is tried of Scheduled Execution."""
-
 GATES = ("does-not-load", "refuses-its-token", "does-not-run")
 """When one of these finds something, the rules after it are not tried."""
 

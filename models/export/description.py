@@ -15,7 +15,6 @@ Role = Literal[
 ]
 Kind = Literal["constant", "fixed", "tunable", "discrete", "dependent"]
 Type = Literal["real", "integer", "boolean"]
-
 # Sections of model.toml in value-reference order.
 _SECTIONS: dict[str, Role] = {
     "inputs": "input",

@@ -17,7 +17,6 @@ from stickslip.models.export.sources import text
 
 Line = Sequence[float]
 """A polyline x1, y1, x2, y2 ... on a tile of 100 by 100, y downwards."""
-
 _PAGE = """<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -37,7 +36,6 @@ Functional Mock-up Interface, whose headers are under the 2-clause BSD licence.<
 </body>
 </html>
 """
-
 _SQUARE = {"x1": 0.0, "y1": 0.0, "x2": 100.0, "y2": 100.0}
 _STROKE = 5.0  # of 100
 _EDGE, _CORNER = 3.0, 14.0

@@ -175,7 +175,6 @@ def _phases(v: Variable) -> str:
 
 
 FmiVersion = Literal[2, 3]
-
 FACES = Path(fmi.__file__).parent / "faces"
 START = "start.c"  # the token and the start values
 # Without fused multiply-add, all compilers give the same bits; scalar equations packed into vectors
