@@ -14,7 +14,7 @@ _THEMES = (
     *("archive", "document"),
     *(f"description.{name}" for name in ("identity", "variables", "structure", "capabilities")),
     *("files", "binaries"),
-    *(f"running.{name}" for name in ("plain_run", "repeating", "dependencies", "conduct")),
+    *(f"running.{name}" for name in ("plain_run", "repeating", "dependencies", "calling")),
     *("running.continuous", "ending"),
 )
 for _theme in _THEMES:  # importing a theme registers its rules

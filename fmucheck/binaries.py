@@ -47,12 +47,9 @@ def required(version: int, interface: str) -> list[str]:
 
 
 _FMI2 = {
-    "win32": "x86-windows",
-    "win64": "x86_64-windows",
-    "linux32": "x86-linux",
-    "linux64": "x86_64-linux",
-    "darwin32": "x86-darwin",
-    "darwin64": "x86_64-darwin",
+    f"{short}{bits}": f"{processor}-{system}"
+    for short, system in (("win", "windows"), ("linux", "linux"), ("darwin", "darwin"))
+    for bits, processor in ((32, "x86"), (64, "x86_64"))
 }
 _TUPLE = re.compile(r"(aarch32|aarch64|riscv32|riscv64|x86|x86_64|ppc32|ppc64)-(\w+)(-\w+)?")
 _SUFFIXES = {"windows": ".dll", "linux": ".so", "darwin": ".dylib"}

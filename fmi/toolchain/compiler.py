@@ -123,7 +123,7 @@ def shared_library(
             place = Path(fault.filename or library)
             raise _unusable(place, fault.strerror or str(fault)) from fault
     if not loads:
-        _note(_hash_file(library).read_text())
+        vouch(_hash_file(library).read_text())
     return library
 
 
@@ -135,12 +135,8 @@ def compiled_here(library: Path) -> bool:
         return False
 
 
-def vouch(library: bytes) -> None:
-    """Let ``compiled_here`` know a library that was made from one of this cache."""
-    _note(hashlib.sha256(library).hexdigest())
-
-
-def _note(digest: str) -> None:
+def vouch(digest: str) -> None:
+    """Let ``compiled_here`` know the SHA-256 of a library that was made from one of this cache."""
     with suppress(OSError):  # a cache that is read only
         if not _noted(digest).exists():
             _noted(digest).parent.mkdir(exist_ok=True)
@@ -218,10 +214,8 @@ def _check_exports(library: bytes, expected: Collection[str], name: str) -> None
 def compiler_version() -> str:
     """Return the version of ziglang; raise CompilerMissing where it is not installed."""
     if importlib.util.find_spec("ziglang") is None:
-        raise platforms.CompilerMissing(
-            "this needs the C compiler, package 'ziglang', which is not installed; "
-            "run: pip install 'stickslip[compile]'"
-        )
+        what = "this needs the C compiler, package 'ziglang', which is not installed"
+        raise platforms.CompilerMissing(f"{what}; run: pip install 'stickslip[compile]'")
     from importlib.metadata import version  # late, for those who start quickly
 
     return version("ziglang")
@@ -244,17 +238,14 @@ def _compile(command: Sequence[str], files: Mapping[str, str], output: str) -> b
             if any(word in printed for word in _CLOSED):
                 raise _unusable(zig, "cannot be written")
             said = printed.strip() or f"nothing, and ended with status {status}"
-            raise platforms.CompilationFailed(
-                f"cannot compile {output}; the compiler said:\n{said}"
-            )
+            what = f"cannot compile {output}; the compiler said:\n{said}"
+            raise platforms.CompilationFailed(what)
         return (folder / output).read_bytes()
 
 
 def _unusable(place: Path, why: str) -> platforms.CacheUnusable:
-    advice = platforms.CACHE_ADVICE
-    if not place.is_relative_to(platforms.cache_directory()) and place.is_relative_to(
-        tempfile.gettempdir()
-    ):
+    advice, cached = platforms.CACHE_ADVICE, place.is_relative_to(platforms.cache_directory())
+    if not cached and place.is_relative_to(tempfile.gettempdir()):
         advice = advice.replace("STICKSLIP_CACHE", "TMPDIR")
     return platforms.CacheUnusable(f"{place}: {why}; {advice}")
 

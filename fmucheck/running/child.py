@@ -21,8 +21,7 @@ from stickslip.fmucheck import rules
 from stickslip.fmucheck.description.model import Description
 from stickslip.fmucheck.running.bench import Bench, Spent
 from stickslip.fmucheck.running.calls import CallFailed
-from stickslip.fmucheck.running.conduct import settings
-from stickslip.fmucheck.running.plain_run import GATES, LOADING
+from stickslip.fmucheck.running.plain_run import GATES, LOADING, settings
 
 MEMORY = 4 * 1024**3
 

@@ -15,13 +15,8 @@ _TAGS = {
     3: {"real": "Float64", "integer": "Int32", "boolean": "Boolean"},
 }
 _INITIAL = {
-    "state": "exact",
-    "parameter": "exact",
-    "mode": "calculated",
-    "derivative": "calculated",
-    "indicator": "calculated",
-    "output": "calculated",
-    "memory": "calculated",
+    **dict.fromkeys(("state", "parameter"), "exact"),
+    **dict.fromkeys(("mode", "derivative", "indicator", "output", "memory"), "calculated"),
 }
 _CAUSALITY = {"input": "input", "parameter": "parameter", "time": "independent"}
 _LOG_CATEGORIES = {

@@ -209,21 +209,14 @@ def layered_standard(model: Model) -> dict[str, str]:
         (stimuli, "text/csv", "testcase", "Inputs of that run, held over each step"),
         (references, "text/csv", "result", "Outputs of that run, calculated without this FMU"),
     )
-    for source, kind, role, description in related:
-        writing.child(
-            manifest, "Related", type=kind, source=source, role=role, description=description
-        )
+    for source, kind, role, said in related:
+        given = {"type": kind, "source": source, "role": role, "description": said}
+        writing.child(manifest, "Related", **given)
     stop, step = span(model)
     experiments = ET.Element("Experiments")
-    run = writing.child(
-        experiments,
-        "Experiment",
-        name="Reference",
-        description="Start values of modelDescription.xml",
-        startTime=0.0,
-        stopTime=stop,
-        stepSize=step,
-    )
+    named = {"name": "Reference", "description": "Start values of modelDescription.xml"}
+    times = {"startTime": 0.0, "stopTime": stop, "stepSize": step}
+    run = writing.child(experiments, "Experiment", **named, **times)
     writing.child(run, "Stimuli", source=stimuli, type="text/csv")
     writing.child(run, "References", source=references, type="text/csv")
     content = {
@@ -241,13 +234,8 @@ def cross_check(model: Model) -> dict[str, str]:
     """
     stop, step = span(model)
     stimuli, references = tables(model)
-    options = {
-        "StartTime": 0.0,
-        "StopTime": stop,
-        "StepSize": step,
-        "RelTol": 1e-6,
-        "OutputIntervalLength": step,
-    }
+    options = {"StartTime": 0.0, "StopTime": stop, "StepSize": step}
+    options |= {"RelTol": 1e-6, "OutputIntervalLength": step}
     return {
         f"{model.name}_in.csv": stimuli,
         f"{model.name}_ref.csv": references,

@@ -53,20 +53,9 @@ def _jacobian(model: Model) -> list[str]:
         return ["typedef struct Jacobian Jacobian; /* has no derivatives */", ""]
     rows = {role: ", ".join(map(_member, model.fields.get(role, ()))) for role in _STRUCTS}
     return [
-        "typedef struct {",
-        "    States x;",
-        "    Inputs u;",
-        "} Gradient;",
-        "",
-        "typedef struct {",
-        "    struct {",
-        f"        Gradient {rows['derivative']};",
-        "    } dx;",
-        "    struct {",
-        f"        Gradient {rows['output']};",
-        "    } y;",
-        "} Jacobian;",
-        "",
+        "typedef struct {\n    States x;\n    Inputs u;\n} Gradient;\n",
+        f"typedef struct {{\n    struct {{\n        Gradient {rows['derivative']};\n    }} dx;",
+        f"    struct {{\n        Gradient {rows['output']};\n    }} y;\n}} Jacobian;\n",
     ]
 
 
@@ -94,8 +83,7 @@ def _law(model: Model) -> list[str]:
     rows = {"(*F)": "F"} | {f"J->dx.{name}": name for name in states}
     return [
         *lines,
-        "typedef Derivatives LawRate;",
-        "",
+        "typedef Derivatives LawRate;\n",
         "/* Write the law's Jacobian into the rows of the force and of the law's states. */",
         "static inline void law_rows(const LawJacobian *law, Gradient *F, Jacobian *J) {",
         *(
@@ -104,8 +92,7 @@ def _law(model: Model) -> list[str]:
             for row, own in rows.items()
             for column in ("v", *states)
         ),
-        "}",
-        "",
+        "}\n",
     ]
 
 

@@ -126,23 +126,18 @@ def _block(model: Model, program: Program) -> str:
     return "\n".join(
         [
             f"(* {usage} The first call begins at rest with the inputs given. *)",
-            f"FUNCTION_BLOCK {name}",
-            "VAR_INPUT",
+            f"FUNCTION_BLOCK {name}\nVAR_INPUT",
             *timed,
             *_declarations(model, program, ("input", "parameter")),
-            "END_VAR",
-            "VAR_OUTPUT",
+            "END_VAR\nVAR_OUTPUT",
             *_declarations(model, program, ("output", "memory")),
             "    valid : BOOL; (* FALSE: do not use the outputs *)",
-            "END_VAR",
-            "VAR",
+            "END_VAR\nVAR",
             *declared,
             "    running : BOOL := FALSE; (* it was called before *)",
-            "    done : BOOL;",
-            "END_VAR",
+            "    done : BOOL;\nEND_VAR",
             *(f"    {line}" for line in body),
-            "END_FUNCTION_BLOCK",
-            "",
+            "END_FUNCTION_BLOCK\n",
         ]
     )
 
