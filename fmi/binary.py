@@ -273,18 +273,12 @@ class NotALibrary(Fault, ValueError):
 
 @dataclass(frozen=True)
 class Library:
-    """One shared library.
+    """One shared library; a universal file of macOS has several ``targets``."""
 
-    Attributes
-    ----------
-    targets : platforms it runs on, such as ``x86_64-linux``; several in a universal file of macOS
-    unsigned : a part for arm64 macOS has no signature, without which it is not loaded
-    """
-
-    targets: frozenset[str]
+    targets: frozenset[str]  # platforms it runs on, such as ``x86_64-linux``
     exports: frozenset[str]  # names of the functions that can be loaded from it
     needs: tuple[str, ...]  # file names of the libraries it loads itself
-    unsigned: bool = False
+    unsigned: bool = False  # a part for arm64 macOS lacks the signature that it is loaded with
 
 
 def read_library(data: bytes) -> Library:

@@ -46,11 +46,7 @@ def escaped(text: str) -> str:
 def named(text: str, variables: Iterable[tuple[str, int | None, str]]) -> str:
     """Return a message of FMI 2.0 with names in the place of references such as ``#r12#``.
 
-    Parameters
-    ----------
-    variables : type, value reference and name of each
-
-    Source: FMI 2.0.5, section 2.1.5; ``##`` is one ``#``.
+    Variables are type, value reference and name. Source: FMI 2.0.5, 2.1.5; ``##`` is one ``#``.
     """
     if "#" not in text:
         return text

@@ -28,17 +28,11 @@ _ASKED = {
 
 @dataclass(frozen=True)
 class Clock:
-    """An input clock.
-
-    Attributes
-    ----------
-    asked : when the FMU is asked for the interval, None where the clock does not tick by time
-    interval, shift : s
-    """
+    """An input clock; interval and shift are in s."""
 
     name: str
     reference: int
-    asked: int | None
+    asked: int | None  # when the FMU is asked for the interval, None where it ticks not by time
     interval: float = 0.0
     shift: float = 0.0
 
@@ -155,12 +149,8 @@ class Unknown:
 class Description:
     """A description.
 
-    Attributes
-    ----------
-    interfaces : ``CoSimulation``, ``ModelExchange`` or ``ScheduledExecution`` -> its attributes
-    derivatives : of continuous states: name -> name of the state, None where it is not said
-    derivative_of : name -> name of what it is the derivative of, whether a state is or not
-    n_states, n_indicators : numbers of continuous states and of event indicators
+    ``interfaces`` has the attributes of CoSimulation, ModelExchange and ScheduledExecution,
+    ``derivatives`` the name of the state for each derivative of one, None where it is not said.
     """
 
     standard: int  # 1, 2 or 3; what is FMI 1.0 is given in the form of FMI 2.0
@@ -174,9 +164,9 @@ class Description:
     aliases: Mapping[str, str]  # other name -> name, in FMI 3.0
     outputs: tuple[Unknown, ...]
     derivatives: Mapping[str, str | None]
-    derivative_of: Mapping[str, str]
-    n_states: int
-    n_indicators: int
+    derivative_of: Mapping[str, str]  # name -> name of what it is the derivative of, state or not
+    n_states: int  # continuous ones
+    n_indicators: int  # of events
     clocks: tuple[Clock, ...]  # the input clocks
     learned: LearnedVariables  # what it learns in a run
     remarks: tuple[str, ...]  # what is wrong in it and no run needs, in lines

@@ -79,11 +79,9 @@ _WIDER = {
 class Variable:
     """A variable as the FMU describes it.
 
-    Attributes
-    ----------
-    start, minimum, maximum, nominal : in ``unit``; None when the FMU gives none
-    structure : for each dimension the structural parameter that sets its length, None where fixed
-    array, element : of an element of an array, the array's name and the place in it, row by row
+    Start, minimum, maximum and nominal are in ``unit``, None when the FMU gives none. ``structure``
+    has for each dimension the structural parameter that sets its length, None where it is fixed.
+    An element of an array has the array's name and its place there, row by row.
     """
 
     name: str

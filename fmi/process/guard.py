@@ -66,13 +66,9 @@ class Guard:
     """Refuses and notes what a child in the sandbox tries.
 
     ``readable`` and ``writable`` are paths, with all below them, ``memory`` the MB that the child
-    may share between its processes; ``where`` returns what it is doing, for the notes.
-
-    Attributes
-    ----------
-    file : the descriptor that the child inherits; `close_file` closes it after it has started
-    exhausted : whether it asked for more memory than that
-    tried : what was refused: ``(where, what)``, such as ``("a: fmi2DoStep", "read /root/x")``
+    may share between its processes; ``where`` returns what it is doing, for the notes. It inherits
+    the descriptor ``file``, which `close_file` closes after it has started. ``tried`` is what was
+    refused, such as ``("a: fmi2DoStep", "read /root/x")``, ``exhausted`` whether memory was.
     """
 
     def __init__(

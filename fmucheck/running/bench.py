@@ -30,11 +30,9 @@ class Spent(Exception):
 class Bench:
     """One interface of one FMU, to be tried.
 
-    Attributes
-    ----------
-    changes : other values of parameters, with which it still runs; ``None`` until tried
-    seen : for each mode and unknown the knowns it moves with; ``None`` until tried
-    first : what an earlier process found out, for rules that compare two processes
+    ``first`` is what an earlier process found out, for rules that compare two processes. Until they
+    are tried, ``changes``, other values of parameters with which it still runs, and ``seen``, for
+    each mode and unknown the knowns it moves with, are None.
     """
 
     description: Description

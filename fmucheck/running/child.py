@@ -28,14 +28,7 @@ MEMORY = 4 * 1024**3
 
 @dataclass(frozen=True)
 class Job:
-    """What a child is to do.
-
-    Attributes
-    ----------
-    token : a word that begins each line of the report
-    tried : interfaces and rules that other children have tried before
-    sandbox : the arguments with which it is entered, ``None`` without one
-    """
+    """What a child is to do; each line of its report begins with the token."""
 
     stage: str
     description: Description
@@ -43,8 +36,8 @@ class Job:
     resources: Path
     first: dict[str, dict[str, str]]  # interface -> what an earlier process found out
     token: str = field(default_factory=lambda: secrets.token_hex(16))
-    tried: frozenset[tuple[str, str]] = frozenset()
-    sandbox: dict[str, Any] | None = None
+    tried: frozenset[tuple[str, str]] = frozenset()  # interfaces and rules, by other children
+    sandbox: dict[str, Any] | None = None  # the arguments with which it is entered
 
 
 def main(job_file: str, report_file: str) -> None:

@@ -51,10 +51,8 @@ def load_law(name: str) -> Law:
 
     Raises
     ------
-    UnknownLaw
-        When there is no such law.
-    DescriptionError
-        When its law.toml is not well formed.
+    UnknownLaw, DescriptionError
+        When there is no such law, or its law.toml is not well formed.
     """
     if name not in law_names():
         raise UnknownLaw(f"there is no friction law '{name}'{suggestion(name, law_names())}")
@@ -72,12 +70,10 @@ def load_model(name: str, law: str | None = None) -> Model:
 
     Raises
     ------
-    UnknownModel
-        When there is no such model.
+    UnknownModel, DescriptionError
+        When there is no such model, or its model.toml or law.toml is not well formed.
     UnknownLaw
         When there is no such law, or the model contains none.
-    DescriptionError
-        When its model.toml or law.toml is not well formed.
     """
     folder = _folders().get(name)
     if folder is None:
@@ -129,13 +125,9 @@ def build_fmu(
 
     Raises
     ------
-    UnknownModel, UnknownLaw, StartValueError
+    UnknownModel, UnknownLaw, StartValueError, toolchain.ToolchainError, OSError
     ModelError
         When it cannot have the name, or there is no such version of the standard.
-    toolchain.ToolchainError
-        When the C does not compile.
-    OSError
-        When the file cannot be written.
     """
     if fmi not in get_args(sources.FmiVersion):
         raise ModelError(f"fmi is {fmi!r}; expected 2 or 3")
@@ -205,10 +197,7 @@ def write_cross_check(name: str, folder: Path | str, law: str | None = None) -> 
 
     Raises
     ------
-    UnknownModel
-    UnknownLaw
-    OSError
-        When a file cannot be written.
+    UnknownModel, UnknownLaw, OSError
     """
     model = load_model(name, law)
     files = (

@@ -44,12 +44,9 @@ def write_compensator(
     ------
     ModelError
         When it cannot have the name, or there is no such language.
-    StartValueError
-        When there is no such parameter, or the value is out of its range.
     UnknownModel
         When there is no such model, or it is not available in structured text.
-    OSError
-        When a file cannot be written.
+    StartValueError, OSError
     """
     if language not in get_args(Language):
         raise ModelError(f"language is {language!r}; expected 'c' or 'st'")

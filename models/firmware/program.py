@@ -80,17 +80,7 @@ class Function:
 
 
 class Program:
-    """What the functions ``roots`` of a model need.
-
-    Attributes
-    ----------
-    prefix : before the names of functions and types
-    fields : struct -> member -> variable
-    arrays : name of an array's type -> its definition, those that others contain first
-    constants : name -> expression
-    functions : name -> function, callees first
-    variants : name -> parameters of the sizes that arguments have -> function
-    """
+    """What the functions ``roots`` of a model need; names of functions and types have a prefix."""
 
     def __init__(self, model: Model, roots: Sequence[str]) -> None:
         self.prefix = model.name.capitalize()
@@ -99,10 +89,11 @@ class Program:
         found |= dict.fromkeys(LIBRARY, "")
         order = needed(found, roots)
         self.types = {"double": "LREAL", "int": "INT", "size_t": "INT", "bool": "BOOL"}
-        self.fields: dict[str, dict[str, Variable]] = {}
-        self.arrays: dict[str, str] = {}
+        self.fields: dict[str, dict[str, Variable]] = {}  # struct -> member -> variable
+        self.arrays: dict[str, str] = {}  # definition by name, those that others contain first
         self.constants: dict[str, c_ast.Node] = {}
-        self.functions: dict[str, Function] = {}
+        self.functions: dict[str, Function] = {}  # callees first
+        # name -> parameters of the sizes that arguments have -> function
         self.variants: dict[str, dict[tuple[Variable, ...], Function]] = {}
         code = "\n".join([variables_header(model), *(found[name] for name in order)])
         for node in _parsed(code).ext:

@@ -208,10 +208,8 @@ def read_lti(path: Path | str) -> LtiFile:
 
     Raises
     ------
-    LtiError
-        When the file does not describe one; the message names file and key.
-    OSError
-        When it cannot be read.
+    LtiError, OSError
+        When the file does not describe one, or cannot be read; the message names file and key.
     """
     path = Path(path)
     content = _read(path)
