@@ -60,7 +60,7 @@ def write(system: cosim.System, path: Path, step: float, output: str) -> Path:
         for t, s in system.connections.items()
     ]
     configuration = config.Configuration(
-        False, description, list(parts.values()), connections, mapping
+        False, description, [*parts.values()], connections, mapping
     )
     with tempfile.TemporaryDirectory() as unpacked:
         create_container_fmu(configuration, Path(unpacked), path)

@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from operator import itemgetter
 
 from stickslip.fmi.errors import Fault
 
@@ -119,12 +120,10 @@ def _symbol_count(
 def _elf_exports(data: bytes, table: int, count: int, order: str, wide: bool) -> list[int]:
     """Return places in the string table of the symbols that are defined and visible."""
     symbol = struct.Struct(order + ("IBBHQQ" if wide else "IIIBBH"))
+    picked = itemgetter(*((0, 1, 3) if wide else (0, 3, 5)))
     found = []
     for k in range(count):
-        fields = symbol.unpack_from(data, table + k * symbol.size)
-        name, info, section = (
-            (fields[0], fields[1], fields[3]) if wide else (fields[0], fields[3], fields[5])
-        )
+        name, info, section = picked(symbol.unpack_from(data, table + k * symbol.size))
         if section and info >> 4 in (1, 2):  # global or weak
             found.append(name)
     return found
@@ -147,9 +146,8 @@ def _read_pe(data: bytes) -> tuple[str, list[str], list[str]]:
     start = header + 24
     (magic,) = struct.unpack_from("<H", data, start)
     directories = start + (112 if magic == 0x20B else 96)
-    parts = [
-        struct.unpack_from("<8sIIII", data, start + optional + 40 * k) for k in range(sections)
-    ]
+    table = start + optional
+    parts = [struct.unpack_from("<8sIIII", data, table + 40 * k) for k in range(sections)]
 
     def offset(address: int) -> int:
         for _, size, first, stored, place in parts:

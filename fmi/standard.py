@@ -12,7 +12,6 @@ def standard_files(folder: str) -> Path:
     """
     found = find_spec("fmpy")
     if found is None or not found.origin:
-        raise ModuleNotFoundError(
-            "the headers and schemas of FMI are missing; run 'pip install fmpy'"
-        )
+        what = "the headers and schemas of FMI are missing"
+        raise ModuleNotFoundError(f"{what}; run 'pip install fmpy'")
     return Path(found.origin).parent / folder

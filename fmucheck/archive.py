@@ -133,10 +133,8 @@ def zip_bomb(archive: Archive) -> Claims:
         count = len(archive.members)
         yield str(archive.path), f"{count} members; at most {directory.MAX_MEMBERS} are unpacked"
     if archive.bytes > directory.MAX_BYTES:
-        yield (
-            str(archive.path),
-            f"{archive.bytes} bytes when unpacked; at most {directory.MAX_BYTES} are",
-        )
+        what = f"{archive.bytes} bytes when unpacked; at most {directory.MAX_BYTES} are"
+        yield str(archive.path), what
     everything = (str(archive.path), archive.packed, archive.bytes)
     each = [(m.orig_filename, m.compress_size, m.file_size) for m in archive.members]
     for name, packed, size in [everything, *each]:

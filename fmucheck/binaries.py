@@ -157,9 +157,8 @@ def missing_function(fmu: Fmu) -> Claims:
 def foreign_dependency(fmu: Fmu) -> Claims:
     """A binary needs a library that is neither part of the system nor packed beside it."""
     for _, _, name, library in _libraries(fmu):
-        beside = {
-            posixpath.basename(n).casefold() for n in fmu.below(posixpath.dirname(name) + "/")
-        }
+        there = fmu.below(posixpath.dirname(name) + "/")
+        beside = {posixpath.basename(n).casefold() for n in there}
         for needed in library.needs:
             if (
                 not _AT_HOME.fullmatch(needed)

@@ -97,10 +97,8 @@ def wrong_encoding(document: Document) -> Claims:
 def fmi1_is_not_judged(document: Document) -> Claims:
     """An FMU of FMI 1.0, which is not supported."""
     if (claimed_version(document) or "").startswith("1."):
-        what = (
-            "FMI 1.0 is not checked, though its Co-Simulation can be run; nothing else was checked"
-        )
-        yield document.name, what
+        what = "FMI 1.0 is not checked, though its Co-Simulation can be run"
+        yield document.name, f"{what}; nothing else was checked"
 
 
 @error("2.2.1", "2.4.1", "write 2.0 or 3.0")

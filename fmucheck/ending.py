@@ -5,13 +5,8 @@ from dataclasses import dataclass
 
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
-TELLING = {
-    "unknown-reference",
-    "bad-step",
-    "step-before-initialisation",
-    "freeing-nothing",
-    "needs-a-logger",
-}
+TELLING = {"unknown-reference", "bad-step", "step-before-initialisation", "freeing-nothing"}
+TELLING |= {"needs-a-logger"}
 """Rules that try what an FMU must withstand: when it does not, that is their finding."""
 MOST_TEXT = 1_000_000  # bytes on standard output and error
 

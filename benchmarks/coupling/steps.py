@@ -81,9 +81,8 @@ def toolbox_container(folder: Path, n: int) -> float:
         (path.parent / "sealed.json").write_text(json.dumps(recipe))
         run = "from fmu_manipulation_toolbox.cli.fmucontainer import fmucontainer; fmucontainer()"
         command = [sys.executable, "-c", run, "-container", "sealed.json"]
-        done = subprocess.run(
-            [*command, "-fmu-directory", str(path.parent)], capture_output=True, text=True
-        )
+        command += ["-fmu-directory", str(path.parent)]
+        done = subprocess.run(command, capture_output=True, text=True)
         if not path.exists():
             raise RuntimeError(f"fmucontainer built nothing: {(done.stderr or done.stdout)[-200:]}")
     return _one_call(path, n)

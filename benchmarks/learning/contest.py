@@ -269,8 +269,7 @@ def _seconds(budget: int) -> pd.DataFrame:
         for k in SEVERAL:
             instance = Instance(STANDARD[name], k, 0)
             begin = time.process_time()
-            ga.learn(
-                ga.optimiser("default", instance.problem, ga.Limits(evaluations=budget)), instance
-            )
+            optimiser = ga.optimiser("default", instance.problem, ga.Limits(evaluations=budget))
+            ga.learn(optimiser, instance)
             table.loc[k, name] = time.process_time() - begin
     return table

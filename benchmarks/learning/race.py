@@ -12,11 +12,8 @@ from benchmarks.learning.problem import cost, problem
 from benchmarks.learning.racers import race_one, racers
 
 mpl.use("Agg")
-_OURS, _PRESET, _OTHERS = (
-    "#1b6ca8",
-    "#c0392b",
-    ["#7f8c8d", "#b5651d", "#2e8b57", "#8e6bbf", "#d4a017"],
-)
+_OURS, _PRESET = "#1b6ca8", "#c0392b"
+_OTHERS = ["#7f8c8d", "#b5651d", "#2e8b57", "#8e6bbf", "#d4a017"]
 
 
 def _draw(path: Path, problems: dict[str, dict[str, np.ndarray]]) -> None:

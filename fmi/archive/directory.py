@@ -131,9 +131,8 @@ def check_frame(file: IO[bytes]) -> int:
     if members == 0xFFFF or 0xFFFFFFFF in (length, offset):
         members, length, offset, end = _end64(file, end, (members, length, offset, end))
     if members > MAX_MEMBERS or length > _MAX_DIRECTORY:
-        raise ValueError(
-            f"{members} members, listed in {length} bytes; at most {MAX_MEMBERS} are unpacked"
-        )
+        what = f"{members} members, listed in {length} bytes"
+        raise ValueError(f"{what}; at most {MAX_MEMBERS} are unpacked")
     if (before := end - length - offset) or (members and head != b"PK\x03\x04"):
         raise ValueError(
             f"{abs(before)} bytes {'before' if before >= 0 else 'missing from'} the zip archive:"
@@ -151,9 +150,8 @@ def _end64(file: IO[bytes], end: int, plain: tuple[int, ...]) -> tuple[int, ...]
     if mark != b"PK\x06\x07":
         return plain
     if at + _END64.size > end:
-        raise ValueError(
-            "damaged zip archive: its end points behind itself; copy or export it again"
-        )
+        what = "damaged zip archive: its end points behind itself"
+        raise ValueError(f"{what}; copy or export it again")
     file.seek(at)
     mark, *_, members, length, offset = _END64.unpack(file.read(_END64.size))
     if mark != _END64_MARK:
@@ -257,6 +255,5 @@ def _check_apart(members: Sequence[zipfile.ZipInfo]) -> None:
     spans = sorted((m.header_offset, m.compress_size, m.orig_filename) for m in members)
     for (begin, size, name), (following, _, other) in pairwise(spans):
         if begin + _LOCAL + len(name) + size > following:
-            raise Refused(
-                f"members {shown(name)} and {shown(other)} overlap in the archive; export it again"
-            )
+            what = f"members {shown(name)} and {shown(other)} overlap in the archive"
+            raise Refused(f"{what}; export it again")

@@ -199,9 +199,7 @@ def _dimension(element: Any, name: str, lengths: Lengths) -> tuple[int, str | No
     return length, source
 
 
-def _start(
-    element: Any, typed: Any, kind: str, dimensions: tuple[int, ...], name: str
-) -> Value | None:
+def _start(element: Any, typed: Any, kind: str, sizes: tuple[int, ...], name: str) -> Value | None:
     if kind == "Clock":
         return None
     if typed is element and kind in ("String", "Binary"):
@@ -213,12 +211,12 @@ def _start(
         return None
     read = _READERS.get(kind, whole)
     what = f"start of {shown(name)}"
-    if not dimensions:
+    if not sizes:
         return read(text, what, element)
     if kind in ("String", "Binary"):
         return None
     values = tuple(read(word, what, element) for word in text.split())
-    size = math.prod(dimensions)
+    size = math.prod(sizes)
     if len(values) not in (1, size):
         raise DescriptionFault(element, f"{what} has {len(values)} values, expected {size}")
     return values * size if len(values) == 1 else values

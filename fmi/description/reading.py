@@ -131,9 +131,8 @@ def read_description(root: Any) -> Description:
     found = _elements(root, version, remarks)
     elements = [element for _, element, _ in found]
     lengths = _lengths(elements) if version == 3 else {}
-    variables = [
-        read_variable(each, inner, version, types, lengths, remarks) for _, each, inner in found
-    ]
+    given = version, types, lengths, remarks
+    variables = [read_variable(each, inner, *given) for _, each, inner in found]
     aliases = _aliases(elements, remarks) if version == 3 else {}
     if (total := sum(v.size for v in variables)) > MAX_ELEMENTS:
         what = f"all arrays together have {total} elements, expected at most {MAX_ELEMENTS}"

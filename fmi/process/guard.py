@@ -113,11 +113,8 @@ class Guard:
         """Return the arguments of ``sandbox.enter``; the child can have been started before."""
         readable, writable = [*sandbox.system_paths(), *self._readable], self._writable
         self._writable = [*map(os.path.realpath, writable), "/dev/null"]
-        self._readable = [
-            *map(os.path.realpath, self._readable),
-            *sandbox.system_paths(),
-            *self._writable,
-        ]
+        kept = map(os.path.realpath, self._readable)
+        self._readable = [*kept, *sandbox.system_paths(), *self._writable]
         paths = {"readable": readable, "writable": writable}
         code, seccomp = _code(self._words), sandbox.numbers()["seccomp"]
         return paths | {"allow": self._words, "file": self.file, "code": code, "seccomp": seccomp}
@@ -265,14 +262,12 @@ class Guard:
         every = (int(name) for name in os.listdir("/proc") if name.isdecimal())  # noqa: PTH208
         return [process for process in every if self._is_own(process)]
 
-    def _path(
-        self, process: int, folder: int | None, place: int | None, arguments: list[int]
-    ) -> str:
+    def _path(self, process: int, folder: int | None, place: int | None, given: list[int]) -> str:
         """Return the path that the arguments mean."""
-        path = _text(process, arguments[place]) if place is not None and arguments[place] else ""
+        path = _text(process, given[place]) if place is not None and given[place] else ""
         if path.startswith("/"):
             return path
-        at = _HERE if folder is None else ctypes.c_int(arguments[folder]).value
+        at = _HERE if folder is None else ctypes.c_int(given[folder]).value
         base = os.readlink(f"/proc/{process}/cwd" if at == _HERE else f"/proc/{process}/fd/{at}")  # noqa: PTH115
         return os.path.join(base, path) if path else base  # noqa: PTH118 (many calls)
 

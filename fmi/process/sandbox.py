@@ -202,9 +202,8 @@ class Permissions(NamedTuple):
             elif word in (NETWORK, EXEC):
                 words.add(word)
             else:
-                raise ValueError(
-                    f"allow is {word!r}, expected 'network', 'exec' or 'files=DIR', or 'env=NAME'"
-                )
+                expected = "'network', 'exec' or 'files=DIR', or 'env=NAME'"
+                raise ValueError(f"allow is {word!r}, expected {expected}")
         return cls(tuple(folders), frozenset(words), frozenset(variables))
 
     def environment(self) -> dict[str, str]:
@@ -256,9 +255,8 @@ def _restrict_files(
     version = _landlock()
     everything = _ALL | (_REFER if version > 1 else 0) | (_TRUNCATE if version > 2 else 0)
     closed = NETWORK not in allow
-    rules = struct.pack(
-        "<QQQ", everything, _CONNECTIONS * closed, _SIGNALS | _ABSTRACT_SOCKETS * closed
-    )
+    scopes = _SIGNALS | _ABSTRACT_SOCKETS * closed
+    rules = struct.pack("<QQQ", everything, _CONNECTIONS * closed, scopes)
     size = 24 if version > 5 else 16 if version > 3 else 8
     ruleset = _checked(call(_CREATE_RULESET, rules, ctypes.c_size_t(size), 0))
     for paths, rights in (

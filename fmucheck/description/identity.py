@@ -71,9 +71,8 @@ def missing_metadata(description: Description) -> Claims:
 def undescribed_variables(description: Description) -> Claims:
     """Inputs, outputs or parameters have no description."""
     shown = ("input", "output", "parameter", "structuralParameter")
-    bare = [
-        v.name for v in description.variables if v.causality in shown and not v.get("description")
-    ]
+    named = [v for v in description.variables if v.causality in shown]
+    bare = [v.name for v in named if not v.get("description")]
     if bare:
         yield _FILE, f"{len(bare)} inputs, outputs and parameters have no description, as {bare[0]}"
 

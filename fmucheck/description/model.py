@@ -256,9 +256,7 @@ class Description:
         self.root = _attributes(root)
         self.interfaces = [Interface(each) for each in _inside(root) if each.tag in _INTERFACES]
         self.units = [Unit(each) for each in _inside(root.find("UnitDefinitions"))]
-        self.types = [
-            TypeDefinition(each, version) for each in _inside(root.find("TypeDefinitions"))
-        ]
+        self.types = [TypeDefinition(one, version) for one in _inside(root.find("TypeDefinitions"))]
         self.categories = [each.get("name", "") for each in _inside(root.find("LogCategories"))]
         self.experiment = None if experiment is None else _attributes(experiment)
         types = {each.name: each for each in self.types}

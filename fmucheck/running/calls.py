@@ -40,9 +40,8 @@ _TOGETHER = sys.platform == "win32"
 _REGISTERS = {"x86_64": (1, 8), "AMD64": (1, 8), "aarch64": (3, 8)}.get(platform.machine())
 KNOWN = _REGISTERS is not None and sys.platform in ("linux", "win32")
 _N, _N_FLOATS = (_REGISTERS or (0, 0)) if not _TOGETHER else (0, 0)
-ARGUMENTS: tuple[Any, ...] = (
-    (*[c_uint64] * (_N + _ON_STACK), *[c_double] * _N_FLOATS) if KNOWN else ()
-)
+_PASSED = (*[c_uint64] * (_N + _ON_STACK), *[c_double] * _N_FLOATS)
+ARGUMENTS: tuple[Any, ...] = _PASSED if KNOWN else ()
 """C types of what follows the format."""
 
 
@@ -237,11 +236,9 @@ class Callbacks:
                 text = named(_word(formatted(text, arguments)) or "", known).encode()
             self._log3(place, status, category, text)
 
-    def _log3(
-        self, place: int | None, status: int, category: bytes | None, text: bytes | None
-    ) -> None:
+    def _log3(self, place: int | None, status: int, kind: bytes | None, text: bytes | None) -> None:
         if len(self.messages) < MOST_MESSAGES:
-            self.messages.append(Message(status, _word(category), _word(text), place))
+            self.messages.append(Message(status, _word(kind), _word(text), place))
 
     def _allocate(self, count: int, size: int) -> int | None:
         self.allocated += 1

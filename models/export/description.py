@@ -146,12 +146,10 @@ class Model:
     def of_motion(self, *, rotary: bool) -> Self:
         """Return the model with the units of a linear drive, as in model.toml, or a rotary one."""
 
-        def given(unit: str | None) -> str | None:
+        def own(unit: str | None) -> str | None:
             return unit and units.motion_unit(unit, rotary=rotary)
 
-        variables = (
-            replace(v, unit=given(v.unit), display=given(v.display)) for v in self.variables
-        )
+        variables = (replace(v, unit=own(v.unit), display=own(v.display)) for v in self.variables)
         return replace(self, variables=tuple(variables), rotary=rotary)
 
     def with_start(self, start: Mapping[str, float]) -> Self:
@@ -258,9 +256,8 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
     where = f"{file}, variable {name}"
     require_known(where, table, _KEYS)
     require_known(where, filter(None, [table.get("unit")]), units.UNITS)
-    require_known(
-        where, filter(None, [table.get("display")]), units.DISPLAY.get(table.get("unit", "1"), {})
-    )
+    shown = units.DISPLAY.get(table.get("unit", "1"), {})
+    require_known(where, filter(None, [table.get("display")]), shown)
     require_known(where, table.get("depends", {}).values(), _KINDS)
     unit: str | None = table.get("unit")
     size = table.get("size", ())

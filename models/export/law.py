@@ -202,9 +202,8 @@ def merge(content: dict[str, Any], law: Law) -> None:
     roles = ("inputs", "states", "memory", "outputs", "parameters")
     taken = {name for role in roles for name in content.get(role, {})}
     if twice := sorted(taken & {*law.states, *law.tables}):
-        raise DescriptionError(
-            f"{law.name}/law.toml: {twice[0]} is a variable of the model as well"
-        )
+        what = f"{law.name}/law.toml: {twice[0]} is a variable of the model as well"
+        raise DescriptionError(what)
     states = {name: dict(table) for name, table in law.states.items()}
     sampled = content.get("sampled", False)
     integrated = not sampled and all("derivative" in table for table in own.values())
@@ -232,9 +231,8 @@ def merge(content: dict[str, Any], law: Law) -> None:
         at_level = table.pop("uses_with_level", [])
         if "law" in table.get("uses", ()):
             used = [name for name in table["uses"] if name != "law"]
-            now = [
-                n for n in uses if "derivative" not in table or not states.get(n, {}).get("held")
-            ]
+            is_rate = "derivative" in table
+            now = [n for n in uses if not (is_rate and states.get(n, {}).get("held"))]
             table["uses"] = [*used, *_elements(now, law), *(at_level if has_level else [])]
     for table in states.values():
         if "derivative" in table:

@@ -1,7 +1,6 @@
 """modelDescription.xml of FMI 2.0 and FMI 3.0."""
 
 import re
-from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
 from stickslip.fmi.description.model import ANNOTATION
@@ -156,9 +155,7 @@ def _start(v: Variable) -> str | None:
     return text(v.start if v.type == "real" else int(v.start))
 
 
-def _add_structure(
-    root: ET.Element, model: Model, place: Mapping[str, int], fmi: FmiVersion
-) -> None:
+def _add_structure(root: ET.Element, model: Model, place: dict[str, int], fmi: FmiVersion) -> None:
     structure = child(root, "ModelStructure")
     # Outputs depend on inputs and on what a solver integrates.
     knowns = {v.name for v in model.variables if v.role == "input"}
@@ -193,7 +190,7 @@ def _add_structure(
             child(structure, "EventIndicator", valueReference=place[v.name])
 
 
-def _initial_dependencies(v: Variable, model: Model, place: Mapping[str, int]) -> dict[int, str]:
+def _initial_dependencies(v: Variable, model: Model, place: dict[str, int]) -> dict[int, str]:
     """Return what a value depends on before the first step, where parameters count as well.
 
     What is sampled answers its inputs from the first sample on, what belongs to a step after it.

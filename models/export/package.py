@@ -175,9 +175,8 @@ def pack_fmu(
     if not terminals:
         del texts["terminalsAndIcons/terminalsAndIcons.xml"]
     members = {path: content.encode() for path, content in texts.items()}
-    members |= dict.fromkeys(
-        {"terminalsAndIcons/icon.png", _ICON[fmi]}, presentation.png(model.icon)
-    )
+    icon = presentation.png(model.icon)
+    members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, icon)
     start = sources.start_bytes(token, values)
     marker = sources.MARKER.encode().ljust(sources.MARKER_SIZE, b"\0")
     members |= toolchain.binaries(
@@ -200,9 +199,7 @@ def write_cross_check(name: str, folder: Path | str, law: str | None = None) -> 
     UnknownModel, UnknownLaw, OSError
     """
     model = load_model(name, law)
-    files = (
-        presentation.cross_check(model) if presentation.reference_file(model) is not None else {}
-    )
+    files = presentation.cross_check(model) if presentation.reference_file(model) else {}
     return [atomic_write(Path(folder) / path, content) for path, content in files.items()]
 
 

@@ -82,9 +82,7 @@ def _block(model: Model, program: Program) -> str:
     """Return the function block."""
     name = program.prefix
     parts = {short: part for short, part in _PARTS.items() if program.fields[_STRUCTS[short]]}
-    declared = [
-        f"    {part} : {program.type_name(_STRUCTS[short])};" for short, part in parts.items()
-    ]
+    declared = [f"    {part} : {program.type_name(_STRUCTS[key])};" for key, part in parts.items()]
 
     def call(function: str) -> str:
         given = parts | {"h": "h", "t": "0.0"}

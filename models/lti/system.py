@@ -165,9 +165,8 @@ def linear_system(
             " TransferFunction of python-control; linearise a nonlinear one first"
         )
     if system.dt is True:
-        raise LtiError(
-            f"{system.name}: it is discrete, but its sample period is not given (dt=True)"
-        )
+        what = "it is discrete, but its sample period is not given (dt=True)"
+        raise LtiError(f"{system.name}: {what}")
     known = [*system.input_labels, *system.output_labels, *states]
     given = by_name("units", units, LtiError)
     for unknown in given.keys() - set(known):
