@@ -185,7 +185,11 @@ def check_members(
         if fault := _fault(member):
             raise Refused(f"member {shown(member.orig_filename)} {fault}")
     _check_size("the archive", sum(m.file_size for m in members), _packed(members))
-    _check_apart(members)
+    spans = sorted((m.header_offset, m.compress_size, m.orig_filename) for m in members)
+    for (begin, size, name), (following, _, other) in pairwise(spans):
+        if begin + _LOCAL + len(name) + size > following:
+            what = f"members {shown(name)} and {shown(other)} overlap in the archive"
+            raise Refused(f"{what}; export it again")
     different = {(m.orig_filename, m.file_size, m.CRC): m for m in reversed(members)}
     placed = [(place(m.orig_filename), m) for m in reversed(different.values())]
     check_distinct((path, is_folder(member)) for path, member in placed)
@@ -249,11 +253,3 @@ def _check_size(what: str, size: int, packed: int) -> None:
             f"{what} grows from {packed} to {size} bytes when unpacked, expected at most"
             f" {MAX_RATIO} times as much: a zip bomb; ask where it came from"
         )
-
-
-def _check_apart(members: Sequence[zipfile.ZipInfo]) -> None:
-    spans = sorted((m.header_offset, m.compress_size, m.orig_filename) for m in members)
-    for (begin, size, name), (following, _, other) in pairwise(spans):
-        if begin + _LOCAL + len(name) + size > following:
-            what = f"members {shown(name)} and {shown(other)} overlap in the archive"
-            raise Refused(f"{what}; export it again")

@@ -225,7 +225,8 @@ class Guard:
         self._forked = self._forked or not flags & _THREAD
         self._at_most += 1
         if self._at_most > _MOST_AT_ONCE:  # what has ended since does not count
-            self._at_most = self._running() + 1
+            processes = self._processes() if self._forked else [self._session]
+            self._at_most = 1 + sum(int(_status(process, "Threads")) for process in processes)
         if self._at_most <= _MOST_AT_ONCE:
             return _GOES_ON
         return self._refuse(f"start more than {_MOST_AT_ONCE} processes and threads", errno.EAGAIN)
@@ -251,12 +252,6 @@ class Guard:
             self._refuse(f"take more than {self._most / 1e6:g} MB of {kind}")
             with suppress(OSError):
                 os.killpg(self._session, signal.SIGKILL)
-
-    def _running(self) -> int:
-        """Return the number of threads of the child and what it has started."""
-        if not self._forked:
-            return int(_status(self._session, "Threads"))
-        return sum(int(_status(process, "Threads")) for process in self._processes())
 
     def _processes(self) -> list[int]:
         every = (int(name) for name in os.listdir("/proc") if name.isdecimal())  # noqa: PTH208

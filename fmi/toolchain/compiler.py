@@ -97,8 +97,11 @@ def shared_library(
     bare = standalone and target.suffix == ".dll"
     if bare:
         files = {**files, **_standalone()}
+    call = [sys.executable, "-m", "ziglang", "cc", "-target", target.target]
+    if (own := os.environ.get("STICKSLIP_CC")) and target == platforms.host_platform():
+        call = ["env", own, "-Wno-unknown-pragmas"]
     command = [
-        *_compiler(target),
+        *call,
         *(*_FLAGS, *_WARNINGS, *flags, *(_STANDALONE if bare else ()), "-I.", "-isystem", "system"),
         *os.environ.get("STICKSLIP_CFLAGS", "").split(),
         *sorted(path for path in files if path.endswith(".c")),
@@ -178,13 +181,6 @@ def _is_whole(library: Path) -> bool:
         return hashlib.sha256(library.read_bytes()).hexdigest().encode() == wanted
     except OSError:
         return False
-
-
-def _compiler(target: platforms.Platform) -> list[str]:
-    own = os.environ.get("STICKSLIP_CC")
-    if own and target == platforms.host_platform():
-        return ["env", own, "-Wno-unknown-pragmas"]
-    return [sys.executable, "-m", "ziglang", "cc", "-target", target.target]
 
 
 @cache

@@ -64,7 +64,8 @@ def formatted(text: bytes, arguments: Sequence[float]) -> bytes:
         spec: bytes = b"%" + found["flags"] + (size(found["width"]) if found["width"] else b"")
         spec += b"" if found["digits"] is None else b"." + size(found["digits"])
         if kind in b"fFeEgGaA":
-            number = _double(next(words)) if _TOGETHER else next(floats)
+            raw = struct.pack("Q", next(words)) if _TOGETHER else struct.pack("d", next(floats))
+            number: float = struct.unpack("d", raw)[0]
             return number.hex().encode() if kind in b"aA" else (spec + kind) % number
         word = next(words)
         if kind == b"s":
@@ -86,11 +87,6 @@ def formatted(text: bytes, arguments: Sequence[float]) -> bytes:
         return _SPEC.sub(one, text) if KNOWN else text
     except StopIteration:
         return text
-
-
-def _double(word: int) -> float:
-    number: float = struct.unpack("d", struct.pack("Q", word))[0]
-    return number
 
 
 def _signed(word: int, bits: int) -> int:
