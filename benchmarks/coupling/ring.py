@@ -1,6 +1,7 @@
 """The ring: three FMUs of a few operations each, or three times as many; C loops over them."""
 
 import ctypes
+from functools import partialmethod
 from pathlib import Path
 
 import numpy as np
@@ -95,31 +96,21 @@ class Loops:
         self._library.use((ctypes.c_void_p * len(table))(*table))
         self._library.candidate.restype = ctypes.c_double
 
-    def plain(self, n: int) -> np.ndarray:
-        """Return u, v, x, f after each step."""
-        return self._run(self._library.plain, n)
-
-    def in_turn(self, n: int) -> np.ndarray:
-        """Return the same in Gauss-Seidel order."""
-        return self._run(self._library.in_turn, n)
-
-    def calls_in_turn(self, n: int) -> None:
-        """Make the calls of a step in Gauss-Seidel order and nothing else."""
-        self._run(self._library.calls_in_turn, n)
-
-    def fused(self, n: int) -> np.ndarray:
-        return self._run(self._library.fused, n)
-
     def candidate(self, n: int, K_p: float, K_i: float, *, turns: bool = False) -> float:
         numbers = (ctypes.c_double(value) for value in (STEP, K_p, K_i))
         return self._library.candidate(ctypes.c_long(n), *numbers, ctypes.c_bool(turns))
 
-    def _run(self, loop, n: int) -> np.ndarray:
+    def _run(self, loop: str, n: int) -> np.ndarray:
         kept = np.empty((n, 4))
         address = ctypes.c_void_p(kept.ctypes.data)
-        if loop(ctypes.c_long(n), ctypes.c_double(STEP), address):
+        if self._library[loop](ctypes.c_long(n), ctypes.c_double(STEP), address):
             raise RuntimeError("an FMU of the ring failed")
         return kept
+
+    plain = partialmethod(_run, "plain")  # u, v, x, f after each step
+    in_turn = partialmethod(_run, "in_turn")  # the same in Gauss-Seidel order
+    calls_in_turn = partialmethod(_run, "calls_in_turn")  # the calls of such a step alone
+    fused = partialmethod(_run, "fused")
 
 
 def sources() -> dict[str, str]:
