@@ -62,9 +62,8 @@ def run(folder: Path, out: Path, kinds: Sequence[str], seeds: int, budget: int) 
     race.to_csv(out / "race.csv", index=False)
     _draw(out / "race.png", {k: curves(race[race.problem == k], budget) for k in kinds})
     said = "median of {} seeds; costs in 1e-6 m2/s2, seconds of one processor"
-    tables = [
-        f"{kind}\n{_summary(race, kind, budget).to_string(float_format='%.4g')}" for kind in kinds
-    ]
+    shown = {kind: _summary(race, kind, budget) for kind in kinds}
+    tables = [f"{kind}\n{one.to_string(float_format='%.4g')}" for kind, one in shown.items()]
     return "\n\n".join([said.format(seeds), *tables])
 
 

@@ -125,9 +125,8 @@ def _fmpy(path: Path, command: np.ndarray, step: float) -> float:
     description = fmpy.read_model_description(path)
     folder = fmpy.extract(path)
     time_points = np.arange(len(command)) * step
-    table = np.array(
-        list(zip(time_points, command, strict=True)), dtype=[("time", float), ("v_cmd", float)]
-    )
+    kinds = [("time", float), ("v_cmd", float)]
+    table = np.array(list(zip(time_points, command, strict=True)), dtype=kinds)
 
     def simulate() -> object:
         return fmpy.simulate_fmu(

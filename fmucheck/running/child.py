@@ -52,9 +52,8 @@ def main(job_file: str, report_file: str) -> None:
             library = job.libraries.get(interface.kind)
             if library and library.exists():  # an FMU may have deleted it
                 first = job.first.get(interface.kind, {})
-                bench = Bench(
-                    job.description, interface, library, job.resources, before, first, dict(first)
-                )
+                given = interface, library, job.resources, before, first
+                bench = Bench(job.description, *given, dict(first))
                 _try(job, bench, report)
                 if bench.is_spent:  # the rest needs a process of its own
                     _tell(job, report, end=True, again=True)

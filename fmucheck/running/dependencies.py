@@ -282,9 +282,8 @@ def _after_steps(bench: Bench) -> Iterator[Seen]:
             rows = [_rows(bench, outputs, shifted) for shifted in (None, known)]
         except CallFailed:
             continue
-        pairs = [
-            pair for a, b in zip(*rows, strict=False) for pair in zip(outputs, a, b, strict=True)
-        ]
+        steps = zip(*rows, strict=False)
+        pairs = [one for a, b in steps for one in zip(outputs, a, b, strict=True)]
         moving = frozenset(v.index for v, a, b in pairs if repr(a) != repr(b))
         yield Seen(known, moving, _LATER)
 

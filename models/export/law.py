@@ -216,9 +216,7 @@ def merge(content: dict[str, Any], law: Law) -> None:
     force = law.force["depends"]
     moving = {name for name in force if "derivative" in states.get(name, {"derivative": None})}
     names = moving if integrated else inputs.keys() & force.keys()
-    known = {
-        n: kind for name, kind in force.items() if name in names for n in _elements([name], law)
-    }
+    known = {n: kind for name, kind in force.items() if name in names for n in _parts([name], law)}
     if integrated and law.force.get("reaction"):
         known |= dict.fromkeys(inputs, "dependent")
     uses = [*(name for name in force if name not in names), *law.force["uses"]]
@@ -233,14 +231,12 @@ def merge(content: dict[str, Any], law: Law) -> None:
             used = [name for name in table["uses"] if name != "law"]
             is_rate = "derivative" in table
             now = [n for n in uses if not (is_rate and states.get(n, {}).get("held"))]
-            table["uses"] = [*used, *_elements(now, law), *(at_level if has_level else [])]
+            table["uses"] = [*used, *_parts(now, law), *(at_level if has_level else [])]
     for table in states.values():
         if "derivative" in table:
             depends = table["derivative"]
-            table["derivative"] = {
-                n: k for name, k in depends.items() for n in _elements([name], law)
-            }
-            table["uses"] = list(_elements(table["uses"], law))
+            table["derivative"] = {n: k for name, k in depends.items() for n in _parts([name], law)}
+            table["uses"] = list(_parts(table["uses"], law))
     if sampled:  # nobody sets memory, so it has no range of values that are accepted
         for table in states.values():
             table.pop("min", None)
@@ -254,7 +250,7 @@ def merge(content: dict[str, Any], law: Law) -> None:
         content["description"] += f". Co-Simulation only: {law.co_simulation_only}"
 
 
-def _elements(names: Iterable[str], law: Law) -> Iterator[str]:
+def _parts(names: Iterable[str], law: Law) -> Iterator[str]:
     """Yield the names of scalar variables; the arrays of a law have one dimension."""
     tables = {**law.tables, **law.states}
     for name in names:
