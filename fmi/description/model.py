@@ -91,9 +91,14 @@ _PLACES = (
 
 @dataclass(frozen=True)
 class LearnedVariables:
-    """What an FMU learns.
+    """What an FMU learns in a run: an annotation of ours, which any tool may write.
 
-    ``variables``: parameter -> variable, both scalars or elements of arrays.
+        <VendorAnnotations><Tool name="stickslip">               in FMI 2.0
+        <Annotations><Annotation type="stickslip">               in FMI 3.0
+            <Learned model="lffc"><State parameter="w_0" variable="w"/>
+
+    ``parameter`` takes over the value that ``variable`` has at the end of another run. Both are
+    scalars or elements of arrays; an array's name alone in the annotation means all elements.
     """
 
     model: str = ""  # that learns; empty where the FMU learns nothing
