@@ -18,11 +18,7 @@ def interleaved(
     repeats: int,
     clock: Callable[[], float] = time.perf_counter,
 ) -> dict[str, float]:
-    """Return the median seconds of each case; every repeat runs all cases once.
-
-    What runs in one thread is best measured by ``time.thread_time``, which other processes disturb
-    little.
-    """
+    """Return the median seconds of each case; every repeat runs all cases once."""
     times: dict[str, list[float]] = {name: [] for name in cases}
     for run in cases.values():
         run()

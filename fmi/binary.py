@@ -246,11 +246,7 @@ _ALIGNMENT = 14
 
 
 def universal(libraries: Iterable[bytes]) -> bytes:
-    """Join thin Mach-O libraries; one alone stays as it is.
-
-    Source: Apple, mach-o/fat.h: a header of big-endian words, one entry a processor, then the
-    libraries.
-    """
+    """Join thin Mach-O libraries; one alone stays as it is. Source: Apple, mach-o/fat.h."""
     parts = list(libraries)
     if len(parts) == 1:
         return parts[0]
@@ -280,10 +276,7 @@ class Library:
 
 
 def read_library(data: bytes) -> Library:
-    """Read the headers of a shared library.
-
-    NotALibrary when the bytes are of none of the three formats, or their headers are damaged.
-    """
+    """Read the headers of a shared library; NotALibrary for other formats and damaged ones."""
     try:
         if data[:4] == _ELF:
             machine, exports, needs = _read_elf(data)

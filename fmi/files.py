@@ -18,10 +18,7 @@ from uuid import uuid4
 
 
 def lock(file: IO[Any]) -> bool:
-    """Lock an open file until it is closed; return False if someone else has it.
-
-    OSError where the file system knows no locks.
-    """
+    """Lock an open file until it is closed; False if another has it, OSError without locks."""
     if sys.platform == "win32":
         import msvcrt
 
@@ -179,10 +176,7 @@ def open_regular_file(path: str | os.PathLike[str]) -> BufferedReader:
 
 
 def parse_json(data: bytes) -> Any:
-    """Return the content of JSON in UTF-8.
-
-    ValueError where it is none, names a key twice, holds NaN or Infinity, or is nested too deeply.
-    """
+    """Return JSON in UTF-8; ValueError for other text, repeated keys, NaN and deep nesting."""
     text = _text(data)
     try:
         content = json.loads(text, object_pairs_hook=_distinct, parse_constant=_no_number)

@@ -27,10 +27,7 @@ def printable(text: str, most: int = 200) -> str:
 
 
 def harmless(text: str) -> str:
-    """Return untrusted text for a terminal, in which characters that are not seen are escaped.
-
-    They could move the cursor, or turn the direction of what follows; ends of lines stay.
-    """
+    """Return untrusted text, in which what could move the cursor or turn the text is escaped."""
     if text.isprintable():
         return text
     return "".join(
@@ -44,10 +41,7 @@ def escaped(text: str) -> str:
 
 
 def named(text: str, variables: Iterable[tuple[str, int | None, str]]) -> str:
-    """Return a message of FMI 2.0 with names in the place of references such as ``#r12#``.
-
-    Variables are type, value reference and name. Source: FMI 2.0.5, 2.1.5; ``##`` is one ``#``.
-    """
+    """Return a message with names for references such as ``#r12#``. Source: FMI 2.0.5, 2.1.5."""
     if "#" not in text:
         return text
     names = {(_LETTERS.get(kind, "i"), number): name for kind, number, name in variables}

@@ -5,11 +5,7 @@ from pathlib import Path
 
 
 def standard_files(folder: str) -> Path:
-    """Return a folder of FMPy's wheel: ``c-code`` or ``schema``.
-
-    FMPy itself is not imported, which takes longer than many a run. ModuleNotFoundError when FMPy
-    is not installed.
-    """
+    """Return a folder of FMPy's wheel, ``c-code`` or ``schema``; importing FMPy would take long."""
     found = find_spec("fmpy")
     if found is None or not found.origin:
         what = "the headers and schemas of FMI are missing"

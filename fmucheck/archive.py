@@ -20,16 +20,13 @@ _UNSAFE = re.compile(r"^$|^/|\\|^[A-Za-z]:|(^|/)\.\.(/|$)|[\x00-\x1f]")
 
 @dataclass
 class Archive:
-    """What the directory of a zip archive lists.
-
-    ``damaged``: member name -> why its content cannot be read; filled by ``unpack``.
-    """
+    """What the directory of a zip archive lists."""
 
     path: Path
     fault: str | None = None  # why it cannot be read at all
     is_zip: bool = False  # it begins as one
     members: list[zipfile.ZipInfo] = field(default_factory=list)
-    damaged: dict[str, str] = field(default_factory=dict)
+    damaged: dict[str, str] = field(default_factory=dict)  # member -> why, filled by ``unpack``
 
     @property
     def files(self) -> list[zipfile.ZipInfo]:
@@ -80,11 +77,7 @@ def read_archive(path: Path) -> Archive:
 
 
 def unpack(archive: Archive, folder: Path) -> frozenset[str]:
-    """Write every safe, readable member below ``folder`` and return their names.
-
-    Links, members with unsafe names and further members of the same name are left out; damaged
-    ones are noted.
-    """
+    """Write the safe, readable members below ``folder``; note damaged ones, return the others."""
     seen: set[str] = set()
     for member in archive.members:
         if member.orig_filename.endswith("/") and member.file_size:

@@ -16,10 +16,7 @@ Element = Any  # lxml ships no types
 
 @dataclass(frozen=True)
 class Document:
-    """A parsed XML file, or why it could not be parsed.
-
-    ``name`` is its path inside the FMU; ``root`` is ``None`` when there is a ``fault``.
-    """
+    """A parsed XML file and its path in the FMU; without a root, why it could not be parsed."""
 
     name: str
     text: bytes
@@ -42,10 +39,7 @@ def _schema(name: str) -> Any:
 
 
 def violations(document: Document, schema: str) -> list[tuple[str, str]]:
-    """Return place and message of each violation of an XML schema of the FMI project.
-
-    ``schema``: file of the FMI project, such as ``fmi3/fmi3ModelDescription.xsd``.
-    """
+    """Return place and message of each violation of a schema, by its file in the FMI project."""
     validator = _schema(schema)
     if document.root is None or validator.validate(document.root):
         return []

@@ -13,16 +13,12 @@ MOST_TEXT = 1_000_000  # bytes on standard output and error
 
 @dataclass(frozen=True)
 class Ending:
-    """How a child ended.
-
-    ``status``: exit status, or minus the number of the signal that ended it; ``None`` when the
-    checker ended it.
-    """
+    """How a child ended."""
 
     interface: str
     during: str  # interface and rule that was being tried
     rule: str  # the one of this module that tells it
-    status: int | None = None
+    status: int | None = None  # of exit, or minus the signal; None when the checker ended it
     text: str = ""  # what was printed, the beginning of it; or what failed, or why it was not run
     seconds: float = 0.0
 

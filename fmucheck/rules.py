@@ -64,10 +64,7 @@ _LISTED = 20  # further places of one finding, and causes of one rule
 
 
 def grouped(findings: Iterable[Finding]) -> list[Finding]:
-    """Return one finding for each cause, the gravest first.
-
-    Of a rule with many causes the last finding stands for all that are not listed.
-    """
+    """Return one finding per cause, the gravest first; of many causes the last stands for more."""
     causes: dict[tuple[str, str], list[Finding]] = {}
     of_rule: dict[str, int] = {}
     for found in dict.fromkeys(findings):  # both interfaces may say the same

@@ -68,11 +68,7 @@ def _name_fault(name: str) -> str | None:
 
 
 def check_distinct(places: Iterable[tuple[PurePosixPath, bool]]) -> None:
-    """Check that no two members (path, whether it is a folder) need the same place.
-
-    Upper and lower case, and accents written as one letter or two, count as the same on systems
-    where they are.
-    """
+    """Check that no two members (path, is it a folder) have the same place in this file system."""
     files: dict[str, PurePosixPath] = {}
     folders: dict[str, PurePosixPath] = {}
     for path, is_folder in places:
@@ -103,11 +99,7 @@ _POINTER = struct.Struct("<4sLQL")  # to _END64
 
 
 def check_frame(file: IO[bytes]) -> int:
-    """Check that a file is one zip archive from first byte to last; return how many members.
-
-    Anything before or after it would be read by some tools and not by others. ValueError also when
-    the list of members is too long to be read at all.
-    """
+    """Return the number of members of one zip archive from first byte to last, else ValueError."""
     size = file.seek(0, 2)
     if not size:
         raise ValueError("not a zip archive: the file is empty; copy it again")
@@ -170,11 +162,7 @@ _REGULAR = (0, stat.S_IFREG, stat.S_IFDIR)
 def check_members(
     members: Sequence[zipfile.ZipInfo], stated: int
 ) -> list[tuple[PurePosixPath, zipfile.ZipInfo]]:
-    """Check what the archive's directory says; return where each member goes.
-
-    A file that occurs again with the same size and CRC-32 is left out. ``stated``: how many members
-    there are, by the end of the archive.
-    """
+    """Check the directory against the number of members stated; return where each goes, once."""
     if len(members) != stated:
         raise Refused(
             f"damaged zip archive: {len(members)} members listed, {stated} stated at its end; copy"
@@ -190,6 +178,7 @@ def check_members(
         if begin + _LOCAL + len(name) + size > following:
             what = f"members {shown(name)} and {shown(other)} overlap in the archive"
             raise Refused(f"{what}; export it again")
+    # A file that occurs again with the same size and CRC-32 is left out.
     different = {(m.orig_filename, m.file_size, m.CRC): m for m in reversed(members)}
     placed = [(place(m.orig_filename), m) for m in reversed(different.values())]
     check_distinct((path, is_folder(member)) for path, member in placed)

@@ -109,10 +109,7 @@ def unpack(path: Path, room: str, error: type[Fault]) -> Path:
 
 
 def restore(folder: Path, path: Path, error: type[Fault]) -> None:
-    """Unpack an archive again where its folder is not any more as it was unpacked.
-
-    ``error`` when that is not possible, or the archive is another one than was unpacked.
-    """
+    """Unpack an archive again where its folder was changed; ``error`` where that is impossible."""
     if not _is_whole(folder) and unpack(path, folder.parent.name, error) != folder:
         raise error(
             f"{path}: its unpacked files were changed, and so was the archive itself since it was"

@@ -128,10 +128,7 @@ def _elements(name: str, variables: Mapping[str, Variable]) -> list[str]:
 
 @dataclass(frozen=True)
 class DefaultExperiment:
-    """What an FMU or an SSP proposes. All times in s; None where it proposes nothing.
-
-    ``tolerance`` is the relative one of solvers.
-    """
+    """What an FMU or SSP proposes: times in s, tolerance of solvers; None for what it does not."""
 
     start: float | None = None
     stop: float | None = None
@@ -141,10 +138,7 @@ class DefaultExperiment:
 
 @dataclass(frozen=True)
 class Unknown:
-    """An entry of ModelStructure.
-
-    ``dependencies``: names of the variables it depends on; None where the FMU does not say.
-    """
+    """An entry of ModelStructure; its dependencies are None where the FMU does not say."""
 
     name: str
     dependencies: tuple[str, ...] | None
@@ -194,11 +188,7 @@ _KINDS = {
 def read_unknowns(
     root: Any, version: int, places: Places, remarks: Remarks
 ) -> dict[str, list[Unknown]]:
-    """Return the entries of ModelStructure by kind.
-
-    DescriptionFault when a state or an event indicator, which a solver has to count, is no
-    variable.
-    """
+    """Return the entries of ModelStructure by kind; DescriptionFault if a solver lacks one."""
     kinds = _KINDS[version]
     found: dict[str, list[Unknown]] = {kind: [] for kind in kinds.values()}
     solved = {"derivatives", "indicators"} if root.find("ModelExchange") is not None else set()
@@ -227,10 +217,7 @@ def _dependencies(element: Any, places: Places) -> tuple[str, ...] | None:
 def read_derivatives(
     elements: Iterable[tuple[Any, str]], places: Places, remarks: Remarks
 ) -> dict[str, str]:
-    """Return name -> name of what it is the derivative of.
-
-    ``elements``: with the attribute ``derivative`` where they have one, and the variable's name.
-    """
+    """Return name -> name of what it is the derivative of, from elements with their names."""
     states: dict[str, str] = {}
     for element, name in elements:
         if (text := element.get("derivative")) is None:

@@ -39,10 +39,7 @@ from stickslip.fmi.messages import shown
 
 
 def upgrade(root: Any) -> None:
-    """Turn a description of FMI 1.0 into one of FMI 2.0, whose lines stay those of the file.
-
-    DescriptionFault when the FMU is for Model Exchange, or an input or output is a negated alias.
-    """
+    """Turn a description of FMI 1.0 into FMI 2.0; DescriptionFault where it cannot be run."""
     capabilities = root.find("Implementation/*/Capabilities")
     if capabilities is None:
         raise DescriptionFault(

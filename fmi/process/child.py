@@ -19,11 +19,7 @@ if TYPE_CHECKING:  # the table of system calls is for parents only
 
 @contextmanager
 def child_process(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen[bytes]]:
-    """Start a process in a session of its own; at the end of the block it is gone.
-
-    So is all that it has started. Signals of the terminal do not reach it. ``options``: of
-    ``subprocess.Popen``. OSError when it cannot be started.
-    """
+    """Start a process in its own session; at the end of the block all that it started is gone."""
     process = None
     try:
         with held():
@@ -90,10 +86,7 @@ def close_pipes(process: subprocess.Popen[bytes]) -> None:
 
 
 def limit(memory: float) -> None:
-    """Limit what this process takes from now on: memory and each file (MB), its stack, core files.
-
-    On Windows nothing is limited, elsewhere than on Linux core files only.
-    """
+    """Limit memory and files (MB), stack and core files on Linux, core files also on macOS."""
     if sys.platform == "win32":
         return
     import resource

@@ -232,10 +232,7 @@ class Guard:
         return self._refuse(f"start more than {_MOST_AT_ONCE} processes and threads", errno.EAGAIN)
 
     def _look(self) -> None:
-        """End the child when its processes or its files take more than they may.
-
-        The limits of a process count neither those of others nor several files.
-        """
+        """End the child when all its processes or files together take more than they may."""
         if not self._session or time.monotonic() < self._looked + _LOOK:
             return
         began = time.monotonic()

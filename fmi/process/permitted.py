@@ -29,14 +29,11 @@ class Argument(NamedTuple):
 
 
 class Allowed(NamedTuple):
-    """Calls that are allowed, for one reason.
-
-    ``limit`` says in words which of them; those that ``where`` does not let through ask the parent.
-    """
+    """Calls allowed for one reason; those that ``where`` does not let through ask the parent."""
 
     why: str  # the reason
     calls: str  # their names
-    limit: str = ""
+    limit: str = ""  # which of them, in words
     where: tuple[Argument, ...] = ()  # what the arguments must be
     asks: bool = False  # whether the parent decides on each
     word: str = ""  # of ``--allow`` that they need

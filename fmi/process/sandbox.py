@@ -184,11 +184,7 @@ class Permissions(NamedTuple):
 
     @classmethod
     def of(cls, allow: Iterable[str]) -> Self:
-        """Return what the words of ``--allow`` mean.
-
-        ValueError when a word is not ``network``, ``exec``, ``env=NAME`` or ``files=DIR`` with a
-        folder.
-        """
+        """Return what the words of ``--allow`` mean; ValueError when one has no meaning."""
         folders, words, variables = [], set(), set()
         for word in allow:
             kind, _, what = word.partition("=")

@@ -19,10 +19,7 @@ _SHA256 = 2
 
 
 def patched(library: bytes, marker: bytes, content: bytes) -> bytes:
-    """Return a library with other bytes behind a marker, and with the hashes of its signature.
-
-    ToolchainError when it does not contain the marker once.
-    """
+    """Return a library with other bytes behind a marker that it has once, and with new hashes."""
     if library.count(marker) != 1:
         raise ToolchainError(f"the library contains {marker!r} {library.count(marker)} times")
     begin = library.index(marker) + len(marker)
@@ -35,11 +32,7 @@ def patched(library: bytes, marker: bytes, content: bytes) -> bytes:
 
 
 def _sign(library: bytearray, begin: int, end: int) -> None:
-    """Renew the hashes of the pages that have bytes from begin to end, where there are any.
-
-    Source: cs_blobs.h and loader.h of Apple's XNU: a superblob with a code directory, in
-    big-endian.
-    """
+    """Renew the hashes of pages from begin to end. Source: cs_blobs.h, loader.h of Apple's XNU."""
     place = 32
     for _ in range(*struct.unpack_from("<I", library, 16)):
         command, size, offset = struct.unpack_from("<III", library, place)

@@ -152,10 +152,7 @@ def _noted(digest: str) -> Path:
 
 @contextmanager
 def _alone(folder: Path) -> Iterator[None]:
-    """Wait until no other process or thread compiles into a folder.
-
-    Where this fails, the same is compiled twice.
-    """
+    """Wait until no other process or thread compiles into a folder, where locks work."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "lock"
     with path.open("ab") as file:

@@ -48,14 +48,10 @@ def cache_directory() -> Path:
 
 @dataclass(frozen=True)
 class Platform:
-    """One operating system on one processor.
-
-    ``fmi2``: folder under ``binaries/`` in FMI 2.0 (``linux64``); both processors of macOS share
-    one, for a universal library.
-    """
+    """One system on one processor; those of macOS share a universal library in FMI 2.0."""
 
     tuple: str  # platform tuple of FMI 3.0, section 2.5.1.4.1 (``x86_64-linux``)
-    fmi2: str
+    fmi2: str  # folder under ``binaries/`` in FMI 2.0 (``linux64``)
     target: str  # the compiler's target, with the oldest system it must run on
     suffix: str  # ending of a shared library
 
@@ -75,10 +71,7 @@ _PROCESSORS = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm
 
 
 def host_platform() -> Platform:
-    """Return the platform this interpreter runs on.
-
-    ToolchainError when it is none of ``PLATFORMS``.
-    """
+    """Return the platform this interpreter runs on; ToolchainError when it is none of PLATFORMS."""
     system = _SYSTEMS.get(sys.platform, sys.platform)
     processor = _PROCESSORS.get(machine.machine().lower(), machine.machine())
     try:

@@ -79,11 +79,7 @@ def _attributes(element: Element) -> Attributes:
 
 
 class Entry:
-    """An element of the description, of which rules say ``place``.
-
-    ``kind`` and ``given`` are tag and attributes, as they are written, of the element that has what
-    belongs to the type: in FMI 2.0 the one inside.
-    """
+    """An element; in FMI 2.0, kind and attributes of a variable are those of the one inside."""
 
     what = ""
 
@@ -199,10 +195,7 @@ class Variable(Entry):
 
 
 class Unknown(Entry):
-    """An entry of ModelStructure: ``key`` is its index or value reference, as written.
-
-    ``variable`` and ``dependencies`` are resolved; ``None`` where no such variable exists.
-    """
+    """An entry of ModelStructure; variables that do not exist are ``None``."""
 
     def __init__(self, element: Element, group: str, description: "Description") -> None:
         super().__init__(element)
@@ -334,10 +327,7 @@ class Description:
 
 @dataclass(frozen=True)
 class Fmu:
-    """An FMU in a folder of its own.
-
-    ``members`` are the paths of all files in the archive, with forward slashes.
-    """
+    """An FMU in a folder of its own; ``members`` are its files, with forward slashes."""
 
     path: Path
     folder: Path

@@ -72,10 +72,7 @@ class Bench:
     def instantiate(
         self, *, token: str | None = None, logging: bool = True, logger: bool = True
     ) -> Instance | None:
-        """Return a new instance, or ``None`` when the FMU refuses.
-
-        Spent when the FMU allows one instance per process, and this process has had it.
-        """
+        """Return a new instance, None when refused; Spent when a process had its only one."""
         if self.is_spent:
             raise Spent
         self.instantiated = True

@@ -46,10 +46,7 @@ ARGUMENTS: tuple[Any, ...] = _PASSED if KNOWN else ()
 
 
 def formatted(text: bytes, arguments: Sequence[float]) -> bytes:
-    """Return a format with its arguments, which are those of ``ARGUMENTS``.
-
-    What it asks for beyond them stays as it is written.
-    """
+    """Return a format with values of ``ARGUMENTS``; what it asks beyond stays as it is written."""
     words = iter([int(word) for word in arguments[: _N + _ON_STACK]])
     floats = iter(arguments[_N + _ON_STACK :])
 
@@ -104,10 +101,7 @@ def status_name(status: int) -> str:
 
 
 class CallFailed(Exception):
-    """A function did not do what it must be able to do.
-
-    ``status`` is what it returned, -1 when the library does not have it.
-    """
+    """A function failed; the status is -1 when the library does not have it."""
 
     def __init__(self, function: str, status: int, why: str = "") -> None:
         how = "is not exported" if status < 0 else f"returned {status_name(status)}"
@@ -125,10 +119,7 @@ class Binary:
         self._library = CDLL(str(path))
 
     def function(self, name: str, result: Any = c_int) -> Any:
-        """Return a function by its name without prefix, with what it returns.
-
-        CallFailed when the library does not export it.
-        """
+        """Return a function by its name without prefix; CallFailed when it is not there."""
         try:
             found = self._library[self.prefix + name]
         except AttributeError:

@@ -270,10 +270,7 @@ def _stepping(bench: Bench) -> Iterator[Seen]:
 
 
 def _after_steps(bench: Bench) -> Iterator[Seen]:
-    """Yield what is seen after a known was moved, in steps of Co-Simulation or with events alone.
-
-    No dependency in the sense of the standard, but reason enough for one to be declared.
-    """
+    """Yield what is seen in steps or events after a known was moved: reason to declare it."""
     outputs = [u.variable for u in _unknowns(bench, ("Output",)) if u.variable]
     moves_by_itself = bench.is_exchange and bench.description.states
     knowns = bench.inputs[:_MOST] if outputs and not moves_by_itself else []

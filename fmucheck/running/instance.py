@@ -97,10 +97,7 @@ class Instance:
     def enter_initialisation(
         self, start: float, parameters: Sequence[tuple[Variable, Values]] = ()
     ) -> None:
-        """Set parameters and go from instantiated into initialisation mode.
-
-        FMI 2.0 also allows them before SetupExperiment, but tools set them after it.
-        """
+        """Set parameters, after SetupExperiment as tools do, and enter initialisation mode."""
         nothing, no = c_double(0.0), self._flag(False)
         times = (no, nothing, c_double(start), no, nothing)
         if self.two:

@@ -60,11 +60,7 @@ class Limits:
 def findings_of_runs(
     fmu: Fmu, blocked: set[str], broken: Mapping[str, str], limits: Limits
 ) -> Iterator[Finding]:
-    """Yield what is found by running every interface of an FMU.
-
-    Findings of the rules ``blocked`` make it pointless; ``broken`` has binaries that cannot be
-    loaded, with the rule that found so.
-    """
+    """Yield what running interfaces finds, unless ``blocked`` by rules or ``broken`` itself."""
     libraries = {}
     for interface in fmu.description.interfaces:
         name = host_binary(fmu, interface.identifier)
@@ -246,10 +242,7 @@ class _Child:
         return Ending(interface, during, reason, status, text, limits.rule)
 
     def _guarded(self, room: Path, allow: Permissions) -> Guard | None:
-        """Return the guard of the sandbox, None without one.
-
-        The FMU may change its unpacked files, so that a rule finds that it does.
-        """
+        """Return the guard of the sandbox or None; a rule finds when the FMU's files change."""
         if sandbox.unavailable():
             return None
         writable = [str(room), str(self.folder)]

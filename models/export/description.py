@@ -177,10 +177,7 @@ class Model:
 
 
 def read_model(folder: Path, law: Law | None = None) -> Model:
-    """Read ``model.toml`` in a model's folder, with the friction law that it contains.
-
-    DescriptionError when the file is not well formed.
-    """
+    """Read ``model.toml`` with the law that it contains; DescriptionError if not well formed."""
     content = read_toml(folder / "model.toml")
     content.setdefault("parameters", {})
     if law is not None:
@@ -297,11 +294,7 @@ def _indices(size: Sequence[int]) -> list[str]:
 
 
 def _derivatives(state: str, table: dict[str, Any], names: set[str]) -> Iterator[Variable]:
-    """Yield the derivative of a state, or of each element of an array.
-
-    In what an element depends on, ``name[]`` is the element of the same index, where there is one
-    among ``names``.
-    """
+    """Yield derivatives of a state; ``name[]`` is the element of its index among ``names``."""
     for index in _indices(table.get("size", ())):
         uses = {n: n.replace("[]", index) for n in table.get("uses", ())}
         yield Variable(

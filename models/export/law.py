@@ -111,10 +111,7 @@ class Law:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Return the content of a TOML file, with the tables of the one in models/ that it includes.
-
-    DescriptionError when the file is not well formed.
-    """
+    """Return a TOML file with the one that it includes; DescriptionError if not well formed."""
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except tomllib.TOMLDecodeError as error:

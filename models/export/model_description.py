@@ -31,10 +31,7 @@ _STRUCTURED = re.compile(rf"{_PATH}|der\({_PATH}\)", re.ASCII)
 
 
 def model_description(model: Model, token: str, fmi: FmiVersion) -> str:
-    """Return the XML. ``token`` is what the binary checks.
-
-    Source: FMI 2.0.4, section 2.2; FMI 3.0.2, section 2.4.
-    """
+    """Return the XML; the binary checks the token. Source: FMI 2.0.4, 2.2; FMI 3.0.2, 2.4."""
     structured = all(_STRUCTURED.fullmatch(v.name) for v in model.variables)
     root = ET.Element(
         "fmiModelDescription",
@@ -191,10 +188,7 @@ def _add_structure(root: ET.Element, model: Model, place: dict[str, int], fmi: F
 
 
 def _initial_dependencies(v: Variable, model: Model, place: dict[str, int]) -> dict[int, str]:
-    """Return what a value depends on before the first step, where parameters count as well.
-
-    What is sampled answers its inputs from the first sample on, what belongs to a step after it.
-    """
+    """Return what a value depends on before the first step or sample, parameters included."""
     later = v.held and not model.is_continuous
     at_once = () if model.sampled or later else v.depends
     return {place[name]: "dependent" for name in {*at_once, *(() if later else v.uses)}}

@@ -86,10 +86,7 @@ def load_model(name: str, law: str | None = None) -> Model:
 
 
 def checked_name(name: str) -> str:
-    """Return the name of a model.
-
-    ModelError when it is not an identifier, which names of files and of C have to be.
-    """
+    """Return the name of a model; ModelError when files and C cannot have it."""
     if not _IDENTIFIER.fullmatch(name):
         raise ModelError(f"{name!r:.80} cannot name a model: letters, digits and _ only")
     return name

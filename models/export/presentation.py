@@ -98,10 +98,7 @@ def _points(line: Line) -> list[tuple[float, float]]:
 
 
 def terminals_and_icons(model: Model) -> str:
-    """Return the XML; members of the same name fit each other.
-
-    Source: FMI 3.0.2, section 2.6; FMI 2.0.4 takes the same file.
-    """
+    """Return the XML of FMI 3.0.2, 2.6, and FMI 2.0.4; members of the same name fit."""
     root = ET.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     picture = writing.child(root, "GraphicalRepresentation")
     writing.child(picture, "CoordinateSystem", **_SQUARE, suggestedScalingFactorTo_mm=0.1)
@@ -147,10 +144,7 @@ _MANIFEST = "http://fmi-standard.org/fmi-ls-manifest"
 
 
 def reference_file(model: Model) -> Path | None:
-    """Return the table of what a model does in a short run, None where there is none.
-
-    A law's is that of the feedforward compensator; a plant's is for its default law.
-    """
+    """Return the table of a short run, a plant's for its default law; None where there is none."""
     law = model.law
     own = model.folder / "reference.csv"
     if law is None or (own.exists() and law.name == read_toml(model.folder / "model.toml")["law"]):
@@ -161,10 +155,7 @@ def reference_file(model: Model) -> Path | None:
 
 
 def tables(model: Model) -> tuple[str, str]:
-    """Return inputs and expected outputs, each a CSV with the time in its first column [s].
-
-    The inputs are those at the beginning of each step of Co-Simulation.
-    """
+    """Return inputs at the beginning of each step, and outputs, as CSV with time [s] first."""
     path = reference_file(model)
     if path is None:
         raise UnknownLaw(f"no expected results of {model.name} with its friction law are known")
@@ -190,10 +181,7 @@ def span(model: Model) -> tuple[float, float]:
 
 
 def layered_standard(model: Model) -> dict[str, str]:
-    """Return the files of FMI-LS-REF by path in the FMU.
-
-    Source: FMI Layered Standard References 1.0.0-alpha.1 (modelica/fmi-ls-ref).
-    """
+    """Return the files of FMI-LS-REF 1.0.0-alpha.1 (modelica/fmi-ls-ref) by path in the FMU."""
     stimuli, references = f"{model.name}_in.csv", f"{model.name}_out.csv"
     ET.register_namespace("fmi-ls", _MANIFEST)
     manifest = ET.Element(
@@ -228,10 +216,7 @@ def layered_standard(model: Model) -> dict[str, str]:
 
 
 def cross_check(model: Model) -> dict[str, str]:
-    """Return the files that go beside an FMU, by name.
-
-    Source: FMI Cross-Check, rules 4.1 (modelica/fmi-cross-check).
-    """
+    """Return the files beside an FMU, by name. Source: rules 4.1 of modelica/fmi-cross-check."""
     stop, step = span(model)
     stimuli, references = tables(model)
     options = {"StartTime": 0.0, "StopTime": stop, "StepSize": step}

@@ -230,10 +230,7 @@ def fmi_headers(fmi: FmiVersion) -> dict[str, str]:
 
 
 def build_description(model: Model, files: Iterable[str]) -> str:
-    """Return buildDescription.xml.
-
-    Source: FMI 3.0.2, section 2.5.1.2; FMI 2.0.4 takes the same file.
-    """
+    """Return buildDescription.xml of FMI 3.0.2, section 2.5.1.2; FMI 2.0.4 takes the same file."""
     root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = writing.child(root, "BuildConfiguration", modelIdentifier=model.name)
     sources = writing.child(

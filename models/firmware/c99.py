@@ -109,10 +109,7 @@ _WORDS = re.compile(rf"/\*.*?\*/|{_NUMBER}|\bdouble\b", re.DOTALL)
 
 
 def c_files(model: Model) -> dict[str, str]:
-    """Return ``NAME.c`` and ``NAME.h`` of a model, start values included.
-
-    Its equations do not depend on time; one that samples is called once in each sample period.
-    """
+    """Return ``NAME.c`` and ``NAME.h``, with start values; the equations do not depend on time."""
     return {f"{model.name}.h": _header(model), f"{model.name}.c": _source(model)}
 
 

@@ -156,10 +156,7 @@ class Program:
         return f"    {name} : {self.array_name(one.type, one.sizes)};"
 
     def array_name(self, type_: str, sizes: Sequence[int]) -> str:
-        """Return the name of an array's type, or of the type itself where it has no sizes.
-
-        Arrays without a name are of different types, and hold no arrays, in the standard.
-        """
+        """Return the name of an array's type, as the standard needs, or the type without sizes."""
         if not sizes:
             return self.type_name(type_)
         inner = self.array_name(type_, sizes[1:])

@@ -63,10 +63,7 @@ _STRUCTS = {"x": "States", "w": "Memory", "u": "Inputs", "p": "Parameters", "y":
 
 
 def st_file(model: Model) -> dict[str, str]:
-    """Return ``NAME.st`` with the start values of a compensator.
-
-    UnknownModel when its C uses what structured text has not.
-    """
+    """Return ``NAME.st``; UnknownModel when its C uses what structured text has not."""
     step = "sample" if model.sampled else "model_step"
     try:
         program = Program(model, ("model_start", step, "model_outputs"))
