@@ -74,17 +74,14 @@ def shared_library(
 ) -> Path:
     """Compile the ``.c`` files among ``files`` into one shared library and return its path.
 
-    The result lies in the cache under a hash of all that went in, so a second call returns at once.
-    Its own hash lies beside it; a library that has another one was damaged and is built again. What
-    came with the package is not compiled, but taken from its archive. Raises CompilerMissing,
-    CompilationFailed, CacheUnusable, WrongExports.
+    It lies in the cache under a hash of all that went in; its own hash lies beside it, and what is
+    damaged is built again. What came with the package is taken from its archive. Raises
+    CompilerMissing, CompilationFailed, CacheUnusable, WrongExports.
 
     Parameters
     ----------
-    name : file name of the library without ending
     files : relative path -> text of every source and header. Headers in ``system/`` are found
         with ``<...>`` and raise no warnings; the others are found from the root of the tree.
-    platform : what to build for; the machine's own by default
     flags : further compiler flags. Those in ``$STICKSLIP_CFLAGS`` come last, such as a sanitizer's;
         ``$STICKSLIP_CC`` names a system compiler to take for this machine, which may know more of
         them than ziglang does

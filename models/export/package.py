@@ -148,11 +148,7 @@ def pack_fmu(
     reference: bool = False,
     terminals: bool = True,
 ) -> Path:
-    """Write ``folder/NAME.fmu`` of any model and return its path.
-
-    ``model.folder`` has its C and README.md. With ``reference`` its expected results go inside. The
-    rest is as for ``build_fmu``.
-    """
+    """Write an FMU of any model, as ``build_fmu``, with its reference and return its path."""
     token = _token(model, fmi)
     values = [float(variable.start) for variable in model.variables]
     files = sources.c_files(model, fmi) | {sources.START: sources.start_source(token, values)}

@@ -52,13 +52,8 @@ def _struct(program: Program, name: str) -> str:
 
 
 _PARTS = {"x": "states", "w": "memory", "u": "inputs", "p": "parameters", "y": "outputs"}
-_ROLES: dict[str, Role] = {
-    "x": "state",
-    "w": "memory",
-    "u": "input",
-    "p": "parameter",
-    "y": "output",
-}
+_IN_ORDER: tuple[Role, ...] = ("state", "memory", "input", "parameter", "output")
+_ROLES = dict(zip(_PARTS, _IN_ORDER, strict=True))
 _STRUCTS = {"x": "States", "w": "Memory", "u": "Inputs", "p": "Parameters", "y": "Outputs"}
 
 
