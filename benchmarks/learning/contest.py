@@ -102,32 +102,19 @@ def powers(z: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Function:
-    """A function of z (k,) that is 0 at the origin, and where that lies in a box.
-
-    Parameters
-    ----------
-    value : of z
-    lower, upper : the box of x, the same for each gene
-    rotated : z is x less its lowest point, rotated
-    noise : standard deviation of what each evaluation adds
-    decades : x is searched by its logarithm
-    lowest : where each gene is lowest, if that has a place of its own; it is mirrored at random
-    """
+    """A function of z (k,) that is 0 at the origin, and where that lies in a box."""
 
     value: Callable[[np.ndarray], float]
-    lower: float
+    lower: float  # end of the box of x, the same for each gene
     upper: float
-    rotated: bool = False
-    noise: float = 0.0
-    decades: bool = False
-    lowest: float | None = None
+    rotated: bool = False  # z is x less its lowest point, rotated
+    noise: float = 0.0  # standard deviation of what each evaluation adds
+    decades: bool = False  # x is searched by its logarithm
+    lowest: float | None = None  # of each gene, where it has a place of its own, mirrored at random
 
 
 class Instance:
-    """A function in k dimensions whose lowest point, start, rotation and noise follow a seed.
-
-    The start is anywhere in the box, the lowest point anywhere in its middle 60 %.
-    """
+    """A function in k dimensions whose lowest point, start, rotation and noise follow a seed."""
 
     def __init__(self, function: Function, k: int, seed: int) -> None:
         rng = np.random.default_rng([seed, k])
