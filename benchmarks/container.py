@@ -36,16 +36,11 @@ def write(system: cosim.System, path: Path, step: float, output: str) -> Path:
     time = ModelVariable("time", valueReference=0, type="Real", causality="independent")
     mapping, listed = {}, [time]  # which FMPy's binary has under reference 0
     for reference, (name, (causality, initial, start, targets)) in enumerate(shown.items(), 1):
-        is_boolean = isinstance(start, bool)
-        variable = ModelVariable(
-            name=name,
-            valueReference=reference,
-            type="Boolean" if is_boolean else "Real",
-            causality=causality,
-            initial=initial,
-            variability="fixed" if causality == "parameter" else "continuous",
-            start=None if start is None else str(start).lower(),
-        )
+        variability = "fixed" if causality == "parameter" else "continuous"
+        given = {"causality": causality, "initial": initial, "variability": variability}
+        given |= {"type": "Boolean" if isinstance(start, bool) else "Real"}
+        given |= {"start": None if start is None else str(start).lower()}
+        variable = ModelVariable(name=name, valueReference=reference, **given)
         listed.append(variable)
         mapping[variable] = [(parts[component_of(t)], variables[t]) for t in targets]
     description = ModelDescription()

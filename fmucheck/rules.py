@@ -148,14 +148,8 @@ class Rule:
     def finding(self, claim: Claim, version: int | None) -> Finding:
         """Return what was claimed with all that this rule knows."""
         section = self.sections.get(version or 0, "")
-        return Finding(
-            severity=self.severity,
-            rule=self.id,
-            place=claim[0],
-            message=claim[1],
-            section=f"{_STANDARDS[version or 0]}, {section}" if section else "",
-            advice=self.advice,
-        )
+        section = f"{_STANDARDS[version or 0]}, {section}" if section else ""
+        return Finding(self.severity, self.id, *claim, section, self.advice)
 
     def findings(self, subject: object, version: int | None) -> Iterator[Finding]:
         """Yield what this rule finds, if it applies to this version."""

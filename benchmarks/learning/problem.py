@@ -26,12 +26,8 @@ KINDS = {
 def cost(folder: Path, kind: str = "measured", duration: float = 2.5) -> ga.SimulatedCost:
     """Return the cost function of a candidate on the drive, over a sweep of a duration [s]."""
     build_fmus(folder, KINDS[kind])
-    specification = cosim.Specification(
-        paper_loop(folder, design(), {}),
-        step=LOOP.T_s,
-        stop=duration,
-        record=("drive.x_enc", "nominal.v_r"),
-    )
+    system, record = paper_loop(folder, design(), {}), ("drive.x_enc", "nominal.v_r")
+    specification = cosim.Specification(system, LOOP.T_s, duration, record=record)
     sweep = SineSweep(frequency=(0.1, 5.0), amplitude=(0.030, 0.040), duration=duration)
     command = sweep.sample(np.arange(round(duration / LOOP.T_s) + 1) * LOOP.T_s)
     names = [f"compensator.{name}" for name in LUGRE]

@@ -84,16 +84,8 @@ def _strings(evaluate: Cost, given: ga.Problem) -> tuple[Cost, np.ndarray]:
 def scipy_de(popsize: int) -> Racer:
     def race(evaluate: Cost, given: ga.Problem, seed: int, budget: int) -> None:
         cost, start = _strings(evaluate, given)
-        differential_evolution(
-            cost,
-            [(0, 1)] * len(start),
-            x0=start,
-            popsize=popsize,
-            maxiter=budget,
-            tol=0,
-            polish=False,
-            rng=seed,
-        )
+        options = {"popsize": popsize, "maxiter": budget, "tol": 0, "polish": False, "rng": seed}
+        differential_evolution(cost, [(0, 1)] * len(start), x0=start, **options)
 
     return race
 

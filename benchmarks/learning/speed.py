@@ -129,15 +129,9 @@ def _fmpy(path: Path, command: np.ndarray, step: float) -> float:
     table = np.array(list(zip(time_points, command, strict=True)), dtype=kinds)
 
     def simulate() -> object:
-        return fmpy.simulate_fmu(
-            folder,
-            model_description=description,
-            stop_time=time_points[-1],
-            step_size=step,
-            output_interval=step,
-            input=table,
-            output=["drive.x_enc", "nominal.v_r"],
-        )
+        times = {"stop_time": time_points[-1], "step_size": step, "output_interval": step}
+        signals = {"input": table, "output": ["drive.x_enc", "nominal.v_r"]}
+        return fmpy.simulate_fmu(folder, model_description=description, **times, **signals)
 
     simulate()
     return min(_timed(simulate)[0] for _ in range(3))

@@ -16,14 +16,8 @@ from stickslip.fmi.messages import shown
 # Clocks of other kinds are triggered by whoever runs the FMU.
 _TRIGGERED = "triggered"
 _NEVER, _ONCE = 0, 1
-_ASKED = {
-    "constant": _NEVER,
-    "fixed": _NEVER,
-    "tunable": _NEVER,
-    "calculated": _ONCE,
-    "changing": 2,
-    "countdown": 3,
-}
+_ASKED = {**dict.fromkeys(("constant", "fixed", "tunable"), _NEVER), "calculated": _ONCE}
+_ASKED |= {"changing": 2, "countdown": 3}
 
 
 @dataclass(frozen=True)
@@ -57,13 +51,8 @@ def _clock(element: Any) -> Clock:
     interval = _seconds(element, "interval")
     if asked == _NEVER and not interval:
         asked = _ONCE
-    return Clock(
-        element.get("name"),
-        whole(element.get("valueReference"), "valueReference", element),
-        asked,
-        interval,
-        _seconds(element, "shift"),
-    )
+    reference = whole(element.get("valueReference"), "valueReference", element)
+    return Clock(element.get("name"), reference, asked, interval, _seconds(element, "shift"))
 
 
 def _seconds(element: Any, what: str) -> float:
@@ -175,13 +164,12 @@ Places = Mapping[str, str]
 """Index or value reference, in digits -> name of the variable."""
 _KINDS = {
     2: {"Outputs": "outputs", "Derivatives": "derivatives", "InitialUnknowns": "initial"},
-    3: {
-        "Output": "outputs",
-        "ContinuousStateDerivative": "derivatives",
-        "EventIndicator": "indicators",
-        "ClockedState": "clocked",
-        "InitialUnknown": "initial",
-    },
+    3: {"Output": "outputs", "ContinuousStateDerivative": "derivatives"},
+}
+_KINDS[3] |= {
+    "EventIndicator": "indicators",
+    "ClockedState": "clocked",
+    "InitialUnknown": "initial",
 }
 
 

@@ -48,14 +48,9 @@ def upgrade(root: Any) -> None:
             " is run; export the model again for FMI 2.0 or 3.0",
         )
     tool = root.find("Implementation/CoSimulation_Tool") is not None
-    chosen = root.makeelement(
-        "CoSimulation",
-        {
-            **capabilities.attrib,
-            "modelIdentifier": root.get("modelIdentifier", ""),
-            "needsExecutionTool": str(tool).lower(),
-        },
-    )
+    name = root.get("modelIdentifier", "")
+    given = {"modelIdentifier": name, "needsExecutionTool": str(tool).lower()}
+    chosen = root.makeelement("CoSimulation", {**capabilities.attrib, **given})
     root.append(chosen)
     for declared in root.iterfind("TypeDefinitions/Type"):
         declared.tag = "SimpleType"

@@ -200,13 +200,8 @@ class Callbacks:
         self.environment = ctypes.addressof(self._place)
         self.logger2 = LOGGER2(self._log2)
         self.logger3 = LOGGER3(self._log3)
-        self.functions = Callbacks2(
-            self.logger2,
-            _ALLOCATE(self._allocate),
-            _FREE(self._free),
-            _FINISHED(),
-            self.environment,
-        )
+        memory = _ALLOCATE(self._allocate), _FREE(self._free)
+        self.functions = Callbacks2(self.logger2, *memory, _FINISHED(), self.environment)
 
     def _log2(
         self,

@@ -59,14 +59,9 @@ def model_description(model: Model, token: str, fmi: FmiVersion) -> str:
     categories = child(root, "LogCategories")
     for name, description in _LOG_CATEGORIES.items():
         child(categories, "Category", name=name, description=description)
-    child(
-        root,
-        "DefaultExperiment",
-        startTime=0.0,
-        stopTime=float(model.stop),
-        tolerance=1e-6 if model.is_continuous else None,
-        stepSize=model.step,
-    )
+    span = {"startTime": 0.0, "stopTime": float(model.stop)}
+    tolerance = 1e-6 if model.is_continuous else None
+    child(root, "DefaultExperiment", **span, tolerance=tolerance, stepSize=model.step)
     if fmi == 2:
         _add_learned(root, model, "VendorAnnotations", "Tool", name=ANNOTATION)
     # FMI 2.0 does not ask for time, of which importers built on FMILibrary complain that it has no
@@ -175,13 +170,10 @@ def _add_structure(root: ET.Element, model: Model, place: dict[str, int], fmi: F
                 depends = {v.name: "constant"} if v.role == "state" else v.depends
                 listed = {place[name]: kind for name, kind in depends.items() if name in knowns}
             named = {"index" if fmi == 2 else "valueReference": place[v.name]}
-            child(
-                section,
-                "Unknown" if fmi == 2 else tag,
-                **named,
-                dependencies=" ".join(str(k) for k in sorted(listed)),
-                dependenciesKind=" ".join(listed[k] for k in sorted(listed)),
-            )
+            dependencies = " ".join(map(str, sorted(listed)))
+            kinds = " ".join(listed[k] for k in sorted(listed))
+            entry = "Unknown" if fmi == 2 else tag
+            child(section, entry, **named, dependencies=dependencies, dependenciesKind=kinds)
     for v in model.variables if fmi == 3 else ():
         if v.role == "indicator":  # depends on all
             child(structure, "EventIndicator", valueReference=place[v.name])

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from functools import cache
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree as ET
 
 from stickslip.fmi.description import writing
@@ -73,17 +74,10 @@ def png(lines: tuple[Line, ...]) -> bytes:
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0, 100), ylim=(100, 0))
         axes.set_axis_off()
         inside, points = 100 - 2 * _EDGE, 1.28 * 72 / 100  # of a printer, in 1/100 of the tile
-        axes.add_patch(
-            FancyBboxPatch(
-                (_EDGE, _EDGE),
-                inside,
-                inside,
-                boxstyle=f"round,pad=0,rounding_size={_CORNER}",
-                facecolor=_TILE,
-                edgecolor=_INK,
-                linewidth=_STROKE / 2 * points,
-            )
-        )
+        style: dict[str, Any] = {"facecolor": _TILE, "edgecolor": _INK}
+        style |= {"linewidth": _STROKE / 2 * points}
+        box = f"round,pad=0,rounding_size={_CORNER}"
+        axes.add_patch(FancyBboxPatch((_EDGE, _EDGE), inside, inside, boxstyle=box, **style))
         for line in lines:
             (drawn,) = axes.plot(line[::2], line[1::2], color=_INK, linewidth=_STROKE * points)
             drawn.set_solid_capstyle("round")
@@ -106,21 +100,11 @@ def terminals_and_icons(model: Model) -> str:
     if model.terminals:
         section = writing.child(root, "Terminals")
         for name, terminal in model.terminals.items():
-            element = writing.child(
-                section,
-                "Terminal",
-                name=name,
-                matchingRule="plug",
-                description=terminal.description,
-            )
+            named = {"name": name, "matchingRule": "plug", "description": terminal.description}
+            element = writing.child(section, "Terminal", **named)
             for member, variable in terminal.members.items():
-                writing.child(
-                    element,
-                    "TerminalMemberVariable",
-                    variableName=variable,
-                    memberName=member,
-                    variableKind="signal",
-                )
+                given = {"variableName": variable, "memberName": member, "variableKind": "signal"}
+                writing.child(element, "TerminalMemberVariable", **given)
     return writing.document(root)
 
 

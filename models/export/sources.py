@@ -233,13 +233,8 @@ def build_description(model: Model, files: Iterable[str]) -> str:
     """Return buildDescription.xml of FMI 3.0.2, section 2.5.1.2; FMI 2.0.4 takes the same file."""
     root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = writing.child(root, "BuildConfiguration", modelIdentifier=model.name)
-    sources = writing.child(
-        configuration,
-        "SourceFileSet",
-        language="C11",
-        compiler="gcc",
-        compilerOptions=COMPILER_OPTIONS,
-    )
+    options = {"language": "C11", "compiler": "gcc", "compilerOptions": COMPILER_OPTIONS}
+    sources = writing.child(configuration, "SourceFileSet", **options)
     for path in compiled(files):
         writing.child(sources, "SourceFile", name=path)
     writing.child(sources, "IncludeDirectory", name=".")

@@ -82,13 +82,8 @@ def _split(block: str) -> tuple[str, str]:
 
 _SINGLE = Path(__file__).with_name("single.h")
 _NUMERICS = MODELS / "numerics" / "elementary.h"
-_STRUCTS: dict[Role, str] = {
-    "input": "Inputs",
-    "output": "Outputs",
-    "parameter": "Parameters",
-    "state": "States",
-    "memory": "Memory",
-}
+_ROLES: tuple[Role, ...] = ("input", "output", "parameter", "state", "memory")
+_STRUCTS = dict(zip(_ROLES, ("Inputs", "Outputs", "Parameters", "States", "Memory"), strict=True))
 _WHEN = {False: "Go h [s] ahead, h > 0", True: "Take a sample, once in each period T_s"}
 # with another form for 32 bits
 _ELEMENTARY = ("elementary_exp", "elementary_log", "elementary_sin")

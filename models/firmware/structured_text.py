@@ -142,12 +142,8 @@ def _shown(model: Model) -> dict[str, str]:
     """Return the names of inputs, parameters and outputs as variables of the function block."""
     learned = model.ports.learned.values() if model.ports else ()
     roles: tuple[Role, ...] = ("input", "parameter", "output")
-    return distinct(
-        [
-            *(f for role in roles for f, _, _ in _elements(model, role)),
-            *dict.fromkeys(variable.partition("[")[0] for variable in learned),
-        ]
-    )
+    own = [f for role in roles for f, _, _ in _elements(model, role)]
+    return distinct([*own, *dict.fromkeys(v.partition("[")[0] for v in learned)])
 
 
 def _copied(model: Model, program: Program, *parts: str) -> Iterable[str]:

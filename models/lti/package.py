@@ -57,10 +57,8 @@ def model_of(system: LinearSystem, step: float, stop: float, folder: Path) -> Mo
         version="1.0",
         stop=stop,
         step=step,
-        sampled=False,
         variables=tuple(_variables(system)),
         fields=fields,
-        terminals={},
         icon=_ICON,
         folder=folder,
     )
@@ -97,26 +95,15 @@ def _variables(system: LinearSystem) -> Iterator[Variable]:
         yield Variable(name, "state", "State", unit=unit, start=float(start), variability=kind)
     if has_derivatives(system):
         for (name, unit), a, b in zip(system.states.items(), system.A, system.B, strict=True):
-            yield Variable(
-                f"der({name})",
-                "derivative",
-                f"Derivative of {name}",
-                unit=f"{unit}/s" if unit else None,
-                depends={**_gains(system.inputs, b), **_gains(system.states, a)},
-                of=name,
-            )
+            rate, said = f"{unit}/s" if unit else None, f"Derivative of {name}"
+            on = {**_gains(system.inputs, b), **_gains(system.states, a)}
+            yield Variable(f"der({name})", "derivative", said, unit=rate, depends=on, of=name)
     for (name, unit), c, d in zip(system.outputs.items(), system.C, system.D, strict=True):
         by_state = _gains(system.states, c)
         moving = has_derivatives(system)
-        yield Variable(
-            name,
-            "output",
-            "Output",
-            unit=unit,
-            is_output=True,
-            depends={**_gains(system.inputs, d), **(by_state if moving else {})},
-            uses=() if moving else tuple(by_state),
-        )
+        on = {**_gains(system.inputs, d), **(by_state if moving else {})}
+        uses = () if moving else tuple(by_state)
+        yield Variable(name, "output", "Output", unit=unit, is_output=True, depends=on, uses=uses)
     if system.dt:
         memory = {"sample": "1"} | {f"held.{name}": unit for name, unit in system.outputs.items()}
         for name, unit in memory.items():
