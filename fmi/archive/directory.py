@@ -115,10 +115,9 @@ def check_frame(file: IO[bytes]) -> int:
     fields: tuple[int, ...] = _END.unpack_from(tail, found)[4:]
     members, length, offset, comment = fields
     if behind := len(tail) - found - _END.size - comment:
-        raise ValueError(
-            f"{abs(behind)} bytes {'behind' if behind > 0 else 'missing at'} the end of the zip"
-            " archive; copy or export it again"
-        )
+        side = "behind" if behind > 0 else "missing at"
+        what = f"{abs(behind)} bytes {side} the end of the zip archive"
+        raise ValueError(f"{what}; copy or export it again")
     end = begin + found
     if members == 0xFFFF or 0xFFFFFFFF in (length, offset):
         members, length, offset, end = _end64(file, end, (members, length, offset, end))
@@ -126,10 +125,9 @@ def check_frame(file: IO[bytes]) -> int:
         what = f"{members} members, listed in {length} bytes"
         raise ValueError(f"{what}; at most {MAX_MEMBERS} are unpacked")
     if (before := end - length - offset) or (members and head != b"PK\x03\x04"):
-        raise ValueError(
-            f"{abs(before)} bytes {'before' if before >= 0 else 'missing from'} the zip archive:"
-            " it does not begin with its first member; copy or export it again"
-        )
+        what = f"{abs(before)} bytes {'before' if before >= 0 else 'missing from'} the zip archive"
+        why = "it does not begin with its first member; copy or export it again"
+        raise ValueError(f"{what}: {why}")
     return members
 
 
@@ -164,10 +162,8 @@ def check_members(
 ) -> list[tuple[PurePosixPath, zipfile.ZipInfo]]:
     """Check the directory against the number of members stated; return where each goes, once."""
     if len(members) != stated:
-        raise Refused(
-            f"damaged zip archive: {len(members)} members listed, {stated} stated at its end; copy"
-            " or export it again"
-        )
+        what = f"{len(members)} members listed, {stated} stated at its end"
+        raise Refused(f"damaged zip archive: {what}; copy or export it again")
     for member in members:
         place(member.orig_filename)
         if fault := _fault(member):
@@ -238,7 +234,7 @@ def _check_size(what: str, size: int, packed: int) -> None:
     if size > MAX_BYTES:
         raise Refused(f"{what} has {size} bytes when unpacked; at most {MAX_BYTES} are")
     if is_inflated(size, packed):
-        raise Refused(
-            f"{what} grows from {packed} to {size} bytes when unpacked, expected at most"
-            f" {MAX_RATIO} times as much: a zip bomb; ask where it came from"
+        grown = (
+            f"grows from {packed} to {size} bytes when unpacked, expected at most {MAX_RATIO} times"
         )
+        raise Refused(f"{what} {grown} as much: a zip bomb; ask where it came from")

@@ -69,10 +69,8 @@ def extract_file(archive: zipfile.ZipFile, member: zipfile.ZipInfo, target: Path
                 break
             copy.write(chunk)
     if size != member.file_size:
-        raise Refused(
-            f"{what}: {size} bytes, expected {member.file_size} as its header says;"
-            " copy or export the archive again"
-        )
+        fault = f"{size} bytes, expected {member.file_size} as its header says"
+        raise Refused(f"{what}: {fault}; copy or export the archive again")
 
 
 @contextmanager
@@ -111,10 +109,8 @@ def unpack(path: Path, room: str, error: type[Fault]) -> Path:
 def restore(folder: Path, path: Path, error: type[Fault]) -> None:
     """Unpack an archive again where its folder was changed; ``error`` where that is impossible."""
     if not _is_whole(folder) and unpack(path, folder.parent.name, error) != folder:
-        raise error(
-            f"{path}: its unpacked files were changed, and so was the archive itself since it was"
-            " read; read it again"
-        )
+        what = "its unpacked files were changed, and so was the archive itself since it was read"
+        raise error(f"{path}: {what}; read it again")
 
 
 def _unpacked(path: Path, room: str) -> Path:

@@ -184,18 +184,13 @@ def _dimension(element: Any, name: str, lengths: Lengths) -> tuple[int, str | No
         return whole_of(element, "start", 1, MAX_ELEMENTS), None
     reference = whole_of(element, "valueReference", 0, MAX_REFERENCE)
     if reference not in lengths:
-        raise DescriptionFault(
-            element,
-            f"a Dimension of {shown(name)} refers to {reference}, expected the value reference of"
-            " a structural parameter or constant, an integer with a start value",
-        )
+        what = "the value reference of a structural parameter or constant"
+        said = f"a Dimension of {shown(name)} refers to {reference}, expected {what}"
+        raise DescriptionFault(element, f"{said}, an integer with a start value")
     source, length = lengths[reference]
     if not 0 < length <= MAX_ELEMENTS:
-        raise DescriptionFault(
-            element,
-            f"a Dimension of {shown(name)} has the length {shown(source)} = {length}, expected 1"
-            f" to {MAX_ELEMENTS}",
-        )
+        what = f"a Dimension of {shown(name)} has the length {shown(source)} = {length}"
+        raise DescriptionFault(element, f"{what}, expected 1 to {MAX_ELEMENTS}")
     return length, source
 
 

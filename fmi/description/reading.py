@@ -42,11 +42,9 @@ def upgrade(root: Any) -> None:
     """Turn a description of FMI 1.0 into FMI 2.0; DescriptionFault where it cannot be run."""
     capabilities = root.find("Implementation/*/Capabilities")
     if capabilities is None:
-        raise DescriptionFault(
-            root,
-            "fmiVersion is '1.0' and the interface Model Exchange, of FMI 1.0 only Co-Simulation"
-            " is run; export the model again for FMI 2.0 or 3.0",
-        )
+        what = "fmiVersion is '1.0' and the interface Model Exchange"
+        advice = "of FMI 1.0 only Co-Simulation is run; export the model again for FMI 2.0 or 3.0"
+        raise DescriptionFault(root, f"{what}, {advice}")
     tool = root.find("Implementation/CoSimulation_Tool") is not None
     name = root.get("modelIdentifier", "")
     given = {"modelIdentifier": name, "needsExecutionTool": str(tool).lower()}
@@ -70,11 +68,8 @@ def _upgrade_variable(variable: Any) -> None:
     causality = variable.get("causality", "internal")
     variability = variable.get("variability", "continuous")
     if causality in {"input", "output"} and variable.get("alias") == "negatedAlias":
-        raise DescriptionFault(
-            variable,
-            f"{causality} {shown(name_of(variable))} is a negated alias, which is not supported;"
-            " export the model again for FMI 2.0 or 3.0",
-        )
+        what = f"{causality} {shown(name_of(variable))} is a negated alias, which is not supported"
+        raise DescriptionFault(variable, f"{what}; export the model again for FMI 2.0 or 3.0")
     if causality in {"internal", "none"}:
         causality = "parameter" if variability == "parameter" else "local"
     if variability == "parameter":
@@ -168,16 +163,12 @@ def read_description(root: Any) -> Description:
 def _version(root: Any) -> int:
     version = root.get("fmiVersion")
     if root.tag != "fmiModelDescription":
-        raise DescriptionFault(
-            root, f"the root element is {shown(str(root.tag))}, expected fmiModelDescription"
-        )
+        what = f"the root element is {shown(str(root.tag))}, expected fmiModelDescription"
+        raise DescriptionFault(root, what)
     if version is None or not re.fullmatch(r"[12]\.0(\.[0-9]+)?|3\.[0-9]+(\.[0-9]+)?", version):
         stated = "missing" if version is None else shown(version)
-        raise DescriptionFault(
-            root,
-            f"fmiVersion is {stated}, expected '1.0', '2.0' or '3.0'; export the model again for"
-            " one of these",
-        )
+        what = f"fmiVersion is {stated}, expected '1.0', '2.0' or '3.0'"
+        raise DescriptionFault(root, f"{what}; export the model again for one of these")
     return int(version[0])
 
 

@@ -74,10 +74,10 @@ def png(lines: tuple[Line, ...]) -> bytes:
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0, 100), ylim=(100, 0))
         axes.set_axis_off()
         inside, points = 100 - 2 * _EDGE, 1.28 * 72 / 100  # of a printer, in 1/100 of the tile
-        style: dict[str, Any] = {"facecolor": _TILE, "edgecolor": _INK}
-        style |= {"linewidth": _STROKE / 2 * points}
+        drawing: dict[str, Any] = {"facecolor": _TILE, "edgecolor": _INK}
+        drawing |= {"linewidth": _STROKE / 2 * points}
         box = f"round,pad=0,rounding_size={_CORNER}"
-        axes.add_patch(FancyBboxPatch((_EDGE, _EDGE), inside, inside, boxstyle=box, **style))
+        axes.add_patch(FancyBboxPatch((_EDGE, _EDGE), inside, inside, boxstyle=box, **drawing))
         for line in lines:
             (drawn,) = axes.plot(line[::2], line[1::2], color=_INK, linewidth=_STROKE * points)
             drawn.set_solid_capstyle("round")

@@ -160,10 +160,8 @@ def export_lti(
     if not isinstance(system, LinearSystem):
         system = linear_system(system, name=name, units=units, x0=x0)
     if not system.dt and len(system.A) > _LARGEST:
-        raise LtiError(
-            f"{system.name} has {len(system.A)} states, at most {_LARGEST} can be in an FMU in"
-            " continuous time; reduce or discretise it"
-        )
+        what = f"at most {_LARGEST} can be in an FMU in continuous time; reduce or discretise it"
+        raise LtiError(f"{system.name} has {len(system.A)} states, {what}")
     own_step, own_stop = _proposed(system)
     step = (own_step if step is None else step) if not system.dt else system.dt
     stop = own_stop if stop is None else stop

@@ -36,11 +36,9 @@ def realise(
             for row, i in enumerate(rows):
                 polynomial = _trimmed(numerators[i][k])
                 if len(polynomial) > len(denominator):
-                    raise LtiError(
-                        f"the transfer function from input {k + 1} to output {i + 1} is improper:"
-                        f" its numerator has the order {len(polynomial) - 1}, its denominator"
-                        f" {len(denominator) - 1}"
-                    )
+                    orders = f"{len(polynomial) - 1}, its denominator {len(denominator) - 1}"
+                    what = f"the transfer function from input {k + 1} to output {i + 1} is improper"
+                    raise LtiError(f"{what}: its numerator has the order {orders}")
                 numerator[row, len(denominator) - len(polynomial) :] = polynomial
             numerator /= denominator[0]
             D[rows, k] = numerator[:, 0]
@@ -127,10 +125,8 @@ class LinearSystem:
             if not name.strip() or not name.isprintable() or names.count(name) > 1:
                 raise LtiError(f"{self.name}: {name!r} cannot name a variable: empty or taken")
             if len(name) > _LONGEST:
-                raise LtiError(
-                    f"{self.name}: {name[:20]!r}... cannot name a variable: {len(name)} characters,"
-                    f" expected at most {_LONGEST}"
-                )
+                what = f"{len(name)} characters, expected at most {_LONGEST}"
+                raise LtiError(f"{self.name}: {name[:20]!r}... cannot name a variable: {what}")
 
 
 def linear_system(
@@ -160,10 +156,9 @@ def linear_system(
         A, B, C, D = (np.array(m, dtype=float) for m in (system.A, system.B, system.C, system.D))
         states = system.state_labels
     else:
-        raise LtiError(
-            f"{type(system).__name__} is no linear system: expected a StateSpace or"
-            " TransferFunction of python-control; linearise a nonlinear one first"
-        )
+        what = "expected a StateSpace or TransferFunction of python-control"
+        advice = "linearise a nonlinear one first"
+        raise LtiError(f"{type(system).__name__} is no linear system: {what}; {advice}")
     if system.dt is True:
         what = "it is discrete, but its sample period is not given (dt=True)"
         raise LtiError(f"{system.name}: {what}")
