@@ -43,10 +43,8 @@ def violations(document: Document, schema: str) -> list[tuple[str, str]]:
     validator = _schema(schema)
     if document.root is None or validator.validate(document.root):
         return []
-    return [
-        (f"{document.name}, line {entry.line}", " ".join(entry.message.split())[:300])
-        for entry in validator.error_log
-    ]
+    found = [(one.line, " ".join(one.message.split())[:300]) for one in validator.error_log]
+    return [(f"{document.name}, line {line}", message) for line, message in found]
 
 
 SCHEMAS = {2: "fmi2/fmi2ModelDescription.xsd", 3: "fmi3/fmi3ModelDescription.xsd"}

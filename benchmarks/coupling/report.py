@@ -152,10 +152,8 @@ def _ratios(
     """Return rows of times divided by those of the C loops: in the same order, too."""
     rows = [(group, name, time / seconds[loop], "x C loop") for name, time in seconds.items()]
     turns = {name: time for name, time in seconds.items() if "Gauss-Seidel" in name}
-    return rows + [
-        (group, name, time / seconds[in_turn], "x C loop, Gauss-Seidel")
-        for name, time in turns.items()
-    ]
+    unit = "x C loop, Gauss-Seidel"
+    return rows + [(group, name, time / seconds[in_turn], unit) for name, time in turns.items()]
 
 
 def _write(folder: Path, rows: list[tuple[str, str, float, str]]) -> None:

@@ -210,10 +210,8 @@ def run(out: Path, seeds: int, budget: int, genes: Sequence[int], *, further: bo
     """
     functions, first = (FURTHER, seeds) if further else (STANDARD, 0)
     numbers = range(first, first + seeds)
-    costs = pd.concat(
-        [_costs(name, functions[name], k, numbers, budget) for name in functions for k in genes],
-        ignore_index=True,
-    )
+    each = [_costs(name, functions[name], k, numbers, budget) for name in functions for k in genes]
+    costs = pd.concat(each, ignore_index=True)
     costs.to_csv(out / "functions.csv", index=False)
     table = costs.pivot_table(
         "cost", ["function", "genes"], "racer", aggfunc="median", sort=False

@@ -37,10 +37,8 @@ def cost(folder: Path, kind: str = "measured", duration: float = 2.5) -> ga.Simu
 def problem(seed: int) -> ga.Problem:
     """Return genes around a coarse identification that differs from seed to seed."""
     rng = np.random.default_rng(1000 + seed)
-    start = {
-        name: PAPER[name] * float(np.exp(spread * rng.standard_normal()))
-        for name, spread in COARSENESS.items()
-    }
+    errors = {name: spread * rng.standard_normal() for name, spread in COARSENESS.items()}
+    start = {name: PAPER[name] * float(np.exp(error)) for name, error in errors.items()}
     start["F_s"] = max(start["F_s"], start["F_c"])
     genes = [ga.Gene(n, 0.1 * value, 100 * value, value, UNITS[n]) for n, value in start.items()]
     return ga.Problem(genes, ga.AtLeast("F_s", "F_c"))

@@ -86,10 +86,8 @@ def _summary(race: pd.DataFrame, kind: str, budget: int) -> pd.DataFrame:
     for n in AT:
         if n <= budget:
             table[f"after {n}"] = [median[n - 1] * 1e6 for median in medians.values()]
-    goals = {
-        "paper's end": medians[PAPER][-1],
-        "1.5 x best": 1.5 * min(median[-1] for median in medians.values()),
-    }
+    lowest = min(median[-1] for median in medians.values())
+    goals = {"paper's end": medians[PAPER][-1], "1.5 x best": 1.5 * lowest}
     for goal, level in goals.items():
         table[f"evaluations to {goal}"] = [_evaluations(costs, level) for costs in found.values()]
         table[f"s to {goal}"] = [

@@ -220,10 +220,8 @@ def _fault(member: zipfile.ZipInfo) -> str | None:
     if is_encrypted(member):
         return "is encrypted; pack it without a password"
     if member.compress_type not in METHODS:
-        return (
-            f"is compressed by method {member.compress_type}, expected deflate or stored;"
-            " pack the archive again"
-        )
+        method = f"is compressed by method {member.compress_type}, expected deflate or stored"
+        return f"{method}; pack the archive again"
     if is_folder(member) and member.file_size:
         return f"is a folder with {member.file_size} bytes of content; pack the archive again"
     _check_size(f"member {shown(member.orig_filename)}", member.file_size, member.compress_size)

@@ -158,10 +158,8 @@ class Variable(Entry):
         self.previous = whole(given.get("previous"))
         clocks = given.get("clocks")
         self.clocks = None if clocks is None else tuple(whole(c) or 0 for c in clocks.split())
-        self.dimensions = [
-            Dimension(whole(d.get("start")), whole(d.get("valueReference")))
-            for d in element.iterfind("Dimension")
-        ]
+        lengths = [(d.get("start"), d.get("valueReference")) for d in element.iterfind("Dimension")]
+        self.dimensions = [Dimension(whole(start), whole(key)) for start, key in lengths]
         self.aliases = [_attributes(alias) for alias in element.iterfind("Alias")]
         self.type = types.get(given.get("declaredType", ""))
 
@@ -253,10 +251,8 @@ class Description:
         self.categories = [each.get("name", "") for each in _inside(root.find("LogCategories"))]
         self.experiment = None if experiment is None else _attributes(experiment)
         types = {each.name: each for each in self.types}
-        self.variables = [
-            Variable(each, index, version, types)
-            for index, each in enumerate(_inside(root.find("ModelVariables")), 1)
-        ]
+        found = enumerate(_inside(root.find("ModelVariables")), 1)
+        self.variables = [Variable(each, index, version, types) for index, each in found]
         self.unknowns: list[Unknown] = []
         for child in _inside(root.find("ModelStructure")):
             group = _GROUPS.get(child.tag, child.tag) if version == 2 else child.tag

@@ -28,10 +28,8 @@ def wrong_count(bench: Bench) -> Claims:
     """The number of states or event indicators is not that of the description."""
     for run in _begun(bench):
         three = bench.description.version == 3
-        wanted = {
-            "ContinuousStates": bench.description.count(bench.description.states),
-            "EventIndicators": indicator_count(bench.description),
-        }
+        states = bench.description.count(bench.description.states)
+        wanted = {"ContinuousStates": states, "EventIndicators": indicator_count(bench.description)}
         for name, count in wanted.items():
             if three:
                 found = c_size_t()

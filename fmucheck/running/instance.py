@@ -16,10 +16,8 @@ _TERMINATED = 3  # fmi2StatusKind
 
 
 class _EventInfo(Structure):
-    _fields_ = (
-        *((name, c_int) for name in ("more", "end", "nominals", "changed", "has_time")),
-        ("time", c_double),
-    )
+    _flags = ("more", "end", "nominals", "changed", "has_time")
+    _fields_ = (*((name, c_int) for name in _flags), ("time", c_double))
 
 
 @dataclass

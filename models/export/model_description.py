@@ -110,10 +110,8 @@ def _add_interfaces(root: ET.Element, model: Model, fmi: FmiVersion) -> None:
     smooth = model.is_continuous and not model.is_switched
     capabilities: dict[str, object] = {"modelIdentifier": model.name}
     if fmi == 2:
-        capabilities |= dict.fromkeys(
-            ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate"),
-            True,
-        )
+        capabilities["canNotUseMemoryManagementFunctions"] = True
+        capabilities |= {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True}
         capabilities |= {"providesDirectionalDerivative": smooth}
         integrated = {"completedIntegratorStepNotNeeded": True}
     else:

@@ -45,10 +45,8 @@ _TILE, _INK = "#f0f4f8", "#183e60"
 
 def svg(lines: Sequence[Line]) -> str:
     """Return the icon as SVG."""
-    paths = "".join(
-        f'<polyline points="{" ".join(f"{x:g},{y:g}" for x, y in _points(line))}"/>'
-        for line in lines
-    )
+    points = [" ".join(f"{x:g},{y:g}" for x, y in _points(line)) for line in lines]
+    paths = "".join(f'<polyline points="{each}"/>' for each in points)
     inside = 100 - 2 * _EDGE
     return (
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">'

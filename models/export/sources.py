@@ -23,6 +23,7 @@ _STRUCTS: dict[Role, str] = {
     "parameter": "Parameters",
 }
 _LARGEST = "1.7976931348623157e308"
+_HEAD = '/* Generated from model.toml. */\n#include "instance.h"\n\n'
 MARKER = "stickslip start values"
 MARKER_SIZE, TOKEN_SIZE = 24, 40  # bytes, with the 0
 
@@ -125,17 +126,13 @@ enum {{
 def table_source(model: Model) -> str:
     """Return ``table.c``: name, type, phases to set it in, range and nominal of every variable."""
     rows = "".join(f"    {_row(v)}\n" for v in model.variables)
-    head = '/* Generated from model.toml. */\n#include "instance.h"\n\n'
-    return f"{head}const Variable VARIABLES[COUNT] = {{\n{rows}}};\n"
+    return f"{_HEAD}const Variable VARIABLES[COUNT] = {{\n{rows}}};\n"
 
 
 def start_source(token: str, values: Sequence[float]) -> str:
     """Return ``start.c``: the token, and the start value of every variable (COUNT,)."""
     numbers = "".join(f"    {value!r},\n" for value in map(float, values))
-    return (
-        '/* Generated from model.toml. */\n#include "instance.h"\n\n'
-        f'const Start START = {{"{MARKER}", "{token}", {{\n{numbers}}}}};\n'
-    )
+    return f'{_HEAD}const Start START = {{"{MARKER}", "{token}", {{\n{numbers}}}}};\n'
 
 
 def start_bytes(token: str, values: Sequence[float]) -> bytes:

@@ -146,14 +146,12 @@ def _source(model: Model) -> str:
     sources = [*shared_files(model), model.folder / "model.c"]
     found = pieces(path.read_text(encoding="utf-8") for path in sources)
     step = "sample" if model.sampled else "model_step"
-    order = sorted(
-        needed(found, ("model_start", step, "model_outputs")),
-        key=lambda piece: "static " in found[piece],
-    )  # types first
+    wanted = "model_start", step, "model_outputs"
+    order = sorted(needed(found, wanted), key=lambda one: "static " in found[one])  # types first
     # exp and log have another form for 32 bits, which needs less than that for 64 bits
     used = [e for e in _ELEMENTARY if e in order]
     own = pieces([_NUMERICS.read_text(encoding="utf-8")])
-    others = needed(found | dict.fromkeys(used, ""), ("model_start", step, "model_outputs"))
+    others = needed(found | dict.fromkeys(used, ""), wanted)
     elementary = needed(own, used)
     shared = [piece for piece in elementary if piece in others and piece not in used]
     elementary = [piece for piece in elementary if piece not in shared]
@@ -216,10 +214,8 @@ def _fields(model: Model, role: Role) -> list[tuple[str, Variable]]:
     for v in model.variables:
         if v.role == role:
             first.setdefault(v.name.partition("[")[0], v)
-    return [
-        (field + "".join(f"[{n}]" for n in size), first[field])
-        for field, size in model.fields.get(role, ())
-    ]
+    fields = model.fields.get(role, ())
+    return [(name + "".join(f"[{n}]" for n in size), first[name]) for name, size in fields]
 
 
 def _member(v: Variable) -> str:
@@ -286,8 +282,6 @@ def formulas(model: Model) -> list[str]:
     """Return the lines of the equations with which the README of a model, and its law's, begin."""
     folders = [model.folder, *([model.law.folder] if model.law else [])]
     texts = [(folder / "README.md").read_text(encoding="utf-8") for folder in folders]
-    first = [
-        re.search(r"^(?: {4}.*\n|\n)+", text, re.MULTILINE)
-        for text in (text[text.index("\n    ") + 1 :] for text in texts)
-    ]
+    begun = [text[text.index("\n    ") + 1 :] for text in texts]
+    first = [re.search(r"^(?: {4}.*\n|\n)+", text, re.MULTILINE) for text in begun]
     return [line for block in first if block for line in block[0].rstrip().split("\n")]

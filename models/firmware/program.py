@@ -183,10 +183,8 @@ class Program:
     def variant(self, name: str, sizes: Sequence[tuple[int, ...]]) -> Function:
         """Return a function for arguments of these sizes; each other size makes another one."""
         function, known = self.functions[name], self.variants.setdefault(name, {})
-        wanted = tuple(
-            replace(p, sizes=size) if p.sizes or p.is_pointer else p
-            for p, size in zip(function.parameters, sizes, strict=True)
-        )
+        pairs = zip(function.parameters, sizes, strict=True)
+        wanted = tuple(replace(p, sizes=s) if p.sizes or p.is_pointer else p for p, s in pairs)
         own = f"{name}_{len(known)}" if known else name
         return known.setdefault(wanted, replace(function, name=own, parameters=wanted))
 

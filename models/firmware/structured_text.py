@@ -39,9 +39,8 @@ def translated(program: Program) -> str:
     ]
     own = [name for name in program.fields if name not in ROLES]
     types = [_struct(program, name) for name in (*ROLES, *own) if program.fields[name]]
-    return "\n".join(
-        [*program.arrays.values(), *types, _EXP.format(prefix=program.prefix), *reversed(functions)]
-    )
+    exp = _EXP.format(prefix=program.prefix)
+    return "\n".join([*program.arrays.values(), *types, exp, *reversed(functions)])
 
 
 def _struct(program: Program, name: str) -> str:
