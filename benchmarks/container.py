@@ -106,13 +106,8 @@ REPEATS = 21
 def measure(folder: Path) -> dict[str, float]:
     spec = specification(folder)
     system, step, command = spec.system, spec.step, {"v_cmd": 0.005}
-    ours, theirs = (
-        Instance(path)
-        for path in (
-            cosim.write_fmu(system, folder / "ours.fmu", step=step),
-            write(system, folder / "theirs.fmu", step, "drive.v"),
-        )
-    )
+    ours = Instance(cosim.write_fmu(system, folder / "ours.fmu", step=step))
+    theirs = Instance(write(system, folder / "theirs.fmu", step, "drive.v"))
     tables, compiled = (
         system.prepare(step=step, stop=STOP, record=["drive.v"], compiled=compiled)
         for compiled in (False, True)

@@ -164,13 +164,9 @@ Places = Mapping[str, str]
 """Index or value reference, in digits -> name of the variable."""
 _KINDS = {
     2: {"Outputs": "outputs", "Derivatives": "derivatives", "InitialUnknowns": "initial"},
-    3: {"Output": "outputs", "ContinuousStateDerivative": "derivatives"},
+    3: {"Output": "outputs", "ContinuousStateDerivative": "derivatives", "ClockedState": "clocked"},
 }
-_KINDS[3] |= {
-    "EventIndicator": "indicators",
-    "ClockedState": "clocked",
-    "InitialUnknown": "initial",
-}
+_KINDS[3] |= {"EventIndicator": "indicators", "InitialUnknown": "initial"}
 
 
 def read_unknowns(

@@ -31,11 +31,8 @@ _FLOAT = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")  # linear: one w
 _WORDS = {"INF": math.inf, "+INF": math.inf, "-INF": -math.inf, "NaN": math.nan}
 _INTERFACES = ("ModelExchange", "CoSimulation", "ScheduledExecution")
 # The lists of FMI 2.0 under the names that FMI 3.0 gives their members.
-_GROUPS = {
-    "Outputs": "Output",
-    "Derivatives": "ContinuousStateDerivative",
-    "InitialUnknowns": "InitialUnknown",
-}
+_GROUPS = {"Outputs": "Output", "Derivatives": "ContinuousStateDerivative"}
+_GROUPS |= {"InitialUnknowns": "InitialUnknown"}
 
 
 def is_number(kind: str) -> bool:

@@ -166,14 +166,10 @@ def layered_standard(model: Model) -> dict[str, str]:
     """Return the files of FMI-LS-REF 1.0.0-alpha.1 (modelica/fmi-ls-ref) by path in the FMU."""
     stimuli, references = f"{model.name}_in.csv", f"{model.name}_out.csv"
     ET.register_namespace("fmi-ls", _MANIFEST)
-    manifest = ET.Element(
-        "fmiReferences",
-        {
-            f"{{{_MANIFEST}}}fmi-ls-name": "org.fmi-standard.fmi-ls-ref",
-            f"{{{_MANIFEST}}}fmi-ls-version": "1.0.0-alpha.1",
-            f"{{{_MANIFEST}}}fmi-ls-description": _DESCRIPTION,
-        },
-    )
+    named = {"name": "org.fmi-standard.fmi-ls-ref", "version": "1.0.0-alpha.1"}
+    named |= {"description": _DESCRIPTION}
+    written = {f"{{{_MANIFEST}}}fmi-ls-{key}": value for key, value in named.items()}
+    manifest = ET.Element("fmiReferences", written)
     related = (
         ("experiments.xml", "text/xml", "experiment/validation", "Run with known results"),
         (stimuli, "text/csv", "testcase", "Inputs of that run, held over each step"),
