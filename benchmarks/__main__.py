@@ -8,23 +8,19 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from benchmarks import container, description, firmware, isolation, learn, many_runs, workers
+from benchmarks import container, learn, measurements
+from benchmarks.common import table
 from benchmarks.coupling import report
 from benchmarks.learning import speed
-from benchmarks.timing import table
 
+MODULES = {"coupling": report, "container": container, "learn": learn, "speed": speed}
 BENCHMARKS = {
-    "coupling": report,
-    "container": container,
-    "workers": workers,
-    "isolation": isolation,
-    "description": description,
-    "many_runs": many_runs,
-    "firmware": firmware,
-    "learn": learn,
-    "speed": speed,
+    **{name: (module.measure, module.__doc__) for name, module in MODULES.items()},
+    **{
+        name: (getattr(measurements, name), getattr(measurements, name).__doc__)
+        for name in ("workers", "isolation", "description", "many_runs", "firmware")
+    },
 }
-
 KEPT = Path(__file__).parents[1] / "results" / "coupling"
 
 
@@ -38,9 +34,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for chosen in options.names or BENCHMARKS:
-            benchmark = BENCHMARKS[chosen]
-            print(f"\n{benchmark.__doc__.strip()}\n{table(benchmark.measure(folder))}")
-            if benchmark is report and options.write:
+            measure, about = BENCHMARKS[chosen]
+            print(f"\n{about.strip()}\n{table(measure(folder))}")
+            if chosen == "coupling" and options.write:
                 for file in report.NAMES:
                     shutil.copy(folder / file, KEPT)
 

@@ -1,13 +1,104 @@
 """The paper's loop (10 s at 2 kHz) as one FMU, stepped by one call, relative to our kernel."""
 
+import tempfile
 from pathlib import Path
 
 import numpy as np
+from fmpy import extract, read_model_description
+from fmpy.container_fmu import config
+from fmpy.container_fmu.cli import create_container_fmu
+from fmpy.fmi2 import FMU2Slave
+from fmpy.model_description import CoSimulation, ModelDescription, ModelVariable
 
-from benchmarks import fmpy_container
-from benchmarks.loop import STOP, specification
-from benchmarks.timing import interleaved
+from benchmarks.common import STOP, interleaved, specification
 from stickslip import cosim
+from stickslip.cosim.fmu.names import component_of
+
+
+def write(system: cosim.System, path: Path, step: float, output: str) -> Path:
+    """Show the exposed inputs and one output; start values of the system are its parameters."""
+    parts = {
+        name: config.Component(name, fmu.path, read_model_description(fmu.path))
+        for name, fmu in system.components.items()
+    }
+    variables = {
+        f"{name}.{variable.name}": variable
+        for name, part in parts.items()
+        for variable in part.modelDescription.modelVariables
+    }
+    for variable in variables.values():  # FMPy would write Real, which its binary does not know
+        variable.type = {"Real": "Float64", "Integer": "Int32"}.get(variable.type, variable.type)
+    shown = {
+        output: ("output", "calculated", None, [output]),
+        **{name: ("input", None, 0.0, targets) for name, targets in system.inputs.items()},
+        **{n: ("parameter", "exact", v, [n]) for n, v in system.parameters.items()},
+    }
+    time = ModelVariable("time", valueReference=0, type="Real", causality="independent")
+    mapping, listed = {}, [time]  # which FMPy's binary has under reference 0
+    for reference, (name, (causality, initial, start, targets)) in enumerate(shown.items(), 1):
+        variability = "fixed" if causality == "parameter" else "continuous"
+        given = {"causality": causality, "initial": initial, "variability": variability}
+        given |= {"type": "Boolean" if isinstance(start, bool) else "Real"}
+        given |= {"start": None if start is None else str(start).lower()}
+        variable = ModelVariable(name=name, valueReference=reference, **given)
+        listed.append(variable)
+        mapping[variable] = [(parts[component_of(t)], variables[t]) for t in targets]
+    description = ModelDescription()
+    description.fmiVersion = "2.0"
+    description.modelName = description.guid = description.instantiationToken = "container"
+    description.coSimulation = CoSimulation(fixedInternalStepSize=step)
+    description.modelVariables = listed
+    connections = [
+        config.Connection(
+            parts[component_of(s)], [variables[s]], parts[component_of(t)], [variables[t]]
+        )
+        for t, s in system.connections.items()
+    ]
+    configuration = config.Configuration(
+        False, description, [*parts.values()], connections, mapping
+    )
+    with tempfile.TemporaryDirectory() as unpacked:
+        create_container_fmu(configuration, Path(unpacked), path)
+    return path
+
+
+def slave(path: Path, name: str) -> FMU2Slave:
+    """Load and instantiate an FMU 2.0."""
+    description = read_model_description(path)
+    found = FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=extract(path),
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName=name,
+    )
+    found.instantiate()
+    return found
+
+
+def start(slave: FMU2Slave) -> FMU2Slave:
+    """Initialise an instance at time 0."""
+    slave.setupExperiment(startTime=0.0)
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+    return slave
+
+
+class Instance:
+    """An FMU 2.0 that is run over and over by calls from outside."""
+
+    def __init__(self, path: Path) -> None:
+        variables = read_model_description(path).modelVariables
+        self.references = {v.name: v.valueReference for v in variables}
+        self._slave = slave(path, path.stem)
+
+    def run(self, stop: float, output: str, **inputs: float) -> float:
+        """Start again, hold the inputs, go to ``stop`` in one call; return the output's end."""
+        self._slave.reset()
+        for name, value in inputs.items():
+            self._slave.setReal([self.references[name]], [value])
+        start(self._slave).doStep(0.0, stop)
+        return self._slave.getReal([self.references[output]])[0]
+
 
 REPEATS = 21
 
@@ -15,13 +106,8 @@ REPEATS = 21
 def measure(folder: Path) -> dict[str, float]:
     spec = specification(folder)
     system, step, command = spec.system, spec.step, {"v_cmd": 0.005}
-    ours, theirs = (
-        fmpy_container.Instance(path)
-        for path in (
-            cosim.write_fmu(system, folder / "ours.fmu", step=step),
-            fmpy_container.write(system, folder / "theirs.fmu", step, "drive.v"),
-        )
-    )
+    ours = Instance(cosim.write_fmu(system, folder / "ours.fmu", step=step))
+    theirs = Instance(write(system, folder / "theirs.fmu", step, "drive.v"))
     tables, compiled = (
         system.prepare(step=step, stop=STOP, record=["drive.v"], compiled=compiled)
         for compiled in (False, True)

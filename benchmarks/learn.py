@@ -58,12 +58,8 @@ def measure(folder: Path) -> dict[str, float]:
     figures: dict[str, float] = {}
     for workers in (1, 2):
         stages = Stages()
-        ss.learn(
-            folder / "log.csv",
-            description,
-            search=Search(execution=Execution(workers=workers)),
-            progress=stages,
-        )
+        search = Search(execution=Execution(workers=workers))
+        ss.learn(folder / "log.csv", description, search=search, progress=stages)
         stages.stage("")
         for (name, begin), (_, end) in pairwise(stages.begun):
             figures[f"{name}, workers = {workers}"] = (end - begin) / one

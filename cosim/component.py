@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from stickslip.cosim.fmu.values import resized
-from stickslip.fmi.description.learned import LearnedVariables
-from stickslip.fmi.description.model import DefaultExperiment
+from stickslip.fmi.description.model import DefaultExperiment, LearnedVariables
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable, parse_element
 

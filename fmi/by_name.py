@@ -1,7 +1,5 @@
 """Values that a caller gives by name, in whatever form his tools have them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 
@@ -12,17 +10,9 @@ from stickslip.fmi.messages import printable
 def by_name(what: str, given: Any, error: type[Fault], also: str = "") -> dict[str, Any]:
     """Return what is given by name as a dictionary, an empty one for None.
 
-    Parameters
-    ----------
-    what : it is, for messages
-    given : a mapping, a series or one-row data frame of pandas, or a named tuple, as ``itertuples``
-        returns of a data frame
-    also : what else is expected, for messages
-
-    Raises
-    ------
-    error
-        When it is something else, or a name is not a text or occurs twice.
+    It is a mapping, a series or one-row data frame of pandas, or a named tuple, as ``itertuples``
+    returns of a data frame. ``what`` it is, and what is expected ``also``, are for messages.
+    ``error`` when it is something else, or a name is not a text or occurs twice.
     """
     if given is None:
         return {}
@@ -30,16 +20,13 @@ def by_name(what: str, given: Any, error: type[Fault], also: str = "") -> dict[s
         rows = type(given).__name__ == "Pandas"
         pairs = [one for one in given._asdict().items() if not (rows and one[0] == "Index")]
         if renamed := [name for name, _ in pairs if name.startswith("_")]:
-            raise error(
-                f"{what}: itertuples called a column {renamed[0]}, because its name is none of"
-                " Python; give the row as table.iloc[0]"
-            )
+            why = f"itertuples called a column {renamed[0]}, because its name is none of Python"
+            raise error(f"{what}: {why}; give the row as table.iloc[0]")
     elif hasattr(given, "columns") and hasattr(given, "iloc"):
         if len(given) != 1:
-            raise error(
-                f"{what}: expected a dictionary, or a data frame of one row, got one of"
-                f" {len(given)}; see table.iloc[0], or table.to_dict('list') for lists of values"
-            )
+            why = f"expected a dictionary, or a data frame of one row, got one of {len(given)}"
+            advice = "see table.iloc[0], or table.to_dict('list') for lists of values"
+            raise error(f"{what}: {why}; {advice}")
         pairs = [(name, column.iloc[0]) for name, column in given.items()]
     elif isinstance(given, Mapping) or hasattr(given, "iloc"):
         pairs = [*given.items()]

@@ -1,7 +1,5 @@
 """Texts in messages: names that are not trusted, what they may mean, and quantities."""
 
-from __future__ import annotations
-
 import difflib
 import math
 import re
@@ -29,10 +27,7 @@ def printable(text: str, most: int = 200) -> str:
 
 
 def harmless(text: str) -> str:
-    """Return untrusted text for a terminal, in which characters that are not seen are escaped.
-
-    They could move the cursor, or turn the direction of what follows; ends of lines stay.
-    """
+    """Return untrusted text, in which what could move the cursor or turn the text is escaped."""
     if text.isprintable():
         return text
     return "".join(
@@ -46,14 +41,7 @@ def escaped(text: str) -> str:
 
 
 def named(text: str, variables: Iterable[tuple[str, int | None, str]]) -> str:
-    """Return a message of FMI 2.0 with names in the place of references such as ``#r12#``.
-
-    Parameters
-    ----------
-    variables : type, value reference and name of each
-
-    Source: FMI 2.0.5, section 2.1.5; ``##`` is one ``#``.
-    """
+    """Return a message with names for references such as ``#r12#``. Source: FMI 2.0.5, 2.1.5."""
     if "#" not in text:
         return text
     names = {(_LETTERS.get(kind, "i"), number): name for kind, number, name in variables}

@@ -5,18 +5,9 @@ from pathlib import Path
 
 
 def standard_files(folder: str) -> Path:
-    """Return a folder of FMPy's wheel: ``c-code`` or ``schema``.
-
-    FMPy itself is not imported, which takes longer than many a run.
-
-    Raises
-    ------
-    ModuleNotFoundError
-        When FMPy is not installed.
-    """
+    """Return a folder of FMPy's wheel, ``c-code`` or ``schema``; importing FMPy would take long."""
     found = find_spec("fmpy")
     if found is None or not found.origin:
-        raise ModuleNotFoundError(
-            "the headers and schemas of FMI are missing; run 'pip install fmpy'"
-        )
+        what = "the headers and schemas of FMI are missing"
+        raise ModuleNotFoundError(f"{what}; run 'pip install fmpy'")
     return Path(found.origin).parent / folder

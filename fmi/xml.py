@@ -1,7 +1,5 @@
 """Untrusted XML: no DTD and so no entities, nothing fetched, bounded in size and depth."""
 
-from __future__ import annotations
-
 import codecs
 import re
 from typing import Any
@@ -15,7 +13,6 @@ MAX_BYTES = 2**27
 MAX_ELEMENTS = 500_000
 """Of a document, which are 0.5 GB and 10 s when it is read; the largest of 300 public FMUs, with
 100,000 variables, has 400,150."""
-
 _WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _DECLARED = re.compile(rb"""\s*<\?xml[^>]*?\sencoding\s*=\s*["']([^"'>]*)["']""")
 # What may stand before the first element; possessive, so that no text takes more than one pass.
@@ -33,15 +30,9 @@ def parse_xml(
 ) -> Any:
     """Return the root element. No entity is resolved and nothing is fetched.
 
-    Parameters
-    ----------
-    name : of the file, to be found in ``docinfo.URL``
-    remarks : whether comments and processing instructions stay in
-    lenient : whether a DOCTYPE and all encodings are accepted, for a checker that reports them
-
-    Raises
-    ------
-    Malformed
+    The file's ``name`` is found in ``docinfo.URL``. With ``remarks``, comments and processing
+    instructions stay in. A DOCTYPE and all encodings are accepted for a ``lenient`` checker, which
+    reports them. Raises Malformed.
     """
     if len(data) > MAX_BYTES:
         raise Malformed(f"{len(data)} bytes, expected at most {MAX_BYTES}")

@@ -10,13 +10,11 @@ from stickslip.fmucheck.checker import check
 from stickslip.fmucheck.rules import RULES, Finding, Report, Rule, Severity
 
 __all__ = ["RULES", "Finding", "Report", "Rule", "Severity", "check"]
-
 _THEMES = (
     *("archive", "document"),
     *(f"description.{name}" for name in ("identity", "variables", "structure", "capabilities")),
     *("files", "binaries"),
-    *(f"running.{name}" for name in ("loading", "values", "repeating", "sensitivity")),
-    *(f"running.{name}" for name in ("dependencies", "refusals", "logging", "process")),
+    *(f"running.{name}" for name in ("plain_run", "repeating", "dependencies", "calling")),
     *("running.continuous", "ending"),
 )
 for _theme in _THEMES:  # importing a theme registers its rules

@@ -1,7 +1,5 @@
 """Rules about the zip archive and the names in it; reading and unpacking without trusting it."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 import zipfile
@@ -11,17 +9,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from stickslip.fmi.archive.directory import (
-    MAX_BYTES,
-    METHODS,
-    is_encrypted,
-    is_inflated,
-    is_link,
-    is_special,
-)
-from stickslip.fmi.archive.frame import MAX_MEMBERS, check_frame
-from stickslip.fmi.archive.members import FAULTS, extract_file
-from stickslip.fmi.archive.names import Refused, is_device
+from stickslip.fmi.archive import directory
+from stickslip.fmi.archive.unpacked import FAULTS, extract_file
 from stickslip.fmi.files import open_regular_file
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
@@ -31,20 +20,13 @@ _UNSAFE = re.compile(r"^$|^/|\\|^[A-Za-z]:|(^|/)\.\.(/|$)|[\x00-\x1f]")
 
 @dataclass
 class Archive:
-    """What the directory of a zip archive lists.
-
-    Attributes
-    ----------
-    fault : why it cannot be read at all
-    is_zip : it begins as one
-    damaged : member name -> why its content cannot be read; filled by ``unpack``
-    """
+    """What the directory of a zip archive lists."""
 
     path: Path
-    fault: str | None = None
-    is_zip: bool = False
+    fault: str | None = None  # why it cannot be read at all
+    is_zip: bool = False  # it begins as one
     members: list[zipfile.ZipInfo] = field(default_factory=list)
-    damaged: dict[str, str] = field(default_factory=dict)
+    damaged: dict[str, str] = field(default_factory=dict)  # member -> why, filled by ``unpack``
 
     @property
     def files(self) -> list[zipfile.ZipInfo]:
@@ -65,10 +47,10 @@ class Archive:
     def is_bomb(self) -> bool:
         """Whether unpacking would take more than a real FMU ever does."""
         return (
-            len(self.members) > MAX_MEMBERS
-            or self.bytes > MAX_BYTES
-            or is_inflated(self.bytes, self.packed)
-            or any(is_inflated(m.file_size, m.compress_size) for m in self.members)
+            len(self.members) > directory.MAX_MEMBERS
+            or self.bytes > directory.MAX_BYTES
+            or directory.is_inflated(self.bytes, self.packed)
+            or any(directory.is_inflated(m.file_size, m.compress_size) for m in self.members)
         )
 
 
@@ -77,18 +59,13 @@ def is_unsafe(name: str) -> bool:
     return bool(_UNSAFE.search(name))
 
 
-def is_readable(member: zipfile.ZipInfo) -> bool:
-    """Tell whether a member's content can be read without a password or other methods."""
-    return member.compress_type in METHODS and not is_encrypted(member)
-
-
 def read_archive(path: Path) -> Archive:
     """Read the directory of an archive."""
     archive = Archive(path)
     try:
         with open_regular_file(path) as file:
             archive.is_zip = file.read(2) == _MAGIC
-            stated = check_frame(file)
+            stated = directory.check_frame(file)
             with zipfile.ZipFile(file) as content:
                 archive.members = content.infolist()
             if len(archive.members) != stated:
@@ -100,11 +77,7 @@ def read_archive(path: Path) -> Archive:
 
 
 def unpack(archive: Archive, folder: Path) -> frozenset[str]:
-    """Write every safe, readable member below ``folder`` and return their names.
-
-    Links, members with unsafe names and further members of the same name are left out; damaged
-    ones are noted.
-    """
+    """Write the safe, readable members below ``folder``; note damaged ones, return the others."""
     seen: set[str] = set()
     for member in archive.members:
         if member.orig_filename.endswith("/") and member.file_size:
@@ -112,14 +85,15 @@ def unpack(archive: Archive, folder: Path) -> frozenset[str]:
     with zipfile.ZipFile(archive.path) as file:
         for member in archive.files:
             name = member.orig_filename
-            odd = is_unsafe(name) or is_link(member) or is_special(member)
-            if odd or not is_readable(member) or name in seen:
+            odd = is_unsafe(name) or directory.is_link(member) or directory.is_special(member)
+            odd = odd or member.compress_type not in directory.METHODS
+            if odd or directory.is_encrypted(member) or name in seen:
                 continue
             seen.add(name)
             try:
                 (folder / name).parent.mkdir(parents=True, exist_ok=True)
                 extract_file(file, member, folder / name)
-            except (Refused, OSError, ValueError) as fault:
+            except (directory.Refused, OSError, ValueError) as fault:
                 archive.damaged[name] = str(fault)
                 with suppress(OSError):  # its name may be too long to be asked for
                     (folder / name).unlink()
@@ -148,15 +122,16 @@ def damaged_archive(archive: Archive) -> Claims:
 @error("2.3", "2.5", "do not unpack it; ask where it came from")
 def zip_bomb(archive: Archive) -> Claims:
     """Unpacking would fill the disk: too many members, too many bytes, or packed too tightly."""
-    if len(archive.members) > MAX_MEMBERS:
+    if len(archive.members) > directory.MAX_MEMBERS:
         count = len(archive.members)
-        yield str(archive.path), f"{count} members; at most {MAX_MEMBERS} are unpacked"
-    if archive.bytes > MAX_BYTES:
-        yield str(archive.path), f"{archive.bytes} bytes when unpacked; at most {MAX_BYTES} are"
+        yield str(archive.path), f"{count} members; at most {directory.MAX_MEMBERS} are unpacked"
+    if archive.bytes > directory.MAX_BYTES:
+        what = f"{archive.bytes} bytes when unpacked; at most {directory.MAX_BYTES} are"
+        yield str(archive.path), what
     everything = (str(archive.path), archive.packed, archive.bytes)
     each = [(m.orig_filename, m.compress_size, m.file_size) for m in archive.members]
     for name, packed, size in [everything, *each]:
-        if is_inflated(size, packed):
+        if directory.is_inflated(size, packed):
             yield name, f"{packed} bytes become {size}; it is not unpacked"
 
 
@@ -202,7 +177,7 @@ def unportable_path(archive: Archive) -> Claims:
             yield name, "has an empty part"
         if any(part.endswith((".", " ")) and part != "." for part in parts):
             yield name, "has a dot or blank at the end of a part, which Windows drops"
-        if any(map(is_device, parts)):
+        if any(map(directory.is_device, parts)):
             yield name, "has the name of a device of Windows"
         if len(name) > _LONGEST:
             yield name, f"has {len(name)} characters; with its folder, Windows takes 260"
@@ -211,23 +186,23 @@ def unportable_path(archive: Archive) -> Claims:
 @error("2.3", "2.5", "pack the file itself", "members")
 def link_in_archive(member: zipfile.ZipInfo) -> Iterator[str]:
     """A member is a symbolic link, a pipe or a device."""
-    if is_link(member):
+    if directory.is_link(member):
         yield "is a symbolic link; it is not unpacked"
-    elif is_special(member):
+    elif directory.is_special(member):
         yield "is a pipe or a device; it is not unpacked"
 
 
 @error("2.3", "2.5", "pack without a password", "members")
 def encrypted_member(member: zipfile.ZipInfo) -> Iterator[str]:
     """A member is encrypted."""
-    if is_encrypted(member):
+    if directory.is_encrypted(member):
         yield "is encrypted"
 
 
 @error("2.3", "2.5", "pack with deflate, or without compression", "members")
 def compression_method(member: zipfile.ZipInfo) -> Iterator[str]:
     """A member is packed with something other than deflate."""
-    if member.compress_type not in METHODS:
+    if member.compress_type not in directory.METHODS:
         method = _METHODS.get(member.compress_type, f"method {member.compress_type}")
         yield f"is packed with {method}; expected deflate or stored"
 
@@ -235,7 +210,7 @@ def compression_method(member: zipfile.ZipInfo) -> Iterator[str]:
 @error(None, "2.5", "pack without zip64 and other new features", "members")
 def zip_version(member: zipfile.ZipInfo) -> Iterator[str]:
     """A member needs a newer zip than version 2.0 to unpack."""
-    if member.extract_version > 20 and member.compress_type in METHODS:
+    if member.extract_version > 20 and member.compress_type in directory.METHODS:
         version = f"{member.extract_version / 10:.1f}"
         yield f"needs version {version} to extract; at most 2.0 is allowed"
 

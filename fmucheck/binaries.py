@@ -1,7 +1,5 @@
 """Rules about binaries/: a library for each platform, with what it must export; none is loaded."""
 
-from __future__ import annotations
-
 import posixpath
 import re
 from collections.abc import Iterator
@@ -49,12 +47,9 @@ def required(version: int, interface: str) -> list[str]:
 
 
 _FMI2 = {
-    "win32": "x86-windows",
-    "win64": "x86_64-windows",
-    "linux32": "x86-linux",
-    "linux64": "x86_64-linux",
-    "darwin32": "x86-darwin",
-    "darwin64": "x86_64-darwin",
+    f"{short}{bits}": f"{processor}-{system}"
+    for short, system in (("win", "windows"), ("linux", "linux"), ("darwin", "darwin"))
+    for bits, processor in ((32, "x86"), (64, "x86_64"))
 }
 _TUPLE = re.compile(r"(aarch32|aarch64|riscv32|riscv64|x86|x86_64|ppc32|ppc64)-(\w+)(-\w+)?")
 _SUFFIXES = {"windows": ".dll", "linux": ".so", "darwin": ".dylib"}
@@ -162,9 +157,8 @@ def missing_function(fmu: Fmu) -> Claims:
 def foreign_dependency(fmu: Fmu) -> Claims:
     """A binary needs a library that is neither part of the system nor packed beside it."""
     for _, _, name, library in _libraries(fmu):
-        beside = {
-            posixpath.basename(n).casefold() for n in fmu.below(posixpath.dirname(name) + "/")
-        }
+        there = fmu.below(posixpath.dirname(name) + "/")
+        beside = {posixpath.basename(n).casefold() for n in there}
         for needed in library.needs:
             if (
                 not _AT_HOME.fullmatch(needed)

@@ -1,7 +1,5 @@
 """From a file to its report: stage after stage, as far as each allows."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """Rules about modelDescription.xml as an XML file; how the XML files of an FMU are read."""
 
-from __future__ import annotations
-
 import codecs
 from dataclasses import dataclass
 from functools import cache
@@ -18,10 +16,7 @@ Element = Any  # lxml ships no types
 
 @dataclass(frozen=True)
 class Document:
-    """A parsed XML file, or why it could not be parsed.
-
-    ``name`` is its path inside the FMU; ``root`` is ``None`` when there is a ``fault``.
-    """
+    """A parsed XML file and its path in the FMU; without a root, why it could not be parsed."""
 
     name: str
     text: bytes
@@ -44,19 +39,12 @@ def _schema(name: str) -> Any:
 
 
 def violations(document: Document, schema: str) -> list[tuple[str, str]]:
-    """Return place and message of each violation of an XML schema of the FMI project.
-
-    Parameters
-    ----------
-    schema : file of the FMI project, such as ``fmi3/fmi3ModelDescription.xsd``
-    """
+    """Return place and message of each violation of a schema, by its file in the FMI project."""
     validator = _schema(schema)
     if document.root is None or validator.validate(document.root):
         return []
-    return [
-        (f"{document.name}, line {entry.line}", " ".join(entry.message.split())[:300])
-        for entry in validator.error_log
-    ]
+    found = [(one.line, " ".join(one.message.split())[:300]) for one in validator.error_log]
+    return [(f"{document.name}, line {line}", message) for line, message in found]
 
 
 SCHEMAS = {2: "fmi2/fmi2ModelDescription.xsd", 3: "fmi3/fmi3ModelDescription.xsd"}
@@ -101,10 +89,8 @@ def wrong_encoding(document: Document) -> Claims:
 def fmi1_is_not_judged(document: Document) -> Claims:
     """An FMU of FMI 1.0, which is not supported."""
     if (claimed_version(document) or "").startswith("1."):
-        what = (
-            "FMI 1.0 is not checked, though its Co-Simulation can be run; nothing else was checked"
-        )
-        yield document.name, what
+        what = "FMI 1.0 is not checked, though its Co-Simulation can be run"
+        yield document.name, f"{what}; nothing else was checked"
 
 
 @error("2.2.1", "2.4.1", "write 2.0 or 3.0")

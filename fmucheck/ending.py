@@ -1,42 +1,25 @@
 """Rules about how the child process ended in which a binary was tried."""
 
-from __future__ import annotations
-
 import signal
 from dataclasses import dataclass
 
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
-TELLING = {
-    "unknown-reference",
-    "bad-step",
-    "step-before-initialisation",
-    "freeing-nothing",
-    "needs-a-logger",
-}
+TELLING = {"unknown-reference", "bad-step", "step-before-initialisation", "freeing-nothing"}
+TELLING |= {"needs-a-logger"}
 """Rules that try what an FMU must withstand: when it does not, that is their finding."""
-
 MOST_TEXT = 1_000_000  # bytes on standard output and error
 
 
 @dataclass(frozen=True)
 class Ending:
-    """How a child ended.
-
-    Attributes
-    ----------
-    during : interface and rule that was being tried
-    rule : the one of this module that tells it
-    status : exit status, or minus the number of the signal that ended it; ``None`` when the checker
-        ended it
-    text : what was printed, the beginning of it; or what failed, or why it was not run
-    """
+    """How a child ended."""
 
     interface: str
-    during: str
-    rule: str
-    status: int | None = None
-    text: str = ""
+    during: str  # interface and rule that was being tried
+    rule: str  # the one of this module that tells it
+    status: int | None = None  # of exit, or minus the signal; None when the checker ended it
+    text: str = ""  # what was printed, the beginning of it; or what failed, or why it was not run
     seconds: float = 0.0
 
     @property

@@ -1,7 +1,5 @@
 """Rules about sources, terminals and icons, documentation and licences."""
 
-from __future__ import annotations
-
 import posixpath
 import re
 from collections.abc import Iterator
@@ -32,19 +30,13 @@ def _faults(fmu: Fmu, name: str, schema: str) -> Claims:
         yield from fault or violations(document, f"fmi3/{schema}.xsd")
 
 
-def _listed(fmu: Fmu) -> Iterator[tuple[str, str]]:
-    """Yield where a source file is listed, and its name below sources/."""
-    for interface in fmu.description.interfaces:
-        for name in interface.sources:
-            yield interface.place, name
-    for file in _all(fmu, BUILD, "SourceFile"):
-        yield f"{BUILD} (line {file.sourceline})", file.get("name", "")
-
-
 @error("2.3", "2.5.1.3", "pack it, or take it off the list")
 def source_missing(fmu: Fmu) -> Claims:
     """A source file is listed that is not in the FMU."""
-    for place, name in dict.fromkeys(_listed(fmu)):
+    listed = [(each.place, name) for each in fmu.description.interfaces for name in each.sources]
+    files = _all(fmu, BUILD, "SourceFile")
+    listed += [(f"{BUILD} (line {each.sourceline})", each.get("name", "")) for each in files]
+    for place, name in dict.fromkeys(listed):
         if posixpath.normpath(f"sources/{name}") not in fmu.members:
             yield place, f"sources/{name} is not in the FMU"
 

@@ -1,7 +1,5 @@
 """Rules, their findings, and the report of one file."""
 
-from __future__ import annotations
-
 import enum
 import itertools
 import re
@@ -66,10 +64,7 @@ _LISTED = 20  # further places of one finding, and causes of one rule
 
 
 def grouped(findings: Iterable[Finding]) -> list[Finding]:
-    """Return one finding for each cause, the gravest first.
-
-    Of a rule with many causes the last finding stands for all that are not listed.
-    """
+    """Return one finding per cause, the gravest first; of many causes the last stands for more."""
     causes: dict[tuple[str, str], list[Finding]] = {}
     of_rule: dict[str, int] = {}
     for found in dict.fromkeys(findings):  # both interfaces may say the same
@@ -124,7 +119,6 @@ class Report:
 Claim = tuple[str, str]
 """Place and message."""
 Claims = Iterable[Claim]
-
 _STANDARDS = {2: "FMI 2.0.5", 3: "FMI 3.0.2"}
 STAGES = (
     *("archive", "document", "description", "files", "binaries"),
@@ -154,14 +148,8 @@ class Rule:
     def finding(self, claim: Claim, version: int | None) -> Finding:
         """Return what was claimed with all that this rule knows."""
         section = self.sections.get(version or 0, "")
-        return Finding(
-            severity=self.severity,
-            rule=self.id,
-            place=claim[0],
-            message=claim[1],
-            section=f"{_STANDARDS[version or 0]}, {section}" if section else "",
-            advice=self.advice,
-        )
+        section = f"{_STANDARDS[version or 0]}, {section}" if section else ""
+        return Finding(self.severity, self.id, *claim, section, self.advice)
 
     def findings(self, subject: object, version: int | None) -> Iterator[Finding]:
         """Yield what this rule finds, if it applies to this version."""
@@ -172,8 +160,6 @@ class Rule:
 
 
 RULES: dict[str, Rule] = {}
-
-
 Check = TypeVar("Check", bound=Callable[[Any], Iterable[Any]])
 
 

@@ -20,9 +20,8 @@ from stickslip.models.export.package import (
     write_cross_check,
 )
 from stickslip.models.export.sources import FmiVersion
-from stickslip.models.lti.file import LtiFile, read_lti
 from stickslip.models.lti.package import export_lti
-from stickslip.models.lti.system import LinearSystem
+from stickslip.models.lti.system import LinearSystem, LtiFile, read_lti
 
 __all__ = [
     "DescriptionError",

@@ -26,7 +26,7 @@ from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
 from stickslip.fmi.messages import suggestion
 from stickslip.fmi.process import temporary_folder
-from stickslip.fmi.toolchain.cache import cache_directory
+from stickslip.fmi.toolchain.platforms import cache_directory
 
 __all__ = ["delay", "function", "gain", "linear", "lookup", "saturation", "sum"]
 

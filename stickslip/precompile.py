@@ -20,7 +20,7 @@ from stickslip.cosim.fmu.library import fmi1_wrapper
 from stickslip.fmi.files import atomic_write
 from stickslip.fmi.process import Threads
 from stickslip.fmi.toolchain import PLATFORMS, Platform, compiler_version
-from stickslip.fmi.toolchain.shipped import ARCHIVE
+from stickslip.fmi.toolchain.compiler import ARCHIVE
 
 
 def precompile(

@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from benchmarks import __main__ as command
-from benchmarks.coupling import growth, report, steps
+from benchmarks.coupling import report, steps
 
 
 @pytest.mark.parametrize("options", [[], ["--write"]], ids=["", "--write"])
@@ -19,8 +19,8 @@ def test_stored_figures_change_only_on_request(monkeypatch, tmp_path, capsys, op
     }.items():
         monkeypatch.setattr(report, name, lambda *_, found=found: dict(found))
     for name in ("by_fmus", "by_variables", "by_steps"):
-        monkeypatch.setattr(growth, name, lambda *_: {3: 5.0, 30: 6.0})
-    monkeypatch.setattr(growth, "by_threads", lambda _: 1.9)
+        monkeypatch.setattr(report, name, lambda *_: {3: 5.0, 30: 6.0})
+    monkeypatch.setattr(report, "by_threads", lambda _: 1.9)
     monkeypatch.setattr(report, "draw", lambda path, *_: path.touch())
     stored = tmp_path / "results"
     stored.mkdir()

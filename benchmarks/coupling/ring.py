@@ -1,9 +1,15 @@
-"""The ring: three FMUs of a few operations each, or three times as many."""
+"""The ring: three FMUs of a few operations each, or three times as many; C loops over them."""
 
+import ctypes
+from functools import partialmethod
 from pathlib import Path
 
+import numpy as np
+
 from stickslip import cosim
+from stickslip.fmi import toolchain
 from tests.corpus import fmu
+from tests.corpus.fmu import headers
 
 HERE = Path(__file__).parent
 STEP = 1e-4
@@ -14,11 +20,7 @@ MODELS = {
              "d parameter 0.1"],
     "friction": ["v input 0", "f output 0", "c parameter 1.5", "z local 0"],
 }  # fmt: skip
-FEEDS = {
-    "controller.u": "mass.u",
-    "friction.f": "mass.f",
-    "mass.v": ("controller.y", "friction.v"),
-}
+FEEDS = {"controller.u": "mass.u", "friction.f": "mass.f", "mass.v": ("controller.y", "friction.v")}
 
 
 def system(folder: Path, version: int, n: int = 3, extra: int = 0) -> cosim.System:
@@ -79,3 +81,56 @@ def _description(name: str, version: int, extra: int) -> str:
     ]
     ability = 'canHandleVariableCommunicationStepSize="true"'
     return fmu.describe(name, version, variables, {"CoSimulation": ability})
+
+
+_CALLS = ("DoStep", "Reset", "EnterInitializationMode", "ExitInitializationMode")
+
+
+class Loops:
+    """The functions of loops.c for one FMI version."""
+
+    def __init__(self, version: int, library: Path | None = None) -> None:
+        self._library = ctypes.CDLL(str(library or compiled(version)))
+        self._fmus = [_Fmu(name, version) for name in MODELS]
+        table = [address for fmu in self._fmus for address in fmu.table]
+        self._library.use((ctypes.c_void_p * len(table))(*table))
+        self._library.candidate.restype = ctypes.c_double
+
+    def candidate(self, n: int, K_p: float, K_i: float, *, turns: bool = False) -> float:
+        numbers = (ctypes.c_double(value) for value in (STEP, K_p, K_i))
+        return self._library.candidate(ctypes.c_long(n), *numbers, ctypes.c_bool(turns))
+
+    def _run(self, loop: str, n: int) -> np.ndarray:
+        kept = np.empty((n, 4))
+        address = ctypes.c_void_p(kept.ctypes.data)
+        if self._library[loop](ctypes.c_long(n), ctypes.c_double(STEP), address):
+            raise RuntimeError("an FMU of the ring failed")
+        return kept
+
+    plain = partialmethod(_run, "plain")  # u, v, x, f after each step
+    in_turn = partialmethod(_run, "in_turn")  # the same in Gauss-Seidel order
+    calls_in_turn = partialmethod(_run, "calls_in_turn")  # the calls of such a step alone
+    fused = partialmethod(_run, "fused")
+
+
+def sources() -> dict[str, str]:
+    files = {file: (HERE / file).read_text() for file in ("ring.h", "loops.c")}
+    return headers() | files
+
+
+def compiled(version: int) -> Path:
+    return toolchain.shared_library("loops", sources(), flags=(f"-DFMI={version}",))
+
+
+class _Fmu:
+    def __init__(self, name: str, version: int) -> None:
+        loaded = ctypes.CDLL(str(library(name)))
+        kind = "Real" if version == 2 else "Float64"
+        first, get, *rest = f"Set{kind}", f"Get{kind}", *_CALLS
+        calls = [first, rest[0], get, *rest[1:]]
+        make = getattr(loaded, "fmi2Instantiate" if version == 2 else "fmi3InstantiateCoSimulation")
+        make.restype = ctypes.c_void_p
+        nothing = (None,) * (7 if version == 2 else 12)
+        functions = (getattr(loaded, f"fmi{version}{call}") for call in calls)
+        addresses = (ctypes.cast(function, ctypes.c_void_p).value for function in functions)
+        self.table = [make(*nothing), *addresses]

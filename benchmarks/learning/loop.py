@@ -8,8 +8,6 @@ model. ``random`` draws candidates evenly in the logarithm; ``grid`` takes two o
 each gene.
 """
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import replace
 from itertools import product

@@ -4,8 +4,6 @@ All search the logarithms of the genes from the same start, keep F_s >= F_c by t
 have the same budget, except for the paper's preset, which is as published.
 """
 
-from __future__ import annotations
-
 import contextlib
 import time
 import warnings
@@ -21,7 +19,6 @@ from stickslip.ga.problem.encoding import Encoding
 Cost = Callable[[np.ndarray], float]
 Racer = Callable[[Cost, ga.Problem, int, int], None]
 """(cost of values (k,), problem, seed, budget): evaluates until `Spent` is raised or it is done"""
-
 FAILED = 1e9  # the others do not all take infinity
 SIGMAS = (0.1, 0.2)
 
@@ -87,16 +84,8 @@ def _strings(evaluate: Cost, given: ga.Problem) -> tuple[Cost, np.ndarray]:
 def scipy_de(popsize: int) -> Racer:
     def race(evaluate: Cost, given: ga.Problem, seed: int, budget: int) -> None:
         cost, start = _strings(evaluate, given)
-        differential_evolution(
-            cost,
-            [(0, 1)] * len(start),
-            x0=start,
-            popsize=popsize,
-            maxiter=budget,
-            tol=0,
-            polish=False,
-            rng=seed,
-        )
+        options = {"popsize": popsize, "maxiter": budget, "tol": 0, "polish": False, "rng": seed}
+        differential_evolution(cost, [(0, 1)] * len(start), x0=start, **options)
 
     return race
 

@@ -26,8 +26,8 @@ from stickslip import cosim, fmucheck
 from stickslip.cosim.run.checkpoint import Checkpoint
 from stickslip.errors import RecordingError
 from stickslip.fmi import toolchain
-from stickslip.fmi.archive.members import extract
-from stickslip.fmi.archive.names import Refused
+from stickslip.fmi.archive.directory import Refused
+from stickslip.fmi.archive.unpacked import extract
 from stickslip.fmi.binary import NotALibrary, read_library, universal
 from stickslip.fmi.description import DescriptionFault, read_description
 from stickslip.fmi.xml import Malformed, parse_xml

@@ -9,8 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.models import Model
-from stickslip.models.export.headers import start_source
-from stickslip.models.export.sources import START, FmiVersion, c_files, compiled, fmi_headers
+from stickslip.models.export.sources import (
+    START,
+    FmiVersion,
+    c_files,
+    compiled,
+    fmi_headers,
+    start_source,
+)
 
 SANITIZE = (
     "-fsanitize=address,undefined,float-cast-overflow",

@@ -17,10 +17,10 @@ from stickslip.cosim.display import html_table
 from stickslip.cosim.errors import FmuError
 from stickslip.fmi import toolchain
 from stickslip.fmi.archive import restore, unpack
-from stickslip.fmi.archive.names import is_device
+from stickslip.fmi.archive.directory import is_device
 from stickslip.fmi.description import Description, DescriptionFault, read_description
 from stickslip.fmi.description.attributes import flag
-from stickslip.fmi.description.clocks import Clock
+from stickslip.fmi.description.model import Clock
 from stickslip.fmi.messages import shown
 from stickslip.fmi.xml import Malformed, parse_xml
 

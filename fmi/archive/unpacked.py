@@ -1,7 +1,9 @@
-"""The cache of unpacked archives: folders named by content, whole, mended and tidied."""
+"""The cache of unpacked archives: folders named by content, whole, mended and tidied.
 
-from __future__ import annotations
+The bytes that come out of a member are counted, whatever the headers say.
+"""
 
+import errno
 import hashlib
 import json
 import os
@@ -9,16 +11,75 @@ import shutil
 import stat
 import tempfile
 import time
+import zipfile
 import zlib
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
 from stickslip.fmi import toolchain
-from stickslip.fmi.archive.members import extract
-from stickslip.fmi.archive.names import Refused
+from stickslip.fmi.archive import directory
+from stickslip.fmi.archive.directory import Refused, check_frame
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.files import atomic_write, require_regular_file
+from stickslip.fmi.messages import printable, shown
+
+_CHUNK = 1024**2
+# All that zipfile and zlib raise for what is in a file: RuntimeError for encrypted members,
+# NotImplementedError for methods, ValueError for impossible offsets and names.
+FAULTS = (zipfile.BadZipFile, zlib.error, EOFError, ValueError, RuntimeError, OverflowError)
+
+
+def extract(file: IO[bytes], folder: Path) -> dict[str, int]:
+    """Unpack an archive into a new folder; return the CRC-32 of each file by its path."""
+    try:
+        stated = check_frame(file)
+    except ValueError as fault:
+        raise Refused(str(fault)) from None
+    with _blaming("not a zip archive, or a damaged one"):
+        archive = zipfile.ZipFile(file)
+    with archive:
+        members = archive.infolist()
+        placed = directory.check_members(members, stated)
+        total = sum(member.file_size for member in members)
+        if total > (free := shutil.disk_usage(folder.parent).free):
+            what = f"{total} bytes, but only {free} are free"
+            raise OSError(errno.ENOSPC, what, str(folder.parent))
+        folder.mkdir()
+        checks: dict[str, int] = {}
+        for path, member in placed:
+            target = folder / path
+            if directory.is_folder(member):
+                target.mkdir(parents=True, exist_ok=True)
+            else:
+                target.parent.mkdir(parents=True, exist_ok=True)
+                extract_file(archive, member, target)
+                checks[str(path)] = member.CRC
+        return checks
+
+
+def extract_file(archive: zipfile.ZipFile, member: zipfile.ZipInfo, target: Path) -> None:
+    """Write one file, not a byte more than its header declares."""
+    what, size = f"member {shown(member.orig_filename)} is damaged", 0
+    with _blaming(what), archive.open(member) as source, target.open("xb") as copy:
+        while chunk := source.read(_CHUNK):
+            size += len(chunk)
+            if size > member.file_size:
+                break
+            copy.write(chunk)
+    if size != member.file_size:
+        fault = f"{size} bytes, expected {member.file_size} as its header says"
+        raise Refused(f"{what}: {fault}; copy or export the archive again")
+
+
+@contextmanager
+def _blaming(what: str) -> Iterator[None]:
+    try:
+        yield
+    except FAULTS as fault:
+        raise Refused(f"{what}: {printable(str(fault))}; copy or export it again") from fault
+
 
 _STALE = 3600.0  # s after which a half-unpacked folder belongs to a process that was killed
 _UNUSED = 90 * 86400.0  # s after which a folder that nobody opened goes
@@ -31,12 +92,8 @@ def unpack(path: Path, room: str, error: type[Fault]) -> Path:
 
     The folder appears whole or not at all. A list beside it holds what its files were. As long as
     they are that, the archive is not opened again; a folder in which something was changed, added
-    or removed, as an FMU can do, is replaced.
-
-    Raises
-    ------
-    error
-        When the file cannot be read, is no zip archive, or holds members that are not safe.
+    or removed, as an FMU can do, is replaced. ``error`` when the file cannot be read, is no zip
+    archive, or holds members that are not safe.
     """
     try:
         return _unpacked(path, room)
@@ -50,18 +107,10 @@ def unpack(path: Path, room: str, error: type[Fault]) -> Path:
 
 
 def restore(folder: Path, path: Path, error: type[Fault]) -> None:
-    """Unpack an archive again where its folder is not any more as it was unpacked.
-
-    Raises
-    ------
-    error
-        When that is not possible, or the archive is another one than was unpacked.
-    """
+    """Unpack an archive again where its folder was changed; ``error`` where that is impossible."""
     if not _is_whole(folder) and unpack(path, folder.parent.name, error) != folder:
-        raise error(
-            f"{path}: its unpacked files were changed, and so was the archive itself since it was"
-            " read; read it again"
-        )
+        what = "its unpacked files were changed, and so was the archive itself since it was read"
+        raise error(f"{path}: {what}; read it again")
 
 
 def _unpacked(path: Path, room: str) -> Path:

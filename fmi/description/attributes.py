@@ -1,12 +1,12 @@
-"""Attributes as values: a number that is none names its element and line."""
-
-from __future__ import annotations
+"""Attributes as values, units, declared types: a number that is none names element and line."""
 
 import math
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from stickslip.fmi.description.units import BASE_UNITS, Unit
 from stickslip.fmi.messages import shown
 
 _T = TypeVar("_T")
@@ -18,13 +18,7 @@ WORDS = {"true": True, "1": True, "false": False, "0": False}
 
 
 class DescriptionFault(ValueError):
-    """A description, or a part of it, that is not taken; the message begins with the line.
-
-    Parameters
-    ----------
-    element : of the XML that is wrong
-    what : what it is, what was expected, what to do
-    """
+    """A description, or a part of it, that is not taken; the message begins with the line."""
 
     def __init__(self, element: Any, what: str) -> None:
         super().__init__(f"line {element.sourceline}: {what}")
@@ -102,12 +96,60 @@ def whole_of(element: Any, attribute: str, least: int, most: int) -> int:
         raise DescriptionFault(element, f"{element.tag} has no {attribute}; export it again")
     number = whole(text, attribute, element)
     if not least <= number <= most:
-        raise DescriptionFault(
-            element, f"{attribute} is {number}, expected an integer from {least} to {most}"
-        )
+        what = f"{attribute} is {number}, expected an integer from {least} to {most}"
+        raise DescriptionFault(element, what)
     return number
 
 
 def flag(attributes: Mapping[str, str], name: str) -> bool:
     """Return an attribute that is true or false, false where it is missing."""
     return WORDS.get(attributes.get(name, "false").strip(), False)
+
+
+@dataclass(frozen=True)
+class TypeDefinition:
+    """A declared type: what a variable of it need not say itself."""
+
+    name: str
+    given: Mapping[str, str]  # attributes as text
+    items: tuple[tuple[str, int], ...]  # (name, number), of an enumeration
+
+
+def read_units(root: Any, remarks: Remarks) -> dict[str, Unit]:
+    """Return the units by name; without its definition, a unit is compared by its name."""
+    found = (remarks.attempt(_unit, each) for each in root.iterfind("UnitDefinitions/Unit"))
+    return {unit.name: unit for unit in found if unit}
+
+
+def _unit(element: Any) -> Unit:
+    name, base = name_of(element), element.find("BaseUnit")
+    if base is None:
+        return Unit(name)
+    exponents = tuple(whole(base.get(unit, "0"), unit, base) for unit in BASE_UNITS)
+    factor = finite(base.get("factor", "1"), "factor", base)
+    if not factor:
+        raise DescriptionFault(base, "factor is 0, expected another number")
+    offset = finite(base.get("offset", "0"), "offset", base)
+    return Unit(name, exponents, factor, offset, relative=False)
+
+
+def read_types(root: Any, version: int, remarks: Remarks) -> dict[str, TypeDefinition]:
+    """Return the declared types by name."""
+    elements = root.iterfind(f"TypeDefinitions/{'*' if version == 3 else 'SimpleType'}")
+    types = (remarks.attempt(_type, each, version, remarks) for each in elements)
+    return {each.name: each for each in types if each}
+
+
+def _type(element: Any, version: int, remarks: Remarks) -> TypeDefinition:
+    name = name_of(element)
+    if version == 2:
+        if not len(element):
+            raise DescriptionFault(element, "a SimpleType is empty")
+        element = element[0]
+    items = (remarks.attempt(_item, item) for item in element.iterfind("Item"))
+    return TypeDefinition(name, dict(element.attrib), tuple(filter(None, items)))
+
+
+def _item(element: Any) -> tuple[str, int]:
+    number = whole(element.get("value", ""), "value of an Item", element)
+    return element.get("name", ""), number

@@ -3,8 +3,6 @@
 Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -14,12 +12,12 @@ from stickslip.fmi.description.attributes import (
     WORDS,
     DescriptionFault,
     Remarks,
+    TypeDefinition,
     flag,
     real,
     whole,
     whole_of,
 )
-from stickslip.fmi.description.types import TypeDefinition
 from stickslip.fmi.description.variables import (
     FLOATS,
     INITIALS,
@@ -34,16 +32,11 @@ from stickslip.fmi.description.variables import (
 from stickslip.fmi.messages import shown
 
 MAX_REFERENCE = 2**32 - 1
-
 _TYPES = {2: frozenset(SETTERS[2]), 3: frozenset(SETTERS[3])}
 _INITIALS = {None, "exact", "approx", "calculated"}
-_LAWFUL = {
-    **dict.fromkeys(("input", "output", "local"), "discrete"),
-    "independent": "continuous",
-}
+_LAWFUL = {**dict.fromkeys(("input", "output", "local"), "discrete"), "independent": "continuous"}
 """The variability that is taken where the one that is given does not go with the causality."""
 _CAUSALITIES, _VARIABILITIES = map(set, zip(*INITIALS, strict=True))
-
 Lengths = Mapping[int, tuple[str, int]]
 """Value reference of what can be a length -> its name and start value."""
 
@@ -56,12 +49,7 @@ def read_variable(
     lengths: Lengths,
     remarks: Remarks,
 ) -> Variable:
-    """Return a variable.
-
-    Parameters
-    ----------
-    typed : what ``typed_element`` returns
-    """
+    """Return a variable; ``typed``: what ``typed_element`` returns."""
     name, kind = element.get("name"), typed.tag
     own = typed.attrib
     declared = remarks.attempt(_declared, own.get("declaredType"), types, name, element)
@@ -82,9 +70,8 @@ def read_variable(
     causality, variability, initial = _roles(element, version, kind, name, remarks)
     low, high = (number("min"), number("max")) if kind not in NOT_NUMBERS else (None, None)
     if low is not None and high is not None and low > high:
-        remarks.add(
-            element, f"min of {shown(name)} is {low}, above its max {high}; both are ignored"
-        )
+        what = f"min of {shown(name)} is {low}, above its max {high}; both are ignored"
+        remarks.add(element, what)
         low = high = None
     nominal = number("nominal") if kind in FLOATS else None
     if nominal is not None and not 0 < nominal < math.inf:
@@ -147,9 +134,8 @@ def _declared(
     name: str | None, types: Mapping[str, TypeDefinition], variable: str, element: Any
 ) -> TypeDefinition | None:
     if name is not None and name not in types:
-        raise DescriptionFault(
-            element, f"declaredType of {shown(variable)} is {shown(name)}, which is not defined"
-        )
+        what = f"declaredType of {shown(variable)} is {shown(name)}, which is not defined"
+        raise DescriptionFault(element, what)
     return types.get(name or "")
 
 
@@ -185,39 +171,30 @@ def _dimensions(
     pairs = [_dimension(each, name, lengths) for each in element.iterfind("Dimension")]
     dimensions = tuple(length for length, _ in pairs)
     if len(dimensions) > 32 or math.prod(dimensions) > MAX_ELEMENTS:  # as many as numpy has
-        raise DescriptionFault(
-            element, f"array {shown(name)} is too large, at most {MAX_ELEMENTS} elements are read"
-        )
+        what = f"array {shown(name)} is too large, at most {MAX_ELEMENTS} elements are read"
+        raise DescriptionFault(element, what)
     return dimensions, tuple(source for _, source in pairs)
 
 
 def _dimension(element: Any, name: str, lengths: Lengths) -> tuple[int, str | None]:
     if (element.get("start") is None) == (element.get("valueReference") is None):
-        raise DescriptionFault(
-            element, f"a Dimension of {shown(name)} needs either start or valueReference"
-        )
+        what = f"a Dimension of {shown(name)} needs either start or valueReference"
+        raise DescriptionFault(element, what)
     if element.get("start") is not None:
         return whole_of(element, "start", 1, MAX_ELEMENTS), None
     reference = whole_of(element, "valueReference", 0, MAX_REFERENCE)
     if reference not in lengths:
-        raise DescriptionFault(
-            element,
-            f"a Dimension of {shown(name)} refers to {reference}, expected the value reference of"
-            " a structural parameter or constant, an integer with a start value",
-        )
+        what = "the value reference of a structural parameter or constant"
+        said = f"a Dimension of {shown(name)} refers to {reference}, expected {what}"
+        raise DescriptionFault(element, f"{said}, an integer with a start value")
     source, length = lengths[reference]
     if not 0 < length <= MAX_ELEMENTS:
-        raise DescriptionFault(
-            element,
-            f"a Dimension of {shown(name)} has the length {shown(source)} = {length}, expected 1"
-            f" to {MAX_ELEMENTS}",
-        )
+        what = f"a Dimension of {shown(name)} has the length {shown(source)} = {length}"
+        raise DescriptionFault(element, f"{what}, expected 1 to {MAX_ELEMENTS}")
     return length, source
 
 
-def _start(
-    element: Any, typed: Any, kind: str, dimensions: tuple[int, ...], name: str
-) -> Value | None:
+def _start(element: Any, typed: Any, kind: str, sizes: tuple[int, ...], name: str) -> Value | None:
     if kind == "Clock":
         return None
     if typed is element and kind in ("String", "Binary"):
@@ -229,12 +206,12 @@ def _start(
         return None
     read = _READERS.get(kind, whole)
     what = f"start of {shown(name)}"
-    if not dimensions:
+    if not sizes:
         return read(text, what, element)
     if kind in ("String", "Binary"):
         return None
     values = tuple(read(word, what, element) for word in text.split())
-    size = math.prod(dimensions)
+    size = math.prod(sizes)
     if len(values) not in (1, size):
         raise DescriptionFault(element, f"{what} has {len(values)} values, expected {size}")
     return values * size if len(values) == 1 else values
@@ -267,9 +244,8 @@ def _bytes(text: str, what: str, element: Any) -> bytes:
     try:
         return bytes.fromhex(text)
     except ValueError:
-        raise DescriptionFault(
-            element, f"{what} is {shown(text)}, expected hexadecimal digits"
-        ) from None
+        said = f"{what} is {shown(text)}, expected hexadecimal digits"
+        raise DescriptionFault(element, said) from None
 
 
 def _text(text: str, what: str, element: Any) -> str:  # noqa: ARG001 - as the others

@@ -1,6 +1,7 @@
-"""A whole description from its XML."""
+"""A whole description from its XML; one of FMI 1.0 Co-Simulation is read in the form of FMI 2.0.
 
-from __future__ import annotations
+Source: FMI 1.0 for Co-Simulation, sections 2.2 and 3.2; FMI 2.0, section 2.2.
+"""
 
 import codecs
 import re
@@ -12,11 +13,12 @@ from stickslip.fmi.description.attributes import (
     DescriptionFault,
     Remarks,
     name_of,
+    read_types,
+    read_units,
     real,
     whole,
     whole_of,
 )
-from stickslip.fmi.description.clocks import read_clocks
 from stickslip.fmi.description.elements import (
     MAX_REFERENCE,
     Lengths,
@@ -24,13 +26,80 @@ from stickslip.fmi.description.elements import (
     read_variable,
     typed_element,
 )
-from stickslip.fmi.description.fmi1 import upgrade
-from stickslip.fmi.description.learned import read_learned
-from stickslip.fmi.description.model import DefaultExperiment, Description
-from stickslip.fmi.description.structure import read_derivatives, read_unknowns
-from stickslip.fmi.description.types import read_types, read_units
-from stickslip.fmi.description.variables import MAX_ELEMENTS, Variable
+from stickslip.fmi.description.model import (
+    DefaultExperiment,
+    Description,
+    read_clocks,
+    read_derivatives,
+    read_learned,
+    read_unknowns,
+)
+from stickslip.fmi.description.variables import MAX_ELEMENTS
 from stickslip.fmi.messages import shown
+
+
+def upgrade(root: Any) -> None:
+    """Turn a description of FMI 1.0 into FMI 2.0; DescriptionFault where it cannot be run."""
+    capabilities = root.find("Implementation/*/Capabilities")
+    if capabilities is None:
+        what = "fmiVersion is '1.0' and the interface Model Exchange"
+        advice = "of FMI 1.0 only Co-Simulation is run; export the model again for FMI 2.0 or 3.0"
+        raise DescriptionFault(root, f"{what}, {advice}")
+    tool = root.find("Implementation/CoSimulation_Tool") is not None
+    name = root.get("modelIdentifier", "")
+    given = {"modelIdentifier": name, "needsExecutionTool": str(tool).lower()}
+    chosen = root.makeelement("CoSimulation", {**capabilities.attrib, **given})
+    root.append(chosen)
+    for declared in root.iterfind("TypeDefinitions/Type"):
+        declared.tag = "SimpleType"
+        for typed in declared:
+            typed.tag = typed.tag.removesuffix("Type")
+            for number, item in enumerate(typed, 1):
+                item.set("value", str(number))
+    variables = root.find("ModelVariables")
+    for variable in [] if variables is None else list(variables):
+        _upgrade_variable(variable)
+        if variable.get("alias") == "negatedAlias":
+            variables.remove(variable)
+    root.append(_structure(root))
+
+
+def _upgrade_variable(variable: Any) -> None:
+    causality = variable.get("causality", "internal")
+    variability = variable.get("variability", "continuous")
+    if causality in {"input", "output"} and variable.get("alias") == "negatedAlias":
+        what = f"{causality} {shown(name_of(variable))} is a negated alias, which is not supported"
+        raise DescriptionFault(variable, f"{what}; export the model again for FMI 2.0 or 3.0")
+    if causality in {"internal", "none"}:
+        causality = "parameter" if variability == "parameter" else "local"
+    if variability == "parameter":
+        variability = "fixed" if causality == "parameter" else "discrete"
+    if causality == "input" and variability == "constant":
+        variability = "discrete"
+    variable.set("causality", causality)
+    variable.set("variability", variability)
+    if len(variable) and variable[0].get("start") is not None and causality in {"local", "output"}:
+        exact = variability == "constant" or variable[0].get("fixed", "true") in {"true", "1"}
+        variable.set("initial", "exact" if exact else "approx")
+
+
+def _structure(root: Any) -> Any:
+    """Return the outputs with what they depend on."""
+    variables = list(root.iterfind("ModelVariables/ScalarVariable"))
+    places = {variable.get("name"): str(i) for i, variable in enumerate(variables, 1)}
+    structure = root.makeelement("ModelStructure")
+    outputs = root.makeelement("Outputs")
+    structure.append(outputs)
+    for i, variable in enumerate(variables, 1):
+        if variable.get("causality") == "output":
+            unknown = root.makeelement("Unknown", {"index": str(i)})
+            direct = variable.find("DirectDependency")
+            if direct is not None:
+                known = (places.get(name.text or "", "0") for name in direct)
+                unknown.set("dependencies", " ".join(known))
+            outputs.append(unknown)
+    return structure
+
 
 _INTERFACES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
 
@@ -49,11 +118,12 @@ def read_description(root: Any) -> Description:
     found = _elements(root, version, remarks)
     elements = [element for _, element, _ in found]
     lengths = _lengths(elements) if version == 3 else {}
-    variables = [
-        read_variable(each, inner, version, types, lengths, remarks) for _, each, inner in found
-    ]
+    given = version, types, lengths, remarks
+    variables = [read_variable(each, inner, *given) for _, each, inner in found]
     aliases = _aliases(elements, remarks) if version == 3 else {}
-    _check_size(variables, elements)
+    if (total := sum(v.size for v in variables)) > MAX_ELEMENTS:
+        what = f"all arrays together have {total} elements, expected at most {MAX_ELEMENTS}"
+        raise DescriptionFault(elements[0].getparent(), what)
     places: dict[str, str] = {}
     for (place, element, _), variable in zip(found, variables, strict=True):
         name = places.setdefault(str(place if version == 2 else variable.reference), variable.name)
@@ -93,16 +163,12 @@ def read_description(root: Any) -> Description:
 def _version(root: Any) -> int:
     version = root.get("fmiVersion")
     if root.tag != "fmiModelDescription":
-        raise DescriptionFault(
-            root, f"the root element is {shown(str(root.tag))}, expected fmiModelDescription"
-        )
+        what = f"the root element is {shown(str(root.tag))}, expected fmiModelDescription"
+        raise DescriptionFault(root, what)
     if version is None or not re.fullmatch(r"[12]\.0(\.[0-9]+)?|3\.[0-9]+(\.[0-9]+)?", version):
         stated = "missing" if version is None else shown(version)
-        raise DescriptionFault(
-            root,
-            f"fmiVersion is {stated}, expected '1.0', '2.0' or '3.0'; export the model again for"
-            " one of these",
-        )
+        what = f"fmiVersion is {stated}, expected '1.0', '2.0' or '3.0'"
+        raise DescriptionFault(root, f"{what}; export the model again for one of these")
     return int(version[0])
 
 
@@ -116,9 +182,7 @@ def _elements(root: Any, version: int, remarks: Remarks) -> list[tuple[int, Any,
     found = []
     for place, element in enumerate(listed, 1):
         typed = remarks.attempt(typed_element, element, version)
-        if typed is None:
-            continue
-        if remarks.attempt(name_apart, element, taken, remarks) is not None:
+        if typed is not None and remarks.attempt(name_apart, element, taken, remarks) is not None:
             found.append((place, element, typed))
     return found
 
@@ -146,14 +210,6 @@ def _aliases(elements: Sequence[Any], remarks: Remarks) -> dict[str, str]:
             elif name:
                 found[name] = element.get("name")
     return found
-
-
-def _check_size(variables: Sequence[Variable], elements: Sequence[Any]) -> None:
-    if (total := sum(v.size for v in variables)) > MAX_ELEMENTS:
-        raise DescriptionFault(
-            elements[0].getparent(),
-            f"all arrays together have {total} elements, expected at most {MAX_ELEMENTS}",
-        )
 
 
 def _indicators(root: Any) -> int:

@@ -3,61 +3,38 @@
 Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7.
 """
 
-from __future__ import annotations
-
+import ctypes
 import math
 import re
 from collections.abc import Iterator, Sequence
-from ctypes import (
-    c_bool,
-    c_char_p,
-    c_double,
-    c_float,
-    c_int8,
-    c_int16,
-    c_int32,
-    c_int64,
-    c_uint8,
-    c_uint16,
-    c_uint32,
-    c_uint64,
-)
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import Any
+from typing import Any, Self
 
 Scalar = float | int | bool | str | bytes
 Value = Scalar | tuple[Scalar, ...]  # arrays row by row
-
+_INTEGERS = [f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")]
 # Per FMI version and type: the function that sets it and the C type it takes.
 SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
     2: {
-        "Real": ("fmi2SetReal", c_double),
-        "Integer": ("fmi2SetInteger", c_int32),
-        "Enumeration": ("fmi2SetInteger", c_int32),
-        "Boolean": ("fmi2SetBoolean", c_int32),
-        "String": ("fmi2SetString", c_char_p),
+        "Real": ("fmi2SetReal", ctypes.c_double),
+        "Integer": ("fmi2SetInteger", ctypes.c_int32),
+        "Enumeration": ("fmi2SetInteger", ctypes.c_int32),
+        "Boolean": ("fmi2SetBoolean", ctypes.c_int32),
+        "String": ("fmi2SetString", ctypes.c_char_p),
     },
     3: {
-        "Float32": ("fmi3SetFloat32", c_float),
-        "Float64": ("fmi3SetFloat64", c_double),
-        "Int8": ("fmi3SetInt8", c_int8),
-        "UInt8": ("fmi3SetUInt8", c_uint8),
-        "Int16": ("fmi3SetInt16", c_int16),
-        "UInt16": ("fmi3SetUInt16", c_uint16),
-        "Int32": ("fmi3SetInt32", c_int32),
-        "UInt32": ("fmi3SetUInt32", c_uint32),
-        "Int64": ("fmi3SetInt64", c_int64),
-        "UInt64": ("fmi3SetUInt64", c_uint64),
-        "Enumeration": ("fmi3SetInt64", c_int64),
-        "Boolean": ("fmi3SetBoolean", c_bool),
-        "String": ("fmi3SetString", c_char_p),
-        "Binary": ("fmi3SetBinary", c_char_p),
-        "Clock": ("fmi3SetClock", c_bool),
+        "Float32": ("fmi3SetFloat32", ctypes.c_float),
+        "Float64": ("fmi3SetFloat64", ctypes.c_double),
+        **{name: (f"fmi3Set{name}", getattr(ctypes, f"c_{name.lower()}")) for name in _INTEGERS},
+        "Enumeration": ("fmi3SetInt64", ctypes.c_int64),
+        "Boolean": ("fmi3SetBoolean", ctypes.c_bool),
+        "String": ("fmi3SetString", ctypes.c_char_p),
+        "Binary": ("fmi3SetBinary", ctypes.c_char_p),
+        "Clock": ("fmi3SetClock", ctypes.c_bool),
     },
 }
-
 MAX_ELEMENTS = 1_000_000  # of all arrays together; each is a signal of its own
 FLOATS = {"Real", "Float64", "Float32"}
 NOT_NUMBERS = {"String", "Binary", "Clock"}
@@ -81,7 +58,7 @@ standard does not allow. Inputs have none in FMI 2.0, and only ``exact`` in FMI 
 _ELEMENT = re.compile(r"(?P<array>.+)\[(?P<indices>[0-9]+(, ?[0-9]+)*)\]")
 _FAMILIES = {
     "number": ("Real", "Float64", "Float32"),
-    "integer": ("Integer", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))),
+    "integer": ("Integer", *_INTEGERS),
     "enumeration": ("Enumeration",),
     "Boolean": ("Boolean",),
     "string": ("String",),
@@ -90,7 +67,6 @@ _FAMILIES = {
 }
 FAMILY = {name: family for family, names in _FAMILIES.items() for name in names}
 """Type of FMI or SSP -> the kind of value it holds."""
-
 # What a value becomes without loss; a Boolean becomes 0 or 1. Every family becomes itself.
 _WIDER = {
     "Boolean": {"integer", "number"},
@@ -103,40 +79,31 @@ _WIDER = {
 class Variable:
     """A variable as the FMU describes it.
 
-    Attributes
-    ----------
-    type : Real, Integer, ... of FMI 2.0 or Float64, Int32, ... of FMI 3.0
-    unit : as the FMU writes it; None when it gives none
-    relative : whether it is a difference, to which no offset of units applies
-    start, minimum, maximum, nominal : in ``unit``; None when the FMU gives none
-    dimensions : length of each; empty for a scalar
-    structure : for each dimension the structural parameter that sets its length, None where fixed
-    array, element : of an element of an array, the array's name and the place in it, row by row
-    enumeration : name of its type, of an enumeration
-    items : (name, number) of that type
-    triggered : of a clock, whether it is a signal, which is 1 where the clock ticks
+    Start, minimum, maximum and nominal are in ``unit``, None when the FMU gives none. ``structure``
+    has for each dimension the structural parameter that sets its length, None where it is fixed.
+    An element of an array has the array's name and its place there, row by row.
     """
 
     name: str
     reference: int
-    type: str
+    type: str  # Real, Integer, ... of FMI 2.0 or Float64, Int32, ... of FMI 3.0
     causality: str
     variability: str
     initial: str | None = None
-    unit: str | None = None
+    unit: str | None = None  # as the FMU writes it; None when it gives none
     start: Value | None = None
     minimum: float | None = None
     maximum: float | None = None
     nominal: float | None = None
     description: str = ""
-    dimensions: tuple[int, ...] = ()
+    dimensions: tuple[int, ...] = ()  # length of each; empty for a scalar
     structure: tuple[str | None, ...] = ()
     array: str | None = None
     element: int = 0
-    enumeration: str | None = None
-    items: tuple[tuple[str, int], ...] = ()
-    relative: bool = False
-    triggered: bool = False
+    enumeration: str | None = None  # name of its type, of an enumeration
+    items: tuple[tuple[str, int], ...] = ()  # (name, number) of that type
+    relative: bool = False  # whether it is a difference, to which no offset of units applies
+    triggered: bool = False  # of a clock, whether it is a signal, which is 1 where the clock ticks
 
     @property
     def is_signal(self) -> bool:
@@ -175,7 +142,7 @@ class Variable:
         """Number of values."""
         return math.prod(self.dimensions)
 
-    def elements(self) -> Iterator[Variable]:
+    def elements(self) -> Iterator[Self]:
         """Yield ``name[1,1]``, ``name[1,2]``, ...; of a scalar the variable itself."""
         if not self.dimensions:
             yield self
@@ -183,18 +150,18 @@ class Variable:
         for place, indices in enumerate(product(*map(range, self.dimensions))):
             yield self._element(place, [i + 1 for i in indices])
 
-    def at(self, indices: tuple[int, ...]) -> Variable | None:
+    def at(self, indices: tuple[int, ...]) -> Self | None:
         """Return the element at these indices, which count from 1; None when there is none."""
-        if len(indices) != len(self.dimensions) or not all(
-            1 <= i <= length for i, length in zip(indices, self.dimensions, strict=True)
-        ):
+        if len(indices) != len(self.dimensions):
             return None
         place = 0
         for i, length in zip(indices, self.dimensions, strict=True):
+            if not 1 <= i <= length:
+                return None
             place = place * length + i - 1
         return self._element(place, indices)
 
-    def _element(self, place: int, indices: Sequence[int]) -> Variable:
+    def _element(self, place: int, indices: Sequence[int]) -> Self:
         return replace(
             self,
             name=f"{self.name}[{','.join(map(str, indices))}]",

@@ -1,7 +1,5 @@
 """XML of descriptions that are written."""
 
-from __future__ import annotations
-
 from xml.etree import ElementTree as ET
 
 

@@ -1,6 +1,6 @@
 """Processes: signals, threads, child processes and standard streams."""
 
-from stickslip.fmi.process.child import child_process
+from stickslip.fmi.process.child import child_process, open_standard_streams
 from stickslip.fmi.process.interruption import (
     check_interruption,
     held,
@@ -8,7 +8,6 @@ from stickslip.fmi.process.interruption import (
     interruptible,
     temporary_folder,
 )
-from stickslip.fmi.process.streams import open_standard_streams
 from stickslip.fmi.process.threads import Threads, cancel_all, result_of, wait_first
 
 __all__ = [

@@ -1,13 +1,12 @@
 """Child processes: started in a session of their own, limited, and ended with all they started."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,19 +19,7 @@ if TYPE_CHECKING:  # the table of system calls is for parents only
 
 @contextmanager
 def child_process(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen[bytes]]:
-    """Start a process in a session of its own; at the end of the block it is gone.
-
-    So is all that it has started. Signals of the terminal do not reach it.
-
-    Parameters
-    ----------
-    options : of ``subprocess.Popen``
-
-    Raises
-    ------
-    OSError
-        When it cannot be started.
-    """
+    """Start a process in its own session; at the end of the block all that it started is gone."""
     process = None
     try:
         with held():
@@ -49,26 +36,16 @@ def child_process(command: Sequence[str], **options: Any) -> Iterator[subprocess
 def start_python(
     arguments: Sequence[str],
     room: Path,
-    guard: Guard | None,
-    allow: Permissions,
+    guard: "Guard | None",
+    allow: "Permissions",
     variables: Mapping[str, str],
     files: Sequence[int] = (),
 ) -> subprocess.Popen[bytes]:
     """Start Python in a session of its own, for code that is not trusted; all streams are pipes.
 
-    Parameters
-    ----------
-    arguments : of Python
-    room : folder that it may write
-    guard : of its sandbox; without one it has the environment and the folder of this process
-    allow : what its sandbox allows besides
-    variables : of its environment, besides
-    files : descriptors that it inherits
-
-    Raises
-    ------
-    OSError
-        When it cannot be started.
+    It may write below ``room``, has ``variables`` in its environment and inherits the descriptors
+    ``files``. Without a guard it has the environment and the folder of this process. OSError when
+    it cannot be started.
     """
     search = os.pathsep.join(str(Path(path).absolute()) for path in sys.path if path)
     environment = dict(os.environ)
@@ -109,10 +86,7 @@ def close_pipes(process: subprocess.Popen[bytes]) -> None:
 
 
 def limit(memory: float) -> None:
-    """Limit what this process takes from now on: memory and each file (MB), its stack, core files.
-
-    On Windows nothing is limited, elsewhere than on Linux core files only.
-    """
+    """Limit memory and files (MB), stack and core files on Linux, core files also on macOS."""
     if sys.platform == "win32":
         return
     import resource
@@ -129,3 +103,27 @@ def limit(memory: float) -> None:
         _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
         size = int(memory * 1e6) if most == resource.RLIM_INFINITY else most
         resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+
+def open_standard_streams() -> None:
+    """Open the null device in the place of each standard stream that is closed.
+
+    A file that is opened later would else get the stream's number, and what is printed or read by
+    that number would go into it or come out of it. Characters that the encoding of an output lacks
+    are printed by their number, such as U+00E4, as escapes.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            opened = os.open(os.devnull, os.O_RDWR)
+            if opened != number:
+                os.dup2(opened, number)
+                os.close(opened)
+            os.set_inheritable(number, True)
+        if getattr(sys, name) is None:
+            mode = "w" if number else "r"
+            setattr(sys, name, open(number, mode, encoding="utf-8", closefd=False))  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")

@@ -1,7 +1,5 @@
 """The parent's part of the sandbox: decides what a child may not decide, refuses and names it."""
 
-from __future__ import annotations
-
 import ctypes
 import errno
 import os
@@ -20,24 +18,15 @@ from pathlib import Path
 from stat import S_ISREG
 from typing import Any, Self
 
-from stickslip.fmi.process.calls import numbers, processor
+from stickslip.fmi.process import sandbox
 from stickslip.fmi.process.permitted import HUGE, program
-from stickslip.fmi.process.sandbox import (
-    NETWORK,
-    Permissions,
-    interpreter_folders,
-    is_below,
-    system_paths,
-)
 
 _MOST_AT_ONCE = 256  # processes and threads
 _MOST_NOTED = 200
 _LOOK = 0.25  # s between two looks at memory and files; a disk takes some 0.3 GB meanwhile
 _LONGEST = 200  # characters of a path in a message
-
 _RECEIVE, _SEND, _CONTINUE = 0xC0502100, 0xC0182101, 1  # linux/seccomp.h
 _NOTE, _ANSWER = struct.Struct("<QIIiIQ6Q"), struct.Struct("<QqiI")
-
 _GOES_ON, _DONE = -1, 0  # to the kernel; as if it had worked
 _HERE = -100  # AT_FDCWD
 _FAMILIES = {1: "a socket of other programs", 2: "a network connection", 10: "a network connection"}
@@ -76,25 +65,17 @@ _VALUES = {"fcntl": 1, "ioctl": 1, "prctl": 0}  # place of what is to be done
 class Guard:
     """Refuses and notes what a child in the sandbox tries.
 
-    Parameters
-    ----------
-    readable, writable : paths, with all below them
-    allow : what is allowed besides
-    memory : MB that the child may share between its processes
-    where : returns what the child is doing, for the notes
-
-    Attributes
-    ----------
-    file : the descriptor that the child inherits; `close_file` closes it after it has started
-    exhausted : whether it asked for more memory than that
-    tried : what was refused: ``(where, what)``, such as ``("a: fmi2DoStep", "read /root/x")``
+    ``readable`` and ``writable`` are paths, with all below them, ``memory`` the MB that the child
+    may share between its processes; ``where`` returns what it is doing, for the notes. It inherits
+    the descriptor ``file``, which `close_file` closes after it has started. ``tried`` is what was
+    refused, such as ``("a: fmi2DoStep", "read /root/x")``, ``exhausted`` whether memory was.
     """
 
     def __init__(
         self,
         readable: Iterable[str],
         writable: Iterable[str],
-        allow: Permissions,
+        allow: sandbox.Permissions,
         memory: float,
         where: Callable[[], str] = str,
     ) -> None:
@@ -120,33 +101,23 @@ class Guard:
         packages: Iterable[str],
         readable: Iterable[str],
         writable: Iterable[str],
-        allow: Permissions,
+        allow: sandbox.Permissions,
         memory: float,
         where: Callable[[], str] = str,
     ) -> Self:
-        """Return the guard of a child that runs Python, where there is a sandbox.
-
-        Parameters
-        ----------
-        packages : that are imported here, and may be there
-        """
+        """Return the guard of a child that runs Python and may import what is in ``packages``."""
         paths = [Path(path) for name in packages for path in sys.modules[name].__path__]
-        return cls([*interpreter_folders(paths), *readable], writable, allow, memory, where)
+        return cls([*sandbox.interpreter_folders(paths), *readable], writable, allow, memory, where)
 
     def entry(self) -> dict[str, Any]:
         """Return the arguments of ``sandbox.enter``; the child can have been started before."""
-        readable, writable = [*system_paths(), *self._readable], self._writable
+        readable, writable = [*sandbox.system_paths(), *self._readable], self._writable
         self._writable = [*map(os.path.realpath, writable), "/dev/null"]
-        self._readable = [*map(os.path.realpath, self._readable), *system_paths(), *self._writable]
-        code = _code(self._words)
-        return {
-            "readable": readable,
-            "writable": writable,
-            "allow": self._words,
-            "file": self.file,
-            "code": code,
-            "seccomp": numbers()["seccomp"],
-        }
+        kept = map(os.path.realpath, self._readable)
+        self._readable = [*kept, *sandbox.system_paths(), *self._writable]
+        paths = {"readable": readable, "writable": writable}
+        code, seccomp = _code(self._words), sandbox.numbers()["seccomp"]
+        return paths | {"allow": self._words, "file": self.file, "code": code, "seccomp": seccomp}
 
     def close_file(self) -> None:
         """Close what the child has inherited."""
@@ -165,12 +136,12 @@ class Guard:
             _, files, _, _ = socket.recv_fds(channel, 1, 1)
         if not files:  # it has not entered
             return
-        self._names = {number: name for name, number in numbers().items()}
+        self._names = {number: name for name, number in sandbox.numbers().items()}
         ioctl = ctypes.CDLL(None, use_errno=True).ioctl
         poll = select.poll()
         poll.register(files[0], select.POLLIN)
         note = ctypes.create_string_buffer(_NOTE.size)
-        here = processor()
+        here = sandbox.processor()
         try:
             while True:
                 events = poll.poll(1e3 * _LOOK)
@@ -215,7 +186,7 @@ class Guard:
             return self._refuse(f"call {call} for process {target}")
         if call in _ATTRIBUTES and (call != "fcntl" or arguments[1] in _LOCKS):
             path = self._path(process, *_ATTRIBUTES[call], arguments)
-            if is_below(os.path.realpath(path), self._writable):
+            if sandbox.is_below(os.path.realpath(path), self._writable):
                 return _DONE
             return self._refuse(f"call {call} for {path}", errno.EACCES)
         if call == "mmap" and not arguments[3] & HUGE:
@@ -225,7 +196,7 @@ class Guard:
             self.exhausted = True
             return self._refuse("share more memory than it may take", errno.ENOMEM)
         if call == "socket":
-            if NETWORK in self._words and (
+            if sandbox.NETWORK in self._words and (
                 arguments[0] in (2, 10) or (arguments[0], arguments[2]) == _ROUTES
             ):
                 return _GOES_ON
@@ -254,16 +225,14 @@ class Guard:
         self._forked = self._forked or not flags & _THREAD
         self._at_most += 1
         if self._at_most > _MOST_AT_ONCE:  # what has ended since does not count
-            self._at_most = self._running() + 1
+            processes = self._processes() if self._forked else [self._session]
+            self._at_most = 1 + sum(int(_status(process, "Threads")) for process in processes)
         if self._at_most <= _MOST_AT_ONCE:
             return _GOES_ON
         return self._refuse(f"start more than {_MOST_AT_ONCE} processes and threads", errno.EAGAIN)
 
     def _look(self) -> None:
-        """End the child when its processes or its files take more than they may.
-
-        The limits of a process count neither those of others nor several files.
-        """
+        """End the child when all its processes or files together take more than they may."""
         if not self._session or time.monotonic() < self._looked + _LOOK:
             return
         began = time.monotonic()
@@ -281,24 +250,16 @@ class Guard:
             with suppress(OSError):
                 os.killpg(self._session, signal.SIGKILL)
 
-    def _running(self) -> int:
-        """Return the number of threads of the child and what it has started."""
-        if not self._forked:
-            return int(_status(self._session, "Threads"))
-        return sum(int(_status(process, "Threads")) for process in self._processes())
-
     def _processes(self) -> list[int]:
         every = (int(name) for name in os.listdir("/proc") if name.isdecimal())  # noqa: PTH208
         return [process for process in every if self._is_own(process)]
 
-    def _path(
-        self, process: int, folder: int | None, place: int | None, arguments: list[int]
-    ) -> str:
+    def _path(self, process: int, folder: int | None, place: int | None, given: list[int]) -> str:
         """Return the path that the arguments mean."""
-        path = _text(process, arguments[place]) if place is not None and arguments[place] else ""
+        path = _text(process, given[place]) if place is not None and given[place] else ""
         if path.startswith("/"):
             return path
-        at = _HERE if folder is None else ctypes.c_int(arguments[folder]).value
+        at = _HERE if folder is None else ctypes.c_int(given[folder]).value
         base = os.readlink(f"/proc/{process}/cwd" if at == _HERE else f"/proc/{process}/fd/{at}")  # noqa: PTH115
         return os.path.join(base, path) if path else base  # noqa: PTH118 (many calls)
 
@@ -323,7 +284,7 @@ class Guard:
         us = f"/proc/{os.getpid()}/"
         if path.startswith(f"/proc/{process}/") or (real.startswith(us) and us not in path):
             return False  # of the process itself, such as /proc/self
-        if is_below(real, self._readable if verb == "read" else self._writable):
+        if sandbox.is_below(real, self._readable if verb == "read" else self._writable):
             return False
         return verb != "read" or os.path.lexists(path)
 
@@ -337,7 +298,7 @@ class Guard:
 
 @cache
 def _code(allow: frozenset[str]) -> bytes:
-    return program(numbers(), processor(), allow)
+    return program(sandbox.numbers(), sandbox.processor(), allow)
 
 
 def _status(process: int, name: str) -> str:

@@ -13,8 +13,6 @@ handler of ours only notes the signal; ``KeyboardInterrupt`` is raised
 notebook, Ctrl-C is Python's own, but ``held`` puts it off just the same.
 """
 
-from __future__ import annotations
-
 import os
 import select
 import signal
@@ -36,7 +34,6 @@ AGAIN = 1.0
 """How long (s) after the first signal another one ends the process at once."""
 DEADLINE = 20.0
 """How long (s) all may take to end; a native function that does not return takes for ever."""
-
 Handler = Callable[[int, FrameType | None], Any] | int | None
 
 
@@ -137,7 +134,7 @@ def _note(number: int, _: FrameType | None) -> None:
         raise KeyboardInterrupt
 
 
-def _report(failed: sys.UnraisableHookArgs) -> None:
+def _report(failed: "sys.UnraisableHookArgs") -> None:
     """Report what a finaliser raised, but not that it was interrupted: that is raised again."""
     if not issubclass(failed.exc_type, KeyboardInterrupt):
         sys.__unraisablehook__(failed)

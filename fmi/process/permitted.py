@@ -4,8 +4,6 @@ A call that is not listed, or whose arguments differ from what is listed, goes t
 refuses and names it (`Guard`). `ALLOWED` is also the table of docs/isolation.md.
 """
 
-from __future__ import annotations
-
 import errno
 import struct
 from collections.abc import Mapping
@@ -15,7 +13,6 @@ from stickslip.fmi.process.sandbox import EXEC, NETWORK, OWN
 
 SHARED, ANONYMOUS, HUGE = 0x1, 0x20, 0x40000  # mmap
 _STREAM = 1  # socketpair
-
 ALLOW, ERROR, NOTIFY = 0x7FFF0000, 0x00050000, 0x7FC00000
 _LOAD, _AND, _EQUAL, _AT_LEAST, _END = 0x20, 0x54, 0x15, 0x35, 0x06
 _INSTRUCTION = struct.Struct("<HBBI")
@@ -32,28 +29,21 @@ class Argument(NamedTuple):
 
 
 class Allowed(NamedTuple):
-    """Calls that are allowed, for one reason.
+    """Calls allowed for one reason; those that ``where`` does not let through ask the parent."""
 
-    Attributes
-    ----------
-    why : the reason
-    calls : their names
-    limit : which of them, in words; those that ``where`` does not let through ask the parent
-    where : what the arguments must be
-    asks : whether the parent decides on each
-    word : of ``--allow`` that they need
-    """
-
-    why: str
-    calls: str
-    limit: str = ""
-    where: tuple[Argument, ...] = ()
-    asks: bool = False
-    word: str = ""
+    why: str  # the reason
+    calls: str  # their names
+    limit: str = ""  # which of them, in words
+    where: tuple[Argument, ...] = ()  # what the arguments must be
+    asks: bool = False  # whether the parent decides on each
+    word: str = ""  # of ``--allow`` that they need
 
 
+_PROCESSES = "processes and threads of its own"
+_CLOCK = "clock, random numbers, and what it is"
+_TERMINAL = (0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451)  # of ioctl
+_INTERFACES = (0x8910, 0x8912, 0x8913, 0x8915, 0x8919, 0x891B, 0x8921, 0x8927, 0x8933)
 _NO_ADDRESS = (Argument(4, (0,)), Argument(4, (0,), upper=True))
-
 ALLOWED = (
     Allowed(
         "own memory",
@@ -82,7 +72,7 @@ ALLOWED = (
         "files by handle",
         "ioctl",
         "whether it is a terminal and how large, bytes to read, close on exec, not blocking",
-        (Argument(1, (0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451)),),
+        (Argument(1, _TERMINAL),),
     ),
     Allowed(
         "waiting",
@@ -116,34 +106,29 @@ ALLOWED = (
         "own files, without effect",
         asks=True,
     ),
-    Allowed("processes and threads of its own", "clone fork vfork", "256 at a time", asks=True),
+    Allowed(_PROCESSES, "clone fork vfork", "256 at a time", asks=True),
     Allowed(
-        "processes and threads of its own",
+        _PROCESSES,
         "exit exit_group wait4 waitid futex futex_waitv futex_wait futex_wake futex_requeue"
         " set_tid_address set_robust_list rseq arch_prctl sched_yield getcpu",
     ),
     Allowed(
-        "processes and threads of its own",
+        _PROCESSES,
         "sched_setaffinity sched_setscheduler sched_setparam sched_setattr",
         "its own",
         (Argument(0, (0, OWN)),),
     ),
+    Allowed(_PROCESSES, "setpriority", "its own", (Argument(0, (0,)), Argument(1, (0, OWN)))),
     Allowed(
-        "processes and threads of its own",
-        "setpriority",
-        "its own",
-        (Argument(0, (0,)), Argument(1, (0, OWN))),
-    ),
-    Allowed(
-        "processes and threads of its own",
+        _PROCESSES,
         "kill tkill tgkill rt_sigqueueinfo rt_tgsigqueueinfo",
         "to itself and what it has started",
         (Argument(0, (0, OWN)),),
     ),
-    Allowed("processes and threads of its own", "setrlimit"),
-    Allowed("processes and threads of its own", "prlimit64", "its own", (Argument(0, (0, OWN)),)),
+    Allowed(_PROCESSES, "setrlimit"),
+    Allowed(_PROCESSES, "prlimit64", "its own", (Argument(0, (0, OWN)),)),
     Allowed(
-        "processes and threads of its own",
+        _PROCESSES,
         "prctl",
         "names of threads and of memory, the timer's slack, and what only reads",
         (Argument(0, (1, 2, 3, 7, 15, 16, 21, 23, 25, 27, 29, 30, 38, 39, 42, 0x53564D41)),),
@@ -155,19 +140,14 @@ ALLOWED = (
         " timer_getoverrun timer_delete",
     ),
     Allowed(
-        "clock, random numbers, and what it is",
+        _CLOCK,
         "clock_gettime clock_getres gettimeofday time times getrandom getpid gettid getppid getuid"
         " geteuid getgid getegid getresuid getresgid getgroups getpgrp getpgid getsid capget"
         " getrusage getrlimit sysinfo uname getpriority sched_getaffinity sched_getscheduler"
         " sched_getparam sched_getattr sched_get_priority_max sched_get_priority_min"
         " sched_rr_get_interval",
     ),
-    Allowed(
-        "clock, random numbers, and what it is",
-        "personality",
-        "reads it",
-        (Argument(0, (0xFFFFFFFF,)),),
-    ),
+    Allowed(_CLOCK, "personality", "reads it", (Argument(0, (0xFFFFFFFF,)),)),
     Allowed("programs, in the same sandbox", "execve execveat", word=EXEC),
     Allowed(
         "the network",
@@ -179,15 +159,7 @@ ALLOWED = (
         "the network",
         "ioctl",
         "also: names and addresses of interfaces",
-        (
-            Argument(
-                1,
-                (
-                    *(0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451),
-                    *(0x8910, 0x8912, 0x8913, 0x8915, 0x8919, 0x891B, 0x8921, 0x8927, 0x8933),
-                ),
-            ),
-        ),
+        (Argument(1, (*_TERMINAL, *_INTERFACES)),),
         word=NETWORK,
     ),
 )
@@ -208,15 +180,8 @@ def program(numbers: Mapping[str, int], processor: int, allow: frozenset[str]) -
         code = codes.get(number, _NOTED)
         if ranges[-1][1] != code:
             ranges.append((number, code))
-    return b"".join(
-        (
-            _line(_LOAD, _ARCHITECTURE),
-            _line(_EQUAL, processor, 1),
-            _NOTED,
-            _line(_LOAD, _NUMBER),
-            _search(ranges),
-        )
-    )
+    checked = _line(_LOAD, _ARCHITECTURE) + _line(_EQUAL, processor, 1) + _NOTED
+    return checked + _line(_LOAD, _NUMBER) + _search(ranges)
 
 
 def _line(what: int, value: int, then: int = 0) -> bytes:

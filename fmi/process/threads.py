@@ -1,7 +1,5 @@
 """Threads, and futures of any pool, whose locks no KeyboardInterrupt leaves taken."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
@@ -13,7 +11,6 @@ from stickslip.fmi.process.interruption import held
 P = ParamSpec("P")
 T = TypeVar("T")
 R = TypeVar("R")
-
 LOOK = 0.1
 """How often (s) a thread that waits looks for signals."""
 PATIENCE = 5.0

@@ -10,18 +10,20 @@ It knows C files and platforms. What came with the package needs no compiler.
         WrongExports        a library does not export the requested functions
 """
 
-from stickslip.fmi.toolchain.binaries import binaries, standard_functions
-from stickslip.fmi.toolchain.cache import CACHE_ADVICE, cache_directory
+from stickslip.fmi.toolchain.binaries import binaries, patched, standard_functions
 from stickslip.fmi.toolchain.compiler import compiled_here, compiler_version, shared_library
-from stickslip.fmi.toolchain.errors import (
+from stickslip.fmi.toolchain.platforms import (
+    CACHE_ADVICE,
+    PLATFORMS,
     CacheUnusable,
     CompilationFailed,
     CompilerMissing,
+    Platform,
     ToolchainError,
     WrongExports,
+    cache_directory,
+    host_platform,
 )
-from stickslip.fmi.toolchain.patching import patched
-from stickslip.fmi.toolchain.platforms import PLATFORMS, Platform, host_platform
 
 __all__ = [
     "CACHE_ADVICE",

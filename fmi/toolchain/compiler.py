@@ -1,6 +1,7 @@
-"""C sources in, a shared library out."""
+"""C sources in, a shared library out: compiled, or taken from ``compiled.zip`` of a wheel.
 
-from __future__ import annotations
+A member of the archive is called RECIPE/FILE; its comment is the version of the compiler.
+"""
 
 import hashlib
 import importlib.util
@@ -10,25 +11,43 @@ import subprocess
 import sys
 import tempfile
 import time
+import zipfile
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
 from stickslip.fmi.binary import read_library
-from stickslip.fmi.files.atomic import atomic_write
-from stickslip.fmi.files.lock import lock
+from stickslip.fmi.files import atomic_write, lock
 from stickslip.fmi.process.child import child_process
 from stickslip.fmi.process.interruption import check_interruption, temporary_folder
-from stickslip.fmi.toolchain.cache import CACHE_ADVICE, cache_directory
-from stickslip.fmi.toolchain.errors import (
-    CacheUnusable,
-    CompilationFailed,
-    CompilerMissing,
-    WrongExports,
-)
-from stickslip.fmi.toolchain.platforms import Platform, host_platform
-from stickslip.fmi.toolchain.shipped import shipped_compiler, shipped_library
+from stickslip.fmi.toolchain import platforms
+
+ARCHIVE = Path(__file__).with_name("compiled.zip")
+
+
+@cache
+def _content(archive: Path) -> tuple[str, frozenset[str]]:
+    """Return the version of the compiler, and the names of the members."""
+    if not archive.exists():
+        return "", frozenset()
+    with zipfile.ZipFile(archive) as opened:
+        return opened.comment.decode(), frozenset(opened.namelist())
+
+
+def shipped_compiler(member: str) -> str | None:
+    """Return the version of the compiler that a library is from; None if it is not there."""
+    compiler, members = _content(ARCHIVE)
+    return compiler if member in members else None
+
+
+def shipped_library(member: str) -> bytes | None:
+    """Return the bytes of a library; None if it is not there."""
+    if shipped_compiler(member) is None:
+        return None
+    with zipfile.ZipFile(ARCHIVE) as opened:
+        return opened.read(member)
+
 
 # No fused multiply-add and a named target: the same bits on every processor.
 # -O2 also keeps the compiler from linking its debug runtime (4 MB) into each library.
@@ -47,7 +66,7 @@ def shared_library(
     name: str,
     files: Mapping[str, str],
     *,
-    platform: Platform | None = None,
+    platform: platforms.Platform | None = None,
     flags: Sequence[str] = (),
     standalone: bool = False,
     exports: Collection[str] | None = None,
@@ -55,16 +74,14 @@ def shared_library(
 ) -> Path:
     """Compile the ``.c`` files among ``files`` into one shared library and return its path.
 
-    The result lies in the cache under a hash of all that went in, so a second call returns at once.
-    Its own hash lies beside it; a library that has another one was damaged and is built again. What
-    came with the package is not compiled, but taken from ``shipped.py``.
+    It lies in the cache under a hash of all that went in; its own hash lies beside it, and what is
+    damaged is built again. What came with the package is taken from its archive. Raises
+    CompilerMissing, CompilationFailed, CacheUnusable, WrongExports.
 
     Parameters
     ----------
-    name : file name of the library without ending
     files : relative path -> text of every source and header. Headers in ``system/`` are found
         with ``<...>`` and raise no warnings; the others are found from the root of the tree.
-    platform : what to build for; the machine's own by default
     flags : further compiler flags. Those in ``$STICKSLIP_CFLAGS`` come last, such as a sanitizer's;
         ``$STICKSLIP_CC`` names a system compiler to take for this machine, which may know more of
         them than ziglang does
@@ -72,17 +89,16 @@ def shared_library(
         there and takes a minute to compile; the sources may then call nothing of it but ``mem...``
     exports : the names that the library must export, these and no others; not looked at if None
     loads : whether it loads other libraries, so that ``compiled_here`` does not vouch for it
-
-    Raises
-    ------
-    CompilerMissing, CompilationFailed, CacheUnusable, WrongExports
     """
-    target = platform or host_platform()
+    target = platform or platforms.host_platform()
     bare = standalone and target.suffix == ".dll"
     if bare:
         files = {**files, **_standalone()}
+    call = [sys.executable, "-m", "ziglang", "cc", "-target", target.target]
+    if (own := os.environ.get("STICKSLIP_CC")) and target == platforms.host_platform():
+        call = ["env", own, "-Wno-unknown-pragmas"]
     command = [
-        *_compiler(target),
+        *call,
         *(*_FLAGS, *_WARNINGS, *flags, *(_STANDALONE if bare else ()), "-I.", "-isystem", "system"),
         *os.environ.get("STICKSLIP_CFLAGS", "").split(),
         *sorted(path for path in files if path.endswith(".c")),
@@ -93,7 +109,7 @@ def shared_library(
     file = name + target.suffix
     member = f"{recipe}/{file}"
     compiler = shipped_compiler(member) or compiler_version()
-    library = cache_directory() / "libraries" / f"{recipe}-{compiler}" / file
+    library = platforms.cache_directory() / "libraries" / f"{recipe}-{compiler}" / file
     if not _is_whole(library):
         try:
             with _alone(library.parent):
@@ -107,7 +123,7 @@ def shared_library(
             place = Path(fault.filename or library)
             raise _unusable(place, fault.strerror or str(fault)) from fault
     if not loads:
-        _note(_hash_file(library).read_text())
+        vouch(_hash_file(library).read_text())
     return library
 
 
@@ -119,12 +135,8 @@ def compiled_here(library: Path) -> bool:
         return False
 
 
-def vouch(library: bytes) -> None:
-    """Let ``compiled_here`` know a library that was made from one of this cache."""
-    _note(hashlib.sha256(library).hexdigest())
-
-
-def _note(digest: str) -> None:
+def vouch(digest: str) -> None:
+    """Let ``compiled_here`` know the SHA-256 of a library that was made from one of this cache."""
     with suppress(OSError):  # a cache that is read only
         if not _noted(digest).exists():
             _noted(digest).parent.mkdir(exist_ok=True)
@@ -132,15 +144,12 @@ def _note(digest: str) -> None:
 
 
 def _noted(digest: str) -> Path:
-    return cache_directory() / "compiled" / digest
+    return platforms.cache_directory() / "compiled" / digest
 
 
 @contextmanager
 def _alone(folder: Path) -> Iterator[None]:
-    """Wait until no other process or thread compiles into a folder.
-
-    Where this fails, the same is compiled twice.
-    """
+    """Wait until no other process or thread compiles into a folder, where locks work."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "lock"
     with path.open("ab") as file:
@@ -168,13 +177,6 @@ def _is_whole(library: Path) -> bool:
         return False
 
 
-def _compiler(target: Platform) -> list[str]:
-    own = os.environ.get("STICKSLIP_CC")
-    if own and target == host_platform():
-        return ["env", own, "-Wno-unknown-pragmas"]
-    return [sys.executable, "-m", "ziglang", "cc", "-target", target.target]
-
-
 @cache
 def _standalone() -> dict[str, str]:
     """Return what a Windows library without C runtime needs in its place."""
@@ -193,30 +195,25 @@ def _digest(words: Sequence[str], files: Mapping[str, str]) -> str:
 def _check_exports(library: bytes, expected: Collection[str], name: str) -> None:
     exported = read_library(library).exports - _OF_THE_LINKER
     if lacking := sorted(set(expected) - exported):
-        raise WrongExports(f"{name} does not export {', '.join(lacking)}")
+        raise platforms.WrongExports(f"{name} does not export {', '.join(lacking)}")
     if foreign := sorted(exported - set(expected)):
-        raise WrongExports(f"{name} exports {', '.join(foreign)}, which nobody asked for")
+        raise platforms.WrongExports(f"{name} exports {', '.join(foreign)}, which nobody asked for")
 
 
 @cache
 def compiler_version() -> str:
     """Return the version of ziglang; raise CompilerMissing where it is not installed."""
     if importlib.util.find_spec("ziglang") is None:
-        raise CompilerMissing(
-            "this needs the C compiler, package 'ziglang', which is not installed; "
-            "run: pip install 'stickslip[compile]'"
-        )
+        what = "this needs the C compiler, package 'ziglang', which is not installed"
+        raise platforms.CompilerMissing(f"{what}; run: pip install 'stickslip[compile]'")
     from importlib.metadata import version  # late, for those who start quickly
 
     return version("ziglang")
 
 
 def _compile(command: Sequence[str], files: Mapping[str, str], output: str) -> bytes:
-    zig = cache_directory() / "zig"
-    environment = os.environ | {
-        "ZIG_GLOBAL_CACHE_DIR": str(zig),
-        "ZIG_LOCAL_CACHE_DIR": str(zig),
-    }
+    zig = platforms.cache_directory() / "zig"
+    environment = os.environ | {"ZIG_GLOBAL_CACHE_DIR": str(zig), "ZIG_LOCAL_CACHE_DIR": str(zig)}
     with temporary_folder("stickslip-build-") as folder:
         for path, text in files.items():
             file = folder / path
@@ -231,15 +228,16 @@ def _compile(command: Sequence[str], files: Mapping[str, str], output: str) -> b
             if any(word in printed for word in _CLOSED):
                 raise _unusable(zig, "cannot be written")
             said = printed.strip() or f"nothing, and ended with status {status}"
-            raise CompilationFailed(f"cannot compile {output}; the compiler said:\n{said}")
+            what = f"cannot compile {output}; the compiler said:\n{said}"
+            raise platforms.CompilationFailed(what)
         return (folder / output).read_bytes()
 
 
-def _unusable(place: Path, why: str) -> CacheUnusable:
-    advice = CACHE_ADVICE
-    if not place.is_relative_to(cache_directory()) and place.is_relative_to(tempfile.gettempdir()):
+def _unusable(place: Path, why: str) -> platforms.CacheUnusable:
+    advice, cached = platforms.CACHE_ADVICE, place.is_relative_to(platforms.cache_directory())
+    if not cached and place.is_relative_to(tempfile.gettempdir()):
         advice = advice.replace("STICKSLIP_CACHE", "TMPDIR")
-    return CacheUnusable(f"{place}: {why}; {advice}")
+    return platforms.CacheUnusable(f"{place}: {why}; {advice}")
 
 
 def _run(command: Sequence[str], folder: Path, environment: Mapping[str, str]) -> tuple[int, str]:

@@ -1,31 +1,59 @@
-"""The platforms an FMU can be built for, with the names each standard gives them."""
+"""The platforms an FMU can be built for, where built files lie, and the errors of the toolchain."""
 
-from __future__ import annotations
-
+import os
 import platform as machine
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 
-from stickslip.fmi.toolchain.errors import ToolchainError
+from stickslip.fmi.errors import Fault
+
+
+class ToolchainError(Fault, RuntimeError):
+    """Building a shared library from C sources failed."""
+
+
+class CompilerMissing(ToolchainError):
+    """Something has to be compiled, and the ``ziglang`` package, the compiler, is not installed."""
+
+
+class CompilationFailed(ToolchainError):
+    """The compiler rejected the sources. The message ends with its output."""
+
+
+class CacheUnusable(ToolchainError):
+    """The folder of built files, or the one for temporary files, cannot be written."""
+
+
+class WrongExports(ToolchainError):
+    """The library lacks a requested function, or exports one that was not requested."""
+
+
+CACHE_ADVICE = "set STICKSLIP_CACHE to a folder that can be written and has space"
+
+
+def cache_directory() -> Path:
+    """Return the folder of built files: ``$STICKSLIP_CACHE``, else the user's cache folder."""
+    override = os.environ.get("STICKSLIP_CACHE")
+    if override:
+        return Path(override).expanduser().absolute()
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA", "~/AppData/Local")
+    elif sys.platform == "darwin":
+        base = "~/Library/Caches"
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    return Path(base).expanduser() / "stickslip"
 
 
 @dataclass(frozen=True)
 class Platform:
-    """One operating system on one processor.
+    """One system on one processor; those of macOS share a universal library in FMI 2.0."""
 
-    Attributes
-    ----------
-    tuple : platform tuple of FMI 3.0, section 2.5.1.4.1 (``x86_64-linux``)
-    fmi2 : folder under ``binaries/`` in FMI 2.0 (``linux64``); both processors of macOS share one,
-        for a universal library
-    target : the compiler's target, with the oldest system it must run on
-    suffix : ending of a shared library
-    """
-
-    tuple: str
-    fmi2: str
-    target: str
-    suffix: str
+    tuple: str  # platform tuple of FMI 3.0, section 2.5.1.4.1 (``x86_64-linux``)
+    fmi2: str  # folder under ``binaries/`` in FMI 2.0 (``linux64``)
+    target: str  # the compiler's target, with the oldest system it must run on
+    suffix: str  # ending of a shared library
 
 
 PLATFORMS = {
@@ -38,19 +66,12 @@ PLATFORMS = {
         Platform("aarch64-darwin", "darwin64", "aarch64-macos.11.0", ".dylib"),
     )
 }
-
 _SYSTEMS = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
 _PROCESSORS = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
 
 
 def host_platform() -> Platform:
-    """Return the platform this interpreter runs on.
-
-    Raises
-    ------
-    ToolchainError
-        When it is none of ``PLATFORMS``.
-    """
+    """Return the platform this interpreter runs on; ToolchainError when it is none of PLATFORMS."""
     system = _SYSTEMS.get(sys.platform, sys.platform)
     processor = _PROCESSORS.get(machine.machine().lower(), machine.machine())
     try:

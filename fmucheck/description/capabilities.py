@@ -1,17 +1,10 @@
 """Rules about the default experiment, capability flags and clocks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 
 from stickslip.fmi.description.attributes import flag
-from stickslip.fmucheck.description.model import (
-    Description,
-    Interface,
-    Variable,
-    number,
-)
+from stickslip.fmucheck.description.model import Description, Interface, Variable, number
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
 _PLACE = "DefaultExperiment"

@@ -1,7 +1,5 @@
 """Rules about names, interfaces, units, types and log categories."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator
@@ -73,9 +71,8 @@ def missing_metadata(description: Description) -> Claims:
 def undescribed_variables(description: Description) -> Claims:
     """Inputs, outputs or parameters have no description."""
     shown = ("input", "output", "parameter", "structuralParameter")
-    bare = [
-        v.name for v in description.variables if v.causality in shown and not v.get("description")
-    ]
+    named = [v for v in description.variables if v.causality in shown]
+    bare = [v.name for v in named if not v.get("description")]
     if bare:
         yield _FILE, f"{len(bare)} inputs, outputs and parameters have no description, as {bare[0]}"
 
@@ -129,17 +126,12 @@ def duplicate_unit(description: Description) -> Claims:
 @error("2.2.2", "2.4.3", "write a factor other than 0", "units")
 def bad_unit_factor(unit: Unit) -> Iterator[str]:
     """The factor of a unit is 0, or factor or offset are not finite."""
-    for name, given in _conversions(unit):
+    each = [("BaseUnit", unit.base)] if unit.base is not None else []
+    each += [(f"DisplayUnit {display.get('name')}", display) for display in unit.display]
+    for name, given in each:
         factor, offset = number(given.get("factor", "1")), number(given.get("offset", "0"))
         if factor == 0.0 or not all(math.isfinite(n) for n in (factor, offset) if n is not None):
             yield f"{name}: factor {factor}, offset {offset}"
-
-
-def _conversions(unit: Unit) -> Iterator[tuple[str, Attributes]]:
-    if unit.base is not None:
-        yield "BaseUnit", unit.base
-    for each in unit.display:
-        yield f"DisplayUnit {each.get('name')}", each
 
 
 @error(None, "2.4.3", "drop offset or inverse", "units")

@@ -5,8 +5,6 @@ cannot serve them; the tables of the standard are those of that reader. All is p
 sent to the child process.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections import Counter
@@ -27,18 +25,14 @@ RANGES = {
     **{f"UInt{n}": (0, 2**n - 1) for n in (8, 16, 32, 64)},
 }
 """Smallest and largest value of each integer type."""
-
 Number = float | int
 Attributes = dict[str, str]
 _FLOAT = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")  # linear: one way to match
 _WORDS = {"INF": math.inf, "+INF": math.inf, "-INF": -math.inf, "NaN": math.nan}
 _INTERFACES = ("ModelExchange", "CoSimulation", "ScheduledExecution")
 # The lists of FMI 2.0 under the names that FMI 3.0 gives their members.
-_GROUPS = {
-    "Outputs": "Output",
-    "Derivatives": "ContinuousStateDerivative",
-    "InitialUnknowns": "InitialUnknown",
-}
+_GROUPS = {"Outputs": "Output", "Derivatives": "ContinuousStateDerivative"}
+_GROUPS |= {"InitialUnknowns": "InitialUnknown"}
 
 
 def is_number(kind: str) -> bool:
@@ -82,13 +76,7 @@ def _attributes(element: Element) -> Attributes:
 
 
 class Entry:
-    """An element of the description, of which rules say ``place``.
-
-    Attributes
-    ----------
-    kind : tag of the element that has what belongs to the type: in FMI 2.0 the one inside
-    given : attributes of that element as they are written
-    """
+    """An element; in FMI 2.0, kind and attributes of a variable are those of the one inside."""
 
     what = ""
 
@@ -139,14 +127,9 @@ class Dimension(NamedTuple):
 class Variable(Entry):
     """One variable.
 
-    Attributes
-    ----------
-    index : place in ModelVariables, from 1
-    kind : Real, Float64, Int32, ...
-    initial : the one in force, which may be a default
-    start : as written, one for each element; ``None`` when there is none
-    derivative : index (FMI 2.0) or value reference (FMI 3.0) of the state
-    aliases : attributes of each Alias
+    ``index`` is its place in ModelVariables, from 1; ``initial`` is in force, and may be a default;
+    ``start`` is as written, one for each element; ``derivative`` is the index (FMI 2.0) or value
+    reference (FMI 3.0) of the state; ``aliases`` are the attributes of each Alias.
     """
 
     what = "variable"
@@ -172,10 +155,8 @@ class Variable(Entry):
         self.previous = whole(given.get("previous"))
         clocks = given.get("clocks")
         self.clocks = None if clocks is None else tuple(whole(c) or 0 for c in clocks.split())
-        self.dimensions = [
-            Dimension(whole(d.get("start")), whole(d.get("valueReference")))
-            for d in element.iterfind("Dimension")
-        ]
+        lengths = [(d.get("start"), d.get("valueReference")) for d in element.iterfind("Dimension")]
+        self.dimensions = [Dimension(whole(start), whole(key)) for start, key in lengths]
         self.aliases = [_attributes(alias) for alias in element.iterfind("Alias")]
         self.type = types.get(given.get("declaredType", ""))
 
@@ -209,16 +190,9 @@ class Variable(Entry):
 
 
 class Unknown(Entry):
-    """An entry of ModelStructure.
+    """An entry of ModelStructure; variables that do not exist are ``None``."""
 
-    Attributes
-    ----------
-    group : Output, InitialUnknown, ...
-    key : index or value reference as written
-    variable, dependencies : resolved; ``None`` where no such variable exists
-    """
-
-    def __init__(self, element: Element, group: str, description: Description) -> None:
+    def __init__(self, element: Element, group: str, description: "Description") -> None:
         super().__init__(element)
         self.group = group
         self.key = self.given.get("index" if description.version == 2 else "valueReference", "")
@@ -270,16 +244,12 @@ class Description:
         self.root = _attributes(root)
         self.interfaces = [Interface(each) for each in _inside(root) if each.tag in _INTERFACES]
         self.units = [Unit(each) for each in _inside(root.find("UnitDefinitions"))]
-        self.types = [
-            TypeDefinition(each, version) for each in _inside(root.find("TypeDefinitions"))
-        ]
+        self.types = [TypeDefinition(one, version) for one in _inside(root.find("TypeDefinitions"))]
         self.categories = [each.get("name", "") for each in _inside(root.find("LogCategories"))]
         self.experiment = None if experiment is None else _attributes(experiment)
         types = {each.name: each for each in self.types}
-        self.variables = [
-            Variable(each, index, version, types)
-            for index, each in enumerate(_inside(root.find("ModelVariables")), 1)
-        ]
+        found = enumerate(_inside(root.find("ModelVariables")), 1)
+        self.variables = [Variable(each, index, version, types) for index, each in found]
         self.unknowns: list[Unknown] = []
         for child in _inside(root.find("ModelStructure")):
             group = _GROUPS.get(child.tag, child.tag) if version == 2 else child.tag
@@ -343,13 +313,14 @@ class Description:
         known = [n for n in lengths if n is not None]
         return math.prod(known) if len(known) == len(lengths) else None
 
+    def count(self, variables: Iterable[Variable | None]) -> int:
+        """Return how many values variables have; None has none."""
+        return sum(self.size(v) or 1 for v in variables if v)
+
 
 @dataclass(frozen=True)
 class Fmu:
-    """An FMU in a folder of its own.
-
-    ``members`` are the paths of all files in the archive, with forward slashes.
-    """
+    """An FMU in a folder of its own; ``members`` are its files, with forward slashes."""
 
     path: Path
     folder: Path

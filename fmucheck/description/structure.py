@@ -1,7 +1,5 @@
 """Rules about derivatives, ModelStructure and dependencies."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from stickslip.fmi.description.variables import FLOATS

@@ -1,7 +1,5 @@
 """Rules about variables: names, causality, start values, ranges and dimensions."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import defaultdict

@@ -1,7 +1,5 @@
 """The bench an FMU is tried on: makes instances, knows what may be read, set and varied."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import time
@@ -12,22 +10,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-from stickslip.fmucheck.description.model import (
-    Description,
-    Interface,
-    Variable,
-    is_number,
-    number,
-)
+from stickslip.fmucheck.description.model import Description, Interface, Variable, is_number, number
 from stickslip.fmucheck.rules import Claims
-from stickslip.fmucheck.running.calls import (
-    FATAL,
-    WARNING,
-    Binary,
-    Callbacks,
-    CallFailed,
-    status_name,
-)
+from stickslip.fmucheck.running import calls
 from stickslip.fmucheck.running.instance import Instance, Values
 
 Settings = list[tuple[str, object]]
@@ -45,30 +30,23 @@ class Spent(Exception):
 class Bench:
     """One interface of one FMU, to be tried.
 
-    Attributes
-    ----------
-    changes : other values of parameters, with which it still runs; ``None`` until tried
-    seen : for each mode and unknown the knowns it moves with; ``None`` until tried
-    before : settings of the process before the library was loaded
-    first : what an earlier process found out, for rules that compare two processes
-    results : what is found out, for a later process
-    tick : tells the parent that work goes on
-    began : when the rule that is being tried began, by the monotonic clock
-    instantiated : whether an instance was made, or refused
+    ``first`` is what an earlier process found out, for rules that compare two processes. Until they
+    are tried, ``changes``, other values of parameters with which it still runs, and ``seen``, for
+    each mode and unknown the knowns it moves with, are None.
     """
 
     description: Description
     interface: Interface
     library: Path
     resources: Path
-    before: Settings
+    before: Settings  # settings of the process before the library was loaded
     first: dict[str, str] = field(default_factory=dict)
-    results: dict[str, str] = field(default_factory=dict)
-    tick: Callable[[], None] = lambda: None
-    began: float = 0.0
+    results: dict[str, str] = field(default_factory=dict)  # what is found out, for a later process
+    tick: Callable[[], None] = lambda: None  # tells the parent that work goes on
+    began: float = 0.0  # when the rule that is being tried began, by the monotonic clock
     changes: list[tuple[Variable, Values]] | None = None
     seen: dict[tuple[str, int], set[int]] | None = None
-    instantiated: bool = False
+    instantiated: bool = False  # whether an instance was made, or refused
     _open: list[Instance] = field(default_factory=list)
 
     @property
@@ -77,9 +55,9 @@ class Bench:
         return self.instantiated and self.interface.flag("canBeInstantiatedOnlyOncePerProcess")
 
     @cached_property
-    def binary(self) -> Binary:
+    def binary(self) -> calls.Binary:
         """The loaded library."""
-        return Binary(self.library, self.description.version)
+        return calls.Binary(self.library, self.description.version)
 
     @property
     def still(self) -> bool:
@@ -91,35 +69,22 @@ class Bench:
         """Whether this is Model Exchange."""
         return self.interface.kind == "ModelExchange"
 
-    # Instances
-
     def instantiate(
         self, *, token: str | None = None, logging: bool = True, logger: bool = True
     ) -> Instance | None:
-        """Return a new instance, or ``None`` when the FMU refuses.
-
-        Raises
-        ------
-        Spent
-            When the FMU allows one instance per process, and this process has had it.
-        """
+        """Return a new instance, None when refused; Spent when a process had its only one."""
         if self.is_spent:
             raise Spent
         self.instantiated = True
         self.tick()
-        callbacks = Callbacks(self.description.variables)
+        callbacks = calls.Callbacks(self.description.variables)
         given = (self.description.token if token is None else token).encode()
         log = callbacks.logger3 if logger else c_void_p()
         if self.description.version == 2:
             name, kind = "Instantiate", c_int(0 if self.is_exchange else 1)
             location = self.resources.absolute().as_uri().encode()
-            arguments: list[Any] = [
-                kind,
-                c_char_p(given),
-                c_char_p(location),
-                byref(callbacks.functions),
-            ]
-            arguments += [c_int(0), c_int(logging)]
+            arguments: list[Any] = [kind, c_char_p(given), c_char_p(location)]
+            arguments += [byref(callbacks.functions), c_int(0), c_int(logging)]
         else:
             name = f"Instantiate{self.interface.kind}"
             folder = f"{self.resources}/".encode() if self.resources.is_dir() else None
@@ -129,7 +94,7 @@ class Bench:
                 arguments += [c_bool(self._event_mode), c_bool(False), c_void_p(), c_size_t(0)]
                 end.append(c_void_p())
             elif self.interface.kind == "ScheduledExecution":
-                self._nothing = [ctypes.CFUNCTYPE(None)(_ignore) for _ in range(3)]
+                self._nothing = [ctypes.CFUNCTYPE(None)(lambda: None) for _ in range(3)]
                 end += self._nothing
             arguments += end
         handle = self.binary.function(name, c_void_p)(c_char_p(b"fmucheck"), *arguments)
@@ -145,16 +110,10 @@ class Bench:
         return self.interface.flag("hasEventMode")
 
     def new(self, *, logging: bool = True) -> Instance:
-        """Return a new instance.
-
-        Raises
-        ------
-        CallFailed
-            When the FMU refuses.
-        """
+        """Return a new instance; CallFailed when the FMU refuses."""
         instance = self.instantiate(logging=logging)
         if instance is None:
-            raise CallFailed("instantiation", FATAL, ": it gave no instance")
+            raise calls.CallFailed("instantiation", calls.FATAL, ": it gave no instance")
         return instance
 
     def last_words(self) -> str:
@@ -176,8 +135,8 @@ class Bench:
 
     def failed(self, name: str, status: int) -> Claims:
         """Yield that a function failed, if it did."""
-        if status > WARNING:
-            yield f"{self.binary.prefix}{name}", f"returned {status_name(status)}"
+        if status > calls.WARNING:
+            yield f"{self.binary.prefix}{name}", f"returned {calls.status_name(status)}"
 
     def while_time(self, things: Iterable[Thing]) -> Iterator[Thing]:
         """Yield things until the rule has taken long; fewer of them are tried on slow FMUs."""
@@ -185,8 +144,6 @@ class Bench:
             if time.monotonic() - self.began > PATIENCE:
                 return
             yield thing
-
-    # Variables
 
     def _readable(self, v: Variable) -> bool:
         return v.kind != "Clock" and v.clocks is None and v.reference is not None
@@ -201,27 +158,15 @@ class Bench:
     @cached_property
     def inputs(self) -> list[Variable]:
         """The inputs that can be moved as numbers or switches."""
-        return [
-            v
-            for v in self.description.variables
-            if v.causality == "input" and self._readable(v) and v.kind not in ("String", "Binary")
-        ]
+        every = [v for v in self.description.variables if v.causality == "input"]
+        return [v for v in every if self._readable(v) and v.kind not in ("String", "Binary")]
 
     @cached_property
     def parameters(self) -> list[Variable]:
         """The scalar numeric parameters that can be set before initialisation."""
-        return [
-            v
-            for v in self.description.variables
-            if v.causality == "parameter"
-            and self._readable(v)
-            and is_number(v.kind)
-            and v.kind != "Enumeration"
-            and not v.dimensions
-            and v.start_numbers
-        ]
-
-    # Times
+        every = [v for v in self.description.variables if v.causality == "parameter"]
+        numeric = [v for v in every if is_number(v.kind) and v.kind != "Enumeration"]
+        return [v for v in numeric if self._readable(v) and not v.dimensions and v.start_numbers]
 
     @property
     def start_time(self) -> float:
@@ -241,7 +186,3 @@ class Bench:
         if fixed is not None and 0.0 < fixed < math.inf:
             step = max(1.0, round(step / fixed)) * fixed
         return float(step)
-
-
-def _ignore() -> None:
-    """Take a callback of Scheduled Execution."""

@@ -1,19 +1,95 @@
-"""Calls into a library and from it: what their status means, the logger, memory."""
+"""Calls into a library and from it: what their status means, the logger, memory.
 
-from __future__ import annotations
+A callback in Python has no variable arguments. The logger of FMI 2.0 is declared with as many
+further ones as the system passes in registers and, beyond, in eight words of the caller's stack.
+"""
 
 import ctypes
 import os
+import platform
+import re
+import struct
 import sys
 from collections.abc import Sequence
-from ctypes import CDLL, CFUNCTYPE, Structure, c_char_p, c_int, c_size_t, c_void_p
+from ctypes import (
+    CDLL,
+    CFUNCTYPE,
+    Structure,
+    c_char_p,
+    c_double,
+    c_int,
+    c_size_t,
+    c_uint64,
+    c_void_p,
+)
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from stickslip.fmi.messages import named
 from stickslip.fmucheck.description.model import Variable
-from stickslip.fmucheck.running.printf import ARGUMENTS, formatted
+
+_SPEC = re.compile(
+    rb"%(?P<flags>[-+ #0]*)(?P<width>\*|\d*)(?:\.(?P<digits>\*|\d*))?"
+    rb"(?:hh|h|(?P<long>ll|l|j|z|t)|L)?(?P<kind>[diouxXcspfFeEgGaA%])"
+)
+_MOST_WIDTH = 1000
+_ON_STACK = 8
+_TOGETHER = sys.platform == "win32"
+"""Whether floating-point numbers lie among the others."""
+_REGISTERS = {"x86_64": (1, 8), "AMD64": (1, 8), "aarch64": (3, 8)}.get(platform.machine())
+KNOWN = _REGISTERS is not None and sys.platform in ("linux", "win32")
+_N, _N_FLOATS = (_REGISTERS or (0, 0)) if not _TOGETHER else (0, 0)
+_PASSED = (*[c_uint64] * (_N + _ON_STACK), *[c_double] * _N_FLOATS)
+ARGUMENTS: tuple[Any, ...] = _PASSED if KNOWN else ()
+"""C types of what follows the format."""
+
+
+def formatted(text: bytes, arguments: Sequence[float]) -> bytes:
+    """Return a format with values of ``ARGUMENTS``; what it asks beyond stays as it is written."""
+    words = iter([int(word) for word in arguments[: _N + _ON_STACK]])
+    floats = iter(arguments[_N + _ON_STACK :])
+
+    def size(given: bytes | None) -> bytes:
+        number = _signed(next(words), 32) if given == b"*" else int(given or 0)
+        return str(max(-_MOST_WIDTH, min(_MOST_WIDTH, number))).encode()
+
+    def one(found: re.Match[bytes]) -> bytes:
+        kind = found["kind"]
+        if kind == b"%":
+            return b"%"
+        spec: bytes = b"%" + found["flags"] + (size(found["width"]) if found["width"] else b"")
+        spec += b"" if found["digits"] is None else b"." + size(found["digits"])
+        if kind in b"fFeEgGaA":
+            raw = struct.pack("Q", next(words)) if _TOGETHER else struct.pack("d", next(floats))
+            number: float = struct.unpack("d", raw)[0]
+            return number.hex().encode() if kind in b"aA" else (spec + kind) % number
+        word = next(words)
+        if kind == b"s":
+            string: bytes = ctypes.c_char_p(word).value or b"(null)"
+            return (spec + kind) % string
+        if kind == b"c":
+            return (spec + kind) % bytes([word & 0xFF])
+        bits = 64 if found["long"] or kind == b"p" else 32
+        if kind in b"di":
+            return (spec + b"d") % _signed(word, bits)
+        if kind == b"o":  # Python writes 0o for the 0 of C
+            digits: bytes = (spec + kind) % (word % 2**bits)
+            return digits.replace(b"0o", b"0", 1)
+        spec += {b"p": b"#x", b"u": b"d"}.get(kind, kind)
+        shown: bytes = spec % (word % 2**bits)
+        return shown
+
+    try:
+        return _SPEC.sub(one, text) if KNOWN else text
+    except StopIteration:
+        return text
+
+
+def _signed(word: int, bits: int) -> int:
+    word %= 2**bits
+    return word - 2**bits if word >> (bits - 1) else word
+
 
 OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
 _NAMES = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
@@ -25,10 +101,7 @@ def status_name(status: int) -> str:
 
 
 class CallFailed(Exception):
-    """A function did not do what it must be able to do.
-
-    ``status`` is what it returned, -1 when the library does not have it.
-    """
+    """A function failed; the status is -1 when the library does not have it."""
 
     def __init__(self, function: str, status: int, why: str = "") -> None:
         how = "is not exported" if status < 0 else f"returned {status_name(status)}"
@@ -37,13 +110,7 @@ class CallFailed(Exception):
 
 
 class Binary:
-    """A loaded library.
-
-    Raises
-    ------
-    OSError
-        When the system cannot load it.
-    """
+    """A loaded library; OSError when the system cannot load it."""
 
     def __init__(self, path: Path, version: int) -> None:
         self.prefix = f"fmi{version}"
@@ -52,13 +119,7 @@ class Binary:
         self._library = CDLL(str(path))
 
     def function(self, name: str, result: Any = c_int) -> Any:
-        """Return a function by its name without prefix, with what it returns.
-
-        Raises
-        ------
-        CallFailed
-            When the library does not export it.
-        """
+        """Return a function by its name without prefix; CallFailed when it is not there."""
         try:
             found = self._library[self.prefix + name]
         except AttributeError:
@@ -71,13 +132,7 @@ class Binary:
         return int(self.function(name)(*arguments))
 
     def do(self, name: str, *arguments: Any) -> int:
-        """Call a function that must succeed.
-
-        Raises
-        ------
-        CallFailed
-            When it returns neither OK nor Warning.
-        """
+        """Call a function that must succeed; CallFailed when it returns neither OK nor Warning."""
         status = self.call(name, *arguments)
         if status not in (OK, WARNING):
             raise CallFailed(self.prefix + name, status)
@@ -98,7 +153,6 @@ _LIBC = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
 _LIBC.calloc.restype = c_void_p
 _LIBC.calloc.argtypes = (c_size_t, c_size_t)
 _LIBC.free.argtypes = (c_void_p,)
-
 MOST_MESSAGES = 10_000  # kept of one instance
 LOGGER2 = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, *ARGUMENTS)
 LOGGER3 = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
@@ -146,13 +200,8 @@ class Callbacks:
         self.environment = ctypes.addressof(self._place)
         self.logger2 = LOGGER2(self._log2)
         self.logger3 = LOGGER3(self._log3)
-        self.functions = Callbacks2(
-            self.logger2,
-            _ALLOCATE(self._allocate),
-            _FREE(self._free),
-            _FINISHED(),
-            self.environment,
-        )
+        memory = _ALLOCATE(self._allocate), _FREE(self._free)
+        self.functions = Callbacks2(self.logger2, *memory, _FINISHED(), self.environment)
 
     def _log2(
         self,
@@ -169,11 +218,9 @@ class Callbacks:
                 text = named(_word(formatted(text, arguments)) or "", known).encode()
             self._log3(place, status, category, text)
 
-    def _log3(
-        self, place: int | None, status: int, category: bytes | None, text: bytes | None
-    ) -> None:
+    def _log3(self, place: int | None, status: int, kind: bytes | None, text: bytes | None) -> None:
         if len(self.messages) < MOST_MESSAGES:
-            self.messages.append(Message(status, _word(category), _word(text), place))
+            self.messages.append(Message(status, _word(kind), _word(text), place))
 
     def _allocate(self, count: int, size: int) -> int | None:
         self.allocated += 1

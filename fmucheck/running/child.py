@@ -5,8 +5,6 @@ when the process died. Each line begins with the token of the job: the FMU may w
 report too.
 """
 
-from __future__ import annotations
-
 import json
 import pickle
 import secrets
@@ -23,33 +21,23 @@ from stickslip.fmucheck import rules
 from stickslip.fmucheck.description.model import Description
 from stickslip.fmucheck.running.bench import Bench, Spent
 from stickslip.fmucheck.running.calls import CallFailed
-from stickslip.fmucheck.running.loading import GATES, LOADING
-from stickslip.fmucheck.running.process import settings
+from stickslip.fmucheck.running.plain_run import GATES, LOADING, settings
 
 MEMORY = 4 * 1024**3
 
 
 @dataclass(frozen=True)
 class Job:
-    """What a child is to do.
-
-    Attributes
-    ----------
-    libraries : interface -> its binary
-    first : interface -> what an earlier process found out
-    token : a word that begins each line of the report
-    tried : interfaces and rules that other children have tried before
-    sandbox : the arguments with which it is entered, ``None`` without one
-    """
+    """What a child is to do; each line of its report begins with the token."""
 
     stage: str
     description: Description
-    libraries: dict[str, Path]
+    libraries: dict[str, Path]  # interface -> its binary
     resources: Path
-    first: dict[str, dict[str, str]]
+    first: dict[str, dict[str, str]]  # interface -> what an earlier process found out
     token: str = field(default_factory=lambda: secrets.token_hex(16))
-    tried: frozenset[tuple[str, str]] = frozenset()
-    sandbox: dict[str, Any] | None = None
+    tried: frozenset[tuple[str, str]] = frozenset()  # interfaces and rules, by other children
+    sandbox: dict[str, Any] | None = None  # the arguments with which it is entered
 
 
 def main(job_file: str, report_file: str) -> None:
@@ -64,9 +52,8 @@ def main(job_file: str, report_file: str) -> None:
             library = job.libraries.get(interface.kind)
             if library and library.exists():  # an FMU may have deleted it
                 first = job.first.get(interface.kind, {})
-                bench = Bench(
-                    job.description, interface, library, job.resources, before, first, dict(first)
-                )
+                given = interface, library, job.resources, before, first
+                bench = Bench(job.description, *given, dict(first))
                 _try(job, bench, report)
                 if bench.is_spent:  # the rest needs a process of its own
                     _tell(job, report, end=True, again=True)

@@ -1,7 +1,5 @@
 """Rules about Model Exchange."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator
@@ -10,7 +8,7 @@ from ctypes import byref, c_double, c_size_t
 from stickslip.fmucheck.rules import Claims, error, warning
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import status_name
-from stickslip.fmucheck.running.run import STEPS, ExchangeRun, indicator_count, new_run, state_count
+from stickslip.fmucheck.running.run import STEPS, ExchangeRun, indicator_count, new_run
 
 _GUARD = -1.2345678e-300  # what nothing computes
 _SPARE = 4
@@ -30,10 +28,8 @@ def wrong_count(bench: Bench) -> Claims:
     """The number of states or event indicators is not that of the description."""
     for run in _begun(bench):
         three = bench.description.version == 3
-        wanted = {
-            "ContinuousStates": state_count(bench.description),
-            "EventIndicators": indicator_count(bench.description),
-        }
+        states = bench.description.count(bench.description.states)
+        wanted = {"ContinuousStates": states, "EventIndicators": indicator_count(bench.description)}
         for name, count in wanted.items():
             if three:
                 found = c_size_t()

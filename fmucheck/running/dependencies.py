@@ -1,19 +1,190 @@
-"""Rules about declared dependencies: each known is moved, and what moves with it is seen."""
-
-from __future__ import annotations
+"""Rules about derivatives and dependencies: each known is moved, and what moves is seen."""
 
 import itertools
 from collections.abc import Iterator
+from ctypes import c_double, c_size_t
 from dataclasses import dataclass
 
 from stickslip.fmi.description.variables import FLOATS
-from stickslip.fmucheck.description.model import Unknown, Variable, listed
+from stickslip.fmucheck.description.model import Unknown, Variable, listed, whole
 from stickslip.fmucheck.rules import Claims, error, note
 from stickslip.fmucheck.running.bench import Bench
-from stickslip.fmucheck.running.calls import CallFailed
-from stickslip.fmucheck.running.instance import Values
-from stickslip.fmucheck.running.run import STEPS, Run, moved, new_run, other
-from stickslip.fmucheck.running.sensitivity import put
+from stickslip.fmucheck.running.calls import CallFailed, references
+from stickslip.fmucheck.running.instance import Instance, Values
+from stickslip.fmucheck.running.run import STEPS, Run, moved, new_run, other, scale
+
+_MOST_COMPARED = 40  # knowns and unknowns compared
+_PLACES = (0, 5)  # steps after which it is compared
+_BETWEEN = (-0.83, -0.37, 0.21, 0.64)  # parts of the step at which straightness is checked
+
+
+@dataclass(frozen=True)
+class Slope:
+    """A derivative from differences, and how far two of them disagree."""
+
+    value: float
+    doubt: float
+
+    def agrees(self, other: float, doubt: float = 0.0) -> bool:
+        """Tell whether a derivative is near enough."""
+        slack = 1e-3 * max(abs(other), abs(self.value)) + self.doubt + doubt
+        return abs(other - self.value) <= slack
+
+
+def _scalar(v: Variable | None) -> bool:
+    return v is not None and v.kind in ("Real", "Float64") and not v.dimensions and not v.clocks
+
+
+def _knowns(bench: Bench) -> list[Variable]:
+    inputs = [v for v in bench.inputs if _scalar(v) and v.variability == "continuous"]
+    states = [v for v in bench.description.states if _scalar(v)] if bench.is_exchange else []
+    return [*inputs, *states][:_MOST_COMPARED]
+
+
+def _smooth_unknowns(bench: Bench) -> list[Unknown]:
+    groups = ("Output", "ContinuousStateDerivative") if bench.is_exchange else ("Output",)
+    every = [u for u in bench.description.unknowns if u.group in groups]
+    return [u for u in every if _scalar(u.variable)][:_MOST_COMPARED]
+
+
+def _pairs(bench: Bench) -> Iterator[tuple[Variable, Variable]]:
+    """Yield unknown and known wherever the first may depend on the second."""
+    for unknown in _smooth_unknowns(bench):
+        depends = unknown.dependencies
+        for known in _knowns(bench):
+            listed = depends is None or any(v is known for _, v in depends)
+            if unknown.variable and listed and unknown.variable is not known:
+                yield unknown.variable, known
+
+
+def put(run: Run, v: Variable, value: float) -> None:
+    """Set an input, or one state of the state vector."""
+    states = run.bench.description.states
+    if v.causality == "input":
+        run.instance.set(v, (value,))
+        return
+    vector = run.instance.vector("ContinuousStates", len(states))
+    vector[states.index(v)] = value
+    run.instance.set_states(vector)
+
+
+def _slope(run: Run, unknown: Variable, known: Variable) -> Slope | None:
+    """Return the central difference, ``None`` where it is not smooth or cannot be taken."""
+    middle = float(run.instance.get([known])[0][0])
+    span = 1e-4 * scale(known, middle)
+    values = {}
+    for part in (1.0, -1.0, 0.5, -0.5, *_BETWEEN):
+        put(run, known, middle + part * span)
+        values[part] = float(run.instance.get([unknown])[0][0])
+    put(run, known, middle)
+    found = [(values[part] - values[-part]) / (2 * part * span) for part in (1.0, 0.5)]
+    centre = (values[0.5] + values[-0.5]) / 2
+    # Terms far greater than their sum leave rounding errors that its size does not show.
+    off = max(abs(values[part] - centre - part * span * found[0]) for part in _BETWEEN)
+    noise = (1e-11 * abs(centre) + 5 * off) / span
+    doubt = abs(found[0] - found[1])
+    if not doubt <= 1e-3 * max(map(abs, found)) + noise:
+        return None
+    return Slope(found[1], 10 * doubt + 2 * noise + 1e-12)
+
+
+def _at(bench: Bench, steps: int) -> Run:
+    run = new_run(bench, watching=False)
+    run.begin()
+    run.go(steps)
+    return run
+
+
+def _derivative(
+    instance: Instance, unknown: Variable, known: Variable, name: str = "GetDirectionalDerivative"
+) -> float:
+    """Return d unknown / d known as the FMU tells it."""
+    rows, columns = references([unknown.reference or 0]), references([known.reference or 0])
+    seed, result, one = (c_double * 1)(1.0), (c_double * 1)(), c_size_t(1)
+    if instance.description.version == 2:
+        instance.do(name, rows, one, columns, one, seed, result)
+    else:
+        instance.do(name, rows, one, columns, one, seed, one, result, one)
+    return float(result[0])
+
+
+def _compared(bench: Bench, name: str) -> Claims:
+    """Yield where a function's derivatives are not those of differences."""
+    reported = set()
+    for steps in _PLACES if not bench.still else ():
+        run = _at(bench, steps)
+        for unknown, known in _pairs(bench) if not run.ended else ():
+            pair = f"d {unknown.name} / d {known.name}"
+            if pair in reported:
+                continue
+            slope = _slope(run, unknown, known)
+            got = _derivative(run.instance, unknown, known, name)
+            # FMI 2.0 need not compute outputs before the next step of Co-Simulation.
+            blind = bench.description.version == 2 and not bench.is_exchange
+            if slope is None or (blind and slope.value == 0.0) or slope.agrees(got):
+                continue
+            reported.add(pair)
+            what = f"{got:.6g} from {name}, {slope.value:.6g} from differences"
+            yield pair, f"{what}, at t = {run.time:g}"
+
+
+@error("2.1.9", "2.2", "correct the derivative, or do not provide it")
+def wrong_directional_derivative(bench: Bench) -> Claims:
+    """A directional derivative is not what central differences give."""
+    if bench.interface.flag("providesDirectionalDerivatives"):
+        yield from _compared(bench, "GetDirectionalDerivative")
+
+
+@error(None, "2.2", "correct the derivative, or do not provide it")
+def wrong_adjoint_derivative(bench: Bench) -> Claims:
+    """An adjoint derivative is not what central differences give."""
+    if bench.interface.flag("providesAdjointDerivatives"):
+        yield from _compared(bench, "GetAdjointDerivative")
+
+
+@error("2.2.8", "2.4.8", "write dependent")
+def wrong_dependency_kind(bench: Bench) -> Claims:
+    """A dependency is declared as a constant or fixed factor, but the factor changes in a run."""
+    runs = [_at(bench, steps) for steps in (*_PLACES, 9)]
+    for unknown in _smooth_unknowns(bench) if not any(run.ended for run in runs) else ():
+        for (_, known), kind in zip(unknown.dependencies or (), unknown.kinds or (), strict=False):
+            if kind not in ("constant", "fixed") or known is None or known not in _knowns(bench):
+                continue
+            if unknown.variable is None or unknown.variable is known or bench.still:
+                continue
+            slopes = [s for run in runs if (s := _slope(run, unknown.variable, known))]
+            if any(not slopes[0].agrees(other.value, other.doubt) for other in slopes[1:]):
+                factors = ", ".join(f"{s.value:.6g}" for s in slopes)
+                yield unknown.place, f"{kind} factor of {known.name}, but it is {factors}"
+
+
+def _first_order(bench: Bench, name: str, variables: list[Variable]) -> Claims:
+    """Yield that the first derivatives of variables cannot be read or set."""
+    count, orders = c_size_t(len(variables)), references([1] * len(variables))
+    numbers = references([v.reference or 0 for v in variables])
+    counts = [] if bench.description.version == 2 else [count]
+    values = (c_double * len(variables))()
+    status = _at(bench, 3).instance.status(name, numbers, count, orders, values, *counts)
+    yield from bench.failed(name, status)
+
+
+@error("4.2.1", "4.2", "compute it, or declare order 0")
+def output_derivatives_fail(bench: Bench) -> Claims:
+    """It declares maxOutputDerivativeOrder, but has no derivatives of outputs."""
+    order = whole(bench.interface.given.get("maxOutputDerivativeOrder"))
+    wanted = [u.variable for u in _smooth_unknowns(bench) if u.variable]
+    if not bench.is_exchange and order and wanted:
+        real = "Real" if bench.description.version == 2 else ""
+        yield from _first_order(bench, f"Get{real}OutputDerivatives", wanted)
+
+
+@error("4.2.1", None, "accept them, or declare false")
+def input_derivatives_fail(bench: Bench) -> Claims:
+    """It declares canInterpolateInputs, but takes no derivatives of inputs."""
+    known = [v for v in _knowns(bench) if v.causality == "input"]
+    if not bench.is_exchange and bench.interface.flag("canInterpolateInputs") and known:
+        yield from _first_order(bench, "SetRealInputDerivatives", known)
+
 
 _MOST = 100  # knowns moved
 _STEPS = (1, 4)
@@ -56,15 +227,13 @@ def _stepped(bench: Bench) -> tuple[str, ...]:
     return ("Output", "ContinuousStateDerivative") if bench.is_exchange else ("Output",)
 
 
-def _movable(v: Variable) -> bool:
-    return v.kind not in ("String", "Binary", "Clock") and v.clocks is None
-
-
 def _initial(bench: Bench) -> Iterator[Seen]:
     """Yield what is seen in initialisation mode."""
     unknowns = [u.variable for u in _unknowns(bench, ("InitialUnknown",)) if u.variable]
-    exact = [v for v in bench.description.variables if _movable(v) and v.variability != "constant"]
-    knowns = [v for v in exact if v.initial == "exact" and v.causality != "structuralParameter"]
+    every = [v for v in bench.description.variables if v.clocks is None and v.initial == "exact"]
+    every = [v for v in every if v.kind not in ("String", "Binary", "Clock")]
+    every = [v for v in every if v.causality != "structuralParameter"]
+    knowns = [v for v in every if v.variability != "constant"]
     everything = [*bench.inputs, *knowns][:_MOST] if unknowns else []
     for known, shift in bench.while_time(itertools.product(everything, (False, True))):
         instance = bench.new()
@@ -101,10 +270,7 @@ def _stepping(bench: Bench) -> Iterator[Seen]:
 
 
 def _after_steps(bench: Bench) -> Iterator[Seen]:
-    """Yield what is seen after a known was moved, in steps of Co-Simulation or with events alone.
-
-    No dependency in the sense of the standard, but reason enough for one to be declared.
-    """
+    """Yield what is seen in steps or events after a known was moved: reason to declare it."""
     outputs = [u.variable for u in _unknowns(bench, ("Output",)) if u.variable]
     moves_by_itself = bench.is_exchange and bench.description.states
     knowns = bench.inputs[:_MOST] if outputs and not moves_by_itself else []
@@ -113,9 +279,8 @@ def _after_steps(bench: Bench) -> Iterator[Seen]:
             rows = [_rows(bench, outputs, shifted) for shifted in (None, known)]
         except CallFailed:
             continue
-        pairs = [
-            pair for a, b in zip(*rows, strict=False) for pair in zip(outputs, a, b, strict=True)
-        ]
+        steps = zip(*rows, strict=False)
+        pairs = [one for a, b in steps for one in zip(outputs, a, b, strict=True)]
         moving = frozenset(v.index for v, a, b in pairs if repr(a) != repr(b))
         yield Seen(known, moving, _LATER)
 
@@ -147,16 +312,12 @@ def _seen(bench: Bench) -> dict[tuple[str, int], set[int]]:
     return bench.seen
 
 
-def _mode(unknown: Unknown) -> str:
-    return "initialisation" if unknown.group == "InitialUnknown" else "stepping"
-
-
 def _declared(bench: Bench) -> Iterator[tuple[Unknown, set[int], set[int], set[int]]]:
     """Yield unknown, knowns declared, knowns seen and knowns tried, as indices."""
     seen = _seen(bench)
     for unknown in _unknowns(bench, (*_stepped(bench), "InitialUnknown")):
         if unknown.dependencies is not None and unknown.variable:
-            mode = _mode(unknown)
+            mode = "initialisation" if unknown.group == "InitialUnknown" else "stepping"
             declared = {v.index for _, v in unknown.dependencies if v}
             found = seen.get((mode, unknown.variable.index), set())
             yield unknown, declared, found, seen.get((mode, -1), set())

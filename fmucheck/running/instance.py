@@ -1,7 +1,5 @@
 """One instance of an FMU, with the same methods for both versions of the standard."""
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Sequence
 from ctypes import Structure, byref, c_bool, c_double, c_int, c_size_t, c_void_p
@@ -10,26 +8,16 @@ from typing import Any
 
 from stickslip.fmi.description.variables import SETTERS
 from stickslip.fmucheck.description.model import Description, Variable
-from stickslip.fmucheck.running.calls import (
-    DISCARD,
-    OK,
-    WARNING,
-    Binary,
-    Callbacks,
-    CallFailed,
-    pointer,
-    references,
-)
+from stickslip.fmucheck.running import calls
+from stickslip.fmucheck.running.calls import Binary, Callbacks
 
 Values = tuple[Any, ...]
 _TERMINATED = 3  # fmi2StatusKind
 
 
 class _EventInfo(Structure):
-    _fields_ = (
-        *((name, c_int) for name in ("more", "end", "nominals", "changed", "has_time")),
-        ("time", c_double),
-    )
+    _flags = ("more", "end", "nominals", "changed", "has_time")
+    _fields_ = (*((name, c_int) for name in _flags), ("time", c_double))
 
 
 @dataclass
@@ -38,7 +26,6 @@ class Event:
 
     more: bool
     end: bool = False
-    changed: bool = False
     next_time: float | None = None
 
 
@@ -52,7 +39,7 @@ class Instance:
         self, binary: Binary, description: Description, handle: int, callbacks: Callbacks
     ) -> None:
         self.binary, self.description = binary, description
-        self.handle, self.callbacks = pointer(handle), callbacks
+        self.handle, self.callbacks = calls.pointer(handle), callbacks
         self.warned: list[str] = []
         self.broken = False
         self.two = description.version == 2
@@ -69,8 +56,6 @@ class Instance:
     def status(self, name: str, *arguments: Any) -> int:
         """Call a function of this instance and return its status."""
         return self.binary.call(name, self.handle, *arguments)
-
-    # Values
 
     def get(self, variables: Sequence[Variable]) -> list[Values]:
         """Return the values of variables, each as a tuple of its elements."""
@@ -99,23 +84,18 @@ class Instance:
             return list(array)
         sizes = (c_size_t * count)()
         n, total = c_size_t(len(numbers)), c_size_t(count)
-        self.do("GetBinary", references(numbers), n, sizes, array, total)
+        self.do("GetBinary", calls.references(numbers), n, sizes, array, total)
         pairs = zip(array, sizes, strict=True)
         return [ctypes.string_at(p, s) if p else None for p, s in pairs]
 
     def _access(self, name: str, numbers: list[int], array: Any, count: int) -> None:
         counts = [] if self.two else [c_size_t(count)]
-        self.do(name, references(numbers), c_size_t(len(numbers)), array, *counts)
-
-    # Life
+        self.do(name, calls.references(numbers), c_size_t(len(numbers)), array, *counts)
 
     def enter_initialisation(
         self, start: float, parameters: Sequence[tuple[Variable, Values]] = ()
     ) -> None:
-        """Set parameters and go from instantiated into initialisation mode.
-
-        FMI 2.0 also allows them before SetupExperiment, but tools set them after it.
-        """
+        """Set parameters, after SetupExperiment as tools do, and enter initialisation mode."""
         nothing, no = c_double(0.0), self._flag(False)
         times = (no, nothing, c_double(start), no, nothing)
         if self.two:
@@ -123,10 +103,6 @@ class Instance:
         for variable, values in parameters:
             self.set(variable, values)
         self.do("EnterInitializationMode", *(() if self.two else times))
-
-    def exit_initialisation(self) -> None:
-        """Leave initialisation mode."""
-        self.do("ExitInitializationMode")
 
     def step(self, time: float, step: float) -> bool:
         """Do one communication step; return whether the FMU wants the run to end."""
@@ -136,11 +112,11 @@ class Instance:
         self.broken = True
         status = self.status("DoStep", c_double(time), c_double(step), c_int(0))
         ended = c_int(0)
-        if status == DISCARD:
+        if status == calls.DISCARD:
             self.status("GetBooleanStatus", c_int(_TERMINATED), byref(ended))
-        if not ended.value and status not in (OK, WARNING):
-            raise CallFailed("fmi2DoStep", status, f" for the step from {time} by {step}")
-        if status == WARNING:
+        if not ended.value and status not in (calls.OK, calls.WARNING):
+            raise calls.CallFailed("fmi2DoStep", status, f" for the step from {time} by {step}")
+        if status == calls.WARNING:
             self.warned.append("DoStep")
         self.broken = False
         return bool(ended.value)
@@ -150,7 +126,8 @@ class Instance:
         results = byref(event), byref(end), byref(early), byref(last)
         self.do("DoStep", c_double(time), c_double(step), c_bool(False), *results)
         if early.value and not end.value:
-            raise CallFailed("fmi3DoStep", 0, f" early at {last.value}, though that is not allowed")
+            why = f" early at {last.value}, though that is not allowed"
+            raise calls.CallFailed("fmi3DoStep", 0, why)
         if event.value and self.event_mode:
             self.do("EnterEventMode")
             self.leave_event_mode()
@@ -161,15 +138,15 @@ class Instance:
         info = _EventInfo()
         if self.two:
             self.do("NewDiscreteStates", byref(info))
-            flags = [info.more, info.end, info.changed, info.has_time]
+            flags = [info.more, info.end, info.has_time]
         else:
             answers = [c_bool() for _ in range(5)]
             time = c_double()
             self.do("UpdateDiscreteStates", *map(byref, answers), byref(time))
-            flags = [answers[k].value for k in (0, 1, 3, 4)]
+            flags = [answers[k].value for k in (0, 1, 4)]
             info.time = time.value
-        more, end, changed, has_time = map(bool, flags)
-        return Event(more, end, changed, info.time if has_time else None)
+        more, end, has_time = map(bool, flags)
+        return Event(more, end, info.time if has_time else None)
 
     def complete_step(self) -> tuple[bool, bool]:
         """Complete an integration step; return whether there is an event, and the end."""
@@ -184,8 +161,6 @@ class Instance:
                 break
         self.do("EnterStepMode")
 
-    # Model Exchange
-
     def vector(self, name: str, count: int) -> list[float]:
         """Call a getter of a vector, such as ContinuousStates."""
         array = (c_double * count)()
@@ -198,8 +173,6 @@ class Instance:
         if states:
             array = (c_double * len(states))(*states)
             self.do("SetContinuousStates", array, c_size_t(len(states)))
-
-    # State
 
     def save(self, state: c_void_p | None = None) -> c_void_p:
         """Return a copy of the complete state, in ``state`` if one is given."""
@@ -226,15 +199,10 @@ class Instance:
     def deserialise(self, content: bytes) -> c_void_p:
         """Return a saved state from bytes."""
         state = c_void_p()
-        memory = (c_size_t * (len(content) // 8 + 1)).from_buffer_copy(
-            content.ljust(len(content) + 8)
-        )
-        self.do(
-            f"De{'S' if self.two else 's'}erialize{self.state_name}",
-            memory,
-            c_size_t(len(content)),
-            byref(state),
-        )
+        kind = c_size_t * (len(content) // 8 + 1)
+        memory = kind.from_buffer_copy(content.ljust(len(content) + 8))
+        name = f"De{'S' if self.two else 's'}erialize{self.state_name}"
+        self.do(name, memory, c_size_t(len(content)), byref(state))
         return state
 
     def free(self) -> None:

@@ -1,7 +1,5 @@
 """The parent: starts children, watches over them, and survives what they load."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import math
@@ -27,10 +25,9 @@ from stickslip.fmucheck.description.model import Fmu
 from stickslip.fmucheck.ending import MOST_TEXT, TELLING, Ending, signal_name
 from stickslip.fmucheck.rules import Finding
 from stickslip.fmucheck.running.child import MEMORY, Job
-from stickslip.fmucheck.running.loading import GATES
+from stickslip.fmucheck.running.plain_run import GATES
 
 Claim = tuple[str, str]
-
 TIMEOUT = 20.0  # s that one rule may take
 _MOST_CHILDREN = 8
 _GRACE = 2.0  # s that the sandbox's guard may take to end after the child
@@ -53,30 +50,17 @@ def host_binary(fmu: Fmu, identifier: str) -> str | None:
 
 @dataclass(frozen=True)
 class Limits:
-    """How long running may take, and what it may do.
+    """How long running may take, and what it may do."""
 
-    Attributes
-    ----------
-    rule : s for one rule
-    end : of all, by the monotonic clock
-    allow : what the sandbox lets the binary do, as words of ``--allow``
-    """
-
-    rule: float = TIMEOUT
-    end: float = math.inf
-    allow: tuple[str, ...] = ()
+    rule: float = TIMEOUT  # s for one rule
+    end: float = math.inf  # of all, by the monotonic clock
+    allow: tuple[str, ...] = ()  # what the sandbox lets the binary do, as words of ``--allow``
 
 
 def findings_of_runs(
     fmu: Fmu, blocked: set[str], broken: Mapping[str, str], limits: Limits
 ) -> Iterator[Finding]:
-    """Yield what is found by running every interface of an FMU.
-
-    Parameters
-    ----------
-    blocked : rules whose findings make running pointless
-    broken : binary that cannot be loaded -> the rule that found so
-    """
+    """Yield what running interfaces finds, unless ``blocked`` by rules or ``broken`` itself."""
     libraries = {}
     for interface in fmu.description.interfaces:
         name = host_binary(fmu, interface.identifier)
@@ -166,7 +150,7 @@ def _tried(
         yield from _ended(Ending(once, "", "not-run", text=text), fmu)
 
 
-def _gated(child: _Child) -> set[str]:
+def _gated(child: "_Child") -> set[str]:
     """Return the interfaces of which nothing more can be tried."""
     claimed = {key for key, claims in child.claims.items() if claims}
     failed = {(kind, rule) for kind, rule, reason in child.failed if reason == "call-fails"}
@@ -258,15 +242,11 @@ class _Child:
         return Ending(interface, during, reason, status, text, limits.rule)
 
     def _guarded(self, room: Path, allow: Permissions) -> Guard | None:
-        """Return the guard of the sandbox, None without one.
-
-        The FMU may change its unpacked files, so that a rule finds that it does.
-        """
+        """Return the guard of the sandbox or None; a rule finds when the FMU's files change."""
         if sandbox.unavailable():
             return None
-        packages = [path for name in _PACKAGES for path in sys.modules[name].__path__]
-        readable = sandbox.interpreter_folders(map(Path, packages))
-        return Guard(readable, [str(room), str(self.folder)], allow, MEMORY / 1e6)
+        writable = [str(room), str(self.folder)]
+        return Guard.of_python(_PACKAGES, [], writable, allow, MEMORY / 1e6)
 
     def _wait(
         self, process: subprocess.Popen[bytes], report: Path, output: Path, limits: Limits

@@ -3,8 +3,6 @@
 The last two compare with what a first process has left.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from ctypes import c_void_p
 

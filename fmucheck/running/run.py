@@ -1,12 +1,10 @@
 """A run: the same steps with the same inputs, by either interface, recorded bit for bit."""
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Sequence
 from ctypes import c_double
-from typing import Any
+from typing import Any, Self
 
 from stickslip.fmi.description.variables import FLOATS
 from stickslip.fmucheck.description.model import RANGES, Description, Variable, number, whole
@@ -69,19 +67,12 @@ STEPS = 12
 
 
 class Run:
-    """A run of one instance.
+    """A run of one instance; ``rows`` hold what was read after each step, with every bit.
 
-    ``rows`` hold what was read after each step as text that shows every bit.
-
-    Parameters
-    ----------
-    phase : shifts the inputs, so that two runs can differ
-    watching : read everything after each step, not only at the end
+    ``phase`` shifts the inputs, so that two runs can differ; without ``watching``, nothing is read.
     """
 
-    def __init__(
-        self, bench: Bench, instance: Instance, *, phase: float = 0.0, watching: bool = True
-    ) -> None:
+    def __init__(self, bench: Bench, instance: Instance, *, phase: float, watching: bool) -> None:
         self.bench, self.instance = bench, instance
         self.phase, self.watching = phase, watching
         self.count, self.ended = 0, False
@@ -90,7 +81,7 @@ class Run:
     def begin(self, parameters: Sequence[tuple[Variable, Values]] = ()) -> None:
         """Initialise."""
         self.instance.enter_initialisation(self.bench.start_time, parameters)
-        self.instance.exit_initialisation()
+        self.instance.do("ExitInitializationMode")
         self.enter()
 
     def enter(self) -> None:
@@ -137,7 +128,7 @@ class Run:
         """Tell whether an input can be set where steps are done."""
         return True
 
-    def branch(self, instance: Instance | None = None) -> Run:
+    def branch(self, instance: Instance | None = None) -> Self:
         """Return a run that goes on from here, with another instance if one is given."""
         twin = copy.copy(self)
         twin.rows = []
@@ -148,14 +139,12 @@ class Run:
 class ExchangeRun(Run):
     """A run of Model Exchange: Heun's method, its step chosen by the difference to Euler's."""
 
-    def __init__(
-        self, bench: Bench, instance: Instance, *, phase: float = 0.0, watching: bool = True
-    ) -> None:
+    def __init__(self, bench: Bench, instance: Instance, *, phase: float, watching: bool) -> None:
         super().__init__(bench, instance, phase=phase, watching=watching)
         self._time = bench.start_time
         self._step = bench.step_size
         self._next: float | None = None
-        self._size = state_count(bench.description)
+        self._size = bench.description.count(bench.description.states)
 
     @property
     def time(self) -> float:
@@ -194,11 +183,8 @@ class ExchangeRun(Run):
             if error <= 1.0 or not x:
                 break
             step *= 0.25
-        self._put(
-            self._time + step,
-            [a + step * (b + c) / 2 for a, b, c in zip(x, f, slope, strict=True)],
-        )
         self._time += step
+        self._put(self._time, [a + step * (b + c) / 2 for a, b, c in zip(x, f, slope, strict=True)])
         self._step = min(self.bench.step_size, 2.0 * step) if step else self.bench.step_size
         event, self.ended = self.instance.complete_step()
         crossed = any((a > 0) != (b > 0) for a, b in zip(before, self.indicators(), strict=True))
@@ -232,17 +218,11 @@ class ExchangeRun(Run):
         return self.instance.vector("EventIndicators", indicator_count(self.bench.description))
 
 
-def state_count(description: Description) -> int:
-    """Return how many continuous states the description declares."""
-    return sum(description.size(v) or 1 for v in description.states)
-
-
 def indicator_count(description: Description) -> int:
     """Return how many event indicators the description declares."""
     if description.version == 2:
         return whole(description.root.get("numberOfEventIndicators")) or 0
-    listed = (u.variable for u in description.group("EventIndicator") if u.variable)
-    return sum(description.size(v) or 1 for v in listed)
+    return description.count([u.variable for u in description.group("EventIndicator")])
 
 
 def new_run(
@@ -253,11 +233,9 @@ def new_run(
     return kind(bench, instance or bench.new(), phase=phase, watching=watching)
 
 
-def finished(
-    bench: Bench, instance: Instance | None = None, *, phase: float = 0.0, watching: bool = True
-) -> Run:
+def finished(bench: Bench, instance: Instance | None = None, *, watching: bool = True) -> Run:
     """Return a run of ``STEPS`` steps."""
-    run = new_run(bench, instance, phase=phase, watching=watching)
+    run = new_run(bench, instance, watching=watching)
     run.begin()
     run.go(STEPS)
     return run

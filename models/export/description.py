@@ -1,31 +1,20 @@
 """model.toml: the one place where a model's variables are written down."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal, Self, get_args
 
 from stickslip.models.errors import DescriptionError, StartValueError
+from stickslip.models.export import units
 from stickslip.models.export.law import MODELS, Law, merge, read_law, read_toml, require_known
-from stickslip.models.export.units import (
-    DISPLAY,
-    NOMINAL,
-    READ_IN,
-    UNITS,
-    motion_unit,
-    parameter_range,
-    rate_unit,
-)
 
 Role = Literal[
     "time", "input", "state", "mode", "derivative", "indicator", "output", "memory", "parameter"
 ]
 Kind = Literal["constant", "fixed", "tunable", "discrete", "dependent"]
 Type = Literal["real", "integer", "boolean"]
-
 # Sections of model.toml in value-reference order.
 _SECTIONS: dict[str, Role] = {
     "inputs": "input",
@@ -154,18 +143,16 @@ class Model:
         """Tell whether a tool's solver can take it over."""
         return self.is_continuous or self.sampled
 
-    def of_motion(self, *, rotary: bool) -> Model:
+    def of_motion(self, *, rotary: bool) -> Self:
         """Return the model with the units of a linear drive, as in model.toml, or a rotary one."""
 
-        def given(unit: str | None) -> str | None:
-            return unit and motion_unit(unit, rotary=rotary)
+        def own(unit: str | None) -> str | None:
+            return unit and units.motion_unit(unit, rotary=rotary)
 
-        variables = (
-            replace(v, unit=given(v.unit), display=given(v.display)) for v in self.variables
-        )
+        variables = (replace(v, unit=own(v.unit), display=own(v.display)) for v in self.variables)
         return replace(self, variables=tuple(variables), rotary=rotary)
 
-    def with_start(self, start: Mapping[str, float]) -> Model:
+    def with_start(self, start: Mapping[str, float]) -> Self:
         """Return the model with other start values.
 
         Raises
@@ -190,13 +177,7 @@ class Model:
 
 
 def read_model(folder: Path, law: Law | None = None) -> Model:
-    """Read ``model.toml`` in a model's folder, with the friction law that it contains.
-
-    Raises
-    ------
-    DescriptionError
-        When the file is not well formed.
-    """
+    """Read ``model.toml`` with the law that it contains; DescriptionError if not well formed."""
     content = read_toml(folder / "model.toml")
     content.setdefault("parameters", {})
     if law is not None:
@@ -271,16 +252,15 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
     """Yield one variable, or one for each element of an array in C order."""
     where = f"{file}, variable {name}"
     require_known(where, table, _KEYS)
-    require_known(where, filter(None, [table.get("unit")]), UNITS)
-    require_known(
-        where, filter(None, [table.get("display")]), DISPLAY.get(table.get("unit", "1"), {})
-    )
+    require_known(where, filter(None, [table.get("unit")]), units.UNITS)
+    shown = units.DISPLAY.get(table.get("unit", "1"), {})
+    require_known(where, filter(None, [table.get("display")]), shown)
     require_known(where, table.get("depends", {}).values(), _KINDS)
     unit: str | None = table.get("unit")
     size = table.get("size", ())
     start = _flat(table.get("start", 0.0))
     indices = _indices(size)
-    minimum, maximum = parameter_range(table if role == "parameter" else {**_OPEN, **table})
+    minimum, maximum = units.parameter_range(table if role == "parameter" else {**_OPEN, **table})
     if len(start) not in (1, len(indices)):
         raise DescriptionError(f"{where}: {len(start)} start values for {len(indices)} elements")
     for place, index in enumerate(indices):
@@ -290,11 +270,13 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
             description=table["description"],
             type=table.get("type", "real"),
             unit=unit,
-            display=table.get("display", READ_IN.get(unit or "")),
+            display=table.get("display", units.READ_IN.get(unit or "")),
             start=start[place if len(start) > 1 else 0],
             minimum=minimum,
             maximum=maximum,
-            nominal=table.get("nominal", None if role == "parameter" else NOMINAL.get(unit or "")),
+            nominal=table.get(
+                "nominal", None if role == "parameter" else units.NOMINAL.get(unit or "")
+            ),
             is_output=role == "output" or table.get("output", False),
             depends=table.get("depends", {}),
             uses=tuple(table.get("uses", ())),
@@ -312,18 +294,14 @@ def _indices(size: Sequence[int]) -> list[str]:
 
 
 def _derivatives(state: str, table: dict[str, Any], names: set[str]) -> Iterator[Variable]:
-    """Yield the derivative of a state, or of each element of an array.
-
-    In what an element depends on, ``name[]`` is the element of the same index, where there is one
-    among ``names``.
-    """
+    """Yield derivatives of a state; ``name[]`` is the element of its index among ``names``."""
     for index in _indices(table.get("size", ())):
         uses = {n: n.replace("[]", index) for n in table.get("uses", ())}
         yield Variable(
             name=f"der({state}{index})",
             role="derivative",
             description=f"Derivative of: {table['description']}",
-            unit=rate_unit(table["unit"]),
+            unit=units.rate_unit(table["unit"]),
             depends={n.replace("[]", index): kind for n, kind in table["derivative"].items()},
             uses=tuple(n for given, n in uses.items() if n == given or n in names),
             of=f"{state}{index}",

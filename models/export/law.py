@@ -1,7 +1,5 @@
 """law.toml: the one place where a friction law's states and parameters are written down."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
@@ -16,16 +14,8 @@ Steady = Literal["coulomb", "stribeck", "lorentz"]
 Coordinate = Literal["log", "linear"]
 End = Literal["low", "high"]
 MODELS = Path(__file__).parents[1]
-_KNOWLEDGE = (
-    "symbol",
-    "coordinate",
-    "at_least",
-    "spread",
-    "shown_by",
-    "requires",
-    "choices",
-    "weakest",
-)
+_OPTIONAL = {"at_least", "spread", "shown_by", "requires", "weakest"}
+_KNOWLEDGE = {"symbol", "coordinate", "choices", *_OPTIONAL}
 
 
 @dataclass(frozen=True)
@@ -59,14 +49,14 @@ class LawParameter:
     display: str | None
     symbol: str
     coordinate: Coordinate
-    at_least: str | None
-    spread: float | None
-    shown_by: str | None
-    requires: str | None
-    weakest: End
-    choices: tuple[float, ...]
     force: int
     length: int
+    choices: tuple[float, ...]
+    at_least: str | None = None
+    spread: float | None = None
+    shown_by: str | None = None
+    requires: str | None = None
+    weakest: End = "low"
 
 
 @dataclass(frozen=True)
@@ -121,13 +111,7 @@ class Law:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Return the content of a TOML file, with the tables of the one in models/ that it includes.
-
-    Raises
-    ------
-    DescriptionError
-        When the file is not well formed.
-    """
+    """Return a TOML file with the one that it includes; DescriptionError if not well formed."""
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except tomllib.TOMLDecodeError as error:
@@ -148,19 +132,11 @@ def require_known(where: str, words: Iterable[str], known: Iterable[str]) -> Non
 
 
 def read_law(folder: Path) -> Law:
-    """Read ``law.toml`` in a law's folder.
-
-    Raises
-    ------
-    DescriptionError
-        When the file is not well formed.
-    """
+    """Read ``law.toml`` in a law's folder; DescriptionError when the file is not well formed."""
     content = read_toml(folder / "law.toml")
     try:
-        tables = {
-            name: {"variability": "tunable", **table}
-            for name, table in content["parameters"].items()
-        }
+        given = content["parameters"].items()
+        tables = {name: {"variability": "tunable", **table} for name, table in given}
         law = Law(
             name=folder.name,
             title=content["title"],
@@ -203,14 +179,10 @@ def _parameter(name: str, table: Mapping[str, Any]) -> LawParameter:
         display=table.get("display", READ_IN.get(table["unit"])),
         symbol=table["symbol"],
         coordinate=table.get("coordinate", "linear"),
-        at_least=table.get("at_least"),
-        spread=table.get("spread"),
-        shown_by=table.get("shown_by"),
-        requires=table.get("requires"),
-        weakest=table.get("weakest", "low"),
-        choices=tuple(map(float, table.get("choices", ()))),
         force=force,
         length=length,
+        choices=tuple(map(float, table.get("choices", ()))),
+        **{key: table[key] for key in _OPTIONAL & table.keys()},
     )
 
 
@@ -218,23 +190,17 @@ def merge(content: dict[str, Any], law: Law) -> None:
     """Add a law's states and parameters to the content of a model.toml.
 
     In ``depends``, ``derivative`` and ``uses`` of the model, ``law`` stands for what the law's
-    force depends on; ``uses_with_level`` is used where that includes the level of friction. Where
-    a state of the model has no derivative, the law's have none either; those of a sampled model are
+    force depends on; ``uses_with_level`` is used where that includes the level of friction. Where a
+    state of the model has no derivative, the law's have none either; those of a sampled model are
     memory, without a range. A law with events is integrated with the mass it acts on, so the model
-    must have states of its own.
-
-    Raises
-    ------
-    DescriptionError
-        When a name of the law is one of the model's.
+    must have states of its own. DescriptionError when a name of the law is one of the model's.
     """
     own = content.setdefault("states", {})
     roles = ("inputs", "states", "memory", "outputs", "parameters")
     taken = {name for role in roles for name in content.get(role, {})}
     if twice := sorted(taken & {*law.states, *law.tables}):
-        raise DescriptionError(
-            f"{law.name}/law.toml: {twice[0]} is a variable of the model as well"
-        )
+        what = f"{law.name}/law.toml: {twice[0]} is a variable of the model as well"
+        raise DescriptionError(what)
     states = {name: dict(table) for name, table in law.states.items()}
     sampled = content.get("sampled", False)
     integrated = not sampled and all("derivative" in table for table in own.values())
@@ -247,9 +213,7 @@ def merge(content: dict[str, Any], law: Law) -> None:
     force = law.force["depends"]
     moving = {name for name in force if "derivative" in states.get(name, {"derivative": None})}
     names = moving if integrated else inputs.keys() & force.keys()
-    known = {
-        n: kind for name, kind in force.items() if name in names for n in _elements([name], law)
-    }
+    known = {n: kind for name, kind in force.items() if name in names for n in _parts([name], law)}
     if integrated and law.force.get("reaction"):
         known |= dict.fromkeys(inputs, "dependent")
     uses = [*(name for name in force if name not in names), *law.force["uses"]]
@@ -262,17 +226,14 @@ def merge(content: dict[str, Any], law: Law) -> None:
         at_level = table.pop("uses_with_level", [])
         if "law" in table.get("uses", ()):
             used = [name for name in table["uses"] if name != "law"]
-            now = [
-                n for n in uses if "derivative" not in table or not states.get(n, {}).get("held")
-            ]
-            table["uses"] = [*used, *_elements(now, law), *(at_level if has_level else [])]
+            is_rate = "derivative" in table
+            now = [n for n in uses if not (is_rate and states.get(n, {}).get("held"))]
+            table["uses"] = [*used, *_parts(now, law), *(at_level if has_level else [])]
     for table in states.values():
         if "derivative" in table:
             depends = table["derivative"]
-            table["derivative"] = {
-                n: k for name, k in depends.items() for n in _elements([name], law)
-            }
-            table["uses"] = list(_elements(table["uses"], law))
+            table["derivative"] = {n: k for name, k in depends.items() for n in _parts([name], law)}
+            table["uses"] = list(_parts(table["uses"], law))
     if sampled:  # nobody sets memory, so it has no range of values that are accepted
         for table in states.values():
             table.pop("min", None)
@@ -286,7 +247,7 @@ def merge(content: dict[str, Any], law: Law) -> None:
         content["description"] += f". Co-Simulation only: {law.co_simulation_only}"
 
 
-def _elements(names: Iterable[str], law: Law) -> Iterator[str]:
+def _parts(names: Iterable[str], law: Law) -> Iterator[str]:
     """Yield the names of scalar variables; the arrays of a law have one dimension."""
     tables = {**law.tables, **law.states}
     for name in names:

@@ -1,12 +1,9 @@
 """modelDescription.xml of FMI 2.0 and FMI 3.0."""
 
-from __future__ import annotations
-
 import re
-from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
-from stickslip.fmi.description.learned import ANNOTATION
+from stickslip.fmi.description.model import ANNOTATION
 from stickslip.fmi.description.writing import child, document, text
 from stickslip.models.export.description import Model, Variable
 from stickslip.models.export.sources import START, FmiVersion, c_files, compiled
@@ -17,13 +14,8 @@ _TAGS = {
     3: {"real": "Float64", "integer": "Int32", "boolean": "Boolean"},
 }
 _INITIAL = {
-    "state": "exact",
-    "parameter": "exact",
-    "mode": "calculated",
-    "derivative": "calculated",
-    "indicator": "calculated",
-    "output": "calculated",
-    "memory": "calculated",
+    **dict.fromkeys(("state", "parameter"), "exact"),
+    **dict.fromkeys(("mode", "derivative", "indicator", "output", "memory"), "calculated"),
 }
 _CAUSALITY = {"input": "input", "parameter": "parameter", "time": "independent"}
 _LOG_CATEGORIES = {
@@ -39,12 +31,7 @@ _STRUCTURED = re.compile(rf"{_PATH}|der\({_PATH}\)", re.ASCII)
 
 
 def model_description(model: Model, token: str, fmi: FmiVersion) -> str:
-    """Return the XML. ``token`` is what the binary checks.
-
-    Source
-    ------
-    FMI 2.0.4, section 2.2; FMI 3.0.2, section 2.4.
-    """
+    """Return the XML; the binary checks the token. Source: FMI 2.0.4, 2.2; FMI 3.0.2, 2.4."""
     structured = all(_STRUCTURED.fullmatch(v.name) for v in model.variables)
     root = ET.Element(
         "fmiModelDescription",
@@ -72,14 +59,9 @@ def model_description(model: Model, token: str, fmi: FmiVersion) -> str:
     categories = child(root, "LogCategories")
     for name, description in _LOG_CATEGORIES.items():
         child(categories, "Category", name=name, description=description)
-    child(
-        root,
-        "DefaultExperiment",
-        startTime=0.0,
-        stopTime=float(model.stop),
-        tolerance=1e-6 if model.is_continuous else None,
-        stepSize=model.step,
-    )
+    span = {"startTime": 0.0, "stopTime": float(model.stop)}
+    tolerance = 1e-6 if model.is_continuous else None
+    child(root, "DefaultExperiment", **span, tolerance=tolerance, stepSize=model.step)
     if fmi == 2:
         _add_learned(root, model, "VendorAnnotations", "Tool", name=ANNOTATION)
     # FMI 2.0 does not ask for time, of which importers built on FMILibrary complain that it has no
@@ -128,10 +110,8 @@ def _add_interfaces(root: ET.Element, model: Model, fmi: FmiVersion) -> None:
     smooth = model.is_continuous and not model.is_switched
     capabilities: dict[str, object] = {"modelIdentifier": model.name}
     if fmi == 2:
-        capabilities |= dict.fromkeys(
-            ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate"),
-            True,
-        )
+        capabilities["canNotUseMemoryManagementFunctions"] = True
+        capabilities |= {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True}
         capabilities |= {"providesDirectionalDerivative": smooth}
         integrated = {"completedIntegratorStepNotNeeded": True}
     else:
@@ -165,9 +145,7 @@ def _start(v: Variable) -> str | None:
     return text(v.start if v.type == "real" else int(v.start))
 
 
-def _add_structure(
-    root: ET.Element, model: Model, place: Mapping[str, int], fmi: FmiVersion
-) -> None:
+def _add_structure(root: ET.Element, model: Model, place: dict[str, int], fmi: FmiVersion) -> None:
     structure = child(root, "ModelStructure")
     # Outputs depend on inputs and on what a solver integrates.
     knowns = {v.name for v in model.variables if v.role == "input"}
@@ -190,23 +168,17 @@ def _add_structure(
                 depends = {v.name: "constant"} if v.role == "state" else v.depends
                 listed = {place[name]: kind for name, kind in depends.items() if name in knowns}
             named = {"index" if fmi == 2 else "valueReference": place[v.name]}
-            child(
-                section,
-                "Unknown" if fmi == 2 else tag,
-                **named,
-                dependencies=" ".join(str(k) for k in sorted(listed)),
-                dependenciesKind=" ".join(listed[k] for k in sorted(listed)),
-            )
+            dependencies = " ".join(map(str, sorted(listed)))
+            kinds = " ".join(listed[k] for k in sorted(listed))
+            entry = "Unknown" if fmi == 2 else tag
+            child(section, entry, **named, dependencies=dependencies, dependenciesKind=kinds)
     for v in model.variables if fmi == 3 else ():
         if v.role == "indicator":  # depends on all
             child(structure, "EventIndicator", valueReference=place[v.name])
 
 
-def _initial_dependencies(v: Variable, model: Model, place: Mapping[str, int]) -> dict[int, str]:
-    """Return what a value depends on before the first step, where parameters count as well.
-
-    What is sampled answers its inputs from the first sample on, what belongs to a step after it.
-    """
+def _initial_dependencies(v: Variable, model: Model, place: dict[str, int]) -> dict[int, str]:
+    """Return what a value depends on before the first step or sample, parameters included."""
     later = v.held and not model.is_continuous
     at_once = () if model.sampled or later else v.depends
     return {place[name]: "dependent" for name in {*at_once, *(() if later else v.uses)}}

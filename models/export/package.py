@@ -1,7 +1,5 @@
 """From a model's folder to an .fmu file."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import re
@@ -12,34 +10,15 @@ from functools import cache
 from pathlib import Path
 from typing import get_args
 
+from stickslip.fmi import toolchain
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
 from stickslip.fmi.messages import suggestion
-from stickslip.fmi.toolchain import (
-    Platform,
-    binaries,
-    host_platform,
-    patched,
-    shared_library,
-    standard_functions,
-)
 from stickslip.models.errors import ModelError, StartValueError, UnknownLaw, UnknownModel
+from stickslip.models.export import presentation, sources
 from stickslip.models.export.description import Model, read_model
-from stickslip.models.export.headers import MARKER, MARKER_SIZE, start_bytes, start_source
 from stickslip.models.export.law import MODELS, Law, read_law, read_toml
 from stickslip.models.export.model_description import model_description
-from stickslip.models.export.presentation import index, png, svg, terminals_and_icons
-from stickslip.models.export.reference import cross_check, layered_standard, reference_file
-from stickslip.models.export.sources import (
-    COMPILER_OPTIONS,
-    START,
-    FmiVersion,
-    build_description,
-    c_files,
-    fmi_headers,
-    grouped,
-    text,
-)
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _ROOMS = ("plants", "compensators", "controllers")
@@ -72,10 +51,8 @@ def load_law(name: str) -> Law:
 
     Raises
     ------
-    UnknownLaw
-        When there is no such law.
-    DescriptionError
-        When its law.toml is not well formed.
+    UnknownLaw, DescriptionError
+        When there is no such law, or its law.toml is not well formed.
     """
     if name not in law_names():
         raise UnknownLaw(f"there is no friction law '{name}'{suggestion(name, law_names())}")
@@ -93,12 +70,10 @@ def load_model(name: str, law: str | None = None) -> Model:
 
     Raises
     ------
-    UnknownModel
-        When there is no such model.
+    UnknownModel, DescriptionError
+        When there is no such model, or its model.toml or law.toml is not well formed.
     UnknownLaw
         When there is no such law, or the model contains none.
-    DescriptionError
-        When its model.toml or law.toml is not well formed.
     """
     folder = _folders().get(name)
     if folder is None:
@@ -111,13 +86,7 @@ def load_model(name: str, law: str | None = None) -> Model:
 
 
 def checked_name(name: str) -> str:
-    """Return the name of a model.
-
-    Raises
-    ------
-    ModelError
-        When it is not an identifier, which names of files and of C have to be.
-    """
+    """Return the name of a model; ModelError when files and C cannot have it."""
     if not _IDENTIFIER.fullmatch(name):
         raise ModelError(f"{name!r:.80} cannot name a model: letters, digits and _ only")
     return name
@@ -127,8 +96,8 @@ def build_fmu(
     name: str,
     folder: Path | str,
     *,
-    fmi: FmiVersion = 2,
-    platforms: Iterable[Platform] | None = None,
+    fmi: sources.FmiVersion = 2,
+    platforms: Iterable[toolchain.Platform] | None = None,
     start: Mapping[str, float] | None = None,
     law: str | None = None,
     called: str | None = None,
@@ -153,22 +122,18 @@ def build_fmu(
 
     Raises
     ------
-    UnknownModel, UnknownLaw, StartValueError
+    UnknownModel, UnknownLaw, StartValueError, toolchain.ToolchainError, OSError
     ModelError
         When it cannot have the name, or there is no such version of the standard.
-    toolchain.ToolchainError
-        When the C does not compile.
-    OSError
-        When the file cannot be written.
     """
-    if fmi not in get_args(FmiVersion):
+    if fmi not in get_args(sources.FmiVersion):
         raise ModelError(f"fmi is {fmi!r}; expected 2 or 3")
     starts = by_name("start", start, StartValueError)
     model = load_model(name, law).with_start(starts).of_motion(rotary=rotary)
     description = f"{note}. {model.description}" if note else model.description
     model = replace(model, name=checked_name(called or model.name), description=description)
     # The reference holds for the start values of model.toml and law.toml.
-    expected = not starts and reference_file(model) is not None
+    expected = not starts and presentation.reference_file(model) is not None
     return pack_fmu(
         model, folder, fmi=fmi, platforms=platforms, reference=expected, terminals=terminals
     )
@@ -178,38 +143,42 @@ def pack_fmu(
     model: Model,
     folder: Path | str,
     *,
-    fmi: FmiVersion = 2,
-    platforms: Iterable[Platform] | None = None,
+    fmi: sources.FmiVersion = 2,
+    platforms: Iterable[toolchain.Platform] | None = None,
     reference: bool = False,
     terminals: bool = True,
 ) -> Path:
-    """Write ``folder/NAME.fmu`` of any model and return its path.
-
-    ``model.folder`` has its C and README.md. With ``reference`` its expected results go inside. The
-    rest is as for ``build_fmu``.
-    """
+    """Write an FMU of any model, as ``build_fmu``, with its reference and return its path."""
     token = _token(model, fmi)
     values = [float(variable.start) for variable in model.variables]
-    files = c_files(model, fmi) | {START: start_source(token, values)}
+    files = sources.c_files(model, fmi) | {sources.START: sources.start_source(token, values)}
     texts = {
         "modelDescription.xml": model_description(model, token, fmi),
-        "documentation/index.html": index(model, _ICON[fmi]),
-        "documentation/licenses/license.txt": text(MODELS / "license.txt"),
-        "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(model),
-        "terminalsAndIcons/icon.svg": svg(model.icon),
-        "sources/buildDescription.xml": build_description(model, files),
+        "documentation/index.html": presentation.index(model, _ICON[fmi]),
+        "documentation/licenses/license.txt": sources.text(MODELS / "license.txt"),
+        "terminalsAndIcons/terminalsAndIcons.xml": presentation.terminals_and_icons(model),
+        "terminalsAndIcons/icon.svg": presentation.svg(model.icon),
+        "sources/buildDescription.xml": sources.build_description(model, files),
         **{f"sources/{path}": content for path, content in files.items()},
     }
     if fmi == 2:  # FMI 3.0 does not want its headers inside
-        texts |= {f"sources/{path}": content for path, content in fmi_headers(fmi).items()}
+        texts |= {f"sources/{path}": content for path, content in sources.fmi_headers(fmi).items()}
     if reference:
-        texts |= layered_standard(model)
+        texts |= presentation.layered_standard(model)
     if not terminals:
         del texts["terminalsAndIcons/terminalsAndIcons.xml"]
     members = {path: content.encode() for path, content in texts.items()}
-    members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, png(model.icon))
-    start = start_bytes(token, values)
-    members |= _binaries(model, fmi, platforms or [host_platform()], start)
+    icon = presentation.png(model.icon)
+    members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, icon)
+    start = sources.start_bytes(token, values)
+    marker = sources.MARKER.encode().ljust(sources.MARKER_SIZE, b"\0")
+    members |= toolchain.binaries(
+        model.name,
+        fmi,
+        platforms or [toolchain.host_platform()],
+        lambda platform: blank_library(model, fmi, platform),
+        lambda library: toolchain.patched(library, marker, start),
+    )
     return atomic_write(Path(folder) / f"{model.name}.fmu", _archive(members))
 
 
@@ -220,50 +189,33 @@ def write_cross_check(name: str, folder: Path | str, law: str | None = None) -> 
 
     Raises
     ------
-    UnknownModel
-    UnknownLaw
-    OSError
-        When a file cannot be written.
+    UnknownModel, UnknownLaw, OSError
     """
     model = load_model(name, law)
-    files = cross_check(model) if reference_file(model) is not None else {}
+    files = presentation.cross_check(model) if presentation.reference_file(model) else {}
     return [atomic_write(Path(folder) / path, content) for path, content in files.items()]
 
 
-def blank_library(model: Model, fmi: FmiVersion, platform: Platform) -> Path:
+def blank_library(model: Model, fmi: sources.FmiVersion, platform: toolchain.Platform) -> Path:
     """Return the library of a model, compiled for all names and start values."""
-    headers = fmi_headers(fmi)
-    blank = start_source("", [0.0] * len(model.variables))
-    files = grouped(c_files(model, fmi) | {START: blank})
-    return shared_library(
+    headers = sources.fmi_headers(fmi)
+    blank = sources.start_source("", [0.0] * len(model.variables))
+    files = sources.grouped(sources.c_files(model, fmi) | {sources.START: blank})
+    return toolchain.shared_library(
         "model",
         files | {f"system/{path}": content for path, content in headers.items()},
         platform=platform,
         # A fixed interface has parameters that not every model needs.
-        flags=["-Wno-unused-parameter", *COMPILER_OPTIONS.split()],
+        flags=["-Wno-unused-parameter", *sources.COMPILER_OPTIONS.split()],
         standalone=True,
-        exports=standard_functions(headers[f"fmi{fmi}Functions.h"]),
+        exports=toolchain.standard_functions(headers[f"fmi{fmi}Functions.h"]),
     )
 
 
-def _binaries(
-    model: Model, fmi: FmiVersion, platforms: Iterable[Platform], start: bytes
-) -> dict[str, bytes]:
-    """Return the libraries by path in the FMU, with the bytes of their start values."""
-    marker = MARKER.encode().ljust(MARKER_SIZE, b"\0")
-    return binaries(
-        model.name,
-        fmi,
-        platforms,
-        lambda platform: blank_library(model, fmi, platform),
-        lambda library: patched(library, marker, start),
-    )
-
-
-def _token(model: Model, fmi: FmiVersion) -> str:
+def _token(model: Model, fmi: sources.FmiVersion) -> str:
     """Return the hash of sources and description: the same sources, the same FMU."""
     digest = hashlib.sha256(model_description(model, "", fmi).encode())
-    for path, content in sorted(c_files(model, fmi).items()):
+    for path, content in sorted(sources.c_files(model, fmi).items()):
         digest.update(f"\0{path}\0{content}".encode())
     return digest.hexdigest()[:32]
 

@@ -1,19 +1,23 @@
-"""What an FMU shows to people: icon (lines on a tile, as SVG and as PNG), plugs, documentation."""
+"""What an FMU carries besides its model: icon (SVG and PNG), plugs, documentation, results."""
 
-from __future__ import annotations
-
+import csv
 import html
+import io
 from collections.abc import Sequence
 from functools import cache
 from io import BytesIO
+from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree as ET
 
 from stickslip.fmi.description import writing
+from stickslip.models.errors import UnknownLaw
 from stickslip.models.export.description import Model
+from stickslip.models.export.law import read_toml
+from stickslip.models.export.sources import text
 
 Line = Sequence[float]
 """A polyline x1, y1, x2, y2 ... on a tile of 100 by 100, y downwards."""
-
 _PAGE = """<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -33,7 +37,6 @@ Functional Mock-up Interface, whose headers are under the 2-clause BSD licence.<
 </body>
 </html>
 """
-
 _SQUARE = {"x1": 0.0, "y1": 0.0, "x2": 100.0, "y2": 100.0}
 _STROKE = 5.0  # of 100
 _EDGE, _CORNER = 3.0, 14.0
@@ -42,10 +45,8 @@ _TILE, _INK = "#f0f4f8", "#183e60"
 
 def svg(lines: Sequence[Line]) -> str:
     """Return the icon as SVG."""
-    paths = "".join(
-        f'<polyline points="{" ".join(f"{x:g},{y:g}" for x, y in _points(line))}"/>'
-        for line in lines
-    )
+    points = [" ".join(f"{x:g},{y:g}" for x, y in _points(line)) for line in lines]
+    paths = "".join(f'<polyline points="{each}"/>' for each in points)
     inside = 100 - 2 * _EDGE
     return (
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">'
@@ -71,17 +72,10 @@ def png(lines: tuple[Line, ...]) -> bytes:
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0, 100), ylim=(100, 0))
         axes.set_axis_off()
         inside, points = 100 - 2 * _EDGE, 1.28 * 72 / 100  # of a printer, in 1/100 of the tile
-        axes.add_patch(
-            FancyBboxPatch(
-                (_EDGE, _EDGE),
-                inside,
-                inside,
-                boxstyle=f"round,pad=0,rounding_size={_CORNER}",
-                facecolor=_TILE,
-                edgecolor=_INK,
-                linewidth=_STROKE / 2 * points,
-            )
-        )
+        drawing: dict[str, Any] = {"facecolor": _TILE, "edgecolor": _INK}
+        drawing |= {"linewidth": _STROKE / 2 * points}
+        box = f"round,pad=0,rounding_size={_CORNER}"
+        axes.add_patch(FancyBboxPatch((_EDGE, _EDGE), inside, inside, boxstyle=box, **drawing))
         for line in lines:
             (drawn,) = axes.plot(line[::2], line[1::2], color=_INK, linewidth=_STROKE * points)
             drawn.set_solid_capstyle("round")
@@ -96,12 +90,7 @@ def _points(line: Line) -> list[tuple[float, float]]:
 
 
 def terminals_and_icons(model: Model) -> str:
-    """Return the XML; members of the same name fit each other.
-
-    Source
-    ------
-    FMI 3.0.2, section 2.6; FMI 2.0.4 takes the same file.
-    """
+    """Return the XML of FMI 3.0.2, 2.6, and FMI 2.0.4; members of the same name fit."""
     root = ET.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     picture = writing.child(root, "GraphicalRepresentation")
     writing.child(picture, "CoordinateSystem", **_SQUARE, suggestedScalingFactorTo_mm=0.1)
@@ -109,21 +98,11 @@ def terminals_and_icons(model: Model) -> str:
     if model.terminals:
         section = writing.child(root, "Terminals")
         for name, terminal in model.terminals.items():
-            element = writing.child(
-                section,
-                "Terminal",
-                name=name,
-                matchingRule="plug",
-                description=terminal.description,
-            )
+            named = {"name": name, "matchingRule": "plug", "description": terminal.description}
+            element = writing.child(section, "Terminal", **named)
             for member, variable in terminal.members.items():
-                writing.child(
-                    element,
-                    "TerminalMemberVariable",
-                    variableName=variable,
-                    memberName=member,
-                    variableKind="signal",
-                )
+                given = {"variableName": variable, "memberName": member, "variableKind": "signal"}
+                writing.child(element, "TerminalMemberVariable", **given)
     return writing.document(root)
 
 
@@ -138,3 +117,93 @@ def index(model: Model, icon: str) -> str:
     if model.rotary:
         text = "For this rotary drive read rad for m, N m for N and kg m2 for kg.\n\n" + text
     return _PAGE.format(title=html.escape(model.title), icon=icon, body=html.escape(text))
+
+
+LS_REF = "extra/org.fmi-standard.fmi-ls-ref"
+# The schema of the standard allows no other.
+_DESCRIPTION = "Layered Standard providing information on related files included in an FMU."
+_MANIFEST = "http://fmi-standard.org/fmi-ls-manifest"
+
+
+def reference_file(model: Model) -> Path | None:
+    """Return the table of a short run, a plant's for its default law; None where there is none."""
+    law = model.law
+    own = model.folder / "reference.csv"
+    if law is None or (own.exists() and law.name == read_toml(model.folder / "model.toml")["law"]):
+        return own
+    if model.name == "compensator":
+        return law.folder / "reference.csv"
+    return None
+
+
+def tables(model: Model) -> tuple[str, str]:
+    """Return inputs at the beginning of each step, and outputs, as CSV with time [s] first."""
+    path = reference_file(model)
+    if path is None:
+        raise UnknownLaw(f"no expected results of {model.name} with its friction law are known")
+    head, *rows = csv.reader(io.StringIO(text(path)))
+    inputs = {v.name for v in model.variables if v.role == "input"}
+    chosen = [
+        [k for k, name in enumerate(head) if name == "time" or (name in inputs) == wanted]
+        for wanted in (True, False)
+    ]
+    written = []
+    for columns in chosen:
+        stream = io.StringIO()
+        stream.write(",".join(f'"{head[k]}"' for k in columns) + "\n")
+        stream.writelines(",".join(row[k] for k in columns) + "\n" for row in rows)
+        written.append(stream.getvalue())
+    return written[0], written[1]
+
+
+def span(model: Model) -> tuple[float, float]:
+    """Return stop time and step [s] of the reference."""
+    times = [float(line.split(",")[0]) for line in tables(model)[1].splitlines()[1:]]
+    return times[-1], times[1] - times[0]
+
+
+def layered_standard(model: Model) -> dict[str, str]:
+    """Return the files of FMI-LS-REF 1.0.0-alpha.1 (modelica/fmi-ls-ref) by path in the FMU."""
+    stimuli, references = f"{model.name}_in.csv", f"{model.name}_out.csv"
+    ET.register_namespace("fmi-ls", _MANIFEST)
+    named = {"name": "org.fmi-standard.fmi-ls-ref", "version": "1.0.0-alpha.1"}
+    named |= {"description": _DESCRIPTION}
+    written = {f"{{{_MANIFEST}}}fmi-ls-{key}": value for key, value in named.items()}
+    manifest = ET.Element("fmiReferences", written)
+    related = (
+        ("experiments.xml", "text/xml", "experiment/validation", "Run with known results"),
+        (stimuli, "text/csv", "testcase", "Inputs of that run, held over each step"),
+        (references, "text/csv", "result", "Outputs of that run, calculated without this FMU"),
+    )
+    for source, kind, role, said in related:
+        given = {"type": kind, "source": source, "role": role, "description": said}
+        writing.child(manifest, "Related", **given)
+    stop, step = span(model)
+    experiments = ET.Element("Experiments")
+    named = {"name": "Reference", "description": "Start values of modelDescription.xml"}
+    times = {"startTime": 0.0, "stopTime": stop, "stepSize": step}
+    run = writing.child(experiments, "Experiment", **named, **times)
+    writing.child(run, "Stimuli", source=stimuli, type="text/csv")
+    writing.child(run, "References", source=references, type="text/csv")
+    content = {
+        "fmi-ls-manifest.xml": writing.document(manifest),
+        "experiments.xml": writing.document(experiments),
+        **dict(zip((stimuli, references), tables(model), strict=True)),
+    }
+    return {f"{LS_REF}/{name}": text_ for name, text_ in content.items()}
+
+
+def cross_check(model: Model) -> dict[str, str]:
+    """Return the files beside an FMU, by name. Source: rules 4.1 of modelica/fmi-cross-check."""
+    stop, step = span(model)
+    stimuli, references = tables(model)
+    options = {"StartTime": 0.0, "StopTime": stop, "StepSize": step}
+    options |= {"RelTol": 1e-6, "OutputIntervalLength": step}
+    return {
+        f"{model.name}_in.csv": stimuli,
+        f"{model.name}_ref.csv": references,
+        f"{model.name}_ref.opt": "".join(f"{key},{value}\n" for key, value in options.items()),
+        f"{model.name}_README.md": f"# {model.name}\n\n{model.description}.\n\n"
+        f"`{model.name}_ref.csv` was calculated without the FMU, for Co-Simulation with inputs\n"
+        f"held over steps of {step:g} s and the start values of modelDescription.xml.\n",
+    }

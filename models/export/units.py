@@ -1,7 +1,5 @@
 """Units as exponents of SI base units: those of our models, and what is made of known symbols."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping
@@ -9,7 +7,6 @@ from typing import Any
 
 BaseUnit = dict[str, float]
 """Exponents of base units; ``factor`` where the unit is not made of these alone."""
-
 UNITS: dict[str, dict[str, int]] = {
     "1": {},
     "kg": {"kg": 1},
@@ -25,8 +22,6 @@ UNITS: dict[str, dict[str, int]] = {
     "s": {"s": 1},
     "1/s": {"s": -1},
 }
-
-
 RANGES = {
     "N": (1e-15, 1e15),
     "m": (1e-15, 1e9),
@@ -39,10 +34,8 @@ RANGES = {
 }
 """Unit -> ends of a parameter where model.toml and law.toml give none: wider than any drive's, from
 a micro-actuator's nN and nm/s to a press's MN, since a law's values are some decades around its."""
-
 _ROTARY = {"kg": "kg.m2", "m": "rad", "mm": "mrad", "um": "urad", "N": "N.m", "N2": "N2.m2"}
 _OF_LINEAR = re.compile(r"\b(kg|[mu]?m|N2?)\b")
-
 DISPLAY: dict[str, dict[str, float]] = {
     "m": {"mm": 1e3, "um": 1e6},
     "m/s": {"mm/s": 1e3},
@@ -50,7 +43,6 @@ DISPLAY: dict[str, dict[str, float]] = {
     "N/m": {"N/um": 1e-6},
 }
 """Unit -> what people read it in, and how many of those it is."""
-
 READ_IN = {"m": "mm", "m/s": "mm/s", "s": "ms"}
 """Unit -> display unit where model.toml and law.toml give none."""
 NOMINAL = {"N": 10.0, "m": 0.01, "m/s": 0.01, "m/s2": 0.1, "s": 1e-4}
@@ -96,13 +88,7 @@ def force_and_length(unit: str) -> tuple[int, int]:
 _BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 _SYMBOLS: dict[str, tuple[float, tuple[int, ...]]] = {
     "g": (1e-3, (1,)),
-    "m": (1.0, (0, 1)),
-    "s": (1.0, (0, 0, 1)),
-    "A": (1.0, (0, 0, 0, 1)),
-    "K": (1.0, (0, 0, 0, 0, 1)),
-    "mol": (1.0, (0, 0, 0, 0, 0, 1)),
-    "cd": (1.0, (0, 0, 0, 0, 0, 0, 1)),
-    "rad": (1.0, (0, 0, 0, 0, 0, 0, 0, 1)),
+    **{name: (1.0, (*[0] * k, 1)) for k, name in enumerate(_BASE) if k},
     "Hz": (1.0, (0, 0, -1)),
     "N": (1.0, (1, 1, -2)),
     "Pa": (1.0, (1, -1, -2)),

@@ -1,7 +1,5 @@
 """A compensator as source code: C for a drive's firmware, structured text for a PLC."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import replace
@@ -13,8 +11,8 @@ from stickslip.models.errors import ModelError
 from stickslip.models.export.package import checked_name, load_model
 from stickslip.models.export.units import motion_unit
 from stickslip.models.firmware.c99 import c_files, struct_name
+from stickslip.models.firmware.program import is_reserved
 from stickslip.models.firmware.structured_text import st_file
-from stickslip.models.firmware.words import is_reserved
 
 Language = Literal["c", "st"]
 _COMMENT = re.compile(r"(?:/\*|\(\*).*?(?:\*/|\*\))", re.DOTALL)
@@ -46,12 +44,9 @@ def write_compensator(
     ------
     ModelError
         When it cannot have the name, or there is no such language.
-    StartValueError
-        When there is no such parameter, or the value is out of its range.
     UnknownModel
         When there is no such model, or it is not available in structured text.
-    OSError
-        When a file cannot be written.
+    StartValueError, OSError
     """
     if language not in get_args(Language):
         raise ModelError(f"language is {language!r}; expected 'c' or 'st'")

@@ -1,32 +1,90 @@
 """A model as one C file and its header, for a drive's firmware: no FMI, no library, no allocation.
 
-The C is that of the FMU, function by function; only its ``double`` gets a name, so that it compiles
-for 32-bit floating point too.
+The C is that of the FMU, function by function, callees first; only its ``double`` gets a name, so
+that it compiles for 32-bit floating point too. Every definition of this project's C begins in the
+first column, ends before the next blank line outside braces, and has its comment above it or above
+its prototype.
 """
 
-from __future__ import annotations
-
 import re
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from stickslip.models.export.description import Model, Role, Variable
 from stickslip.models.export.law import MODELS
 from stickslip.models.export.sources import shared_files
-from stickslip.models.firmware.amalgam import needed, pieces, without_comments
+
+_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
+_PROTOTYPE = re.compile(r"^[\w ]+?[ *](\w+)\([^{}]*\);$", re.DOTALL)
+_DEFINED = {  # -> what stands before it here
+    re.compile(r"^[\w ]+?[ *](\w+)\([^{};]*\) \{", re.DOTALL): "static ",
+    re.compile(r"^typedef .*\} (\w+);$", re.DOTALL): "",
+    re.compile(r"^#define (\w+)\("): "",
+    re.compile(r"^static const double (\w+) = "): "static ",
+    re.compile(r"^enum \{ (\w+) = "): "",
+}
+
+
+def pieces(texts: Iterable[str]) -> dict[str, str]:
+    """Return name -> definition with its comment: functions, types, constants and macros."""
+    split = [_split(block) for text in texts for block in _blocks(text)]
+    comments = {match[1]: comment for comment, code in split if (match := _PROTOTYPE.match(code))}
+    found = {}
+    for comment, code in split:
+        for pattern, before in _DEFINED.items():
+            if match := pattern.match(code):
+                name, own = match[1], code.removeprefix("static ").removeprefix("inline ")
+                found[name] = (comment or comments.get(name, "")) + before + own
+    return found
+
+
+def needed(found: dict[str, str], roots: Iterable[str]) -> list[str]:
+    """Return the names that the roots need, the roots included, each after what it needs."""
+    order: list[str] = []
+
+    def visit(name: str) -> None:
+        for word in re.findall(r"\w+", without_comments(found[name])):
+            if word in found and word != name and word not in order:
+                visit(word)
+        order.append(name)
+
+    for root in roots:
+        if root not in order:
+            visit(root)
+    return order
+
+
+def without_comments(text: str) -> str:
+    """Return C without its comments."""
+    return _COMMENT.sub("", text)
+
+
+def _blocks(text: str) -> Iterator[str]:
+    """Yield what stands between blank lines outside braces; constants one by one."""
+    block: list[str] = []
+    for line in [*text.splitlines(), ""]:
+        joined = "\n".join(block)
+        if line.startswith("static const ") and line.count("{") == 0:
+            yield line
+        elif line or joined.count("{") > joined.count("}"):
+            block.append(line)
+        elif block:
+            yield joined
+            block = []
+
+
+def _split(block: str) -> tuple[str, str]:
+    """Return the comment above a block, and what follows it."""
+    code = without_comments(block).lstrip()
+    begin = block.index(code.splitlines()[0]) if code else len(block)
+    return block[:begin], block[begin:]
+
 
 _SINGLE = Path(__file__).with_name("single.h")
 _NUMERICS = MODELS / "numerics" / "elementary.h"
-_STRUCTS: dict[Role, str] = {
-    "input": "Inputs",
-    "output": "Outputs",
-    "parameter": "Parameters",
-    "state": "States",
-    "memory": "Memory",
-}
-_WHEN = {
-    False: "Go h [s] ahead, h > 0",
-    True: "Take a sample, once in each period T_s",
-}
+_ROLES: tuple[Role, ...] = ("input", "output", "parameter", "state", "memory")
+_STRUCTS = dict(zip(_ROLES, ("Inputs", "Outputs", "Parameters", "States", "Memory"), strict=True))
+_WHEN = {False: "Go h [s] ahead, h > 0", True: "Take a sample, once in each period T_s"}
 # with another form for 32 bits
 _ELEMENTARY = ("elementary_exp", "elementary_log", "elementary_sin")
 _NUMBER = r"\b(?:\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+)"
@@ -46,10 +104,7 @@ _WORDS = re.compile(rf"/\*.*?\*/|{_NUMBER}|\bdouble\b", re.DOTALL)
 
 
 def c_files(model: Model) -> dict[str, str]:
-    """Return ``NAME.c`` and ``NAME.h`` of a model, start values included.
-
-    Its equations do not depend on time; one that samples is called once in each sample period.
-    """
+    """Return ``NAME.c`` and ``NAME.h``, with start values; the equations do not depend on time."""
     return {f"{model.name}.h": _header(model), f"{model.name}.c": _source(model)}
 
 
@@ -58,52 +113,30 @@ def _header(model: Model) -> str:
     members = {role: fields for role in _STRUCTS if (fields := _fields(model, role))}
     inputs = "".join(f", {name}_real {field}" for field, _ in model.fields["input"])
     lines = [
-        f"/* {model.title}, generated by stickslip. All units are SI.",
-        " *",
+        f"/* {model.title}, generated by stickslip. All units are SI.\n *",
         " * No allocation, no globals, no library; a bounded number of steps. Freestanding C99, or",
         " * C++11.",
         " * In double bit for bit the FMU, where the compiler fuses no multiply-add.",
-        f" * Define {upper}_FLOAT, for all files alike, to compute in 32-bit floating point.",
-        " *",
+        f" * Define {upper}_FLOAT, for all files alike, to compute in 32-bit floating point.\n *",
         *(f" * {line}".rstrip() for line in formulas(model)),
-        " */",
-        f"#ifndef {upper}_H",
-        f"#define {upper}_H",
-        "",
-        "#include <stdbool.h>",
-        "",
-        "#ifdef __cplusplus",
-        'extern "C" {',
-        "#endif",
-        "",
-        f"#ifdef {upper}_FLOAT",
-        f"typedef float {name}_real;",
-        "#else",
-        f"typedef double {name}_real;",
-        "#endif",
+        f" */\n#ifndef {upper}_H\n#define {upper}_H",
+        '\n#include <stdbool.h>\n\n#ifdef __cplusplus\nextern "C" {\n#endif\n',
+        f"#ifdef {upper}_FLOAT\ntypedef float {name}_real;",
+        f"#else\ntypedef double {name}_real;\n#endif",
     ]
     for role, variables in members.items():
         lines += ["", f"typedef struct {struct}{_STRUCTS[role]} {{"]
         lines += [f"    /* {explained(v)} */\n    {name}_real {field};" for field, v in variables]
         lines.append(f"}} {struct}{_STRUCTS[role]};")
     lines += [
-        "",
-        "typedef struct {",
+        "\ntypedef struct {",
         *(f"    {struct}{_STRUCTS[role]} {_STRUCTS[role].lower()};" for role in members),
-        f"}} {struct};",
-        "",
+        f"}} {struct};\n",
         "/* Begin with these inputs and start values; parameters may be changed afterwards. */",
-        f"void {name}_init({struct} *c{inputs});",
-        "",
+        f"void {name}_init({struct} *c{inputs});\n",
         f"/* {_WHEN[model.sampled]}; then read c->outputs. False: not finite, do not use them. */",
         f"bool {name}_step({struct} *c{_time(model)}{inputs});",
-        "",
-        "#ifdef __cplusplus",
-        "}",
-        "#endif",
-        "",
-        "#endif",
-        "",
+        "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n",
     ]
     return "\n".join(lines)
 
@@ -113,14 +146,12 @@ def _source(model: Model) -> str:
     sources = [*shared_files(model), model.folder / "model.c"]
     found = pieces(path.read_text(encoding="utf-8") for path in sources)
     step = "sample" if model.sampled else "model_step"
-    order = sorted(
-        needed(found, ("model_start", step, "model_outputs")),
-        key=lambda piece: "static " in found[piece],
-    )  # types first
+    wanted = "model_start", step, "model_outputs"
+    order = sorted(needed(found, wanted), key=lambda one: "static " in found[one])  # types first
     # exp and log have another form for 32 bits, which needs less than that for 64 bits
     used = [e for e in _ELEMENTARY if e in order]
     own = pieces([_NUMERICS.read_text(encoding="utf-8")])
-    others = needed(found | dict.fromkeys(used, ""), ("model_start", step, "model_outputs"))
+    others = needed(found | dict.fromkeys(used, ""), wanted)
     elementary = needed(own, used)
     shared = [piece for piece in elementary if piece in others and piece not in used]
     elementary = [piece for piece in elementary if piece not in shared]
@@ -183,10 +214,8 @@ def _fields(model: Model, role: Role) -> list[tuple[str, Variable]]:
     for v in model.variables:
         if v.role == role:
             first.setdefault(v.name.partition("[")[0], v)
-    return [
-        (field + "".join(f"[{n}]" for n in size), first[field])
-        for field, size in model.fields.get(role, ())
-    ]
+    fields = model.fields.get(role, ())
+    return [(name + "".join(f"[{n}]" for n in size), first[name]) for name, size in fields]
 
 
 def _member(v: Variable) -> str:
@@ -253,8 +282,6 @@ def formulas(model: Model) -> list[str]:
     """Return the lines of the equations with which the README of a model, and its law's, begin."""
     folders = [model.folder, *([model.law.folder] if model.law else [])]
     texts = [(folder / "README.md").read_text(encoding="utf-8") for folder in folders]
-    first = [
-        re.search(r"^(?: {4}.*\n|\n)+", text, re.MULTILINE)
-        for text in (text[text.index("\n    ") + 1 :] for text in texts)
-    ]
+    begun = [text[text.index("\n    ") + 1 :] for text in texts]
+    first = [re.search(r"^(?: {4}.*\n|\n)+", text, re.MULTILINE) for text in begun]
     return [line for block in first if block for line in block[0].rstrip().split("\n")]

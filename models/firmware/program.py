@@ -1,9 +1,7 @@
-"""The C that a model's steps need, parsed by pycparser, with the types of structured text."""
-
-from __future__ import annotations
+"""The C that a model's steps need, parsed by pycparser, with names and types of structured text."""
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import prod
 from operator import add, floordiv, mul, sub
@@ -12,10 +10,44 @@ from pycparser import c_ast, c_generator, c_parser
 
 from stickslip.models.errors import UnknownModel
 from stickslip.models.export.description import Model
-from stickslip.models.export.headers import variables_header
-from stickslip.models.export.sources import shared_files
-from stickslip.models.firmware.amalgam import needed, pieces, without_comments
-from stickslip.models.firmware.words import distinct
+from stickslip.models.export.sources import shared_files, variables_header
+from stickslip.models.firmware.c99 import needed, pieces, without_comments
+
+_RESERVED = """
+    abs abstract and any array at bool by byte case char clk concat configuration constant
+    cos date delete dint div do dt dword else elsif end exit exp expt extends false final
+    find for from function if implements in insert int interface internal jmp ld left len
+    limit ln log lreal lword max method mid min mod move mux n ne not of on or out pointer
+    private program property protected public r read real reference replace resource ret
+    retain return right s sel shl shr sin sint sqrt st step stn string struct super tan task
+    then this time to tod true trunc type udint uint until usint var when while with word
+    write xor
+"""
+SMALLEST = 2.0**-126
+"""Compilers such as matiec take no literal that is not 0 and below what a REAL holds."""
+
+
+def literal(value: float) -> str:
+    """Return a real literal: it needs a point, also before an exponent."""
+    mantissa, exponent, power = repr(float(value)).partition("e")
+    return (mantissa if "." in mantissa else f"{mantissa}.0") + exponent.upper() + power
+
+
+def is_reserved(name: str) -> bool:
+    """Whether a name is a word of the language, in upper or lower case."""
+    return name.lower() in _RESERVED.split()
+
+
+def distinct(names: Iterable[str]) -> dict[str, str]:
+    """Return names that differ by more than case and are not words of the language."""
+    found: dict[str, str] = {}
+    for name in names:
+        new, taken = name, {other.lower() for other in found.values()}
+        while new.lower() in taken or is_reserved(new):
+            new += "_1" if new == name else "1"
+        found[name] = new
+    return found
+
 
 ROLES = ("Inputs", "States", "Memory", "Parameters", "Outputs")
 LIBRARY = {"elementary_exp": "EXP", "elementary_log": "LN", "elementary_sin": "SIN"}
@@ -48,17 +80,7 @@ class Function:
 
 
 class Program:
-    """What the functions ``roots`` of a model need.
-
-    Attributes
-    ----------
-    prefix : before the names of functions and types
-    fields : struct -> member -> variable
-    arrays : name of an array's type -> its definition, those that others contain first
-    constants : name -> expression
-    functions : name -> function, callees first
-    variants : name -> parameters of the sizes that arguments have -> function
-    """
+    """What the functions ``roots`` of a model need; names of functions and types have a prefix."""
 
     def __init__(self, model: Model, roots: Sequence[str]) -> None:
         self.prefix = model.name.capitalize()
@@ -67,10 +89,11 @@ class Program:
         found |= dict.fromkeys(LIBRARY, "")
         order = needed(found, roots)
         self.types = {"double": "LREAL", "int": "INT", "size_t": "INT", "bool": "BOOL"}
-        self.fields: dict[str, dict[str, Variable]] = {}
-        self.arrays: dict[str, str] = {}
+        self.fields: dict[str, dict[str, Variable]] = {}  # struct -> member -> variable
+        self.arrays: dict[str, str] = {}  # definition by name, those that others contain first
         self.constants: dict[str, c_ast.Node] = {}
-        self.functions: dict[str, Function] = {}
+        self.functions: dict[str, Function] = {}  # callees first
+        # name -> parameters of the sizes that arguments have -> function
         self.variants: dict[str, dict[tuple[Variable, ...], Function]] = {}
         code = "\n".join([variables_header(model), *(found[name] for name in order)])
         for node in _parsed(code).ext:
@@ -133,10 +156,7 @@ class Program:
         return f"    {name} : {self.array_name(one.type, one.sizes)};"
 
     def array_name(self, type_: str, sizes: Sequence[int]) -> str:
-        """Return the name of an array's type, or of the type itself where it has no sizes.
-
-        Arrays without a name are of different types, and hold no arrays, in the standard.
-        """
+        """Return the name of an array's type, as the standard needs, or the type without sizes."""
         if not sizes:
             return self.type_name(type_)
         inner = self.array_name(type_, sizes[1:])
@@ -163,10 +183,8 @@ class Program:
     def variant(self, name: str, sizes: Sequence[tuple[int, ...]]) -> Function:
         """Return a function for arguments of these sizes; each other size makes another one."""
         function, known = self.functions[name], self.variants.setdefault(name, {})
-        wanted = tuple(
-            replace(p, sizes=size) if p.sizes or p.is_pointer else p
-            for p, size in zip(function.parameters, sizes, strict=True)
-        )
+        pairs = zip(function.parameters, sizes, strict=True)
+        wanted = tuple(replace(p, sizes=s) if p.sizes or p.is_pointer else p for p, s in pairs)
         own = f"{name}_{len(known)}" if known else name
         return known.setdefault(wanted, replace(function, name=own, parameters=wanted))
 

@@ -1,39 +1,63 @@
 """A compensator as a function block in IEC 61131-3 structured text, for a PLC.
 
-The functions are translated from the C of the model; the function block around them has the
-inputs, parameters and outputs as variables, and what it learns as outputs.
+The functions are translated from the C of the model: structs become STRUCTs, what a pointer points
+to VAR_IN_OUT, and a conditional expression IF before the statement that it is in. exp, log and sin
+are those of the controller. The function block around them has the inputs, parameters and outputs
+as variables, and what it learns as outputs.
 """
-
-from __future__ import annotations
 
 from collections.abc import Iterable
 
 from stickslip.models.errors import UnknownModel
 from stickslip.models.export.description import Model, Role, Variable
 from stickslip.models.firmware.c99 import explained, formulas
-from stickslip.models.firmware.program import Program
-from stickslip.models.firmware.translation import translated
-from stickslip.models.firmware.words import SMALLEST, distinct, literal
+from stickslip.models.firmware.program import ROLES, SMALLEST, Program, distinct, literal
+from stickslip.models.firmware.statements import Statements
+
+_EXP = """(* e^x without overflow and underflow *)
+FUNCTION {prefix}_exp : LREAL
+VAR_INPUT
+    x : LREAL;
+END_VAR
+    IF x < -700.0 THEN
+        {prefix}_exp := 0.0;
+    ELSIF x > 700.0 THEN
+        {prefix}_exp := EXP(700.0);
+    ELSE
+        {prefix}_exp := EXP(x);
+    END_IF;
+END_FUNCTION
+"""
+
+
+def translated(program: Program) -> str:
+    """Return TYPEs and FUNCTIONs, callees first."""
+    functions = [
+        Statements(program, variant).text()
+        for name in reversed(program.functions)
+        for variant in program.variants.get(name, {}).values()
+    ]
+    own = [name for name in program.fields if name not in ROLES]
+    types = [_struct(program, name) for name in (*ROLES, *own) if program.fields[name]]
+    exp = _EXP.format(prefix=program.prefix)
+    return "\n".join([*program.arrays.values(), *types, exp, *reversed(functions)])
+
+
+def _struct(program: Program, name: str) -> str:
+    members = program.fields[name].values()
+    lines = [program.declaration(one, program.member(name, one.name)) for one in members]
+    head = f"TYPE {program.type_name(name)} :"
+    return "\n".join([head, "STRUCT", *lines, "END_STRUCT;", "END_TYPE", ""])
+
 
 _PARTS = {"x": "states", "w": "memory", "u": "inputs", "p": "parameters", "y": "outputs"}
-_ROLES: dict[str, Role] = {
-    "x": "state",
-    "w": "memory",
-    "u": "input",
-    "p": "parameter",
-    "y": "output",
-}
+_IN_ORDER: tuple[Role, ...] = ("state", "memory", "input", "parameter", "output")
+_ROLES = dict(zip(_PARTS, _IN_ORDER, strict=True))
 _STRUCTS = {"x": "States", "w": "Memory", "u": "Inputs", "p": "Parameters", "y": "Outputs"}
 
 
 def st_file(model: Model) -> dict[str, str]:
-    """Return ``NAME.st`` with the start values of a compensator.
-
-    Raises
-    ------
-    UnknownModel
-        When its C uses what structured text has not.
-    """
+    """Return ``NAME.st``; UnknownModel when its C uses what structured text has not."""
     step = "sample" if model.sampled else "model_step"
     try:
         program = Program(model, ("model_start", step, "model_outputs"))
@@ -49,9 +73,7 @@ def _block(model: Model, program: Program) -> str:
     """Return the function block."""
     name = program.prefix
     parts = {short: part for short, part in _PARTS.items() if program.fields[_STRUCTS[short]]}
-    declared = [
-        f"    {part} : {program.type_name(_STRUCTS[short])};" for short, part in parts.items()
-    ]
+    declared = [f"    {part} : {program.type_name(_STRUCTS[key])};" for key, part in parts.items()]
 
     def call(function: str) -> str:
         given = parts | {"h": "h", "t": "0.0"}
@@ -93,23 +115,18 @@ def _block(model: Model, program: Program) -> str:
     return "\n".join(
         [
             f"(* {usage} The first call begins at rest with the inputs given. *)",
-            f"FUNCTION_BLOCK {name}",
-            "VAR_INPUT",
+            f"FUNCTION_BLOCK {name}\nVAR_INPUT",
             *timed,
             *_declarations(model, program, ("input", "parameter")),
-            "END_VAR",
-            "VAR_OUTPUT",
+            "END_VAR\nVAR_OUTPUT",
             *_declarations(model, program, ("output", "memory")),
             "    valid : BOOL; (* FALSE: do not use the outputs *)",
-            "END_VAR",
-            "VAR",
+            "END_VAR\nVAR",
             *declared,
             "    running : BOOL := FALSE; (* it was called before *)",
-            "    done : BOOL;",
-            "END_VAR",
+            "    done : BOOL;\nEND_VAR",
             *(f"    {line}" for line in body),
-            "END_FUNCTION_BLOCK",
-            "",
+            "END_FUNCTION_BLOCK\n",
         ]
     )
 
@@ -124,12 +141,8 @@ def _shown(model: Model) -> dict[str, str]:
     """Return the names of inputs, parameters and outputs as variables of the function block."""
     learned = model.ports.learned.values() if model.ports else ()
     roles: tuple[Role, ...] = ("input", "parameter", "output")
-    return distinct(
-        [
-            *(f for role in roles for f, _, _ in _elements(model, role)),
-            *dict.fromkeys(variable.partition("[")[0] for variable in learned),
-        ]
-    )
+    own = [f for role in roles for f, _, _ in _elements(model, role)]
+    return distinct([*own, *dict.fromkeys(v.partition("[")[0] for v in learned)])
 
 
 def _copied(model: Model, program: Program, *parts: str) -> Iterable[str]:

@@ -19,7 +19,7 @@ from lxml import etree
 
 from stickslip import models
 from stickslip.fmi import toolchain
-from stickslip.models.export.reference import reference_file
+from stickslip.models.export.presentation import reference_file
 from stickslip.models.export.sources import fmi_headers, grouped
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim, models
-from stickslip.models.export.reference import reference_file
+from stickslip.models.export.presentation import reference_file
 
 STEP = 5e-4  # s
 

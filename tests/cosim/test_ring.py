@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.coupling import ring
-from benchmarks.coupling.loops import Loops
+from benchmarks.coupling.ring import Loops
 from stickslip import cosim
 
 N = 20_000

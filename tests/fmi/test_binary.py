@@ -7,8 +7,7 @@ import struct
 import pytest
 
 from stickslip.fmi import toolchain
-from stickslip.fmi.binary import NotALibrary, read_library, universal
-from stickslip.fmi.binary.names import Names
+from stickslip.fmi.binary import Names, NotALibrary, read_library, universal
 from stickslip.fmi.toolchain import PLATFORMS
 
 VISIBLE = """

@@ -34,7 +34,7 @@ def test_a_library_with_values_written_into_it_is_the_one_that_is_compiled_with_
         return original(name, files, **how)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.models.export.package.shared_library", shared_library)
+        patch.setattr("stickslip.fmi.toolchain.shared_library", shared_library)
         again = models.build_fmu("nominal_loop", tmp_path / "again", start=START_VALUES)
     assert library_of(again) == compiled[0] == library_of(fmu)
 

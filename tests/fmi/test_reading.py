@@ -16,8 +16,7 @@ import pytest
 
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.errors import Fault
-from stickslip.fmi.files import atomic_write, parse_json, parse_toml, read_limited
-from stickslip.fmi.files.reading import DEEPEST
+from stickslip.fmi.files import DEEPEST, atomic_write, parse_json, parse_toml, read_limited
 
 
 def test_a_file_is_read_up_to_its_limit(tmp_path):
@@ -145,7 +144,7 @@ def test_what_has_no_names_ends_in_one_line(given, message):
 HALF = """
 import sys, time
 from pathlib import Path
-from stickslip.fmi.files import atomic
+from stickslip.fmi import files as atomic
 with atomic._beside(Path(sys.argv[1])) as (file, _):
     file.write(b"half")
     file.flush()

@@ -10,7 +10,7 @@ from stickslip import fmucheck
 from stickslip.fmi.process import sandbox
 from stickslip.fmucheck import rules
 from stickslip.fmucheck.running import parent
-from stickslip.fmucheck.running.loading import GATES
+from stickslip.fmucheck.running.plain_run import GATES
 from tests.corpus.defects import binaries, descriptions, files
 from tests.corpus.defects.reference import binary_name, members, pack, with_defect
 

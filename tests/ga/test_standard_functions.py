@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.learning.functions import ackley, ellipsoid, rastrigin
+from benchmarks.learning.contest import ackley, ellipsoid, rastrigin
 from benchmarks.learning.racers import race_one, scipy_de
 from stickslip import ga
 

@@ -12,8 +12,7 @@ import pytest
 
 from stickslip import cosim, models
 from stickslip.fmi import toolchain
-from stickslip.models.export.headers import variables_header
-from stickslip.models.export.sources import shared_files
+from stickslip.models.export.sources import shared_files, variables_header
 from tests.models.contacts import TABLE_2
 
 MODELS = Path(models.__file__).parent

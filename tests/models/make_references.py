@@ -21,7 +21,7 @@ from scipy.optimize import brentq
 
 from stickslip import models
 from stickslip.fmi.files import atomic_write
-from stickslip.models.export.reference import reference_file
+from stickslip.models.export.presentation import reference_file
 
 ROOT = Path(models.__file__).parent
 

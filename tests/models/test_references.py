@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from stickslip import models
-from stickslip.models.export.reference import reference_file
+from stickslip.models.export.presentation import reference_file
 from tests.models import make_references as references
 
 SLOW = {"stage", "drive", "lugre_observer"}

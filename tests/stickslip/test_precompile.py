@@ -26,7 +26,7 @@ def without_compiler(tmp_path_factory):
     def without():
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("STICKSLIP_CACHE", str(folder / "cache"))
-            patch.setattr("stickslip.fmi.toolchain.shipped.ARCHIVE", archive)
+            patch.setattr("stickslip.fmi.toolchain.compiler.ARCHIVE", archive)
             patch.setattr(compiler, "compiler_version", missing)
             yield patch
 

@@ -14,7 +14,8 @@ from pathlib import Path
 import pytest
 
 from stickslip import cosim
-from stickslip.fmi.process import calls, permitted, sandbox
+from stickslip.fmi.process import permitted, sandbox
+from stickslip.fmi.process import sandbox as calls
 from stickslip.fmi.toolchain import cache_directory
 from tests.corpus.hostile import attempts
 

@@ -17,10 +17,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stickslip import cosim
-from stickslip.fmi.archive import members, unpack, unpacked
-from stickslip.fmi.archive.directory import check_members
-from stickslip.fmi.archive.members import extract
-from stickslip.fmi.archive.names import Refused, place
+from stickslip.fmi.archive import unpack, unpacked
+from stickslip.fmi.archive import unpacked as members
+from stickslip.fmi.archive.directory import Refused, check_members, place
+from stickslip.fmi.archive.unpacked import extract
 from tests.corpus.hostile.zips import DEFLATE, STORED, Member, zipped
 
 CONTENT = {"a.txt": b"text", "folder/b.bin": bytes(range(256)) * 99}
@@ -339,7 +339,7 @@ def test_a_file_that_occurs_again_with_the_same_content_is_unpacked_once(tmp_pat
 @pytest.mark.parametrize("system", ["posix", "nt"])
 def test_a_name_that_windows_shortens_is_refused_there_only(tmp_path, monkeypatch, name, system):
     data = io.BytesIO(zipped([Member(name.encode(), b"text")]))
-    monkeypatch.setattr("stickslip.fmi.archive.names.os", SimpleNamespace(name=system))
+    monkeypatch.setattr("stickslip.fmi.archive.directory.os", SimpleNamespace(name=system))
     if system == "nt":
         with pytest.raises(Refused, match="dot or blank at its end"):
             extract(data, tmp_path / "new")

@@ -11,7 +11,7 @@ from stickslip import cosim
 from stickslip.catalog.parameters import estimated, friction_law, tabulated
 from stickslip.cli import main
 from stickslip.identification.stages import identify
-from stickslip.models.firmware.words import literal
+from stickslip.models.firmware.program import literal
 from stickslip.papers.lugre.reproduction import Options, drive_truth, reproduce
 from stickslip.planning import plan
 from stickslip.rigs.fmu import rig_of

@@ -1,0 +1,137 @@
+"""Small measurements, a function each."""
+
+import ctypes
+import gc
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+import fmpy
+import numpy as np
+
+from benchmarks.common import COMPENSATOR, INPUTS, LOOP, interleaved, specification
+from benchmarks.coupling import ring
+from stickslip import cosim
+from stickslip.fmi import toolchain
+from stickslip.ga import SimulatedCost
+from stickslip.models.firmware import write_compensator
+
+VARIABLES, CANDIDATES = 100_000, 40
+CALLS = 200_000  # of a function in C
+STEPS, REPEATS = 10_000, 101  # of isolated runs
+RUNS, PREPARATIONS = 100_000, 2_000
+
+
+def description(folder: Path) -> dict[str, float]:
+    """A description of 100,000 variables: s to load it, and what FMPy takes to read it."""
+    taken = {}
+    for version in (2, 3):
+        path = ring.build(folder, "mass", version, extra=VARIABLES)
+        cosim.Fmu(path)
+        cases = {
+            f"cosim.Fmu, FMI {version}.0 (s)": lambda p=path: cosim.Fmu(p),
+            f"fmpy.read_model_description, FMI {version}.0 (s)": lambda p=path: (
+                fmpy.read_model_description(p, validate=False)
+            ),
+        }
+        taken |= interleaved(cases, 3)
+    return taken
+
+
+def firmware(folder: Path) -> dict[str, float]:
+    """A step of the compensator as exported C, in exponentials of the C library."""
+    files = {path.name: path.read_text() for path in write_compensator(folder, "c")}
+    files["firmware.c"] = Path(__file__).with_name("firmware.c").read_text()
+    cases = {}
+    for name, define in (("double", ()), ("float", ("-DCOMPENSATOR_FLOAT",))):
+        flags = ("-Wno-conversion", "-lm", *define)
+        library = ctypes.CDLL(str(toolchain.shared_library("firmware", files, flags=flags)))
+        cases[name] = lambda lib=library: lib.steps(ctypes.c_size_t(CALLS))
+        cases["exp"] = lambda lib=library: lib.exponentials(ctypes.c_size_t(CALLS))
+    taken = interleaved(cases, 15)
+    return {f"step in {name} / exp": taken[name] / taken["exp"] for name in ("double", "float")}
+
+
+def isolation(folder: Path) -> dict[str, float]:
+    """Runs of 10,000 steps with the FMUs in a process of their own, against runs in this one."""
+    paper = replace(specification(folder), stop=STEPS * LOOP.T_s)
+    stop = STEPS * ring.STEP
+    cases = {
+        "paper's loop, what a cost needs": (paper, INPUTS),
+        "paper's loop, all signals": (replace(paper, record=None), INPUTS),
+        "ring of 3": (cosim.Specification(ring.system(folder, 2), ring.STEP, stop), {}),
+        "ring of 3, FMI 3.0": (cosim.Specification(ring.system(folder, 3), ring.STEP, stop), {}),
+        "ring of 9": (cosim.Specification(ring.system(folder, 2, 9), ring.STEP, stop), {}),
+    }
+    ratios = {}
+    for name, (case, inputs) in cases.items():
+        begin = time.perf_counter()
+        there = replace(case, isolation="process").prepare()
+        started = time.perf_counter() - begin
+        with case.prepare() as here, there:
+            seconds = interleaved(
+                {
+                    "here": lambda here=here, inputs=inputs: here.run(inputs=inputs),
+                    "there": lambda there=there, inputs=inputs: there.run(inputs=inputs),
+                },
+                REPEATS,
+            )
+        ratios[f"{name}: isolated / here"] = seconds["there"] / seconds["here"]
+        ratios[f"{name}: here (ms)"] = 1e3 * seconds["here"]
+    ratios["start of a child (ms)"] = 1e3 * started
+    return ratios
+
+
+def many_runs(folder: Path) -> dict[str, float]:
+    """100,000 prepared runs and 2,000 preparations in one process: what they leave behind."""
+    system = ring.system(folder, 2)
+
+    def prepare():
+        return system.prepare(step=ring.STEP, stop=100 * ring.STEP, coupling="jacobi")
+
+    with prepare() as simulation:
+        for i in range(1_000):
+            simulation.run({"controller.K_p": 40.0 + i})
+        memory, files = resources()
+        begin = time.perf_counter()
+        for i in range(RUNS):
+            simulation.run({"controller.K_p": 40.0 + i % 1_000})
+        seconds = time.perf_counter() - begin
+    after_runs, _ = resources()
+    for _ in range(PREPARATIONS):
+        prepare().close()
+    after_all, files_after = resources()
+    return {
+        "run of 100 steps (us)": seconds / RUNS * 1e6,
+        "memory more after all runs (kB)": after_runs - memory,
+        "memory more after all preparations (kB)": after_all - after_runs,
+        "open files more": files_after - files,
+    }
+
+
+def resources() -> tuple[float, int]:
+    """Return the resident memory in kB and the number of open files; Linux only."""
+    gc.collect()
+    status = Path("/proc/self/status").read_text()
+    memory = float(status.split("VmRSS:")[1].split()[0])
+    return memory, len(list(Path("/proc/self/fd").iterdir()))
+
+
+def workers(folder: Path) -> dict[str, float]:
+    """Forty candidates on two threads, relative to one."""
+    names = [f"compensator.{name}" for name in COMPENSATOR]
+    values = np.array(list(COMPENSATOR.values()))
+    speed = {}
+    with SimulatedCost(specification(folder), names, _cost, INPUTS) as cost:
+        for threads in (1, 2):
+            with ThreadPoolExecutor(threads) as pool:
+                list(pool.map(cost, [values] * threads))  # prepares a simulation in each
+                begin = time.perf_counter()
+                list(pool.map(cost, [values] * CANDIDATES))
+                speed[threads] = CANDIDATES / (time.perf_counter() - begin)
+    return {"candidates without learning, two threads / one": speed[2] / speed[1]}
+
+
+def _cost(result) -> float:
+    return float(np.sum(result["drive.x_enc"] ** 2))
