@@ -10,7 +10,7 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.model_description import CoSimulation, ModelDescription, ModelVariable
 
 from stickslip import cosim
-from stickslip.cosim.fmu.names import component_of
+from stickslip.cosim.component import component_of
 
 
 def write(system: cosim.System, path: Path, step: float, output: str) -> Path:

@@ -1,4 +1,4 @@
-"""The contract of what the master can step: an FMU, or a Python function."""
+"""The contract of what the master can step: an FMU, or a Python function; and names in a system."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable, parse_element
 
-if TYPE_CHECKING:  # it reads the structures of the kernel, which those who only read do not need
+if TYPE_CHECKING:
     from stickslip.cosim.fmu.library import Library
+
 
 Interface = Literal["co_simulation", "model_exchange"]
 
@@ -98,3 +99,24 @@ class Component:
             return None
         unit = self.units.get(variable.unit, Unit(variable.unit))
         return replace(unit, relative=True) if variable.relative else unit
+
+
+def component_of(name: str) -> str:
+    """Return ``component`` of ``component.variable``."""
+    return name.partition(".")[0]
+
+
+def variable_of(name: str) -> str:
+    """Return ``variable`` of ``component.variable``; it may hold dots itself."""
+    return name.partition(".")[2]
+
+
+def check_name(name: str) -> str | None:
+    """Return why nothing can be called so, as names head columns of tables; None where it can."""
+    if not name or "." in name:
+        return "it is empty or has a dot"
+    if not name.isprintable():
+        return "it has control characters"
+    if name[0] in "=+-@":
+        return f"it begins with {name[0]!r}, which spreadsheets take for a formula"
+    return None

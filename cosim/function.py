@@ -12,10 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.cosim.component import Component
+from stickslip.cosim.component import Component, check_name
 from stickslip.cosim.errors import ConnectionFault
 from stickslip.cosim.fmu.library import Library
-from stickslip.cosim.fmu.names import check_name
 from stickslip.cosim.signals.signals import Array
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable
@@ -145,10 +144,6 @@ class FunctionLibrary(Library):
 
     All of an instance is one array: state, inputs, outputs, the start time, and 1 until the first
     step is done.
-
-    Attributes
-    ----------
-    fault : what the function raised last
     """
 
     def __init__(self, component: Function) -> None:

@@ -24,11 +24,9 @@ as published.
 from typing import TYPE_CHECKING
 
 from stickslip.ga.algorithms.by_name import ALGORITHMS, OTHERS, optimiser
-from stickslip.ga.algorithms.generation import Candidate
 from stickslip.ga.algorithms.genetic import GeneticAlgorithm
-from stickslip.ga.algorithms.limits import Limits
-from stickslip.ga.algorithms.optimiser import Optimiser
-from stickslip.ga.algorithms.settings import DEFAULT, PAPER, PRESETS, Settings
+from stickslip.ga.algorithms.optimiser import Candidate, Optimiser
+from stickslip.ga.algorithms.settings import DEFAULT, PAPER, PRESETS, Limits, Settings
 from stickslip.ga.errors import (
     CallOrderError,
     CandidateFailed,
@@ -42,7 +40,7 @@ from stickslip.ga.errors import (
 )
 from stickslip.ga.execution.executors import executor
 from stickslip.ga.execution.learning import SearchResult, learn
-from stickslip.ga.operators.crossover import crossover_probability, fitness
+from stickslip.ga.operators.breeding import crossover_probability, fitness
 from stickslip.ga.problem.problem import AtLeast, Gene, Problem
 
 if TYPE_CHECKING:

@@ -10,9 +10,8 @@ import numpy as np
 from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.errors import ExperimentError
 from stickslip.cosim.kernel import structures
-from stickslip.cosim.signals.signals import Array
-from stickslip.cosim.signals.span import Span
-from stickslip.cosim.system.record import Deviation
+from stickslip.cosim.signals.signals import Array, Span
+from stickslip.cosim.system.settings import Deviation
 
 Room = Callable[[tuple[int, int]], Array]
 _MOST_APART = 2**23  # numbers of the rows of a repetition
@@ -22,12 +21,7 @@ class Memory:
     """Rows of all signals, the record and the sums; the kernel uses them as long as this exists.
 
     The rows of all points in time are the record where all signals of all of them are kept. Else
-    there are those of a block of steps, used again for the next.
-
-    Parameters
-    ----------
-    run : of the kernel, wired
-    room : makes arrays of a shape, for what is kept
+    there are those of a block of steps, used again for the next. ``room`` makes arrays of a shape.
     """
 
     def __init__(self, run: structures.Run, plan: Plan, room: Room = np.empty) -> None:
@@ -52,14 +46,7 @@ class Memory:
         self._take(self._block, used_again=not layout.whole)
 
     def prepare(self, external: Array, *, apart: bool = False) -> None:
-        """Make room for a run.
-
-        Parameters
-        ----------
-        external : (n_steps + 1, number of exposed inputs)
-        apart : whether it is a repetition: not in the room of results, and with all rows where
-            they are not too many
-        """
+        """Make room for a run with inputs (n_steps + 1, number); ``apart`` for a repetition."""
         run = self._run
         self._external = external
         run.external = structures.doubles(external) if external.size else None
@@ -116,13 +103,7 @@ class Memory:
         row[first : first + len(outputs)] = outputs
 
     def kept(self, first: int, last: int, *, ended: bool = False) -> tuple[Array, Array]:
-        """Return time and record of the steps from first to last; the last always if the run ended.
-
-        Returns
-        -------
-        time : (n,) s
-        values : (n, number of recorded signals)
-        """
+        """Return time (n,) and record (n, signals) from step first to last; last if it ended."""
         if self._only_last:
             return self._plan.time[last : last + 1], self.last()[None]
         begin, end = -(-first // self._every), last // self._every + 1

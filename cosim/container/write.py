@@ -12,19 +12,22 @@ from pathlib import Path
 from typing import Literal
 
 from stickslip.cosim import kernel
-from stickslip.cosim.assembly.layout import Layout
+from stickslip.cosim.assembly.plan import Layout
 from stickslip.cosim.assembly.wiring import wire
-from stickslip.cosim.container.description import index, licences, model_description
+from stickslip.cosim.container.description import (
+    index,
+    licences,
+    model_description,
+    shown_variables,
+)
 from stickslip.cosim.container.tables import system_header
-from stickslip.cosim.container.variables import shown_variables
 from stickslip.cosim.errors import ConnectionFault, ExperimentError, FmuError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.library import UnloadedLibrary
-from stickslip.cosim.kernel.unrolled import unroll
-from stickslip.cosim.ssp.members import zipped
-from stickslip.cosim.system.coupling import Coupling
+from stickslip.cosim.kernel import unroll
+from stickslip.cosim.ssp.compose import zipped
 from stickslip.cosim.system.loops import algebraic_loop, group
-from stickslip.cosim.system.record import Record
+from stickslip.cosim.system.settings import Coupling, Record
 from stickslip.cosim.system.system import System
 from stickslip.fmi import toolchain
 from stickslip.fmi.description.model import DefaultExperiment
@@ -225,13 +228,7 @@ _LICENCE = "licenses/LICENSE.txt"  # FMPy's own and that of SUNDIALS, of which C
 
 
 def solver_members(targets: Iterable[Platform]) -> dict[str, bytes]:
-    """Return the files, by path in the container.
-
-    Raises
-    ------
-    FmuError
-        When there is no solver for a platform.
-    """
+    """Return the files, by path in the container."""
     import fmpy  # large, and not needed before
 
     members = {}

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.cosim.errors import ExperimentError
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.signals.signals import Input
-from stickslip.cosim.system.isolation import Isolated
+from stickslip.cosim.system.settings import Isolated
 from stickslip.cosim.system.system import System
 
 Array = NDArray[np.float64]

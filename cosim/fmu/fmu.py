@@ -246,12 +246,7 @@ class Fmu(Component):
 
 
 def described(path: Path) -> tuple[Path, Description]:
-    """Unpack an FMU, also one that this machine cannot run; return its folder and description.
-
-    Raises
-    ------
-    FmuError
-    """
+    """Unpack an FMU, also one that this machine cannot run; return its folder and description."""
     folder = unpack(path, "fmus", FmuError)
     names = {file.name for file in folder.iterdir()}
     if _DESCRIPTION not in names:

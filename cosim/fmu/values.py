@@ -42,10 +42,9 @@ def resized(variable: Variable, lengths: Mapping[str, int]) -> Variable:
 
 
 def converted(variable: Variable, value: object, label: str) -> Value:
-    """Return ``value`` as the type of a variable; text is read as a number where one is expected.
+    """Return ``value``, also as text, as the type of a variable, called ``label`` in messages.
 
     Arrays take a numpy array or nested list of their dimensions, or the values row by row.
-    ``label`` names the variable in messages.
     """
     if not variable.is_settable:
         raise ParameterError(

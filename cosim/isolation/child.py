@@ -19,9 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.cosim.isolation.answers import LOST, receive, send
-from stickslip.cosim.isolation.shared import Shared
-from stickslip.cosim.kernel import marks
+from stickslip.cosim import kernel
+from stickslip.cosim.isolation.messages import LOST, Shared, receive, send
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
@@ -31,13 +30,7 @@ from stickslip.fmi.process.child import limit
 
 
 def main(name: str, size: int, token: bytes) -> None:
-    """Serve the parent at the other ends of standard input and output until it is gone.
-
-    Parameters
-    ----------
-    name, size : of the shared memory
-    token : that begins each message
-    """
+    """Serve the parent at the other ends of standard input and output until it is gone."""
     requests, replies = _take_pipes()
     shared = Shared.open(name, size)
     own = os.getpid()
@@ -51,7 +44,7 @@ def main(name: str, size: int, token: bytes) -> None:
             os._exit(LOST)
 
     order = _receive(requests, token)
-    marks.use(shared.mark, Path(order["kernel"]))
+    kernel.use_mark(shared.mark, Path(order["kernel"]))
     limit(order["memory"])
     resets.lines.update(order["resets"])
     for module in order["modules"]:
@@ -99,7 +92,7 @@ class _Served:
 
     def do(self, what: str, arguments: dict[str, Any]) -> None:
         """Carry out a request of the parent and reply with the result or the error."""
-        marks.note("", "")
+        kernel.note_call("", "")
         try:
             answer = getattr(self, what)(**arguments)
         except MemoryError:
@@ -136,7 +129,7 @@ class _Served:
     def close(self) -> dict[str, object]:
         if self._simulation:
             self._simulation.close()
-        marks.note("", "unloading its binary")
+        kernel.note_call("", "unloading its binary")
         return {}
 
     @property

@@ -8,7 +8,7 @@ import signal
 from collections.abc import Sequence
 
 from stickslip.cosim.errors import FmuCrashed
-from stickslip.cosim.isolation.answers import LOST
+from stickslip.cosim.isolation.messages import LOST
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.kernel.structures import Mark
 from stickslip.cosim.system.system import System
@@ -17,10 +17,7 @@ _UNTIMED = ("load", "unload", "Instantiate", "FreeInstance")  # calls at no simu
 
 
 def ending(status: int | None, memory: float | None = None) -> str:
-    """Describe an exit status; None stands for a child that could not be reached.
-
-    ``memory`` (MB) is the limit when the child came near it, else None.
-    """
+    """Describe an exit status, None if unreachable; ``memory`` (MB) is a limit that was near."""
     if status is None or status == LOST:
         return "or a call before it closed files that are not its own"
     if status >= 0:
@@ -38,16 +35,7 @@ def crashed(
     printed: str = "",
     denied: Sequence[str] = (),
 ) -> FmuCrashed:
-    """Return the error in one line.
-
-    Parameters
-    ----------
-    mark : the call it was in
-    order : names of the components as they step
-    what : happened, such as ``died of SIGSEGV``
-    printed : the last line that was printed
-    denied : what the sandbox has denied before
-    """
+    """Return the error: what happened in the call of the mark, what was printed and denied."""
     call = mark.call.decode(errors="replace") or "its process"
     when = ""
     if not any(word in call for word in _UNTIMED):

@@ -10,13 +10,7 @@ from stickslip.cosim.errors import SharedSimulation
 
 
 class Exclusive:
-    """Lets a thread in unless another is, or unless the process has forked since.
-
-    Parameters
-    ----------
-    name : of the system, for messages
-    outlives_fork : whether a forked process has a copy of all that the simulation consists of
-    """
+    """Lets a thread in unless another is, or the process has forked and has no copy of all."""
 
     def __init__(self, name: str, *, outlives_fork: bool) -> None:
         self._name, self._outlives_fork = name, outlives_fork

@@ -13,21 +13,18 @@ from stickslip.cosim.assembly.coupled import Coupled
 from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.memory import Memory, Room
 from stickslip.cosim.assembly.plan import Plan
-from stickslip.cosim.assembly.settings import Settings
-from stickslip.cosim.assembly.wiring import wire
-from stickslip.cosim.component import Component
+from stickslip.cosim.assembly.wiring import Settings, wire
+from stickslip.cosim.component import Component, component_of
 from stickslip.cosim.errors import SimulationError
-from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.single_instance import (
+from stickslip.cosim.fmu.instance import (
+    StateAccess,
     claim,
     none_fatal,
     note_fatal,
     release,
     times_fatal,
 )
-from stickslip.cosim.fmu.state import StateAccess
-from stickslip.cosim.kernel import structures
-from stickslip.cosim.kernel.unrolled import unroll
+from stickslip.cosim.kernel import structures, unroll
 from stickslip.cosim.run import resets
 from stickslip.fmi.description.variables import Value
 from stickslip.fmi.messages import named
@@ -39,24 +36,14 @@ _N_LAST = 10  # messages in ``Log.last``
 class Instances:
     """Makes instances of FMUs, and says which calls on them failed.
 
-    Parameters
-    ----------
-    room : makes arrays of a shape, for what is kept of a run
-
     Attributes
     ----------
-    plan : Plan
-    run : table of the kernel
-    slots : component -> its entry in that table
-    libraries : component -> its functions
+    slots, libraries : component -> its entry in the table of the kernel, its functions
     general : component -> what it has beside its slot, for those on the general path
-    coupled : what is coupled beyond the plain orders
-    memory : where the signals of a run go
-    kernel : library
     moved : (n,) of the components in their order, whether their outputs moved in the last run
     ready : whether all have an instance
-    retries : components that discarded a step and can take it back; used by `build`
-    averages : components that refused derivatives of their inputs; likewise
+    retries, averages : components that discarded a step and can take it back, and that refused
+        derivatives of their inputs; used by `build`
     """
 
     def __init__(self, plan: Plan, room: Room) -> None:

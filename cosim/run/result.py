@@ -313,13 +313,7 @@ def _summary(
 
 
 def _to_xarray(frame: pd.DataFrame) -> xr.Dataset:
-    """Return a data set along the index; ``frame.attrs["units"]`` are attributes of its variables.
-
-    Raises
-    ------
-    CosimError
-        When xarray is not installed.
-    """
+    """Return a data set along the index; ``attrs["units"]`` become attributes of its variables."""
     _library("xarray", "xarray")
     data: xr.Dataset = frame.to_xarray()
     for name, unit in {frame.index.name: "s", **frame.attrs["units"]}.items():
@@ -329,14 +323,7 @@ def _to_xarray(frame: pd.DataFrame) -> xr.Dataset:
 
 
 def with_pint(frame: pd.DataFrame, units: dict[str, Unit | None]) -> pd.DataFrame:
-    """Return a frame with columns of Pint, dimensionless where a signal has no unit.
-
-    Raises
-    ------
-    CosimError
-        When pint-pandas is not installed, or Pint does not know a unit that its FMU does not
-        define either.
-    """
+    """Return a frame with columns of Pint, dimensionless where a signal has no unit."""
     pint = _library("pint", "pint-pandas")
     _library("pint_pandas", "pint-pandas")
     registry = pint.get_application_registry()

@@ -25,12 +25,7 @@ _RESUMED = ("begun", "from a state")  # is never known to be removed
 
 
 class Reuse:
-    """Takes FMUs through one run after the other.
-
-    Attributes
-    ----------
-    before_repetition : is called before a run is repeated to see what a reset does
-    """
+    """Takes FMUs through one run after the other; may call ``before_repetition``."""
 
     def __init__(self, stepper: Stepper) -> None:
         self.before_repetition: Callable[[], object] = lambda: None
@@ -50,13 +45,9 @@ class Reuse:
         self._fmus.free()
 
     def renew(self, values: Mapping[str, Value]) -> set[_Trace]:
-        """Make sure that a run with these start values has instances as good as new.
+        """Let a run have instances as good as new; return the traces of what it leaves unset.
 
         Until it comes to its end it counts as failed, so that all are new for the next one.
-
-        Returns
-        -------
-        traces of start values that earlier runs set and this one does not
         """
         unset: set[_Trace] = set()
         if not self._set.keys() <= values.keys():
@@ -76,17 +67,10 @@ class Reuse:
         same_as: object = None,
         resumed: bool = False,
     ) -> Result:
-        """Run with instances that are new, or as good as new.
+        """Run, by ``go``, with instances that are new, or as good as new.
 
-        Parameters
-        ----------
-        values : start values
-        external : (n_steps + 1, number of exposed inputs)
-        go : goes through a run that has begun, for the user or as a repetition
-        repeats : whether the run may be repeated, which takes its time once more
-        same_as : equal for runs that are the same where ``values`` and ``external`` are; None
-            where that is not known
-        resumed : whether ``go`` begins with a saved state
+        It is repeated where ``repeats`` allows that. Runs with equal ``same_as`` are the same where
+        the values and the inputs ``external`` are.
         """
         again, before = bool(self._traces), self._set
         unset = self.renew(values)
@@ -149,14 +133,7 @@ class Reuse:
         result: Result,
         left: set[_Trace],
     ) -> None:
-        """Do a run again after a reset; note which traces that removes, or who cannot be reset.
-
-        Parameters
-        ----------
-        earlier : start values that the run does not set, and others; to be set before the reset
-        result : of the run, with new instances
-        left : its traces
-        """
+        """Repeat a run after a reset, at first with ``earlier``; note which traces that removes."""
         able = [name for name in self._plan.order if self._can_be_reset(name)]
         if not able:
             return
@@ -198,15 +175,7 @@ class Reuse:
         *,
         same: bool,
     ) -> None:
-        """Say who cannot be reset.
-
-        Parameters
-        ----------
-        after_reset : rows of the run after a reset; the last run had new instances
-        failed : which component failed in it, and the error
-        able : components that were reset
-        same : whether two runs with new instances were the same
-        """
+        """Say who of the ``able`` cannot be reset, by the rows of the run after a reset."""
         found = self._first_difference(after_reset, self._fmus.memory.rows())
         names, what = found or failed or (able, "the results differ")
         if same and set(names) <= set(able):

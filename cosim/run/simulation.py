@@ -12,9 +12,9 @@ import numpy as np
 
 from stickslip.cosim.assembly.memory import Room
 from stickslip.cosim.assembly.plan import Plan
+from stickslip.cosim.component import component_of
 from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationError
-from stickslip.cosim.fmu.batch import Batch
-from stickslip.cosim.fmu.names import component_of
+from stickslip.cosim.fmu.instance import Batch
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.checkpoint import Checkpoint, differences, identity, put_back, taken
 from stickslip.cosim.run.exclusive import Exclusive

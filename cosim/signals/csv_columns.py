@@ -26,13 +26,7 @@ LONGEST = 1 << 20
 
 
 def read_columns(path: Path) -> dict[str, Array]:
-    """Return the columns (n,) of a file by name, ``time`` [s] among them, which never falls.
-
-    Raises
-    ------
-    SignalError
-        When the file cannot be read or holds something else; names the line.
-    """
+    """Return the columns (n,) of a file by name, ``time`` [s] among them, which never falls."""
     try:
         data = read_limited(path, MOST_BYTES)
     except OSError as fault:
@@ -41,17 +35,7 @@ def read_columns(path: Path) -> dict[str, Array]:
 
 
 def parse_columns(data: bytes, label: str) -> dict[str, Array]:
-    """Return the columns (n,) of a CSV file by name, as ``read_columns`` does.
-
-    Parameters
-    ----------
-    data : what the file holds
-    label : what messages call it
-
-    Raises
-    ------
-    SignalError
-    """
+    """Return the columns (n,) of a CSV file by name, as ``read_columns`` does."""
     try:
         rows = csv.reader(_lines(data.decode("utf-8-sig"), label))
         names = [name.strip() for name in next(rows, [])]

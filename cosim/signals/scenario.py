@@ -10,21 +10,15 @@ from typing import Protocol
 import numpy as np
 
 from stickslip.cosim.errors import SignalError
-from stickslip.cosim.signals.signals import Array, Input, ends_of, sampled, shifted
-from stickslip.cosim.signals.span import Span
+from stickslip.cosim.signals.signals import Array, Input, Span, ends_of, sampled, shifted
 
 
 @dataclass(frozen=True)
 class Disturbance:
-    """What happens to one signal: value = keep * value + add at the points in time of a run.
+    """What happens to one signal: value = keep * value + add at the n points in time of a run.
 
-    Attributes
-    ----------
-    keep : (n,) NaN where the signal sticks: value = the one of the last point at which it was
-        free + add
-    add : (n,)
-    ends : (n,) what ``add`` is at the end of the step before each point; another where the signal
-        jumps. ``keep`` is that of the begin of the step
+    Where ``keep`` is NaN the signal sticks: value = that of the last point at which it was free +
+    add. ``ends`` is what ``add`` is at the end of the step before each point.
     """
 
     keep: Array
@@ -43,12 +37,7 @@ class Disturbance:
         return result
 
     def at_ends(self, ends: Array, values: Array) -> Array:
-        """Return a signal as it is changed at the ends of the steps before the points, (n,).
-
-        Parameters
-        ----------
-        ends, values : (n,) the signal there, and at the points
-        """
+        """Return a signal as it is changed at the ends of the steps before the points, (n,)."""
         keep, held = shifted(self.keep), shifted(self._held(values))
         result: Array = np.where(np.isnan(keep), held, keep * ends) + self.ends
         return result

@@ -9,14 +9,21 @@ from typing import Any
 
 from lxml import etree
 
+from stickslip.cosim.component import component_of, variable_of
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.fmu.names import component_of, variable_of
-from stickslip.cosim.ssp.compose import add, add_units, group, new_root, text_of
+from stickslip.cosim.ssp.compose import (
+    Members,
+    add,
+    add_units,
+    file_name,
+    free_name,
+    group,
+    new_root,
+    text_of,
+)
 from stickslip.cosim.ssp.edit import Editor
-from stickslip.cosim.ssp.markup import local
-from stickslip.cosim.ssp.members import Members, file_name, free_name
-from stickslip.cosim.ssp.names import path_of, tag
-from stickslip.cosim.ssp.parameters import read_parameters
+from stickslip.cosim.ssp.markup import local, path_of, tag
+from stickslip.cosim.ssp.read import read_parameters
 from stickslip.cosim.system.system import Origin, System
 from stickslip.fmi.description.variables import Value, Variable
 

@@ -1,4 +1,4 @@
-"""Reads XML of SSP; each error names file and line."""
+"""Names and namespaces of SSP 1.0 and 2.0, and its XML; each error names file and line."""
 
 from __future__ import annotations
 
@@ -6,30 +6,71 @@ import math
 import re
 from functools import cache
 from importlib.util import find_spec
-from pathlib import Path
+from pathlib import Path as File
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from lxml import etree
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.ssp.names import NAMESPACES, OSP, ROOTS, VERSIONS, tag
 from stickslip.fmi.files import read_limited
 from stickslip.fmi.messages import printable, shown
 from stickslip.fmi.xml import Malformed, parse_xml
+
+NAMESPACES = {
+    part: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
+    for part, name in (
+        ("ssd", "Description"),
+        ("ssc", "Common"),
+        ("ssv", "ParameterValues"),
+        ("ssm", "ParameterMapping"),
+        ("ssb", "SignalDictionary"),
+    )
+}
+ROOTS = {
+    "ssd": "ssd:SystemStructureDescription",
+    "ssv": "ssv:ParameterSet",
+    "ssm": "ssm:ParameterMapping",
+    "ssb": "ssb:SignalDictionary",
+}
+VERSIONS = ("1.0", "2.0")
+STRUCTURE = "SystemStructure.ssd"
+FMU = "application/x-fmu-sharedlibrary"
+NESTED = ("application/x-ssp-definition", "application/x-ssp-package")
+
+# SSP has no place for a step size. libcosim has this one, and reads it from here.
+ANNOTATION = "com.opensimulationplatform"
+OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
+
+# Between a nested system and its elements; a dot separates the variable.
+SEPARATOR = "/"
+
+Path = tuple[str, ...]
+"""Names of elements, from the outermost system inwards; () is that system itself."""
+
+
+def tag(name: str) -> str:
+    """Return ``ssd:Name`` with its namespace, as lxml wants it."""
+    prefix, _, local = name.partition(":")
+    return f"{{{NAMESPACES[prefix]}}}{local}"
+
+
+def component(path: Path) -> str:
+    """Return the name of a component in a system without nesting: ``outer/inner``."""
+    return SEPARATOR.join(path)
+
+
+def path_of(name: str) -> Path:
+    """Return where the component called ``outer/inner`` lies."""
+    return tuple(name.split(SEPARATOR))
+
 
 MOST_BYTES = 1 << 26
 _SSP2 = ("pyssp_standard", "resources/ssp2")
 
 
-def parse(file: Path, part: str) -> Any:
-    """Return the root of a file of one of the formats of SSP, valid as far as can be checked.
-
-    Parameters
-    ----------
-    file : to read
-    part : ``ssd``, ``ssv``, ``ssm`` or ``ssb``
-    """
+def parse(file: File, part: str) -> Any:
+    """Return the root of a file of a part (a key of `ROOTS`), valid as far as can be checked."""
     try:
         root = parse_xml(read_limited(file, MOST_BYTES), str(file), remarks=True)
     except OSError as fault:
@@ -76,7 +117,7 @@ def _schema(part: str, version: str) -> Any:
     found = find_spec(package)
     if found is None or found.origin is None:
         return None
-    file = Path(found.origin).parent / folder / f"{NAMESPACES[part].rpartition('/')[2]}.xsd"
+    file = File(found.origin).parent / folder / f"{NAMESPACES[part].rpartition('/')[2]}.xsd"
     return etree.XMLSchema(file=str(file)) if file.is_file() else None
 
 
@@ -133,20 +174,8 @@ def local(element: Any) -> str:
     return name
 
 
-def inside(top: Path, base: Path, element: Any) -> Path:
-    """Return the file that the source of an element names by a relative URI.
-
-    Parameters
-    ----------
-    top : folder that the file must lie in
-    base : folder that the URI starts from
-    element : that has the source
-
-    Raises
-    ------
-    SspError
-        When the file is missing or lies elsewhere.
-    """
+def inside(top: File, base: File, element: Any) -> File:
+    """Return the file below ``top`` that a source names by a URI relative to ``base``."""
     source = attribute(element, "source")
     try:
         uri = urlsplit(source)
@@ -181,4 +210,4 @@ def _remedy(message: str) -> str:
 
 
 def _file_name(element: Any) -> str:
-    return Path(unquote(element.getroottree().docinfo.URL or "XML")).name
+    return File(unquote(element.getroottree().docinfo.URL or "XML")).name

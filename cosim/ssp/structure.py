@@ -1,7 +1,8 @@
-"""The elements of a system as SSP nests them: systems, components, signal dictionaries."""
+"""The elements of a system as SSP nests them, and the variants in an .ssp file."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path as File
@@ -9,18 +10,24 @@ from typing import Any
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.ssp.connectors import Connector, Definitions, read_connectors, read_entries
-from stickslip.cosim.ssp.markup import attribute, check, find, inside, parse, place
-from stickslip.cosim.ssp.names import (
+from stickslip.cosim.ssp.markup import (
     FMU,
     NAMESPACES,
     NESTED,
     SEPARATOR,
     STRUCTURE,
-    Path,
+    attribute,
+    check,
     component,
+    find,
+    inside,
+    parse,
+    place,
     tag,
 )
+from stickslip.cosim.system.system import Origin
 from stickslip.fmi.archive import unpack
+from stickslip.fmi.messages import suggestion
 
 DEEPEST = 16
 MOST_FILES = 1000
@@ -29,16 +36,7 @@ MOST_FILES = 1000
 
 @dataclass(frozen=True)
 class Document:
-    """An .ssd file.
-
-    Attributes
-    ----------
-    file : its path, from which its URIs start
-    top : the unpacked package, which no URI may leave
-    root : SystemStructureDescription
-    definitions : of units and enumerations
-    opened : all files that were read for the same system, in turn
-    """
+    """An .ssd file of an unpacked package, ``top``; ``opened`` has all that were read with it."""
 
     file: File
     top: File
@@ -61,20 +59,12 @@ class Document:
 
 @dataclass
 class Node:
-    """An element and what is in it.
+    """An element, as its parent mentions it, and its body: of a system that system.
 
-    Attributes
-    ----------
-    path : of names
-    document : that ``element`` and ``body`` ... of the same file are written in
-    element : as its parent mentions it
-    body : ssd:System of a system; the element itself otherwise
-    body_document : that the body is written in: another one where the source is a file
-    fmu : of a component
-    dictionary : that a reference refers to
+    They may be of different documents. A reference names its ``dictionary``.
     """
 
-    path: Path
+    path: File
     document: Document
     element: Any
     body: Any
@@ -99,7 +89,7 @@ def read_structure(file: File, top: File) -> Node:
 
 
 def _system(
-    path: Path, body: Any, document: Document, files: tuple[File, ...], element: Any = None
+    path: File, body: Any, document: Document, files: tuple[File, ...], element: Any = None
 ) -> Node:
     connectors = read_connectors(body, document.definitions)
     node = Node(path, document, element, body, document, connectors)
@@ -120,7 +110,7 @@ def _system(
     return node
 
 
-def _element(path: Path, element: Any, document: Document, files: tuple[File, ...]) -> Node:
+def _element(path: File, element: Any, document: Document, files: tuple[File, ...]) -> Node:
     if element.tag == tag("ssd:System"):
         return _system(path, element, document, files, element)
     connectors = read_connectors(element, document.definitions)
@@ -145,7 +135,7 @@ def _element(path: Path, element: Any, document: Document, files: tuple[File, ..
     return node
 
 
-def _nested(path: Path, element: Any, document: Document, files: tuple[File, ...]) -> Node:
+def _nested(path: File, element: Any, document: Document, files: tuple[File, ...]) -> Node:
     file, top = document.locate(element), document.top
     if element.get("type") == NESTED[1]:
         try:
@@ -181,3 +171,47 @@ def _entries(element: Any, document: Document) -> dict[str, Connector]:
         root = find(element, "ssb:SignalDictionary")
         check(root, "ssb")
     return read_entries(root, Definitions.of(root).within(document.definitions))
+
+
+class Package(Origin):
+    """An .ssp file that is unpacked, and the chosen variant."""
+
+    @classmethod
+    def open(cls, path: str | os.PathLike[str], variant: str | None = None) -> Package:
+        """Unpack a file and choose a variant by the name it gives itself, or by its file."""
+        whole = File(path).absolute()
+        package = cls(whole, unpacked(whole))
+        if variant is None:
+            return package
+        named = package.variants()
+        files = {file: file for file in named.values()} | named
+        if variant not in files:
+            raise SspError(f"{whole}: no variant {variant!r}{suggestion(variant, files)}")
+        return cls(whole, package.folder, files[variant])
+
+    def variants(self) -> dict[str, str]:
+        """Return name -> file of each variant, the default one first."""
+        files = sorted(self.folder.glob("*.ssd"), key=lambda file: (file.name != STRUCTURE, file))
+        names: dict[str, str] = {}
+        for file in files:
+            try:
+                name = attribute(parse(file, "ssd"), "name")
+            except SspError as fault:
+                raise SspError(f"{self.path}: {fault}") from fault
+            if name in names:
+                raise SspError(
+                    f"{self.path}: {names[name]} and {file.name} are both called {name!r};"
+                    " choose one by its file"
+                )
+            names[name] = file.name
+        return names
+
+
+def variants(path: str | os.PathLike[str]) -> list[str]:
+    """Return the names of the variants that an .ssp file holds, the default one first.
+
+    Raises
+    ------
+    SspError
+    """
+    return list(Package.open(path).variants())

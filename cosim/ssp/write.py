@@ -14,16 +14,23 @@ from typing import Literal
 
 from lxml import etree
 
+from stickslip.cosim.component import component_of, variable_of
 from stickslip.cosim.errors import CosimError, SspError
-from stickslip.cosim.fmu.names import component_of, variable_of
 from stickslip.cosim.ssp.bindings import edit_parameters
-from stickslip.cosim.ssp.compose import add, group, new_root, text_of
+from stickslip.cosim.ssp.compose import (
+    Members,
+    add,
+    file_name,
+    free_name,
+    group,
+    new_root,
+    text_of,
+    zipped,
+)
 from stickslip.cosim.ssp.connectors import Definitions
 from stickslip.cosim.ssp.edit import Editor
 from stickslip.cosim.ssp.graph import End, Graph, expand
-from stickslip.cosim.ssp.markup import short, violation
-from stickslip.cosim.ssp.members import Members, file_name, free_name, zipped
-from stickslip.cosim.ssp.names import (
+from stickslip.cosim.ssp.markup import (
     ANNOTATION,
     NAMESPACES,
     OSP,
@@ -31,11 +38,12 @@ from stickslip.cosim.ssp.names import (
     STRUCTURE,
     VERSIONS,
     path_of,
+    short,
     tag,
+    violation,
 )
-from stickslip.cosim.ssp.package import Package
 from stickslip.cosim.ssp.read import read_experiment, read_package
-from stickslip.cosim.ssp.structure import Document, Node
+from stickslip.cosim.ssp.structure import Document, Node, Package
 from stickslip.cosim.system.scaling import PLAIN, Link, Scaling
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.model import DefaultExperiment

@@ -9,18 +9,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from stickslip.cosim.component import Component, Interface
+from stickslip.cosim.component import Component, Interface, check_name, component_of, variable_of
 from stickslip.cosim.display import html_table
 from stickslip.cosim.errors import ConnectionFault, CosimError, ParameterError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.names import check_name, component_of, variable_of
 from stickslip.cosim.fmu.values import converted, resized
-from stickslip.cosim.system.connections import End, check_connection, pairs, transform
-from stickslip.cosim.system.coupling import Coupling, Method
 from stickslip.cosim.system.drawing import block_diagram
-from stickslip.cosim.system.isolation import Isolated, Isolation
-from stickslip.cosim.system.record import Record
-from stickslip.cosim.system.scaling import PLAIN, Link, Transform
+from stickslip.cosim.system.scaling import (
+    PLAIN,
+    End,
+    Link,
+    Transform,
+    check_connection,
+    pairs,
+    transform,
+)
+from stickslip.cosim.system.settings import Coupling, Isolated, Isolation, Method, Record
 from stickslip.fmi import toolchain
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.description.units import Unit
@@ -37,14 +41,7 @@ _SHOWN = 12
 
 @dataclass(frozen=True)
 class Origin:
-    """The SSP package that a system was read from; the folder is named by its content.
-
-    Attributes
-    ----------
-    path : the ``.ssp`` file
-    folder : the folder that it is unpacked in
-    structure : the file in it that describes the chosen variant
-    """
+    """The SSP package of a system, its folder named by its content, and the variant's file."""
 
     path: Path
     folder: Path

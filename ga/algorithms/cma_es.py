@@ -6,12 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.ga.algorithms.limits import Limits
 from stickslip.ga.algorithms.optimiser import Optimiser
-from stickslip.ga.arrays import Array
+from stickslip.ga.algorithms.settings import Limits
 from stickslip.ga.errors import SettingsError
-from stickslip.ga.problem.encoding import Encoding
-from stickslip.ga.problem.problem import Problem
+from stickslip.ga.problem.problem import Array, Encoding, Problem
 
 SIGMA = 0.1
 """First standard deviation of the search, on the strings' scale of [0, 1]."""
@@ -23,14 +21,8 @@ GROWTH = 2
 class CovarianceAdaptation(Optimiser):
     """CMA-ES with restarts of growing population (IPOP).
 
-    Raises
-    ------
-    SettingsError : there is only one gene
-
-    Source
-    ------
-    Hansen, The CMA Evolution Strategy: A Tutorial, arXiv:1604.00772; Auger and Hansen, IEEE CEC
-    (2005) 1769, for the restarts.
+    Source: Hansen, The CMA Evolution Strategy: A Tutorial, arXiv:1604.00772; Auger and Hansen, IEEE
+    CEC (2005) 1769, for the restarts.
     """
 
     kind = "cma"

@@ -15,11 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.ga.algorithms.limits import Limits
 from stickslip.ga.algorithms.optimiser import Optimiser
-from stickslip.ga.arrays import Array
-from stickslip.ga.problem.encoding import Encoding
-from stickslip.ga.problem.problem import Problem
+from stickslip.ga.algorithms.settings import Limits
+from stickslip.ga.problem.problem import Array, Encoding, Problem
 
 POPULATION = 10
 """Candidates in a generation, or the next multiple of the genes; scipy's own 15 a gene are slower
@@ -27,13 +25,9 @@ by far within a thousand evaluations."""
 
 
 class DifferentialEvolution(Optimiser):
-    """scipy's ``best1bin``, which updates the population once in a generation.
+    """scipy's ``best1bin``; restarts where all of a population cost the same.
 
-    Where all of a population cost the same it restarts.
-
-    Source
-    ------
-    Storn and Price, J. Global Optimization 11 (1997) 341, as in ``scipy.optimize``.
+    Source: Storn and Price, J. Global Optimization 11 (1997) 341, as in ``scipy.optimize``.
     """
 
     kind = "de"

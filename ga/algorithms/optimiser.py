@@ -12,23 +12,36 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip.ga.algorithms.generation import Candidate
-from stickslip.ga.algorithms.limits import PROGRESS, Limits
-from stickslip.ga.arrays import Array
+from stickslip.ga.algorithms.settings import PROGRESS, Limits
 from stickslip.ga.errors import CallOrderError, CostError, StateError
 from stickslip.ga.execution import checkpoint
-from stickslip.ga.execution.record import Record
-from stickslip.ga.problem.problem import Problem
+from stickslip.ga.execution.checkpoint import Record
+from stickslip.ga.problem.problem import Array, Problem
 
 if TYPE_CHECKING:
     import pandas as pd
 
 NOT_A_NUMBER = "the cost is not a number"
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A parameter vector and what it costs.
+
+    Parameters
+    ----------
+    values : shape (k,), in the genes' order and units
+    cost : 0 .. inf
+    """
+
+    values: Array
+    cost: float
 
 
 class Optimiser(ABC):

@@ -95,11 +95,6 @@ class Processes(Executor):
         """Run a function in one of the processes.
 
         It is pickled here, because errors in the thread of the pool are not always caught.
-
-        Raises
-        ------
-        SettingsError
-            When it, or an argument, does not pickle.
         """
         call = pickled((fn, args, kwargs))
         with held(), process_start():  # a process may be started

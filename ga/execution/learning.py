@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from stickslip.fmi.process import held
-from stickslip.ga.algorithms.generation import Candidate
-from stickslip.ga.algorithms.optimiser import Optimiser
+from stickslip.ga.algorithms.optimiser import Candidate, Optimiser
 from stickslip.ga.errors import Interrupted, NothingLearned, StateError
 from stickslip.ga.execution import checkpoint as files
 from stickslip.ga.execution.evaluation import Evaluate, Evaluator

@@ -16,13 +16,7 @@ _one_at_a_time = threading.RLock()
 
 @contextmanager
 def process_start() -> Iterator[None]:
-    """Put off Ctrl-C, and hide the main module, from a process that is started meanwhile.
-
-    Raises
-    ------
-    SettingsError
-        When the system refuses.
-    """
+    """Put off Ctrl-C, and hide the main module, from a process that is started meanwhile."""
     with _without_main():
         if sys.platform == "win32":
             yield

@@ -12,8 +12,8 @@ from uuid import uuid4
 
 from stickslip import cosim
 from stickslip.cosim.signals.signals import Input
-from stickslip.ga.arrays import Array
 from stickslip.ga.errors import CandidateFailed
+from stickslip.ga.problem.problem import Array
 
 _Worker = tuple[int, int]  # process and thread; a forked process must not use its parent's FMUs
 

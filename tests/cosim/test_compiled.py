@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim.kernel.unrolled import MOST_COMPONENTS
+from stickslip.cosim.kernel import MOST_COMPONENTS
 
 
 def circle(make, n):

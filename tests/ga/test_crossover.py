@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stickslip import ga
-from stickslip.ga.operators.crossover import arithmetic, differential
+from stickslip.ga.operators.breeding import arithmetic, differential
 
 N = 20
 LABELS = np.arange(N, dtype=float)[:, np.newaxis]  # a string names its candidate

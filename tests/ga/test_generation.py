@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip import ga
-from stickslip.ga.algorithms.generation import Generation
+from stickslip.ga.algorithms.genetic import Generation
 
 INF = float("inf")
 

@@ -10,7 +10,7 @@ from problems import GENES, TARGET, always_fails, breaks, quadratic, sometimes_f
 
 from benchmarks.learning.racers import race_one, scipy_de
 from stickslip import ga
-from stickslip.ga.problem.encoding import Encoding
+from stickslip.ga.problem.problem import Encoding
 
 SHORT = replace(ga.DEFAULT, generations=12)
 

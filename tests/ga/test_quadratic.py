@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stickslip.ga.operators.quadratic import RADIUS, bottom, bowl, unknowns
-from stickslip.ga.operators.surrogates import Archive
+from stickslip.ga.operators.surrogates import RADIUS, Archive, bottom, bowl, unknowns
 
 
 def paraboloid(k, seed):

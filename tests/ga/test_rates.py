@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import ga
-from stickslip.ga.operators.rates import LEAST, MutationRate, Shares
+from stickslip.ga.operators.breeding import LEAST, MutationRate, Shares
 
 
 def drawn(rate, n=2000):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip.ga.operators.sections import Sections
+from stickslip.ga.operators.surrogates import Sections
 
 
 def separable(string):

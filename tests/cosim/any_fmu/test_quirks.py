@@ -9,7 +9,7 @@ import threading
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim.fmu import single_instance as once
+from stickslip.cosim.fmu import instance as once
 
 
 @pytest.mark.parametrize("version", [2, 3])

@@ -1,17 +1,35 @@
-"""Messages between parent and child, sent and awaited for a limited time."""
+"""What passes between parent and child: messages, shared memory, a specification and its inputs."""
 
 from __future__ import annotations
 
+import copyreg
+import io
 import json
+import mmap
 import os
+import pickle
 import select
 import struct
+import sys
+import tempfile
 import threading
 import time
 import zlib
+from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import dataclass, replace
 from queue import Empty, SimpleQueue
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Self
+from uuid import uuid4
+
+import numpy as np
+
+from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.kernel.structures import Mark
+from stickslip.cosim.signals.scenario import Scenario, Tables
+from stickslip.cosim.signals.signals import Array, Input, sampled
+from stickslip.cosim.system.system import Specification
 
 TOKEN_SIZE = 16
 """Bytes of the random token by which parent and child know each other's messages."""
@@ -31,12 +49,9 @@ NONSENSE: Reply = {"error": "nonsense"}
 
 
 class Answers:
-    """The parent's ends of both pipes. Nothing here blocks for longer than a given time.
+    """The parent's ends of both pipes, where bytes without the token are no answer.
 
-    Parameters
-    ----------
-    requests, replies : file descriptors, for writing and for reading
-    token : of the child; bytes without it are not an answer
+    Nothing here blocks for longer than a given time.
     """
 
     def __init__(self, requests: int, replies: int, token: bytes) -> None:
@@ -57,13 +72,7 @@ class Answers:
         self._poll.register(self._requests, select.POLLOUT)
 
     def get(self, timeout: float) -> Reply | None:
-        """Return the next answer, None at the end of the pipe.
-
-        Raises
-        ------
-        queue.Empty
-            When no complete answer arrived within ``timeout`` (s).
-        """
+        """Return the next answer, None at the end of the pipe."""
         end = time.monotonic() + timeout
         while (reply := self._taken()) is None:
             part = self._part(end)
@@ -146,26 +155,14 @@ def message(token: bytes, content: bytes) -> bytes:
 
 
 def send(file: int, token: bytes, content: bytes) -> None:
-    """Write a message, however long that takes.
-
-    Raises
-    ------
-    OSError
-        When the other end is closed.
-    """
+    """Write a message, however long that takes."""
     rest = memoryview(message(token, content))
     while rest:
         rest = rest[os.write(file, rest) :]
 
 
 def receive(file: int, token: bytes) -> bytes:
-    """Return the content of the next message, however long that takes.
-
-    Raises
-    ------
-    OSError
-        When the pipe ends, or holds something else.
-    """
+    """Return the content of the next message, however long that takes."""
     head = _read(file, _HEAD.size)
     if len(head) == _HEAD.size:
         found, length, check = _HEAD.unpack(head)
@@ -190,3 +187,123 @@ def _read_part(file: int) -> bytes:
         return os.read(file, _PART)
     except OSError:
         return b""
+
+
+_SHRINK, _FUTURE_WRITE = 0x2, 0x10  # seals of Linux: to make it shorter, to write by calls
+_BEGIN = 4096  # bytes of the mark, before the results
+
+
+class Shared:
+    """A mark, and numbers (n,); ``files`` are those that the child must inherit."""
+
+    def __init__(self, memory: mmap.mmap, name: str, files: tuple[int, ...] = ()) -> None:
+        self.mark = Mark.from_buffer(memory)
+        self.numbers: Array = np.frombuffer(memory, np.float64, offset=_BEGIN)
+        self.name, self.size, self.files = name, len(memory), files
+
+    @classmethod
+    def open(cls, name: str, size: int) -> Self:
+        """Map the memory of the parent by its name; processes that fork do not inherit it."""
+        if sys.platform == "win32":
+            return cls(mmap.mmap(-1, size, tagname=name), name)
+        memory = mmap.mmap(int(name), size)
+        _seal(int(name), _FUTURE_WRITE)
+        os.close(int(name))
+        if hasattr(mmap, "MADV_DONTFORK"):
+            memory.madvise(mmap.MADV_DONTFORK)
+        return cls(memory, name)
+
+    @classmethod
+    def make(cls, n: int) -> Self:
+        """Make memory for n numbers, which is freed when the last process unmaps it."""
+        size = _BEGIN + 8 * max(1, n)
+        if sys.platform == "win32":
+            name = f"stickslip-{uuid4().hex}"
+            return cls(mmap.mmap(-1, size, tagname=name), name)
+        file = _file(size)
+        return cls(mmap.mmap(file, size), str(file), (file,))
+
+    def close_files(self) -> None:
+        """Close what the child has inherited."""
+        while self.files:
+            os.close(self.files[0])
+            self.files = self.files[1:]
+
+
+def _file(size: int) -> int:
+    """Return a file without a name; on Linux it cannot be truncated."""
+    import fcntl
+
+    if hasattr(os, "memfd_create"):
+        first = os.memfd_create("stickslip", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+    else:
+        with tempfile.TemporaryFile() as file:
+            first = os.dup(file.fileno())
+    place = fcntl.fcntl(first, fcntl.F_DUPFD_CLOEXEC, 3)  # no number of a standard stream
+    os.close(first)
+    os.ftruncate(place, size)
+    _seal(place, _SHRINK)
+    return place
+
+
+def _seal(file: int, seal: int) -> None:
+    """Forbid something for good, where the system can do that."""
+    import fcntl
+
+    with suppress(AttributeError, OSError):
+        fcntl.fcntl(file, fcntl.F_ADD_SEALS, seal)
+
+
+class _Packer(pickle.Pickler):
+    """Takes FMUs as they are, where a plain pickle is their path."""
+
+    def reducer_override(self, thing: object) -> Any:
+        if isinstance(thing, Fmu):
+            return copyreg.__newobj__, (Fmu,), thing.__dict__  # type: ignore[attr-defined]
+        if isinstance(thing, MappingProxyType):
+            return _unchanging, (dict(thing),)
+        return NotImplemented
+
+
+def _unchanging(content: dict[Any, Any]) -> MappingProxyType[Any, Any]:
+    return MappingProxyType(content)
+
+
+def pack(specification: Specification, **more: object) -> bytes:
+    """Return a specification, and what goes with it, as bytes for ``pickle``."""
+    system = specification.system.copy()
+    system.origin = None
+    stream = io.BytesIO()
+    plain = replace(specification, system=system, isolation=None)
+    _Packer(stream, pickle.HIGHEST_PROTOCOL).dump({"specification": plain, **more})
+    return stream.getvalue()
+
+
+def portable_inputs(inputs: Mapping[str, Input], time: Array) -> dict[str, Input]:
+    """Return inputs that another process understands: our signals as they are, others sampled."""
+    return {
+        name: signal if _is_portable(signal) else sampled(name, signal, time)
+        for name, signal in inputs.items()
+    }
+
+
+def _is_portable(signal: Input) -> bool:
+    if hasattr(signal, "sample"):
+        return type(signal).__module__ == "stickslip.cosim.signals.signals"
+    return isinstance(signal, int | float | np.ndarray)
+
+
+@dataclass(frozen=True)
+class Tabulated(Scenario):
+    """A scenario as the tables that it makes."""
+
+    made: Tables | None = None
+
+    @classmethod
+    def of(cls, scenario: Scenario | None, time: Array) -> Tabulated | None:
+        """Return what a scenario does at the times (n,) in s, None for none."""
+        return None if scenario is None else cls(made=scenario.tables(time))
+
+    def tables(self, time: Array) -> Tables:  # noqa: ARG002 - they were made for these times
+        """Return what happens."""
+        return self.made or {}
