@@ -24,7 +24,7 @@ from stickslip.cosim.errors import (
 )
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.function import Function
-from stickslip.cosim.run.real_time import RealTimePacing
+from stickslip.cosim.run.guards import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.scenario import Scenario

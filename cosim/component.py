@@ -78,11 +78,9 @@ class Component:
         """Bring changed files of the component back before it is prepared."""
 
     def find(self, name: str, lengths: Mapping[str, int] | None = None) -> Variable | None:
-        """Return a variable by its name, by an alias, or an element of an array: ``name[i,j]``.
+        """Return a variable by name or alias, or an element of an array: ``name[i,j]``.
 
-        Parameters
-        ----------
-        lengths : structural parameter -> value, where it is not its start value
+        ``lengths`` are the structural parameters that differ from their start values.
         """
         variable = self.variables.get(name) or self.variables.get(self.aliases.get(name, ""))
         if variable is not None:

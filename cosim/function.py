@@ -118,13 +118,7 @@ class Function(Component):
         return FunctionLibrary(self)
 
     def evaluate(self, t: float, h: float, x: Array, u: Mapping[str, float]) -> tuple[Array, Array]:
-        """Return the state and the outputs (n,) at the end t [s] of a step of h [s].
-
-        Raises
-        ------
-        ValueError
-            When the function returns something else than its state and outputs.
-        """
+        """Return state and outputs (n,) at the end t of a step of h [s], or raise ValueError."""
         if self.state is None:
             new, y = x, self.step(t, u)
         else:

@@ -276,7 +276,8 @@ class Coupled:
             references = list(slot.input_references[:n]) * degree
             orders = [order for order in range(1, degree + 1) for _ in range(n)]
             member.interpolates = True
-            member.set_derivatives = member.set_derivatives or library.derivatives_call()
+            set_derivatives = "fmi2SetRealInputDerivatives"
+            member.set_derivatives = member.set_derivatives or library.address(set_derivatives)
             member.derivative_references = (ctypes.c_uint32 * len(references))(*references)
             member.derivative_orders = (ctypes.c_int32 * len(orders))(*orders)
             member.derivatives = (ctypes.c_double * len(orders))()

@@ -203,7 +203,10 @@ class Plan:
     def __init__(self, spec: Specification) -> None:
         self.spec, system = spec, spec.system
         self.n_steps = count_steps(spec.start, spec.stop, spec.step)
-        check_tolerance(spec.tolerance)
+        if spec.tolerance is not None and not 0 < spec.tolerance < 1:
+            raise ExperimentError(
+                f"tolerance is {spec.tolerance}, expected a number between 0 and 1"
+            )
         self.coupling = Coupling.of(spec.coupling)
         self.groups = group(system, self.coupling)
         self.order = [name for members in self.groups for name in members.components]
@@ -307,9 +310,3 @@ def check_memory(points: int, columns: float) -> None:
             f" GB, where the machine has {present / 1e9:.3g} GB; record less, fewer points or a"
             " shorter time"
         )
-
-
-def check_tolerance(tolerance: float | None) -> None:
-    """Check a relative tolerance of solvers."""
-    if tolerance is not None and not 0 < tolerance < 1:
-        raise ExperimentError(f"tolerance is {tolerance}, expected a number between 0 and 1")

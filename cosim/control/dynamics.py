@@ -10,7 +10,6 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Model
 from fmpy.fmi3 import FMU3Model, fmi3Float64
-from numpy.typing import NDArray
 
 from stickslip.cosim.control.step_map import StepMap
 from stickslip.cosim.errors import FmuCrashed, LinearisationError
@@ -18,13 +17,13 @@ from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.isolation.process import Process
 from stickslip.cosim.kernel import plain_arithmetic
-from stickslip.cosim.run.exclusive import Exclusive
+from stickslip.cosim.run.guards import Exclusive
+from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.loops import group
 from stickslip.cosim.system.settings import Coupling, Isolation
 from stickslip.cosim.system.system import Specification
 from stickslip.fmi.description.attributes import flag
 
-Array = NDArray[np.float64]
 _MOST_EVENTS = 1000
 
 

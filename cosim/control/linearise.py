@@ -7,18 +7,16 @@ from collections.abc import Mapping, Sequence
 
 import control
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.cosim.control.dynamics import Dynamics, dynamics
 from stickslip.cosim.control.step_map import alone
 from stickslip.cosim.errors import LinearisationError
 from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.settings import Isolated
 from stickslip.cosim.system.system import Specification, System
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.messages import suggestion
-
-Array = NDArray[np.float64]
 
 
 def linearise(

@@ -7,16 +7,14 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.cosim.errors import LinearisationError, SimulationError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.run.simulation import Simulation
-from stickslip.cosim.signals.signals import Input
+from stickslip.cosim.signals.signals import Array, Input
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Variable
 
-Array = NDArray[np.float64]
 _HIDDEN = 1e-2  # of the range in two steps: more than an integrator's tolerance explains
 _VISIBLE = 1e-3  # of the range in many, beside the errors that the integrator makes
 _TOLERANCE = 1e-6  # of an integrator, relative to the size of a variable

@@ -17,11 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip.cosim.errors import ExperimentError
 from stickslip.cosim.run.result import Result
-from stickslip.cosim.signals.signals import Input
+from stickslip.cosim.signals.signals import Array, Input
 from stickslip.cosim.system.settings import Isolated
 from stickslip.cosim.system.system import System
 
-Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 _LEAST = 4  # samples in a period
 _MOST = 500_000  # steps in which a system settles

@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -143,7 +144,7 @@ class Fmu(Component):
         warn_of(self.path, description)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (self.path, self.interface)
+        return partial(Fmu, interface=self.interface), (self.path,)
 
     def __repr__(self) -> str:
         return f"Fmu({str(self.path)!r})"
@@ -168,13 +169,7 @@ class Fmu(Component):
         return Library(self)
 
     def restore(self) -> None:
-        """Unpack the FMU again where its unpacked files were changed, as by a run of it.
-
-        Raises
-        ------
-        FmuError
-            When the file is not there any more, or another one.
-        """
+        """Unpack the FMU again where a run changed its files; FmuError if it is gone or another."""
         restore(self.folder, self.path, FmuError)
 
     @property
@@ -246,7 +241,7 @@ class Fmu(Component):
 
 
 def described(path: Path) -> tuple[Path, Description]:
-    """Unpack an FMU, also one that this machine cannot run; return its folder and description."""
+    """Return folder and description of an FMU, also one that this machine cannot run."""
     folder = unpack(path, "fmus", FmuError)
     names = {file.name for file in folder.iterdir()}
     if _DESCRIPTION not in names:
@@ -269,7 +264,3 @@ def warn_of(path: Path, description: Description) -> None:
         _WARNED.add((path, description.token))
         for line in description.remarks:
             _log.warning("%s: %s: %s", path, _DESCRIPTION, line)
-
-
-def _rebuild(path: Path, interface: Interface) -> Fmu:
-    return Fmu(path, interface=interface)

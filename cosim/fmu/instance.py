@@ -18,7 +18,7 @@ from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.kernel import plain_arithmetic
 from stickslip.cosim.kernel.structures import STORED, Group
-from stickslip.fmi.description.variables import Scalar, Value, Variable
+from stickslip.fmi.description.variables import Value, Variable
 
 
 class Batch:
@@ -53,7 +53,7 @@ class Batch:
         """Write a value that was checked."""
         first = self.place(variable)
         for i, item in enumerate(value if isinstance(value, tuple) else (value,), first):
-            encoded = _encoded(item)
+            encoded: Any = item.encode() if isinstance(item, str) else item
             self.values[i] = encoded
             if self._sizes is not None:
                 self._sizes[i] = len(encoded)
@@ -80,10 +80,6 @@ def batches(library: Library, variables: Iterable[Variable], verb: str) -> list[
     for variable in variables:
         members[variable.type, variable.is_discrete and verb == "Set"].append(variable)
     return [Batch(library, group, verb) for group in members.values()]
-
-
-def _encoded(value: Scalar) -> Any:
-    return value.encode() if isinstance(value, str) else value
 
 
 _log = logging.getLogger(__name__)

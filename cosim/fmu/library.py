@@ -82,10 +82,6 @@ class Library:
         save, restore, free = (self.address(word.format(s)) for s in ("Get", "Set", "Free"))
         return save, restore, free
 
-    def derivatives_call(self) -> int:
-        """Return the address of the function that sets derivatives of inputs (FMI 2.0)."""
-        return self.address("fmi2SetRealInputDerivatives")
-
     def function(self, name: str) -> Any:
         """Return a function for use from Python; it returns an FMI status."""
         self.address(name)

@@ -2,9 +2,7 @@
 
     simulation  `cosim.Simulation` in the parent process
     process     the child in the parent: started, asked, watched, ended
-    shared      shared memory: results, and the present call of an FMU
-    parcel      a specification as bytes for the child
-    verdict     the error when the child died
+    messages    what passes between both, and the error when the child died
     start       the child's first lines; imports `child` and nothing else
     child       prepares a simulation and runs it on request
 

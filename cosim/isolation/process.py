@@ -30,9 +30,11 @@ from stickslip.cosim.isolation.messages import (
     Reply,
     Shared,
     ThreadedAnswers,
+    crashed,
+    ending,
     pack,
+    present,
 )
-from stickslip.cosim.isolation.verdict import crashed, ending, present
 from stickslip.cosim.run import resets
 from stickslip.cosim.system.settings import Isolation
 from stickslip.cosim.system.system import Specification

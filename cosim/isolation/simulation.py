@@ -16,12 +16,10 @@ import numpy as np
 
 from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.errors import FmuCrashed, ParameterError
-from stickslip.cosim.isolation.messages import Reply, Tabulated, portable_inputs
+from stickslip.cosim.isolation.messages import Reply, Tabulated, called, portable_inputs
 from stickslip.cosim.isolation.process import Process
-from stickslip.cosim.isolation.verdict import called
 from stickslip.cosim.run import resets
-from stickslip.cosim.run.exclusive import Exclusive
-from stickslip.cosim.run.real_time import RealTimePacing
+from stickslip.cosim.run.guards import Exclusive, RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.signals import Input

@@ -58,13 +58,17 @@ def built(
     return toolchain.shared_library("cosim_kernel", files, platform=platform, flags=flags)
 
 
+_marks: list[tuple[Mark, Path]] = []
+
+
 @cache
 def load(steps: str | None = None) -> CDLL:
     """Return the kernel's library, as it is `built`."""
-    marked = marked_library()
+    marked = _marks[0][1] if _marks else None
     path = marked if marked and not steps else built(steps, marked=marked is not None)
     library = CDLL(str(path))
-    attach_marks(library)
+    for mark, _ in _marks:
+        library.mark_in(c_void_p(addressof(mark)))
     library.instantiate.argtypes = (POINTER(Component), c_char_p, c_char_p, c_char_p)
     library.instantiate.restype = library.release.restype = library.forget.restype = None
     library.release.argtypes = (POINTER(Component),)
@@ -73,9 +77,6 @@ def load(steps: str | None = None) -> CDLL:
     library.end_early.argtypes = (POINTER(Run), c_bool)
     library.end_early.restype = c_bool
     return library
-
-
-_marks: list[tuple[Mark, Path]] = []
 
 
 def use_mark(mark: Mark, kernel: Path) -> None:
@@ -87,17 +88,6 @@ def note_call(name: str, call: str) -> None:
     """Note a call that the kernel does not make, where notes are taken."""
     for mark, _ in _marks:
         mark.begin(name, call)
-
-
-def marked_library() -> Path | None:
-    """Return the library of the kernel that writes marks, None where no marks are used."""
-    return _marks[0][1] if _marks else None
-
-
-def attach_marks(kernel: CDLL) -> None:
-    """Tell a library of the kernel where to take its notes."""
-    for mark, _ in _marks:
-        kernel.mark_in(c_void_p(addressof(mark)))
 
 
 @contextmanager
@@ -149,7 +139,11 @@ def unroll(run: Run) -> str | None:
         calls += [_set_call(i, c) for i, c in components if c.n_inputs]
         calls += ["plain(true)"] * run.jacobi  # else the step that follows makes it so
         calls += [f"do_step(run, c + {i}, {c.version})" for i, c in components]
-        calls += [_get_call(i, c) for i, c in components if c.n_outputs]
+        calls += [
+            f"get(run, c + {i}, {c.version}, out{i}, {c.n_outputs}, next + {c.column})"
+            for i, c in components
+            if c.n_outputs
+        ]
     sums = "".join(_add_call(i, run.sums[i]) for i in range(run.n_sums))
     return _STEPS.format(
         lists="\n".join(lists),
@@ -180,10 +174,6 @@ def _set_call(i: int, c: Component) -> str:
             ]
         values = f"(const double[]){{{', '.join(terms)}}}"
     return f"set(run, c + {i}, {c.version}, in{i}, {c.n_inputs}, {values})"
-
-
-def _get_call(i: int, c: Component) -> str:
-    return f"get(run, c + {i}, {c.version}, out{i}, {c.n_outputs}, next + {c.column})"
 
 
 def _add_call(i: int, s: SumOfSquares) -> str:

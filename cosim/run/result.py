@@ -196,14 +196,13 @@ class Result:
         return frame
 
     def to_xarray(self) -> xr.Dataset:
-        """Return a data set along ``time`` (s); the attribute ``units`` holds the unit of each.
-
-        Raises
-        ------
-        CosimError
-            When xarray is not installed.
-        """
-        return _to_xarray(self.frame())
+        """Return a data set along ``time`` (s) with ``units``; CosimError without xarray."""
+        _library("xarray", "xarray")
+        data: xr.Dataset = self.frame().to_xarray()
+        for name, unit in {"time": "s", **self.units}.items():
+            if unit:
+                data[name].attrs["units"] = unit
+        return data
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
@@ -220,26 +219,14 @@ class Result:
         return atomic_write(Path(path), text.getvalue())
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
-        """Write ``time`` (s) and the signals; units are in the metadata of the columns.
-
-        Raises
-        ------
-        CosimError
-            When pyarrow is not installed.
-        """
+        """Write ``time`` (s) and the signals with their units; CosimError without pyarrow."""
         from stickslip.cosim.signals.tables import write_parquet
 
         write_parquet(Path(path), self.frame(), self.units)
         return Path(path)
 
     def to_excel(self, path: str | os.PathLike[str]) -> Path:
-        """Write ``time`` (s) and the signals into the sheet of a workbook, names in the first row.
-
-        Raises
-        ------
-        CosimError
-            When openpyxl is not installed, or a sheet has not as many rows or columns.
-        """
+        """Write a sheet of ``time`` (s) and the signals; CosimError without room or openpyxl."""
         from stickslip.cosim.signals.tables import write_excel
 
         write_excel(Path(path), self.frame())
@@ -310,16 +297,6 @@ def _summary(
     over = f"{len(time)} points" + (f", {time[0]:g} to {time[-1]:g} s" if len(time) else "")
     caption = over + (f"; ended by {stopped}" if stopped else "")
     return html_table(("signal", "unit", "least", "greatest", "last"), rows, caption, words=2)
-
-
-def _to_xarray(frame: pd.DataFrame) -> xr.Dataset:
-    """Return a data set along the index; ``attrs["units"]`` become attributes of its variables."""
-    _library("xarray", "xarray")
-    data: xr.Dataset = frame.to_xarray()
-    for name, unit in {frame.index.name: "s", **frame.attrs["units"]}.items():
-        if unit:
-            data[name].attrs["units"] = unit
-    return data
 
 
 def with_pint(frame: pd.DataFrame, units: dict[str, Unit | None]) -> pd.DataFrame:

@@ -17,9 +17,8 @@ from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationEr
 from stickslip.cosim.fmu.instance import Batch
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.checkpoint import Checkpoint, differences, identity, put_back, taken
-from stickslip.cosim.run.exclusive import Exclusive
+from stickslip.cosim.run.guards import Exclusive, RealTimePacing
 from stickslip.cosim.run.instances import Instances
-from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.reuse import Reuse
 from stickslip.cosim.run.stepping import Discarded, NotReset, Stepper
@@ -156,19 +155,9 @@ class Simulation:
     ) -> dict[str, float]:
         """Begin a run by steps: reset, set start values and inputs, initialise.
 
-        Parameters
-        ----------
-        parameters : ``component.variable`` -> start value for this run only
-        inputs : exposed input -> value; one left out has the start value of its first target
-
-        Returns
-        -------
-        name -> value at the start, of the signals to record but for exposed inputs
-
-        Raises
-        ------
-        ParameterError, SignalError, SharedSimulation, SimulationError
-            As ``run``.
+        Parameters and errors are those of ``run``; an input left out has the start value of its
+        first target. Returns name -> value at the start, of the signals to record but for exposed
+        inputs.
         """
         values = self._plan.start_values(by_name("parameters", parameters, ParameterError))
 
@@ -244,13 +233,9 @@ class Simulation:
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the state that the last run halted in to a file, for ``resume``; return the path.
 
-        Raises
-        ------
-        SimulationError
-            When no run was halted by ``until``, or an FMU cannot give its state away.
-
         A resumed run equals the uninterrupted one bit for bit, but for Model Exchange: its solver
-        is initialised again, so that the two agree within its tolerance.
+        is initialised again, so that the two agree within its tolerance. It is a SimulationError
+        when no run was halted by ``until``, or an FMU cannot give its state away.
         """
         with self._exclusive:
             if not self._stepper.halted:
@@ -307,17 +292,10 @@ class Simulation:
             return self._with_retries(attempt)
 
     def learned(self) -> dict[str, float]:
-        """Return what the components have learned in the last run.
+        """Return what the components have learned in the last run: parameter -> start value.
 
-        Returns
-        -------
-        ``component.parameter`` -> start value, with which ``run`` of this or another simulation
-        goes on from it. FMUs say in an annotation what they learn; others learn nothing.
-
-        Raises
-        ------
-        SimulationError
-            When nothing was run, or an FMU refuses.
+        With these ``run`` of this or another simulation goes on from it. FMUs say in an annotation
+        what they learn; others learn nothing. The errors are those of `values`.
         """
         names = {
             f"{name}.{parameter}": f"{name}.{variable}"
@@ -327,30 +305,18 @@ class Simulation:
         return dict(zip(names, self.values(list(names.values())), strict=True))
 
     def values(self, names: Sequence[str]) -> list[float]:
-        """Return the values that numbers and Booleans have at the end of the last run.
-
-        Parameters
-        ----------
-        names : ``component.variable``, parameters included
+        """Return the values that variables, parameters included, have at the end of the last run.
 
         Raises
         ------
-        ParameterError
-            When there is no such variable, or it is no number.
-        SimulationError
-            When nothing was run, or an FMU refuses.
+        ParameterError : there is no such variable ``component.variable``, or it is no number
+        SimulationError : nothing was run, or an FMU refuses
         """
         with self._exclusive:
             return [self._value(name) for name in names]
 
     def close(self) -> None:
-        """Free the FMUs. A closed simulation instantiates them again when it runs.
-
-        Raises
-        ------
-        SharedSimulation
-            When it runs.
-        """
+        """Free the FMUs, unless it runs (SharedSimulation); another run instantiates them again."""
         if self._exclusive.is_ours:
             with self._exclusive:
                 self._reuse.free()

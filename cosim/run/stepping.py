@@ -26,8 +26,8 @@ from stickslip.cosim.errors import ExperimentError, SimulationError
 from stickslip.cosim.fmu.instance import Batch
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.kernel import structures
+from stickslip.cosim.run.guards import RealTimePacing
 from stickslip.cosim.run.instances import Instances
-from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Array, Input, Table

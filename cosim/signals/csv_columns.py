@@ -26,7 +26,7 @@ LONGEST = 1 << 20
 
 
 def read_columns(path: Path) -> dict[str, Array]:
-    """Return the columns (n,) of a file by name, ``time`` [s] among them, which never falls."""
+    """Return the columns (n,) of a CSV file by name, with ``time`` [s], which never falls."""
     try:
         data = read_limited(path, MOST_BYTES)
     except OSError as fault:

@@ -94,10 +94,12 @@ class _Offset(_Override):
 
 
 @dataclass(frozen=True)
-class _Reset(Span):
+class _Keep(Span):
+    keep: float
+
     def apply(self, time: Array, table: Disturbance) -> None:
         here = self.covers(time)
-        table.keep[here], table.add[here] = 1.0, 0.0
+        table.keep[here], table.add[here] = self.keep, 0.0
         table.ends[shifted(here)] = 0.0
 
 
@@ -112,14 +114,6 @@ class _Noise(Span):
         table.add[here] += noise[here]
         here = shifted(here)
         table.ends[here] += noise[here]
-
-
-@dataclass(frozen=True)
-class _Stuck(Span):
-    def apply(self, time: Array, table: Disturbance) -> None:
-        here = self.covers(time)
-        table.keep[here], table.add[here] = math.nan, 0.0
-        table.ends[shifted(here)] = 0.0
 
 
 @dataclass(frozen=True)
@@ -158,7 +152,7 @@ class Scenario:
 
     def reset(self, name: str, at: float) -> Scenario:
         """End what the methods called before this one do to a signal or parameter."""
-        return self._with(name, _Reset(at, math.inf))
+        return self._with(name, _Keep(at, math.inf, 1.0))
 
     def add_noise(
         self,
@@ -178,16 +172,10 @@ class Scenario:
 
     def stick(self, name: str, begin: float, end: float = math.inf) -> Scenario:
         """Let a signal keep the value that it had a step before ``begin``."""
-        return self._with(name, _Stuck(begin, end))
+        return self._with(name, _Keep(begin, end, math.nan))
 
     def tables(self, time: Array) -> Tables:
-        """Return what happens at the times (n,) in s.
-
-        Raises
-        ------
-        SignalError
-            When a value is not finite.
-        """
+        """Return what happens at the times (n,) in s; SignalError where it is not finite."""
         tables: dict[str, Disturbance] = {}
         for name, event in self.events:
             table = tables.setdefault(name, Disturbance.of(len(time)))

@@ -172,13 +172,7 @@ class Table:
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str], column: str | None = None) -> Self:
-        """Read one column of a CSV file that has a column ``time`` (s).
-
-        Raises
-        ------
-        SignalError
-            When the file cannot be read, or ``column`` is missing or not the only one.
-        """
+        """Read one column, or the only one, of a CSV file with ``time`` (s), or raise SignalError."""
         tables = cls.all_from_csv(path)
         if column is None and len(tables) == 1:
             return next(iter(tables.values()))
@@ -189,12 +183,7 @@ class Table:
 
     @classmethod
     def all_from_csv(cls, path: str | os.PathLike[str]) -> dict[str, Self]:
-        """Read every column of a CSV file that has a column ``time`` (s), by name.
-
-        Raises
-        ------
-        SignalError
-        """
+        """Read every column, by name, of a CSV file with ``time`` (s), or raise SignalError."""
         columns = read_columns(Path(path))
         time = columns.pop("time")
         return {name: cls(time, column) for name, column in columns.items()}
@@ -264,7 +253,7 @@ def shifted(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def sampled(name: str, signal: Input, time: Array) -> Array:
-    """Return an input over time, (n,) or a single value for all times."""
+    """Return an input over time, (n,) or a single value for all times, or raise SignalError."""
     if hasattr(signal, "columns"):
         raise SignalError(
             f"input {name!r}: expected a signal, a series, a function, an array or a number, got a"

@@ -9,7 +9,7 @@ from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.ssp.compose import add, add_connector, add_units, discard, group
 from stickslip.cosim.ssp.connectors import Connector, add_transformation
 from stickslip.cosim.ssp.graph import Edge, End, Graph
-from stickslip.cosim.ssp.markup import FMU, File, component
+from stickslip.cosim.ssp.markup import FMU, Path, component
 from stickslip.cosim.ssp.structure import Node
 from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link
 from stickslip.fmi.description.units import Unit
@@ -26,7 +26,7 @@ class Editor:
         self._version = version
         self.has_arrays = self.has_clocks = version != "1.0"
 
-    def add(self, path: File, fmu: Fmu, source: str) -> None:
+    def add(self, path: Path, fmu: Fmu, source: str) -> None:
         """Add a component, and the systems around it that do not exist."""
         parent = self._system(path[:-1])
         elements = group(parent.body, "ssd:Elements")
@@ -41,11 +41,11 @@ class Editor:
                 self._declare((path, variable.name))
         add_units(self.document.root, "ssd:Units", fmu.units.values())
 
-    def replace(self, path: File, source: str) -> None:
+    def replace(self, path: Path, source: str) -> None:
         """Give a component another FMU."""
         self._own(self.graph.nodes[path]).element.set("source", source)
 
-    def remove(self, path: File) -> None:
+    def remove(self, path: Path) -> None:
         """Remove a component with its connections."""
         node = self._own(self.graph.nodes[path])
         for edge in list(self.graph.edges.values()):
@@ -87,7 +87,7 @@ class Editor:
             if connector.get("name") == name:
                 discard(connector)
 
-    def _lift(self, source: End, common: File) -> End:
+    def _lift(self, source: End, common: Path) -> End:
         """Lead a signal out of systems until it reaches one inside ``common``."""
         path = source[0][:-1]
         while len(path) > len(common):
@@ -101,7 +101,7 @@ class Editor:
             path = path[:-1]
         return source
 
-    def _sink(self, target: End, common: File) -> End:
+    def _sink(self, target: End, common: Path) -> End:
         """Make connectors for a signal to enter the systems around ``target`` by."""
         path = target[0][:-1]
         while len(path) > len(common):
@@ -110,14 +110,14 @@ class Editor:
             target, path = outside, path[:-1]
         return target
 
-    def _new_connector(self, path: File, kind: str, like: End) -> End:
+    def _new_connector(self, path: Path, kind: str, like: End) -> End:
         name = f"{like[0][-1]}_{like[1]}"  # FMPy reads a dot as a path
         while self.graph.connector((path, name)):
             name += "_"
         self._declare((path, name), kind, like)
         return path, name
 
-    def _join(self, system: File, source: End, target: End, link: Link) -> None:
+    def _join(self, system: Path, source: End, target: End, link: Link) -> None:
         node = self._own(self.graph.nodes[system])
         attributes = {}
         for which, end in (("start", source), ("end", target)):
@@ -179,7 +179,7 @@ class Editor:
         there = unit if unit and unit.exponents else None
         node.connectors[name] = Connector(name, kind, there, dimensions=variable.dimensions)
 
-    def _system(self, path: File) -> Node:
+    def _system(self, path: Path) -> Node:
         if path not in self.graph.nodes:
             parent = self._system(path[:-1])
             body = add(group(parent.body, "ssd:Elements"), "ssd:System", name=path[-1])

@@ -12,15 +12,15 @@ from typing import Any
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.ssp.connectors import Connector, Items, check_types, transform_of
-from stickslip.cosim.ssp.markup import NAMESPACES, File, attribute, component, place, truth
+from stickslip.cosim.ssp.markup import NAMESPACES, Path, attribute, component, place, truth
 from stickslip.cosim.ssp.structure import Node
 from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link, Scaling, Transform, conversion
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import FAMILY, Variable, converts, parse_element
 from stickslip.fmi.messages import suggestion
 
-End = tuple[File, str]
-"""File of an element and name of its connector; a dictionary ends its path with a blank name.
+End = tuple[Path, str]
+"""Path of an element and name of its connector; a dictionary ends its path with a blank name.
 
 An element of an array is called ``name[i,j]``, counted from 1.
 """
@@ -57,10 +57,10 @@ class Graph:
     onward : source -> the connections that lead away from there
     """
 
-    def __init__(self, top: Node, fmus: Mapping[File, Fmu]) -> None:
+    def __init__(self, top: Node, fmus: Mapping[Path, Fmu]) -> None:
         self.nodes = {node.path: node for node in top.walk()}
         self.fmus = fmus
-        self.lengths: dict[File, Mapping[str, int]] = {}
+        self.lengths: dict[Path, Mapping[str, int]] = {}
         self.edges: dict[End, Edge] = {}
         self.onward: dict[End, list[Edge]] = defaultdict(list)
         for node in top.walk():
@@ -224,7 +224,7 @@ class Graph:
                 " correct the connector"
             )
 
-    def _dictionary(self, reference: Node, element: Any) -> File:
+    def _dictionary(self, reference: Node, element: Any) -> Path:
         name = reference.dictionary or ""
         for n in range(len(reference.path) - 1, -1, -1):
             if name in self.nodes[reference.path[:n]].dictionaries:
@@ -236,7 +236,7 @@ class Graph:
             near = suggestion(name, dict.fromkeys(known))
             raise SspError(f"{_connection(element)}: {message}{near}")
 
-    def _role(self, end: End, system: File) -> str:
+    def _role(self, end: End, system: Path) -> str:
         path = end[0]
         if path and not path[-1]:
             return "either"

@@ -18,7 +18,7 @@ from stickslip.cosim.ssp.markup import (
     ANNOTATION,
     NAMESPACES,
     OSP,
-    File,
+    Path,
     attribute,
     check,
     component,
@@ -72,7 +72,7 @@ def read_package(package: Origin) -> tuple[System, DefaultExperiment, Graph]:
     """Read a system, its default experiment and the graph that it was flattened from."""
     top = read_structure(package.folder / package.structure, package.folder)
     system = System(top.body.get("name") or "system")
-    fmus: dict[File, Fmu] = {}
+    fmus: dict[Path, Fmu] = {}
     for node in top.walk():
         if node.fmu is not None:
             with _blaming(node.element):

@@ -16,6 +16,7 @@ from stickslip.cosim.ssp.markup import (
     NESTED,
     SEPARATOR,
     STRUCTURE,
+    Path,
     attribute,
     check,
     component,
@@ -64,7 +65,7 @@ class Node:
     They may be of different documents. A reference names its ``dictionary``.
     """
 
-    path: File
+    path: Path
     document: Document
     element: Any
     body: Any
@@ -89,7 +90,7 @@ def read_structure(file: File, top: File) -> Node:
 
 
 def _system(
-    path: File, body: Any, document: Document, files: tuple[File, ...], element: Any = None
+    path: Path, body: Any, document: Document, files: tuple[File, ...], element: Any = None
 ) -> Node:
     connectors = read_connectors(body, document.definitions)
     node = Node(path, document, element, body, document, connectors)
@@ -110,7 +111,7 @@ def _system(
     return node
 
 
-def _element(path: File, element: Any, document: Document, files: tuple[File, ...]) -> Node:
+def _element(path: Path, element: Any, document: Document, files: tuple[File, ...]) -> Node:
     if element.tag == tag("ssd:System"):
         return _system(path, element, document, files, element)
     connectors = read_connectors(element, document.definitions)
@@ -135,7 +136,7 @@ def _element(path: File, element: Any, document: Document, files: tuple[File, ..
     return node
 
 
-def _nested(path: File, element: Any, document: Document, files: tuple[File, ...]) -> Node:
+def _nested(path: Path, element: Any, document: Document, files: tuple[File, ...]) -> Node:
     file, top = document.locate(element), document.top
     if element.get("type") == NESTED[1]:
         try:

@@ -31,13 +31,7 @@ class Scaling:
         return x if self == IDENTITY else self.factor * x + self.offset
 
     def then(self, following: Transform) -> Transform:
-        """Return what does this one first and ``following`` on its result.
-
-        Raises
-        ------
-        TypeError
-            When one is a straight line and the other a map: these are of different types.
-        """
+        """Return what does this one, then ``following``; TypeError for a line and a map."""
         if IDENTITY in (self, following):
             return following if self == IDENTITY else self
         if isinstance(following, ValueMap):
@@ -92,13 +86,7 @@ class ValueMap:
         return next((y for other, y in self.pairs if other == x), x)
 
     def then(self, following: Transform) -> Transform:
-        """Return what does this one first and ``following`` on its result.
-
-        Raises
-        ------
-        TypeError
-            When the other is a straight line.
-        """
+        """Return what does this one, then ``following``; TypeError for a map and a line."""
         if following == IDENTITY:
             return self
         if isinstance(following, Scaling):

@@ -237,13 +237,7 @@ class Isolation:
 
     @classmethod
     def of(cls, what: Isolated) -> Self | Isolation | None:
-        """Return the settings behind a word.
-
-        Raises
-        ------
-        ExperimentError
-            When the word is unknown.
-        """
+        """Return the settings behind a word, or raise ExperimentError."""
         if what is None or isinstance(what, Isolation):
             return what
         if what not in ("process", "foreign"):

@@ -214,8 +214,7 @@ class System:
 
         Raises
         ------
-        ConnectionFault
-            When the name is taken, or ``source`` is not an output of a component.
+        ConnectionFault : the name is taken, or ``source`` is not an output of a component
         """
         if fault := check_name(name):
             raise ConnectionFault(f"cannot expose {shown(name)}: {fault}")
@@ -226,12 +225,11 @@ class System:
         self.outputs[name] = source
 
     def set(self, name: str, value: object) -> None:
-        """Give a variable a start value, in the variable's unit.
+        """Give a variable a start value, in its unit.
 
         Raises
         ------
-        ParameterError
-            When there is no such variable, it cannot be set, or not to this value.
+        ParameterError : there is no such variable, it cannot be set, or not to this value
         """
         checked = self.checked(name, value)
         component, variable = component_of(name), variable_of(name)
@@ -242,22 +240,11 @@ class System:
         self.parameters[name] = checked
 
     def checked(self, name: str, value: object) -> Value:
-        """Return ``value`` as ``set`` would store it.
-
-        Raises
-        ------
-        ParameterError
-        """
+        """Return ``value`` as ``set`` would store it, or raise ParameterError."""
         return converted(self.variable(name, ParameterError), value, name)
 
     def variable(self, name: str, error: type[CosimError] = ConnectionFault) -> Variable:
-        """Return the variable called ``component.variable``.
-
-        Raises
-        ------
-        error
-            When there is none; names that look alike are suggested.
-        """
+        """Return the variable ``component.variable``; the error suggests names that look alike."""
         component, variable = component_of(name), variable_of(name)
         if component not in self.components:
             near = suggestion(component, self.components)
@@ -302,13 +289,7 @@ class System:
         return self.connections | exposed
 
     def fmus(self, purpose: str) -> dict[str, Fmu]:
-        """Return the components for a purpose that only FMUs serve.
-
-        Raises
-        ------
-        ConnectionFault
-            When a component is a Python function.
-        """
+        """Return the components for a purpose that only FMUs serve, else raise ConnectionFault."""
         for name, component in self.components.items():
             if not isinstance(component, Fmu):
                 raise ConnectionFault(
@@ -369,19 +350,8 @@ class System:
         ExperimentError, ConnectionFault, FmuError
         """
         kept = record if record is None or isinstance(record, Record) else Record(record).wanted
-        return Specification(
-            self.copy(),
-            step,
-            stop,
-            start,
-            kept,
-            coupling,
-            constant_step,
-            compiled,
-            tolerance,
-            allow_nan,
-            isolation,
-        ).prepare()
+        settings = (coupling, constant_step, compiled, tolerance, allow_nan, isolation)
+        return Specification(self.copy(), step, stop, start, kept, *settings).prepare()
 
     def copy(self) -> Self:
         """Return a system that can be changed without changing this one; FMUs are shared."""
@@ -425,9 +395,9 @@ def _component(name: str, thing: Any, interface: Interface | None) -> Component:
 
 @dataclass(frozen=True)
 class Specification:
-    """All settings of a simulation; pickles, so that each worker can prepare its own.
+    """All settings of a simulation, the arguments of ``System.prepare``.
 
-    The fields are the arguments of ``System.prepare``.
+    It pickles, so that each worker can prepare its own.
     """
 
     system: System
@@ -444,13 +414,7 @@ class Specification:
 
     @property
     def limits(self) -> Isolation | None:
-        """The limits of the process that the FMUs have for themselves, None where they have none.
-
-        Raises
-        ------
-        ExperimentError
-            When ``isolation`` is unknown.
-        """
+        """The limits of the process that the FMUs have for themselves; None without one."""
         limits = Isolation.of(self.isolation)
         components = self.system.components.values()
         if self.isolation == "foreign" and (

@@ -179,12 +179,7 @@ class Optimiser(ABC):
 
     @property
     def best(self) -> Candidate:
-        """The candidate of the lowest cost so far.
-
-        Raises
-        ------
-        CallOrderError : no costs have been told
-        """
+        """The candidate of the lowest cost so far; CallOrderError before costs were told."""
         if self._best is None:
             raise CallOrderError("there is no best candidate yet; ask and tell first")
         best = self._best
@@ -202,12 +197,7 @@ class Optimiser(ABC):
 
     @property
     def stopped(self) -> str | None:
-        """Why learning should stop, or None. `ask` goes on regardless.
-
-        Source
-        ------
-        Paper, Step 3.
-        """
+        """Why learning should stop (paper, Step 3), or None. `ask` goes on regardless."""
         if self._best is None:
             return None
         return (

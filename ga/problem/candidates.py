@@ -66,13 +66,7 @@ class SimulatedCost:
         return float(self.cost(self.result(values)))
 
     def result(self, values: Array) -> cosim.Result:
-        """Run one candidate (k,) and return what was recorded.
-
-        Raises
-        ------
-        CandidateFailed, cosim.CosimError
-            As a call.
-        """
+        """Run one candidate (k,) and return what was recorded; errors are those of a call."""
         parameters = dict(zip(self.names, values.tolist(), strict=True))
         try:
             return self._simulation().run(parameters=parameters, inputs=self.inputs)

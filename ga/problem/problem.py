@@ -129,12 +129,7 @@ class Problem:
         return np.array([gene.start for gene in self.genes])
 
     def repaired(self, values: Array) -> Array:
-        """Return candidates, shape (n, k), that keep the constraint and the bounds.
-
-        Raises
-        ------
-        SettingsError : the repair changes the shape
-        """
+        """Return candidates (n, k) in constraint and bounds; SettingsError for another shape."""
         if self.repair is None:
             return values
         repaired = self.repair(values.copy(), self.genes)
