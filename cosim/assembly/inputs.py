@@ -10,11 +10,10 @@ import numpy as np
 
 from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.plan import Layout
-from stickslip.cosim.component import component_of, variable_of
+from stickslip.cosim.component import component_of, converted, integer_range, variable_of
 from stickslip.cosim.errors import ParameterError, SignalError
 from stickslip.cosim.fmu.instance import Batch
 from stickslip.cosim.fmu.library import Library
-from stickslip.cosim.fmu.values import converted, integer_range
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.signals.scenario import Disturbance, Tables
 from stickslip.cosim.signals.signals import Array, Input, Table, ends_of, sampled, shifted, slack

@@ -12,9 +12,8 @@ from numbers import Real
 
 import numpy as np
 
-from stickslip.cosim.component import component_of
+from stickslip.cosim.component import component_of, converted
 from stickslip.cosim.errors import ConnectionFault, ExperimentError, ParameterError
-from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.signals.signals import Array, slack
 from stickslip.cosim.system.loops import group
 from stickslip.cosim.system.settings import Coupling, Deviation, Record

@@ -183,13 +183,7 @@ def model_description(
     flags = {f"canGetAndSetFMU{state}": restores_state, f"canSerializeFMU{state}": serializes}
     flags["canHandleVariableCommunicationStepSize"] = varies_step
     internal = experiment.step if version == 3 and not varies_step else None
-    child(
-        root,
-        "CoSimulation",
-        modelIdentifier=identifier,
-        **flags,
-        fixedInternalStepSize=internal,
-    )
+    child(root, "CoSimulation", modelIdentifier=identifier, **flags, fixedInternalStepSize=internal)
     # Old releases of the FMI Library require a start value for time, which FMI 2.0 forbids; there
     # time may be left out.
     listed = {place: v for place, v in enumerate(shown) if version == 3 or v.role != "TIME"}

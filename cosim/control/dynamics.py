@@ -11,10 +11,10 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Model
 from fmpy.fmi3 import FMU3Model, fmi3Float64
 
+from stickslip.cosim.component import converted
 from stickslip.cosim.control.step_map import StepMap
 from stickslip.cosim.errors import FmuCrashed, LinearisationError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.isolation.process import Process
 from stickslip.cosim.kernel import plain_arithmetic
 from stickslip.cosim.run.guards import Exclusive

@@ -52,7 +52,7 @@ def _paused_collection() -> Iterator[None]:
 
 
 class Fmu(Component):
-    """An FMU that this machine can run, by one of its interfaces.
+    """An FMU that this machine can run, by one of its interfaces; a Component.
 
     Pickles as its path and interface.
 
@@ -63,27 +63,15 @@ class Fmu(Component):
 
     Attributes
     ----------
-    path : the ``.fmu`` file
     interfaces : all it has that can be run here
-    interface : the one it is run by
     folder : where it lies unpacked, under a hash of its content
     version : 2 or 3; FMI 1.0 is run through the functions of FMI 2.0, see ``fmi1.c``
-    description : all that was read of it
-    name : of the model
+    description, name : all that was read of it, and the name of the model
     token : the GUID of FMI 2.0, the instantiation token of FMI 3.0
-    variables : name -> Variable, in the order of the description
-    units : name -> Unit
-    aliases : other name -> name, in FMI 3.0
-    feedthrough : output -> the inputs it depends on without delay
-    experiment : the times it proposes, s, and the tolerance
     event_mode : whether events between steps are left to us (FMI 3.0 Co-Simulation)
     has_arrays : whether it has more than scalars: arrays, binary values, structural parameters
-    structural : names of its structural parameters
     clocks : input clocks that tick by time
-    learned : what it learns in a run
     once_per_process : whether there can be one instance only
-    serializes : whether its state can be put into a file
-    restores_state, interpolates_inputs, varies_step : whether it declares these abilities
 
     Raises
     ------

@@ -6,7 +6,8 @@ import ctypes
 import logging
 import threading
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from ctypes import byref, c_char, c_size_t, c_void_p
 from pathlib import Path
 from typing import Any
@@ -112,21 +113,14 @@ class StateAccess:
         state, size, now = c_void_p(), c_size_t(), c_size_t()
         self._call(self._get, byref(state))
         self._require(state.value is not None, f"{self._get} gave no state")
-        try:
+        with self._freed(state):
             self._call(self._size, state, byref(size))
-            possible = 0 < size.value <= _LARGEST
-            self._require(
-                possible, f"{self._size} gave {size.value} bytes as the size of the state"
-            )
+            what = f"{self._size} gave {size.value} bytes"
+            self._require(0 < size.value <= _LARGEST, f"{what} as the size of the state")
             room = (c_char * size.value)()
             self._call(self._serialize, state, room, size)
             self._call(self._size, state, byref(now))
-            same = now.value == size.value
-            self._require(same, f"{self._size} gave {size.value} bytes, then {now.value}")
-        except SimulationError:
-            self._let_go(state)
-            raise
-        self._call(self._free, byref(state))
+            self._require(now.value == size.value, f"{what}, then {now.value}")
         return bytes(room)
 
     def restore(self, data: bytes) -> None:
@@ -135,12 +129,8 @@ class StateAccess:
         room = (c_char * len(data)).from_buffer_copy(data)
         self._call(self._deserialize, room, size, byref(state))
         self._require(state.value is not None, f"{self._deserialize} gave no state")
-        try:
+        with self._freed(state):
             self._call(self._set, state)
-        except SimulationError:
-            self._let_go(state)
-            raise
-        self._call(self._free, byref(state))
 
     def read(self, batch: Batch) -> None:
         """Read the values of variables."""
@@ -148,10 +138,16 @@ class StateAccess:
         sizes = size if self._version == 3 else ()
         self._call(batch.call, batch.references, c_size_t(count), batch.values, *sizes)
 
-    def _let_go(self, state: c_void_p) -> None:
-        if self._instance:
-            with plain_arithmetic():
-                self._library.function(self._free)(self._instance, byref(state))
+    @contextmanager
+    def _freed(self, state: c_void_p) -> Iterator[None]:
+        try:
+            yield
+        except SimulationError:
+            if self._instance:
+                with plain_arithmetic():
+                    self._library.function(self._free)(self._instance, byref(state))
+            raise
+        self._call(self._free, byref(state))
 
     def _require(self, condition: bool, what: str) -> None:
         if not condition:

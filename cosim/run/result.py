@@ -123,24 +123,11 @@ class Result:
         return list(self.names)
 
     def plot(self, *names: str, axes: Axes | Sequence[Axes] | None = None) -> list[Axes]:
-        """Draw signals over time with matplotlib, those of one unit in one panel.
+        """Draw signals over time with matplotlib, those of one unit in one panel; return axes.
 
-        Values and time are shown in the SI prefix that makes numbers between 1 and 1000 of them.
-
-        Parameters
-        ----------
-        names : of signals; all by default
-        axes : one for each unit, in the order of the names, or the one; by default those of a new
-            figure
-
-        Returns
-        -------
-        the axes, from top to bottom
-
-        Raises
-        ------
-        KeyError
-            When a signal was not recorded.
+        Values and time are shown in the SI prefix that makes numbers between 1 and 1000 of them. By
+        default all signals are drawn, into a new figure; ``axes`` has one for each unit, in the
+        order of the names. KeyError when a signal was not recorded.
         """
         known = (self._column(name) if isinstance(name, str) else None for name in names)
         columns = [*known] if names else range(len(self.names))
@@ -171,18 +158,10 @@ class Result:
         return {name: self._system.unit(name) for name in self.names}
 
     def frame(self, *, pint: bool = False) -> pd.DataFrame:
-        """Return a table with the time (s) as index; ``attrs["units"]`` holds the units.
+        """Return signals, then strings, by time (s); ``attrs["units"]`` holds the units.
 
-        Variables of type String come after the signals.
-
-        Parameters
-        ----------
-        pint : whether its columns are quantities of Pint
-
-        Raises
-        ------
-        CosimError
-            When pint-pandas is not installed, or Pint does not know a unit.
+        Where ``pint``, columns are quantities of Pint; CosimError when pint-pandas is not
+        installed, or Pint does not know a unit.
         """
         import pandas as pd  # late, for those who start quickly
 

@@ -195,10 +195,7 @@ class Reuse:
             columns = range(slot.column, slot.column + slot.n_outputs)
             for place, column in enumerate(columns):
                 if differs[row, column]:
-                    signal, t = (
-                        self._plan.layout.outputs[name][place],
-                        self._plan.time[row],
-                    )
+                    signal, t = (self._plan.layout.outputs[name][place], self._plan.time[row])
                     values = f"{after_reset[row, column]:.9g} instead of {new[row, column]:.9g}"
                     return [name], f"{signal} is {values} at t = {t:.9g} s"
         return None

@@ -172,24 +172,15 @@ class Simulation:
         """Do one communication step of a run that ``start`` has begun.
 
         Nothing of it is kept, so that ``stop`` may be far away with ``Record(keep="last")``. The
-        results are those of a whole run, bit for bit, whose inputs hold over each step.
-
-        Parameters
-        ----------
-        inputs : exposed input -> value over this step; one left out keeps the value it has
-
-        Returns
-        -------
-        name -> value at the end of the step, of the signals to record but for exposed inputs
+        results are those of a whole run, bit for bit, whose inputs hold over each step. An input
+        left out keeps the value it has. Returns name -> value at the end of the step, as ``start``
+        does.
 
         Raises
         ------
-        ExperimentError
-            When the run is at its stop.
-        SignalError
-            When there is no such input, or it cannot have such a value; the run can go on.
-        SimulationError
-            When ``start`` was not called, or an FMU fails or asks to end the run.
+        ExperimentError : the run is at its stop
+        SignalError : there is no such input, or it cannot have such a value; the run can go on
+        SimulationError : ``start`` was not called, or an FMU fails or asks to end the run
         """
         with self._exclusive:
             try:
@@ -202,10 +193,7 @@ class Simulation:
                 ) from None
 
     def _with_retries(self, attempt: Callable[[], T]) -> T:
-        """Run; again, and with more care, where an FMU discards a step that it can take back.
-
-        Where a reset fails, the run is done with a new instance.
-        """
+        """Run; again, with more care or new instances, where a discarded step or a reset allows."""
         while True:
             try:
                 return attempt()

@@ -172,7 +172,7 @@ class Table:
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str], column: str | None = None) -> Self:
-        """Read one column, or the only one, of a CSV file with ``time`` (s), or raise SignalError."""
+        """Read one column, or the only one, of a CSV file with ``time`` (s); SignalError else."""
         tables = cls.all_from_csv(path)
         if column is None and len(tables) == 1:
             return next(iter(tables.values()))

@@ -71,11 +71,7 @@ def _changed_values(before: System, system: System) -> dict[str, Value]:
 
 
 def _change_in_place(
-    editor: Editor,
-    given: tuple[Value, Any],
-    value: Value,
-    members: Members,
-    package: Origin | None,
+    editor: Editor, given: tuple[Value, Any], value: Value, members: Members, package: Origin | None
 ) -> bool:
     """Change a value where it is written, if no mapping or scaling changes it on the way."""
     arrives, element = given

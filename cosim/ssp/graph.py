@@ -291,8 +291,12 @@ def label(end: End) -> str:
 
 def expand(graph: Graph) -> None:
     """Replace each connection of whole arrays (SSP 2.0) by connections of their elements."""
-    signals = [edge for edge in graph.edges.values() if not _is_parameter(graph, edge.target)]
-    shapes = [(edge, _shape_at(graph, edge)) for edge in signals]
+    shapes = []
+    for edge in graph.edges.values():
+        variable, connector = graph.variable(edge.target), graph.connector(edge.target)
+        kind = variable.causality if variable else connector and connector.kind
+        if kind not in _PARAMETERS:
+            shapes.append((edge, _shape_at(graph, edge)))
     for edge, shape in shapes:
         if not shape:
             continue
@@ -347,8 +351,3 @@ def _shape(graph: Graph, end: End, edge: Edge, seen: tuple[End, ...]) -> Shape:
         if other not in seen:
             return _shape(graph, other, edge, (*seen, end))
     raise SspError(f"{place(edge.element)}: the length of the array {label(end)} is not declared")
-
-
-def _is_parameter(graph: Graph, end: End) -> bool:
-    variable, connector = graph.variable(end), graph.connector(end)
-    return (variable.causality if variable else connector and connector.kind) in _PARAMETERS

@@ -79,7 +79,13 @@ def read_package(package: Origin) -> tuple[System, DefaultExperiment, Graph]:
                 system.add(component(node.path), node.fmu)
             fmus[node.path] = system.fmus("an SSP")[component(node.path)]
     graph = Graph(top, fmus)
-    for name, (value, element) in _structure_first(read_parameters(graph), system):
+    parameters = sorted(  # those ahead that say how long arrays are
+        read_parameters(graph).items(),
+        key=lambda item: (
+            variable_of(item[0]) not in system.components[component_of(item[0])].structural
+        ),
+    )
+    for name, (value, element) in parameters:
         with _blaming(element):
             system.set(name, value)
     graph.lengths = {path: system.lengths(component(path)) for path in fmus}
@@ -88,16 +94,6 @@ def read_package(package: Origin) -> tuple[System, DefaultExperiment, Graph]:
     _show_outputs(system, graph)
     system.origin = package
     return system, read_experiment(top.document.root), graph
-
-
-def _structure_first(given: Mapping[str, Any], system: System) -> list[tuple[str, Any]]:
-    """Return start values, those ahead that say how long arrays are."""
-
-    def is_other(item: tuple[str, Any]) -> bool:
-        name = item[0]
-        return variable_of(name) not in system.components[component_of(name)].structural
-
-    return sorted(given.items(), key=is_other)
 
 
 def read_experiment(root: Any) -> DefaultExperiment:

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Self
 
-from stickslip.cosim.component import component_of
+from stickslip.cosim.component import component_of, converted
 from stickslip.cosim.errors import ConnectionFault, ParameterError
-from stickslip.cosim.fmu.values import converted
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable, converts
 

@@ -9,11 +9,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from stickslip.cosim.component import Component, Interface, check_name, component_of, variable_of
+from stickslip.cosim.component import (
+    Component,
+    Interface,
+    check_name,
+    component_of,
+    converted,
+    resized,
+    variable_of,
+)
 from stickslip.cosim.display import html_table
 from stickslip.cosim.errors import ConnectionFault, CosimError, ParameterError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.values import converted, resized
 from stickslip.cosim.system.drawing import block_diagram
 from stickslip.cosim.system.scaling import (
     PLAIN,
@@ -146,16 +153,12 @@ class System:
     def connect(self, source: str, target: str, link: Link = PLAIN) -> None:
         """Connect an output to an input; the value is converted to the unit of the input.
 
-        Parameters
-        ----------
-        source, target : ``component.variable``
-        link : a scaling beyond that of the units, or none of the units
+        ``link`` is a scaling beyond that of the units, or none of the units.
 
         Raises
         ------
-        ConnectionFault
-            When an end does not exist, has the wrong causality or type, measures another quantity
-            than the other end, or the input already has a source.
+        ConnectionFault : an end does not exist, has the wrong causality or type, measures another
+            quantity than the other end, or the input already has a source
         """
         purpose = f"cannot connect {source} to {target}"
         for one, other in pairs(self._end(source, purpose), self._end(target, purpose)):
@@ -174,18 +177,13 @@ class System:
     ) -> None:
         """Make an input of the system and connect it to inputs of components, in their units.
 
-        Parameters
-        ----------
-        name : of the input
-        targets : ``component.variable``
-        unit : of the input; that of the first target by default
-        links : target -> a scaling beyond that of the units, or none of the units
+        Its unit is that of the first target by default. ``links`` give targets a scaling beyond
+        that of the units, or none of the units.
 
         Raises
         ------
-        ConnectionFault
-            When the name is taken, or a target does not exist, is not an input, already has a
-            source, or measures another quantity than the input.
+        ConnectionFault : the name is taken, or a target does not exist, is not an input, already
+            has a source, or measures another quantity than the input
         """
         if fault := check_name(name):
             raise ConnectionFault(f"cannot expose {shown(name)}: {fault}")
@@ -326,9 +324,7 @@ class System:
         ----------
         step, stop, start : communication step and interval, s
         record : a Record of what to keep, or its names; every output and exposed input by default
-        coupling : a Coupling, or the name of its method: ``gauss_seidel`` steps components in the
-            order of their direct feedthrough, each seeing what was computed before it; ``jacobi``
-            delays every connection by one step; ``iterative`` repeats steps until all agree
+        coupling : a Coupling, or the name of its method
         constant_step : whether the FMUs are given exactly ``step`` as their step size. By
             default they are given the distance of the two points in time (as FMPy does), so that
             point and step size add up exactly
@@ -340,10 +336,8 @@ class System:
             coupled takes less: a tenth of it divided by the number of steps, at least 1e-10, and
             with adaptive steps 1e-5 of their tolerance
         allow_nan : whether outputs may be NaN or infinite. By default such a value ends the run
-        isolation : ``process`` lets the FMUs live in a process of their own, which they may crash;
-            an Isolation says how long and how much memory they may take. ``foreign`` does so on
-            Linux if the binary of an FMU was not compiled by this installation, and all components
-            are FMUs. None keeps all in this process
+        isolation : which systems live in a process of their own, which they may crash, see
+            ``Isolated``; an Isolation says how long and how much memory they may take
 
         Raises
         ------

@@ -29,12 +29,7 @@ ALGORITHMS = (*sorted(PRESETS), *OTHERS)
 
 
 def optimiser(
-    name: str,
-    problem: Problem,
-    limits: Limits | None = None,
-    seed: int = 0,
-    *,
-    noisy: bool = False,
+    name: str, problem: Problem, limits: Limits | None = None, seed: int = 0, *, noisy: bool = False
 ) -> Optimiser:
     """Return a new optimiser.
 

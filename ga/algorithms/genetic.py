@@ -255,7 +255,8 @@ class GeneticAlgorithm(Optimiser):
         stale, goal = self._stale
         lowest = float(current.costs[0])
         self._stale = (0, lowest * (1 - PROGRESS)) if lowest <= goal else (stale + 1, goal)
-        self._settled_for = self._settled_for + 1 if self._collapsed() and self._stale[0] else 0
+        collapsed = float(np.ptp(current.strings, axis=0).max()) <= COLLAPSED
+        self._settled_for = self._settled_for + 1 if collapsed and self._stale[0] else 0
         if self._at_rest() and self._restarts < self.settings.restarts:
             self._earlier = self._chosen
             self._restart(self._restarts + 1)
@@ -265,10 +266,6 @@ class GeneticAlgorithm(Optimiser):
         return patience is not None and (
             self._stale[0] >= patience or self._settled_for >= 2 * SETTLED
         )
-
-    def _collapsed(self) -> bool:
-        current = self._current
-        return current is not None and float(np.ptp(current.strings, axis=0).max()) <= COLLAPSED
 
     def _converged(self) -> str | None:
         if not self._at_rest():

@@ -99,15 +99,9 @@ class Optimiser(ABC):
         return np.empty((0, len(self.names)))
 
     def ask(self) -> Array:
-        """Return the candidates to evaluate next. The very first is the start.
+        """Return the candidates (n, k) to evaluate next, in the genes' units, first the start.
 
-        Returns
-        -------
-        ndarray, shape (n, k), in the genes' units
-
-        Raises
-        ------
-        CallOrderError : the candidates asked for before have not been told
+        It is a CallOrderError when those asked for before have not been told.
         """
         if self._asked is not None:
             raise CallOrderError(
@@ -122,15 +116,13 @@ class Optimiser(ABC):
 
         Parameters
         ----------
-        costs : shape (n,), 0 .. inf; inf for a candidate that failed. NaN counts as inf, with
-            the reason "the cost is not a number".
+        costs : shape (n,), 0 .. inf; inf for a candidate that failed. NaN counts as inf
         reasons : why each failed, n texts, empty where it did not
 
         Raises
         ------
         CallOrderError : nothing was asked
-        CostError : wrong number of costs or reasons, or a negative cost. The candidates can
-            still be told.
+        CostError : wrong number of costs or reasons, or a negative cost; they can still be told
         """
         if self._asked is None:
             raise CallOrderError("tell was called before ask; ask for candidates first")
@@ -229,13 +221,9 @@ class Optimiser(ABC):
         return checkpoint.pack(self._head(), self._record)
 
     def replay(self, state: Mapping[str, Any]) -> None:
-        """Go on from `state`: bit for bit as if the run had never been interrupted.
+        """Go on from what `state` returned: bit for bit as if the run had not been interrupted.
 
         The optimiser must be new. It asks again what it asked then, and is told what it was told.
-
-        Parameters
-        ----------
-        state : what `state` returned, also after a round trip through JSON
 
         Raises
         ------

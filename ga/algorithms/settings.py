@@ -181,15 +181,7 @@ class Limits:
         best: float,
         stagnant: int,
     ) -> str | None:
-        """Return which limit ends the run, as a sentence, or None.
-
-        Parameters
-        ----------
-        generations, evaluations, seconds : done so far
-        batch : candidates of the next generation
-        best : lowest cost
-        stagnant : evaluations since the best cost last fell by `PROGRESS`
-        """
+        """Return which limit ends the run, done so far and ``stagnant`` for some time, or None."""
         if self.target is not None and best <= self.target:
             return f"the best cost {best:.6g} reached the threshold {self.target:.6g}"
         if spent := self.spent(generations=generations, evaluations=evaluations, batch=batch):

@@ -21,13 +21,7 @@ from typing import Any, ParamSpec, TypeVar
 from stickslip.fmi.process import Threads, held
 from stickslip.ga.errors import SettingsError
 from stickslip.ga.execution.cluster import cluster
-from stickslip.ga.execution.evaluation import (
-    Evaluate,
-    Packed,
-    Raised,
-    pickled,
-    unpickled,
-)
+from stickslip.ga.execution.evaluation import Evaluate, Packed, Raised, pickled, unpickled
 from stickslip.ga.execution.starting import process_start
 
 P = ParamSpec("P")

@@ -27,23 +27,17 @@ def fitness(costs: Array) -> Array:
 def crossover_probability(
     parents: Array, *, best: float, mean: float, k1: float, k2: float
 ) -> Array:
-    """Return the probability that a pair of parents is crossed rather than copied.
+    """Return the probability that a pair of parents is crossed rather than copied, (n,).
 
-    P_c = k1 (f_max - f') / (f_max - f_mean)   if f' >= f_mean
-    P_c = k2                                   if f' <  f_mean
-
-    When the whole generation is equally fit the fraction is 0/0. No parent is then better
-    than the others, and the probability is k2.
+    P_c = k1 (f_max - f') / (f_max - f_mean) if f' >= f_mean, else k2. When the whole generation is
+    equally fit the fraction is 0/0. No parent is then better than the others, and the probability
+    is k2.
 
     Parameters
     ----------
     parents : f', the larger fitness of each pair, shape (n,), finite
     best, mean : f_max and f_mean, fitness of the current generation
     k1, k2 : constants, 0 .. 1
-
-    Returns
-    -------
-    ndarray, shape (n,), 0 .. max(k1, k2)
 
     Source
     ------

@@ -51,11 +51,7 @@ class SimulatedCost:
         return (cosim.CosimError,)
 
     def __call__(self, values: Array) -> float:
-        """Run one candidate and return its cost.
-
-        Parameters
-        ----------
-        values : shape (k,), in the order of `names`, in the parameters' units
+        """Run one candidate (k,), in the order of `names` and in their units; return its cost.
 
         Raises
         ------
