@@ -22,8 +22,7 @@ from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import suggestion
 
-WHOLE = {"Boolean", "integer", "enumeration"}
-"""Families of types that take whole numbers."""
+WHOLE = {"Boolean", "integer", "enumeration"}  # families of types that take whole numbers
 
 
 def sample_inputs(

@@ -152,8 +152,7 @@ class Exchange:
 
 _TEXTS = ("inputs", "outputs", "states")
 _NUMBERS = ("x0", "u0", "x_size", "u_size")
-_there: list[Exchange | StepMap] = []
-"""In the child: the one that it has."""
+_there: list[Exchange | StepMap] = []  # in the child: the one that it has
 
 
 def dynamics(

@@ -36,13 +36,11 @@ from stickslip.cosim.signals.scenario import Scenario, Tables
 from stickslip.cosim.signals.signals import Array, Input, sampled
 from stickslip.cosim.system.system import Specification, System
 
-TOKEN_SIZE = 16
-"""Bytes of the random token by which parent and child know each other's messages."""
+TOKEN_SIZE = 16  # bytes of the random token by which parent and child know each other's messages
 
 _HEAD = struct.Struct(f"<{TOKEN_SIZE}sQL")  # before each message: token, length, CRC-32
 
-LOST = 113
-"""Exit status of a child that cannot reach its parent."""
+LOST = 113  # exit status of a child that cannot reach its parent
 
 _LONGEST = 2**26  # bytes of an answer
 _PART = 2**16  # bytes read at once

@@ -107,18 +107,13 @@ class Process:
         self._folders = ExitStack()
         with ExitStack() as undone:  # by an error, or Ctrl-C, before the child is ready
             undone.callback(self._folders.close)
-            self._start(specification, limits, library, modules, undone)
+            self._start(specification, library, modules, undone)
             undone.pop_all()
 
     def _start(
-        self,
-        specification: Specification,
-        limits: Isolation,
-        library: Path,
-        modules: tuple[str, ...],
-        undone: ExitStack,
+        self, specification: Specification, library: Path, modules: Sequence[str], undone: ExitStack
     ) -> None:
-        shared = self.shared
+        shared, limits = self.shared, self._limits
         self._room = self._folders.enter_context(temporary_folder())
         self.state = self._room / "state"
         allow = Permissions.of(limits.allow)

@@ -10,7 +10,6 @@ import numpy as np
 
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.coupled import Coupled
-from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.memory import Memory, Room
 from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.assembly.wiring import Settings, wire
@@ -100,13 +99,13 @@ class Instances:
         self.moved = np.ctypeslib.as_array(moved)
         run.moved, run.began = moved, (ctypes.c_double * run.width)()
         self.coupled.attach(run)
-        self._attach(self._new_settings(system.parameters))
+        self._attach_settings(system.parameters)
         self._instantiate()
 
     def begin(self, values: Mapping[str, Value]) -> None:
         """Make sure that all FMUs have an instance, and give them start values for a new run."""
         if values.keys() != self._settings.names:
-            self._attach(self._new_settings(values))
+            self._attach_settings(values)
         self._settings.fill(values)
         self._instantiate()
         self.run.next_change = 0
@@ -128,13 +127,11 @@ class Instances:
         version = self._components[name].version
         return StateAccess(name, version, self.libraries[name], instance, self._mark_fatal)
 
-    def _new_settings(self, names: Iterable[str]) -> Settings:
-        return Settings(self.plan.spec.system, names, self.libraries, self.general)
-
-    def _attach(self, settings: Settings) -> None:
-        self._settings = settings
+    def _attach_settings(self, names: Iterable[str]) -> None:
+        system = self.plan.spec.system
+        self._settings = Settings(system, names, self.libraries, self.general)
         for name, slot in self.slots.items():
-            settings.attach(name, slot)
+            self._settings.attach(name, slot)
 
     def _instantiate(self) -> None:
         """Make sure that all FMUs have an instance; a run that failed may have lost some."""
@@ -249,20 +246,15 @@ class Instances:
         if run.status == kernel.FATAL:
             self._mark_fatal(name)
         elif run.status == kernel.PENDING and call == b"fmi2DoStep":
-            self._cancel(name, slot, general)
+            # end a step that goes on by itself, or else leave the instance to it
+            instance = general.c.instance if general else slot.instance
+            cancel = self.libraries[name].function("fmi2CancelStep")
+            if cancel(ctypes.c_void_p(instance)) not in {0, 1}:
+                self._lose(name, slot)
         elif run.call.endswith(b"Reset"):
             self.kernel.forget(run)
             self.kernel.release(slot)
         return SimulationError(message)
-
-    def _cancel(
-        self, name: str, slot: structures.Component, general: GeneralComponent | None
-    ) -> None:
-        """End a step that goes on by itself, or else leave the instance to it."""
-        instance = general.c.instance if general else slot.instance
-        cancel = self.libraries[name].function("fmi2CancelStep")
-        if cancel(ctypes.c_void_p(instance)) not in {0, 1}:
-            self._lose(name, slot)
 
 
 def _message_of(slot: structures.Component, component: Component) -> str:

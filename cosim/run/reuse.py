@@ -86,20 +86,16 @@ class Reuse:
             earlier = {**before, **values} if unset else {}
             self._repeat(values, earlier, external, go, result, left)
             if same_as is not None and self._deterministic:
-                self._compare_with_first((same_as, values, _digest(external)), result)
+                first = (same_as, values, _digest(external)), _digest_of(result)
+                if self._first and self._first[0] == first[0] and self._first[1] != first[1]:
+                    self._deterministic = False
+                    what = "this run is not the first one again"
+                    resets.declare_erratic(self._system, self._plan.order, what)
         elif self._first is None and same_as is not None:
             self._first = (same_as, dict(values), _digest(external)), _digest_of(result)
         if resumed:
             self._traces.add(_RESUMED)
         return result
-
-    def _compare_with_first(self, settings: object, result: Result) -> None:
-        """Say so where the first instances of all gave something else in the same run."""
-        if self._first and self._first[0] == settings and self._first[1] != _digest_of(result):
-            self._deterministic = False
-            resets.declare_erratic(
-                self._system, self._plan.order, "this run is not the first one again"
-            )
 
     def _renew_for(self, values: Mapping[str, Value], *, everything: bool) -> None:
         """Make sure that no used instance is left but those that a reset serves."""

@@ -21,8 +21,7 @@ from stickslip.fmi.messages import printable, shown
 Array = NDArray[np.float64]
 
 MOST_BYTES = 1 << 28
-LONGEST = 1 << 20
-"""Characters of a line."""
+LONGEST = 1 << 20  # characters of a line
 
 
 def read_columns(path: Path) -> dict[str, Array]:

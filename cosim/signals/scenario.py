@@ -25,11 +25,6 @@ class Disturbance:
     add: Array
     ends: Array
 
-    @classmethod
-    def of(cls, n: int) -> Disturbance:
-        """Return one that changes nothing."""
-        return cls(np.ones(n), np.zeros(n), np.zeros(n))
-
     def at_points(self, values: Array) -> Array:
         """Return a signal, (n,), as it is changed at the points in time."""
         stuck, held = np.isnan(self.keep), self._held(values)
@@ -178,7 +173,8 @@ class Scenario:
         """Return what happens at the times (n,) in s; SignalError where it is not finite."""
         tables: dict[str, Disturbance] = {}
         for name, event in self.events:
-            table = tables.setdefault(name, Disturbance.of(len(time)))
+            n = len(time)
+            table = tables.setdefault(name, Disturbance(np.ones(n), np.zeros(n), np.zeros(n)))
             with np.errstate(over="ignore"):
                 event.apply(time, table)
             if not np.isfinite([table.add, table.ends]).all():

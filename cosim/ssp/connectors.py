@@ -23,8 +23,7 @@ from stickslip.fmi.description.units import BASE_UNITS, Unit
 from stickslip.fmi.description.variables import FAMILY, Variable, converts
 from stickslip.fmi.messages import suggestion
 
-Items = Mapping[str, int]
-"""Names of the values of an enumeration."""
+Items = Mapping[str, int]  # names of the values of an enumeration
 
 
 @dataclass(frozen=True)

@@ -194,8 +194,7 @@ class Record:
         }
 
 
-_MOST = 1e9
-"""Of a time or of memory; 30 years or a petabyte."""
+_MOST = 1e9  # of a time or of memory; 30 years or a petabyte
 
 
 @dataclass(frozen=True)

@@ -42,8 +42,7 @@ if TYPE_CHECKING:
     from stickslip.cosim.run.simulation import Simulation
 
 
-_SHOWN = 12
-"""Start values of a component that a notebook shows."""
+_SHOWN = 12  # start values of a component that a notebook shows
 
 
 @dataclass(frozen=True)

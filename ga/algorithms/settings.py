@@ -138,8 +138,7 @@ PAPER = Settings(
 PRESETS = {"paper": PAPER, "default": DEFAULT}
 
 
-PROGRESS = 0.01
-"""A best cost must fall by this fraction to count as progress."""
+PROGRESS = 0.01  # a best cost must fall by this fraction to count as progress
 
 
 @dataclass(frozen=True)

@@ -86,11 +86,9 @@ class Record:
 
 
 FORMAT = 2
-MOST = 1 << 30
-"""Bytes that a checkpoint may have."""
+MOST = 1 << 30  # bytes that a checkpoint may have
 
-Told = tuple[Array, list[float], list[str]]
-"""values (n, k), n costs and n reasons of a generation"""
+Told = tuple[Array, list[float], list[str]]  # values (n, k), n costs and n reasons of a generation
 
 
 def head(kind: str, problem: Problem, settings: Mapping[str, Any], seed: int) -> dict[str, Any]:

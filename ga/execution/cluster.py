@@ -35,14 +35,11 @@ LEAN = {
 }
 """What a cluster of ours leaves out: a tenth of the workers' time on a machine of two cores."""
 
-WITHOUT_WORKERS = 60.0
-"""How long a scheduler that has no workers is waited for [s]."""
+WITHOUT_WORKERS = 60.0  # how long a scheduler that has no workers is waited for [s]
 
-LOOK = 1.0
-"""How often the workers of a scheduler are counted while it is watched [s]."""
+LOOK = 1.0  # how often the workers of a scheduler are counted while it is watched [s]
 
-ANSWER = 10.0
-"""How long a scheduler may take to say how many workers it has [s]."""
+ANSWER = 10.0  # how long a scheduler may take to say how many workers it has [s]
 
 
 class DaskWorkers(Executor):

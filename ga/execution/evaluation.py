@@ -26,11 +26,9 @@ Evaluate = Callable[[Array], float]
 
 An attribute ``fatal``, a tuple of exceptions, names those that no candidate is to blame for."""
 
-Outcome = tuple[float, str]
-"""cost, and why it is infinite or an empty text"""
+Outcome = tuple[float, str]  # cost, and why it is infinite or an empty text
 
-ALONE = 2
-"""How often a candidate whose worker died is tried alone."""
+ALONE = 2  # how often a candidate whose worker died is tried alone
 
 DIED = "the worker process that ran it died"
 

@@ -129,11 +129,9 @@ def spread(children: Array, strings: Array, rates: Array, rng: np.random.Generat
 MUTATIONS: dict[str, Mutation] = {"uniform": uniform, "spread": spread}
 
 
-SCATTER = 0.05
-"""Standard deviation of the children's rates around the mean."""
+SCATTER = 0.05  # standard deviation of the children's rates around the mean
 
-LEARNING = 0.1
-"""Share that a generation's successful rates have in the new mean."""
+LEARNING = 0.1  # share that a generation's successful rates have in the new mean
 
 
 class MutationRate:
@@ -160,8 +158,7 @@ class MutationRate:
             self._mean += LEARNING * (float(rates[successful].mean()) - self._mean)
 
 
-LEAST = 0.02
-"""Share of the children that every way to breed them keeps."""
+LEAST = 0.02  # share of the children that every way to breed them keeps
 
 MEMORY = 0.9
 """Weight of what was learned before, each time that a generation improves on the best cost."""

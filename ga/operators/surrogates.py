@@ -15,15 +15,12 @@ from threadpoolctl import ThreadpoolController
 from stickslip.ga.operators.breeding import Shares
 from stickslip.ga.problem.problem import Array
 
-RADIUS = 2.0
-"""How far a step may go, in standard deviations of the points fitted to."""
+RADIUS = 2.0  # how far a step may go, in standard deviations of the points fitted to
 
-LIGHTEST = 0.05
-"""Weight of the most expensive point, relative to the cheapest."""
+LIGHTEST = 0.05  # weight of the most expensive point, relative to the cheapest
 
 
-POINTS = 2
-"""A quadratic is fitted to so many times as many candidates as it has coefficients."""
+POINTS = 2  # a quadratic is fitted to so many times as many candidates as it has coefficients
 
 LARGEST = 256
 """Coefficients of the largest quadratic; beyond, products of two variables are left out."""
@@ -31,8 +28,7 @@ LARGEST = 256
 SAME = 0.03
 """Candidates closer than this in each gene, on [0, 1], crowd each other in the fit of a bowl."""
 
-THINNED = 400
-"""Candidates that a bowl is fitted to at most."""
+THINNED = 400  # candidates that a bowl is fitted to at most
 
 
 def unknowns(k: int) -> int:
@@ -126,14 +122,11 @@ def bowl(strings: Array, costs: Array) -> Array | None:
     return np.asarray(np.clip(middle - fitted[1:-1] / (2 * fitted[-1]), 0.0, 1.0))
 
 
-FINEST = 1e-9
-"""A gene is not evaluated closer than this to a value that it had, on [0, 1]."""
+FINEST = 1e-9  # a gene is not evaluated closer than this to a value that it had, on [0, 1]
 
-FITTED = 0.5
-"""Probability that a proposal is the minimum of a parabola, not the easiest interval."""
+FITTED = 0.5  # probability that a proposal is the minimum of a parabola, not the easiest interval
 
-DEMANDS = 3
-"""Decades below the range of the costs over which a wished improvement is drawn."""
+DEMANDS = 3  # decades below the range of the costs over which a wished improvement is drawn
 
 _Section = tuple[Array, Array]
 """values of a gene in ascending order, and costs relative to those of the other sections"""
@@ -238,8 +231,7 @@ def _easiest(values: Array, costs: Array, rng: np.random.Generator) -> float:
     return float(ends[easiest] + width[easiest] * roots[easiest] / rise[easiest])
 
 
-ARCHIVED = 4096
-"""Candidates kept."""
+ARCHIVED = 4096  # candidates kept
 
 
 class Archive:
@@ -257,8 +249,7 @@ class Archive:
         self.costs = all_costs[order]
 
 
-BRED, SECTION, BOWL, QUADRATIC = range(4)
-"""Where a child comes from."""
+BRED, SECTION, BOWL, QUADRATIC = range(4)  # where a child comes from
 
 _LIBRARIES, _LIMITED = ThreadpoolController(), Lock()
 
