@@ -9,16 +9,6 @@ The core works on plain arrays; only `SimulatedCost` runs FMUs, and importing it
 
 ``default`` is for costs of one or many valleys, with noise or failures; ``paper`` is the algorithm
 as published.
-
-    GaError(Fault)
-        SettingsError(ValueError)      a gene, a setting or a repair makes no sense
-        CostError(ValueError)          costs do not fit the candidates asked
-        StateError(ValueError)         a checkpoint of another problem, or none at all
-        CallOrderError(RuntimeError)   ask and tell out of turn
-        CandidateFailed                a candidate cannot be evaluated; raised by the cost
-        NothingLearned                 every candidate of the first generation failed
-        WorkersLost(RuntimeError)      a Dask cluster is gone, or has no workers
-    Interrupted(KeyboardInterrupt)     Ctrl-C; says what is kept and how to go on
 """
 
 from typing import TYPE_CHECKING

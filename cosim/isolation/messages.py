@@ -37,16 +37,11 @@ from stickslip.cosim.signals.signals import Array, Input, sampled
 from stickslip.cosim.system.system import Specification, System
 
 TOKEN_SIZE = 16  # bytes of the random token by which parent and child know each other's messages
-
 _HEAD = struct.Struct(f"<{TOKEN_SIZE}sQL")  # before each message: token, length, CRC-32
-
 LOST = 113  # exit status of a child that cannot reach its parent
-
 _LONGEST = 2**26  # bytes of an answer
 _PART = 2**16  # bytes read at once
-
 Reply = dict[str, Any]
-
 NONSENSE: Reply = {"error": "nonsense"}
 """Stands for bytes that are not an answer of the child, such as an FMU writes into the pipe."""
 

@@ -15,9 +15,7 @@ from stickslip.fmi.standard import standard_files
 # Two neighbours copied as one would wait until both have arrived in memory. A loop of calls that
 # begins within a line of the cache costs some percent more or less, as chance has it.
 _FLAGS = ("-fno-tree-slp-vectorize", "-falign-loops=64")
-
 FINISHED, PAUSED, FAILED, HALTED = range(4)
-
 SIDE_BY_SIDE, PAIR, SCATTERED, NONE = range(4)  # how a component finds its inputs in a row
 
 # Values of ``Run.status``: FMI statuses, then the kernel's own reasons.
@@ -102,7 +100,6 @@ def plain_arithmetic() -> Iterator[None]:
 
 
 MOST_COMPONENTS = 64  # beyond, the code would crowd itself out of the processor's cache
-
 _GROUP = 12  # as in steps.h
 
 _STEPS = """#include "walk.h"

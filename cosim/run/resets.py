@@ -11,9 +11,7 @@ from stickslip.cosim.system.system import System
 
 _log = logging.getLogger(__name__)
 _lock = threading.Lock()
-
 lines: dict[Path, str] = {}  # what is known in this process: binary -> the line that was logged
-
 crashed: set[Path] = set()
 """Binaries that crashed or hung when they were used again: each isolated run has a new child."""
 

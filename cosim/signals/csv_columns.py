@@ -19,7 +19,6 @@ from stickslip.fmi.files import read_limited
 from stickslip.fmi.messages import printable, shown
 
 Array = NDArray[np.float64]
-
 MOST_BYTES = 1 << 28
 LONGEST = 1 << 20  # characters of a line
 

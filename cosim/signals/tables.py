@@ -196,7 +196,6 @@ def _arrow(error: type[CosimError], path: Path) -> ModuleType | Any:
 
 MOST_BYTES = 1 << 30
 MOST_VALUES = 100_000_000
-
 _INDEX = re.compile(r"__index_level_\d+__")  # of a frame, which pandas stores as a column
 
 

@@ -21,7 +21,6 @@ _ORDER = (
     " MetaData Signature Annotations"
 )
 _RANK = {name: rank for rank, name in enumerate(_ORDER.split())}
-
 _FLOATS = {"Real", "Float64", "Float32"}
 _OTHERS = {"Boolean", "String", "Enumeration", "Binary"}
 
@@ -136,7 +135,6 @@ def text_of(root: Any) -> bytes:
 
 
 _TIMESTAMP = (1980, 1, 1, 0, 0, 0)  # the same system gives the same bytes
-
 Members = dict[str, bytes]
 
 

@@ -27,10 +27,8 @@ An element of an array is called ``name[i,j]``, counted from 1.
 
 _GIVES = {"output", "calculatedParameter", "local", "constant"}
 _TAKES = {"input", "parameter", "structuralParameter"}
-
 Shape = tuple[int, ...]
 MOST_ELEMENTS = 1_000_000
-
 _PARAMETERS = {"parameter", "structuralParameter", "calculatedParameter", "constant"}
 
 

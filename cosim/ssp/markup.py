@@ -44,7 +44,6 @@ OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
 
 # Between a nested system and its elements; a dot separates the variable.
 SEPARATOR = "/"
-
 Path = tuple[str, ...]
 """Names of elements, from the outermost system inwards; () is that system itself."""
 

@@ -173,7 +173,6 @@ def _blaming(element: Any) -> Iterator[None]:
 
 _SET, _MAPPING = "application/x-ssp-parameter-set", "application/x-ssp-parameter-mapping"
 _WORDS = {"true": 1, "false": 0}
-
 Raw = float | str | tuple[float, ...]
 """A number, the numbers of an array, or any other value as text."""
 

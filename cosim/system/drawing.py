@@ -11,7 +11,6 @@ from stickslip.fmi.messages import escaped
 Port = tuple[str, str]
 """Component and variable; of what the system exposes, no component and the name."""
 Wire = tuple[Port, Port]  # source and target
-
 _ROW, _HEAD, _LETTER = 15, 34, 6.4  # height of a port and of a title, width of a letter [px]
 _GAP, _APART, _MARGIN, _LANE = 70, 22, 12, 12  # between columns, boxes, and lanes of feedback
 _SWEEPS = 4

@@ -21,7 +21,6 @@ from stickslip.ga.errors import SettingsError
 from stickslip.ga.problem.problem import Array, Encoding, Problem
 
 SIGMA = 0.1  # first standard deviation of the search, on the strings' scale of [0, 1]
-
 GROWTH = 2
 """Each restart, from a place at random, has so many times the population of the one before."""
 

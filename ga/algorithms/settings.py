@@ -136,8 +136,6 @@ PAPER = Settings(
 """
 
 PRESETS = {"paper": PAPER, "default": DEFAULT}
-
-
 PROGRESS = 0.01  # a best cost must fall by this fraction to count as progress
 
 

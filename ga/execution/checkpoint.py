@@ -87,7 +87,6 @@ class Record:
 
 FORMAT = 2
 MOST = 1 << 30  # bytes that a checkpoint may have
-
 Told = tuple[Array, list[float], list[str]]  # values (n, k), n costs and n reasons of a generation
 
 

@@ -36,9 +36,7 @@ LEAN = {
 """What a cluster of ours leaves out: a tenth of the workers' time on a machine of two cores."""
 
 WITHOUT_WORKERS = 60.0  # how long a scheduler that has no workers is waited for [s]
-
 LOOK = 1.0  # how often the workers of a scheduler are counted while it is watched [s]
-
 ANSWER = 10.0  # how long a scheduler may take to say how many workers it has [s]
 
 

@@ -20,20 +20,15 @@ from stickslip.ga.errors import CandidateFailed, SettingsError
 from stickslip.ga.problem.problem import Array
 
 T = TypeVar("T")
-
 Evaluate = Callable[[Array], float]
 """values (k,), in the genes' units -> cost, 0 .. inf; raises CandidateFailed if it has none.
 
 An attribute ``fatal``, a tuple of exceptions, names those that no candidate is to blame for."""
 
 Outcome = tuple[float, str]  # cost, and why it is infinite or an empty text
-
 ALONE = 2  # how often a candidate whose worker died is tried alone
-
 DIED = "the worker process that ran it died"
-
 _UNPICKLABLE = pickle.PicklingError, AttributeError, TypeError
-
 _FATAL: tuple[type[Exception], ...] = (OSError, ImportError, MemoryError, CancelledError)
 """The machine's fault, not the candidate's: the run ends, and can be resumed."""
 

@@ -102,8 +102,6 @@ def differential(
 
 
 CROSSOVERS: dict[str, Crossover] = {"arithmetic": arithmetic, "differential": differential}
-
-
 Mutation = Callable[[Array, Array, Array, np.random.Generator], Array]
 """(children (m, k); strings of the population (n, k); rates (m, 1); rng) -> children (m, k)"""
 
@@ -127,10 +125,7 @@ def spread(children: Array, strings: Array, rates: Array, rng: np.random.Generat
 
 
 MUTATIONS: dict[str, Mutation] = {"uniform": uniform, "spread": spread}
-
-
 SCATTER = 0.05  # standard deviation of the children's rates around the mean
-
 LEARNING = 0.1  # share that a generation's successful rates have in the new mean
 
 
@@ -159,7 +154,6 @@ class MutationRate:
 
 
 LEAST = 0.02  # share of the children that every way to breed them keeps
-
 MEMORY = 0.9
 """Weight of what was learned before, each time that a generation improves on the best cost."""
 

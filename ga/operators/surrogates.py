@@ -16,12 +16,8 @@ from stickslip.ga.operators.breeding import Shares
 from stickslip.ga.problem.problem import Array
 
 RADIUS = 2.0  # how far a step may go, in standard deviations of the points fitted to
-
 LIGHTEST = 0.05  # weight of the most expensive point, relative to the cheapest
-
-
 POINTS = 2  # a quadratic is fitted to so many times as many candidates as it has coefficients
-
 LARGEST = 256
 """Coefficients of the largest quadratic; beyond, products of two variables are left out."""
 
@@ -123,11 +119,8 @@ def bowl(strings: Array, costs: Array) -> Array | None:
 
 
 FINEST = 1e-9  # a gene is not evaluated closer than this to a value that it had, on [0, 1]
-
 FITTED = 0.5  # probability that a proposal is the minimum of a parabola, not the easiest interval
-
 DEMANDS = 3  # decades below the range of the costs over which a wished improvement is drawn
-
 _Section = tuple[Array, Array]
 """values of a gene in ascending order, and costs relative to those of the other sections"""
 
@@ -250,9 +243,7 @@ class Archive:
 
 
 BRED, SECTION, BOWL, QUADRATIC = range(4)  # where a child comes from
-
 _LIBRARIES, _LIMITED = ThreadpoolController(), Lock()
-
 FIRST = 20.0, 0.4, 0.4
 """What is expected of the first three, relative to each other, before anything is known."""
 

@@ -16,7 +16,6 @@ from stickslip.ga.errors import CandidateFailed
 from stickslip.ga.problem.problem import Array
 
 _Worker = tuple[int, int]  # process and thread; a forked process must not use its parent's FMUs
-
 _open: dict[tuple[str, _Worker], cosim.Simulation] = {}
 
 
