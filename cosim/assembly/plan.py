@@ -84,11 +84,11 @@ def _columns(system: System, outputs: dict[str, list[str]], order: Iterable[str]
 
 
 def _neighbours(system: System) -> list[str]:
-    """Return the components so that the sources of one component are neighbours.
+    """Return the components so that sources of one are neighbours, which needs no gathering.
 
-    What lies side by side in a row needs not be gathered. The sources of a component that steps in
-    its turn are of two rows: those that step before it are side by side in the order of the steps,
-    and the last column of a row is beside the first of the next.
+    The sources of a component that steps in its turn are of two rows: those that step before it are
+    side by side in the order of the steps, and the last column of a row is beside the first of the
+    next.
     """
     sources: dict[str, list[str]] = {component: [] for component in system.components}
     for target, source in system.connections.items():

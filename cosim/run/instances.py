@@ -10,9 +10,8 @@ import numpy as np
 
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.coupled import Coupled
-from stickslip.cosim.assembly.memory import Memory, Room
 from stickslip.cosim.assembly.plan import Plan
-from stickslip.cosim.assembly.wiring import Settings, wire
+from stickslip.cosim.assembly.wiring import Memory, Room, Settings, wire
 from stickslip.cosim.component import Component, component_of
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu.instance import (

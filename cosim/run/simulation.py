@@ -10,8 +10,8 @@ from typing import NoReturn, Self, TypeVar
 
 import numpy as np
 
-from stickslip.cosim.assembly.memory import Room
 from stickslip.cosim.assembly.plan import Plan
+from stickslip.cosim.assembly.wiring import Room
 from stickslip.cosim.component import component_of
 from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationError
 from stickslip.cosim.fmu.instance import Batch
@@ -297,7 +297,7 @@ class Simulation:
 
         Raises
         ------
-        ParameterError : there is no such variable ``component.variable``, or it is no number
+        ParameterError : there is no such variable, or it is no number
         SimulationError : nothing was run, or an FMU refuses
         """
         with self._exclusive:

@@ -118,13 +118,7 @@ def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
 
 
 def signals_of(inputs: Inputs | None) -> dict[str, Input]:
-    """Return signals by input; a data frame and each series of pandas become tables.
-
-    Raises
-    ------
-    SignalError
-        When the index or a column ``time`` of a frame or series does not hold times.
-    """
+    """Return signals by input, of pandas as tables; SignalError where an index is not times."""
     if not isinstance(inputs, Mapping | None) and hasattr(inputs, "columns"):
         return dict(_from_frame(inputs, "the data frame"))
     also = ", such as read_tables returns of a file, or a data frame"

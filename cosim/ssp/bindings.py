@@ -11,18 +11,20 @@ from lxml import etree
 
 from stickslip.cosim.component import component_of, variable_of
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.ssp.compose import (
+from stickslip.cosim.ssp.edit import Editor
+from stickslip.cosim.ssp.markup import (
     Members,
     add,
     add_units,
     file_name,
     free_name,
     group,
+    local,
     new_root,
+    path_of,
+    tag,
     text_of,
 )
-from stickslip.cosim.ssp.edit import Editor
-from stickslip.cosim.ssp.markup import local, path_of, tag
 from stickslip.cosim.ssp.read import read_parameters
 from stickslip.cosim.system.system import Origin, System
 from stickslip.fmi.description.variables import Value, Variable

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.ssp.compose import add
 from stickslip.cosim.ssp.markup import (
     NAMESPACES,
+    add,
     attribute,
     find,
     integer,

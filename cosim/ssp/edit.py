@@ -6,10 +6,18 @@ from itertools import takewhile
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.ssp.compose import add, add_connector, add_units, discard, group
 from stickslip.cosim.ssp.connectors import Connector, add_transformation
 from stickslip.cosim.ssp.graph import Edge, End, Graph
-from stickslip.cosim.ssp.markup import FMU, Path, component
+from stickslip.cosim.ssp.markup import (
+    FMU,
+    Path,
+    add,
+    add_connector,
+    add_units,
+    component,
+    discard,
+    group,
+)
 from stickslip.cosim.ssp.structure import Node
 from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link
 from stickslip.fmi.description.units import Unit

@@ -209,10 +209,5 @@ class Package(Origin):
 
 
 def variants(path: str | os.PathLike[str]) -> list[str]:
-    """Return the names of the variants that an .ssp file holds, the default one first.
-
-    Raises
-    ------
-    SspError
-    """
+    """Return the names of the variants in an .ssp file, the default first, or raise SspError."""
     return list(Package.open(path).variants())

@@ -17,16 +17,6 @@ from lxml import etree
 from stickslip.cosim.component import component_of, variable_of
 from stickslip.cosim.errors import CosimError, SspError
 from stickslip.cosim.ssp.bindings import edit_parameters
-from stickslip.cosim.ssp.compose import (
-    Members,
-    add,
-    file_name,
-    free_name,
-    group,
-    new_root,
-    text_of,
-    zipped,
-)
 from stickslip.cosim.ssp.connectors import Definitions
 from stickslip.cosim.ssp.edit import Editor
 from stickslip.cosim.ssp.graph import End, Graph, expand
@@ -37,10 +27,18 @@ from stickslip.cosim.ssp.markup import (
     ROOTS,
     STRUCTURE,
     VERSIONS,
+    Members,
+    add,
+    file_name,
+    free_name,
+    group,
+    new_root,
     path_of,
     short,
     tag,
+    text_of,
     violation,
+    zipped,
 )
 from stickslip.cosim.ssp.read import read_experiment, read_package
 from stickslip.cosim.ssp.structure import Document, Node, Package

@@ -14,13 +14,7 @@ from stickslip.fmi.description.variables import Variable, converts
 
 @dataclass(frozen=True)
 class Scaling:
-    """y = factor * x + offset.
-
-    Attributes
-    ----------
-    factor : unit of y per unit of x
-    offset : in the unit of y
-    """
+    """y = factor * x + offset, in the unit of y."""
 
     factor: float = 1.0
     offset: float = 0.0
@@ -105,11 +99,8 @@ Transform = Scaling | ValueMap
 class Link:
     """How a connection treats the number that it carries.
 
-    Attributes
-    ----------
-    scaling : applied last, to the number in the unit of the target; a ValueMap for signals that
-        are no floating-point numbers
-    convert : whether the number is converted from the unit of the source before
+    Where ``convert``, it is first converted to the unit of the target. Then ``scaling`` is applied:
+    a ValueMap for signals that are no floating-point numbers.
     """
 
     scaling: Transform = IDENTITY

@@ -179,14 +179,10 @@ class GeneticAlgorithm(Optimiser):
         return Brood(strings, values, rates, origins)
 
     def _first(self) -> Brood:
-        """Return a first generation: around the start, or after a restart.
+        """Return a first generation: around the start (paper, Step 1), or after a restart.
 
-        The first restart is around where the cost is lowest by and large, the second anywhere,
-        and so on in turns.
-
-        Source
-        ------
-        Paper, Step 1.
+        The first restart is around where the cost is lowest by and large, the second anywhere, and
+        so on in turns.
         """
         settings, n = self.settings, self.settings.population
         start: Array | None = self._encoding.encode(self.problem.start)

@@ -32,13 +32,7 @@ NOT_A_NUMBER = "the cost is not a number"
 
 @dataclass(frozen=True)
 class Candidate:
-    """A parameter vector and what it costs.
-
-    Parameters
-    ----------
-    values : shape (k,), in the genes' order and units
-    cost : 0 .. inf
-    """
+    """A parameter vector (k,), in the genes' order and units, and what it costs, 0 .. inf."""
 
     values: Array
     cost: float

@@ -19,14 +19,7 @@ AnyOptimiser = TypeVar("AnyOptimiser", bound=Optimiser)
 
 @dataclass(frozen=True)
 class SearchResult:
-    """What a run found.
-
-    Parameters
-    ----------
-    best : the best candidate
-    parameters : the same by name, in the genes' units
-    stopped : why the run ended
-    """
+    """The best candidate, its values by name in the genes' units, and why the run ended."""
 
     best: Candidate
     parameters: dict[str, float]

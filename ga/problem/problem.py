@@ -98,14 +98,8 @@ class AtLeast:
 class Problem:
     """k genes and a constraint between them.
 
-    Parameters
-    ----------
-    genes : what to learn
-    repair : makes candidates keep a constraint, e.g. `AtLeast`; its result is held to the bounds
-
-    Raises
-    ------
-    SettingsError : no genes, or two of one name
+    ``repair`` makes candidates keep it, e.g. `AtLeast`; its result is held to the bounds. It is a
+    SettingsError to have no genes, or two of one name.
     """
 
     genes: Sequence[Gene]
