@@ -66,8 +66,7 @@ class Function(Component):
 
     Raises
     ------
-    ConnectionFault
-        When a name occurs twice or cannot be used, or there is no output.
+    ConnectionFault : when a name occurs twice or cannot be used, or there is no output
     """
 
     serializes = restores_state = varies_step = True

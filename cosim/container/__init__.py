@@ -71,12 +71,11 @@ def write_fmu(
 
     Raises
     ------
-    ConnectionFault, ParameterError, ExperimentError, FmuError
-        When the system has what a container cannot hold: a component of FMI 1.0 or with
-        structural parameters, algebraic loops, Model Exchange on a platform without its solver.
+    ConnectionFault, ParameterError, ExperimentError, FmuError : when the system has what a
+        container cannot hold: a component of FMI 1.0 or with structural parameters, algebraic
+        loops, Model Exchange on a platform without its solver
     toolchain.ToolchainError
-    OSError
-        When the file cannot be written.
+    OSError : when the file cannot be written
     """
     if not 0 < step < math.inf:
         raise ExperimentError(f"step is {step} s, expected a positive number")

@@ -74,10 +74,9 @@ def linearise(
 
     Raises
     ------
-    LinearisationError
-        When a name is unknown, there are no states, or, over a step, there are others than those
-        that can be set: declared ones, or such that show when runs of up to 512 steps are started
-        again on the way.
+    LinearisationError : when a name is unknown, there are no states, or, over a step, there are
+        others than those that can be set: declared ones, or such that show when runs of up to 512
+        steps are started again on the way
     FmuError, SimulationError
     """
     found = _dynamics(model, parameters, outputs, step, isolation)
@@ -287,8 +286,7 @@ def measure_response(
 
     Raises
     ------
-    ExperimentError
-        When a frequency is too high or not positive, or ``periods`` is not even.
+    ExperimentError : when a frequency is too high or not positive, or ``periods`` is not even
     SimulationError, ParameterError, SignalError
     """
     wanted = np.atleast_1d(np.asarray(f, dtype=float))

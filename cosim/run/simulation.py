@@ -121,12 +121,10 @@ class Simulation:
 
         Raises
         ------
-        ParameterError, SignalError
-            Before anything is run.
-        SharedSimulation
-            When it runs already, in another thread or from its own progress function.
-        SimulationError
-            When an FMU fails or gives a value that is not finite; the simulation can run again.
+        ParameterError, SignalError : Before anything is run
+        SharedSimulation : when it runs already, in another thread or from its own progress function
+        SimulationError : when an FMU fails or gives a value that is not finite; the simulation can
+            run again
 
         An FMU may ask to end a run: the result is then shorter, and its ``stopped`` says so.
         """
@@ -246,9 +244,8 @@ class Simulation:
 
         Raises
         ------
-        SimulationError
-            Also when the state is of another system (FMU files, connections, start values), step,
-            start, coupling or record; the first differences are named.
+        SimulationError : Also when the state is of another system (FMU files, connections, start
+            values), step, start, coupling or record; the first differences are named
         """
         checkpoint = Checkpoint.read(path)
         if difference := differences(checkpoint.identity, identity(self._plan)):

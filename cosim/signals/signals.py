@@ -70,8 +70,7 @@ class SineSweep:
 
     Raises
     ------
-    SignalError
-        When one is not finite, the duration not positive, or a range not two numbers.
+    SignalError : when one is not finite, the duration not positive, or a range not two numbers
     """
 
     frequency: tuple[float, float]
@@ -109,8 +108,7 @@ class Trapezoid:
 
     Raises
     ------
-    SignalError
-        When one is not finite, the slope not positive, or the plateau negative.
+    SignalError : when one is not finite, the slope not positive, or the plateau negative
     """
 
     height: float

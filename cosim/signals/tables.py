@@ -44,8 +44,7 @@ def read_tables(
 
     Raises
     ------
-    SignalError
-        When the file cannot be read, or contains a value that is not a number.
+    SignalError : when the file cannot be read, or contains a value that is not a number
     """
     tables = _read(source)
     names = {name: {name, name.partition("[")[0]} for name in tables}  # also of a cell's array

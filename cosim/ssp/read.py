@@ -58,8 +58,7 @@ def read_ssp(
 
     Raises
     ------
-    SspError
-        When the file is not an SSP package, or a component is not an FMU.
+    SspError : when the file is not an SSP package, or a component is not an FMU
     """
     package = Package.open(path, variant)
     try:

@@ -75,11 +75,9 @@ def write_ssp(
 
     Raises
     ------
-    SspError
-        When an FMU is no longer where it was read from, a nested system that lies in a file of its
-        own would have to be changed, or the version cannot express the package.
-    OSError
-        When the file cannot be written.
+    SspError : when an FMU is no longer where it was read from, a nested system that lies in a file
+        of its own would have to be changed, or the version cannot express the package
+    OSError : when the file cannot be written
     """
     if version not in {None, *VERSIONS}:
         raise SspError(f"version is {version!r}, expected '1.0' or '2.0'")

@@ -156,8 +156,7 @@ class Record:
 
     Raises
     ------
-    ExperimentError
-        When ``every`` or ``keep`` has another value.
+    ExperimentError : when ``every`` or ``keep`` has another value
     """
 
     names: str | Sequence[str] | None = None
@@ -212,8 +211,7 @@ class Isolation:
 
     Raises
     ------
-    ExperimentError
-        When one is not positive, or something else is allowed.
+    ExperimentError : when one is not positive, or something else is allowed
     """
 
     timeout: float | None = None

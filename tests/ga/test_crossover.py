@@ -39,7 +39,7 @@ def test_children_of_a_pair_lie_between_them_and_keep_their_mean():
 
 def test_a_difference_is_of_two_others(monkeypatch):
     """The parent itself is not among them; the origin is the best one in 70 % of all children."""
-    monkeypatch.setattr("stickslip.ga.operators.crossover.STRETCH", (1.0, 1.0))
+    monkeypatch.setattr("stickslip.ga.operators.breeding.STRETCH", (1.0, 1.0))
     settings = replace(ga.DEFAULT, population=N, crossover_rate=1.0)
     strings = 3.0 ** np.arange(N)[:, np.newaxis]  # so that a child shows what it is the sum of
     rng, n = np.random.default_rng(2), np.arange(N)
