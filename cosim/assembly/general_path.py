@@ -115,7 +115,7 @@ class GeneralComponent:
         return save, restore, free
 
     def follow_polynomials(self, fresh: Sequence[bool], degree: int) -> int:
-        """Let inputs follow a coupling, that knows the ``fresh``; return what sets derivatives."""
+        """Let inputs follow those of a coupling; return the call that sets derivatives."""
         for i, known in enumerate(fresh):
             self.c.input_ports[i].ahead = known
         self.c.follows = degree > 0

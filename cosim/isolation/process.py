@@ -247,7 +247,7 @@ class Process:
             raise self._crashed(status)
 
     def _wait(self, patience: float, limit: float) -> Reply:
-        """Return the next answer; nothing may stand still for long (s), or go on after a limit."""
+        """Return the next answer: after at most ``patience`` s at a standstill, or ``limit`` s."""
         still, seen = _Clock(), self._mark()
         while True:
             try:

@@ -43,7 +43,7 @@ STATUS = {
 def built(
     steps: str | None = None, *, marked: bool = False, platform: toolchain.Platform | None = None
 ) -> Path:
-    """Return the path of the kernel's library, compiled on first use; ``steps`` is ``steps.h``."""
+    """Return the kernel's library, compiled on first use with ``steps`` in place of ``steps.h``."""
     here = Path(__file__).parent
     files = {file.name: file.read_text(encoding="utf-8") for file in here.glob("*.[ch]")}
     if steps is not None:
@@ -90,7 +90,7 @@ def note_call(name: str, call: str) -> None:
 
 @contextmanager
 def plain_arithmetic() -> Iterator[None]:
-    """Let FMUs begin by rounding to nearest, with subnormal numbers; then have ours back."""
+    """Give FMUs the usual arithmetic, to nearest and with subnormal numbers; restore ours."""
     library, before = load(), Arithmetic()
     library.begin_plain_arithmetic(byref(before))
     try:

@@ -146,7 +146,7 @@ def transform_of(element: Any, start: Items, end: Items) -> Transform:
 
 
 def check_types(element: Any, ends: list[tuple[str, str | None]]) -> None:
-    """Check that ends, each with name and type or None, fit together and the transformation."""
+    """Check that the ends of a connection, each with name and type or None, fit together."""
     found = _transformation(element)
     wanted = _FITS[_kind(found)] if found is not None else ()
     families = [FAMILY.get(kind or "") for _, kind in ends]

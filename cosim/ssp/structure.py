@@ -60,9 +60,9 @@ class Document:
 
 @dataclass
 class Node:
-    """An element, as its parent mentions it, and its body: of a system that system.
+    """An element as its parent mentions it, and its body: ssd:System of a system, else itself.
 
-    They may be of different documents. A reference names its ``dictionary``.
+    Both may be of different documents. A reference names its ``dictionary``.
     """
 
     path: Path

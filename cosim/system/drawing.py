@@ -46,7 +46,7 @@ class _Box:
 
 
 def block_diagram(components: Mapping[str, str], wires: Sequence[Wire]) -> str:
-    """Return an SVG element in the colour of the text; components have what stands below."""
+    """Return the diagram as an SVG element; ``components`` has what stands below each name."""
     boxes = {f"> {port}": _Box(port) for (name, port), _ in wires if not name}
     boxes |= {name: _Box(name, note) for name, note in components.items()}
     boxes |= {f"< {port}": _Box(port) for _, (name, port) in wires if not name}

@@ -178,7 +178,7 @@ class Limits:
         best: float,
         stagnant: int,
     ) -> str | None:
-        """Return which limit ends the run, done so far and ``stagnant`` for some time, or None."""
+        """Return which limit ends a run that has come so far, as a sentence, or None."""
         if self.target is not None and best <= self.target:
             return f"the best cost {best:.6g} reached the threshold {self.target:.6g}"
         if spent := self.spent(generations=generations, evaluations=evaluations, batch=batch):
