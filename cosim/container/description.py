@@ -3,8 +3,6 @@
 Source: FMI 2.0.4 section 2.2, FMI 3.0.2 section 2.4.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass

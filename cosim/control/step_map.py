@@ -1,7 +1,5 @@
 """A system of FMUs over one communication step: x[k+1] = f(x[k], u[k]) and y[k] = g(x[k], u[k])."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """The child process: prepares a simulation and runs it on request."""
 
-from __future__ import annotations
-
 import ctypes
 import json
 import logging

@@ -1,7 +1,5 @@
 """The child process from the parent's side: started, asked, watched, ended."""
 
-from __future__ import annotations
-
 import builtins
 import logging
 import math

@@ -1,7 +1,5 @@
 """A simulation whose FMUs run in a child process."""
 
-from __future__ import annotations
-
 import inspect
 import os
 from collections.abc import Callable, Mapping, Sequence

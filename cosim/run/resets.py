@@ -1,7 +1,5 @@
 """FMUs that a reset does not bring back to their start: each of their runs has a new instance."""
 
-from __future__ import annotations
-
 import logging
 import threading
 from collections.abc import Iterable, Sequence

@@ -5,8 +5,6 @@ is reset only after runs whose traces a reset has been seen to remove: such a ru
 a reset and gave the same. After any other run the next one has new instances.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Callable, Mapping
 

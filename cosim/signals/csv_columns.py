@@ -1,7 +1,5 @@
 """Columns of numbers over time from untrusted CSV files."""
 
-from __future__ import annotations
-
 import csv
 import io
 from array import array

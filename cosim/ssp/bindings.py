@@ -1,7 +1,5 @@
 """Writes start values of a system that differ from those of its package."""
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Mapping
 from pathlib import Path as File

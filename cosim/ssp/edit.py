@@ -1,7 +1,5 @@
 """Changes an SSP description: components, connections across nested systems, connectors."""
 
-from __future__ import annotations
-
 from itertools import takewhile
 
 from stickslip.cosim.errors import SspError

@@ -1,7 +1,5 @@
 """Connections across the borders of nested systems and through signal dictionaries."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace

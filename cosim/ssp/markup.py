@@ -1,7 +1,5 @@
 """Names and namespaces of SSP 1.0 and 2.0, and its XML, whose errors name file and line."""
 
-from __future__ import annotations
-
 import io
 import math
 import re

@@ -1,7 +1,5 @@
 """A system as a block diagram in SVG: columns from inputs to outputs, feedback below."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Which components step together because they depend on each other."""
 
-from __future__ import annotations
-
 import heapq
 from collections import Counter
 from collections.abc import Iterable, Sequence

@@ -4,8 +4,6 @@ scipy runs from beginning to end and calls the cost itself. It does so in a thre
 which waits wherever it wants costs; only one of the two threads ever runs.
 """
 
-from __future__ import annotations
-
 import weakref
 from collections.abc import Callable, Iterable
 from inspect import signature

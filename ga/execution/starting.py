@@ -1,7 +1,5 @@
 """What holds while a process is started: it will see neither Ctrl-C nor the user's script."""
 
-from __future__ import annotations
-
 import signal
 import sys
 import threading

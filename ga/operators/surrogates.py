@@ -4,8 +4,6 @@ A quadratic finds the minimum of one valley in a few steps. A round bowl has so 
 that it averages out small valleys and finds the large one. Sections search gene by gene.
 """
 
-from __future__ import annotations
-
 from threading import Lock
 
 import numpy as np
