@@ -150,7 +150,6 @@ def _of_causality(system: System, causality: str) -> list[str]:
 
 
 def _summed(system: System, label: str, deviation: Deviation) -> Deviation:
-    """Return what is to be summed up, by the names of columns."""
     signal, reference = deviation.signal, deviation.reference
     signal = _scalar(system, label, signal)
     if isinstance(reference, str):

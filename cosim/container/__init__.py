@@ -146,7 +146,6 @@ def write_fmu(
 
 
 def _check(fmu: Fmu, label: str) -> None:
-    """Check that a container can run an FMU."""
     if fmu.description.standard == 1:
         what = "is of FMI 1.0; export the model again for FMI 2.0 or 3.0"
     elif fmu.structural:

@@ -138,7 +138,6 @@ class Fmu(Component):
         return f"Fmu({str(self.path)!r})"
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: inputs, outputs and parameters with units."""
         kinds = ("input", "output", "parameter", "structuralParameter")
         own = [v for v in self.variables.values() if v.causality in kinds]
         own.sort(key=lambda v: kinds.index(v.causality))

@@ -66,8 +66,6 @@ _LINES = 100  # of the log, for each answer
 
 
 class _Kept(logging.Handler):
-    """Keeps what is logged for the next reply."""
-
     def __init__(self) -> None:
         super().__init__()
         self._lines: list[tuple[int, str]] = []
@@ -169,7 +167,6 @@ def _take_pipes() -> tuple[int, int]:
 
 
 def _receive(requests: int, token: bytes) -> Any:
-    """Return the next request."""
     try:
         request = receive(requests, token)
     except OSError:  # an FMU has closed the pipe or read from it, or the parent is gone

@@ -333,14 +333,12 @@ class Process:
         self._folders.close()
 
     def _take(self, pipe: IO[bytes]) -> None:
-        """Take what FMUs print; keep the end of it."""
         with suppress(OSError, ValueError):
             while part := pipe.read(2**16):
                 self._tail = (self._tail + part)[-2000:]
 
 
 def _raise(reply: Reply) -> NoReturn:
-    """Raise the error that the child reported."""
     if "file" in reply:
         raise OSError(*reply["file"])
     kind = getattr(errors, reply["error"], None) or getattr(builtins, reply["error"], None)

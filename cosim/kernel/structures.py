@@ -66,7 +66,6 @@ _TYPES: dict[str, Any] = {
 
 
 def __getattr__(name: str) -> Any:
-    """Return the structure of this name, with the fields of the headers."""
     if name not in _BODIES:
         raise AttributeError(name)
     _TYPES[name] = globals()[name] = type(name, (Structure,), {"_fields_": _fields(name)})

@@ -27,14 +27,12 @@ class Exclusive:
         return not self._forked() or (self._outlives_fork and not self._lock.locked())
 
     def __enter__(self) -> None:
-        """Go in."""
         if not self._outlives_fork and self._forked():
             self._refuse()
         if not self._lock.acquire(blocking=False):
             self._refuse()
 
     def __exit__(self, *_: object) -> None:
-        """Go out."""
         self._lock.release()
 
     def _forked(self) -> bool:

@@ -185,7 +185,6 @@ class Instances:
         self.ready = False
 
     def _mark_fatal(self, name: str) -> None:
-        """Take note that an FMU answered fatal."""
         note_fatal(self._components[name].binary)
         self.drop_invalidated()
 

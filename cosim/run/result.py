@@ -116,7 +116,6 @@ class Result:
         return f"Result({len(self.time)} points: {signals})"
 
     def _repr_html_(self) -> str:
-        """Return the table that a notebook shows."""
         return _summary(self.time, self._all(), self.units, self.stopped)
 
     def _ipython_key_completions_(self) -> list[str]:
@@ -234,7 +233,6 @@ def _draw(
     units: Mapping[str, str | None],
     axes: Axes | Sequence[Axes] | None,
 ) -> list[Axes]:
-    """Draw signals over time, those of one unit in one panel; see ``Result.plot``."""
     panels: dict[str | None, list[str]] = {}
     for name in signals:
         panels.setdefault(units[name], []).append(name)

@@ -108,7 +108,6 @@ class Reuse:
         return self._system.components[name].binary not in resets.lines
 
     def _left_by(self, result: Result) -> set[_Trace]:
-        """Return the traces of the run that was done last."""
         how = "stopped" if result.stopped else "halted" if self._stepper.halted else "finished"
         left = _ENDED[how].copy()
         if self._stepper.changed:

@@ -294,7 +294,6 @@ class Stepper:
         return self._result(time, values, f"{name}: {reason} at t = {time_reached:.9g} s")
 
     def _new_texts(self) -> Texts:
-        """Return what reads the strings to record."""
         names: dict[str, list[str]] = {}
         for name in self.plan.layout.texts:
             names.setdefault(component_of(name), []).append(name)

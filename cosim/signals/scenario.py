@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
@@ -58,13 +57,6 @@ class Disturbance:
 Tables = Mapping[str, Disturbance]
 
 
-class Event(Protocol):
-    """One thing that happens to a signal."""
-
-    def apply(self, time: Array, table: Disturbance) -> None:
-        """Change a table in place where it happens."""
-
-
 @dataclass(frozen=True)
 class _Override(Span):
     name: str
@@ -109,6 +101,9 @@ class _Noise(Span):
         table.add[here] += noise[here]
         here = shifted(here)
         table.ends[here] += noise[here]
+
+
+Event = _Override | _Keep | _Noise
 
 
 @dataclass(frozen=True)

@@ -232,7 +232,6 @@ def _numbers(signal: object, *given: Any) -> Array:
 
 
 def _slack_of(t: Array) -> Array:
-    """Return how far from the times t (s) another may lie that is meant to be the same, in s."""
     steps = np.abs(np.diff(np.ravel(t)))
     near: Array = slack(t, float(steps.min()) if steps.size else 0.0)
     return near

@@ -102,7 +102,6 @@ def _bind(
     members: Members,
     file: str,
 ) -> None:
-    """Bind values to a component."""
     node = editor.graph.nodes[path_of(name)]
     if node.document is not editor.document:
         _bind_on_top(editor, system, {f"{name}.{v}": x for v, x in values.items()}, members)

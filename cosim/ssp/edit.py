@@ -163,7 +163,6 @@ class Editor:
     def _declare(
         self, end: End, kind: str = "", like: End | None = None, unit: Unit | None = None
     ) -> None:
-        """Make sure that an end has a connector."""
         path, name = end
         node = self.graph.nodes[path]
         if self.graph.connector(end):

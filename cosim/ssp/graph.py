@@ -203,7 +203,6 @@ class Graph:
         return child.path, name + at
 
     def _check_declared(self, end: End, element: Any) -> None:
-        """Check the declaration of a connector against the variable of the FMU."""
         variable, connector = self.variable(end), self.connector(end)
         if variable is None or connector is None:
             return
@@ -309,7 +308,6 @@ def expand(graph: Graph) -> None:
 
 
 def _shape_at(graph: Graph, edge: Edge) -> Shape:
-    """Return the dimensions of what a connection carries."""
     source, target = (_shape(graph, end, edge, ()) for end in (edge.source, edge.target))
     if source != target:
         raise SspError(

@@ -278,7 +278,6 @@ def _verify(members: Members, structure: str, system: System) -> None:
 
 
 def _meaning(system: System, parameters: Iterable[str]) -> dict[str, object]:
-    """Return what a package and a system must agree in."""
     scalings = {
         f"the scaling of {target}": system.scaling(source, target)
         for target, source in system.sources().items()

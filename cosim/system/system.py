@@ -97,7 +97,6 @@ class System:
         return block_diagram({name: part.label for name, part in self.components.items()}, wires)
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: the diagram, and tables of components and connections."""
         values = dict.fromkeys(self.components, "")
         for name in self.components:
             own = [key for key in self.parameters if component_of(key) == name]
@@ -374,7 +373,6 @@ class System:
 
 
 def _component(name: str, thing: Any, interface: Interface | None) -> Component:
-    """Return what ``System.add`` was given as a component."""
     if isinstance(thing, Fmu) and interface not in (None, thing.interface):
         thing = thing.path
     if isinstance(thing, str | os.PathLike):
