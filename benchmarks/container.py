@@ -12,7 +12,7 @@ from fmpy.model_description import CoSimulation, ModelDescription, ModelVariable
 
 from benchmarks.common import STOP, interleaved, specification
 from stickslip import cosim
-from stickslip.cosim.fmu.names import component_of
+from stickslip.cosim.component import component_of
 
 
 def write(system: cosim.System, path: Path, step: float, output: str) -> Path:

@@ -24,17 +24,22 @@ from stickslip.cosim.errors import (
 )
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.function import Function
-from stickslip.cosim.run.real_time import RealTimePacing
+from stickslip.cosim.run.guards import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Signal, SineSweep, Table, Trapezoid
 from stickslip.cosim.signals.tables import read_tables, signals_of
 from stickslip.cosim.ssp import read_ssp, variants, write_ssp
-from stickslip.cosim.system.coupling import Adaptive, Coupling
-from stickslip.cosim.system.isolation import Isolated, Isolation
-from stickslip.cosim.system.record import Deviation, Record
 from stickslip.cosim.system.scaling import Link, Scaling, ValueMap
+from stickslip.cosim.system.settings import (
+    Adaptive,
+    Coupling,
+    Deviation,
+    Isolated,
+    Isolation,
+    Record,
+)
 from stickslip.cosim.system.system import Specification, System
 from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.description.units import Unit

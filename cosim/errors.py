@@ -1,17 +1,4 @@
-"""What can go wrong, as a tree.
-
-CosimError(Fault)
-    FmuError(ValueError)           the file is not an FMU that can be run here
-    ConnectionFault(ValueError)    a component, connection or exposed input cannot be
-    ParameterError(ValueError)     no such start value, or not this value
-    SignalError(ValueError)        an input signal or a table of it is unusable
-    ExperimentError(ValueError)    times that make no run
-    LinearisationError(ValueError) an FMU or system has no states, or not those asked for
-    SspError(ValueError)           the file is not a readable system structure package
-    SimulationError(RuntimeError)  an FMU failed during a run
-        FmuCrashed                 it ended its process, or had to be ended with it
-    SharedSimulation(RuntimeError) two threads, or a forked process, use one simulation
-"""
+"""What can go wrong."""
 
 from stickslip.fmi.errors import Fault
 

@@ -12,10 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.cosim.component import Component
+from stickslip.cosim.component import Component, check_name
 from stickslip.cosim.errors import ConnectionFault
 from stickslip.cosim.fmu.library import Library
-from stickslip.cosim.fmu.names import check_name
 from stickslip.cosim.signals.signals import Array
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable
@@ -67,8 +66,7 @@ class Function(Component):
 
     Raises
     ------
-    ConnectionFault
-        When a name occurs twice or cannot be used, or there is no output.
+    ConnectionFault : when a name occurs twice or cannot be used, or there is no output
     """
 
     serializes = restores_state = varies_step = True
@@ -119,13 +117,7 @@ class Function(Component):
         return FunctionLibrary(self)
 
     def evaluate(self, t: float, h: float, x: Array, u: Mapping[str, float]) -> tuple[Array, Array]:
-        """Return the state and the outputs (n,) at the end t [s] of a step of h [s].
-
-        Raises
-        ------
-        ValueError
-            When the function returns something else than its state and outputs.
-        """
+        """Return state and outputs (n,) at the end t of a step of h [s], or raise ValueError."""
         if self.state is None:
             new, y = x, self.step(t, u)
         else:
@@ -145,10 +137,6 @@ class FunctionLibrary(Library):
 
     All of an instance is one array: state, inputs, outputs, the start time, and 1 until the first
     step is done.
-
-    Attributes
-    ----------
-    fault : what the function raised last
     """
 
     def __init__(self, component: Function) -> None:

@@ -9,26 +9,14 @@ The core works on plain arrays; only `SimulatedCost` runs FMUs, and importing it
 
 ``default`` is for costs of one or many valleys, with noise or failures; ``paper`` is the algorithm
 as published.
-
-    GaError(Fault)
-        SettingsError(ValueError)      a gene, a setting or a repair makes no sense
-        CostError(ValueError)          costs do not fit the candidates asked
-        StateError(ValueError)         a checkpoint of another problem, or none at all
-        CallOrderError(RuntimeError)   ask and tell out of turn
-        CandidateFailed                a candidate cannot be evaluated; raised by the cost
-        NothingLearned                 every candidate of the first generation failed
-        WorkersLost(RuntimeError)      a Dask cluster is gone, or has no workers
-    Interrupted(KeyboardInterrupt)     Ctrl-C; says what is kept and how to go on
 """
 
 from typing import TYPE_CHECKING
 
 from stickslip.ga.algorithms.by_name import ALGORITHMS, OTHERS, optimiser
-from stickslip.ga.algorithms.generation import Candidate
 from stickslip.ga.algorithms.genetic import GeneticAlgorithm
-from stickslip.ga.algorithms.limits import Limits
-from stickslip.ga.algorithms.optimiser import Optimiser
-from stickslip.ga.algorithms.settings import DEFAULT, PAPER, PRESETS, Settings
+from stickslip.ga.algorithms.optimiser import Candidate, Optimiser
+from stickslip.ga.algorithms.settings import DEFAULT, PAPER, PRESETS, Limits, Settings
 from stickslip.ga.errors import (
     CallOrderError,
     CandidateFailed,
@@ -42,7 +30,7 @@ from stickslip.ga.errors import (
 )
 from stickslip.ga.execution.executors import executor
 from stickslip.ga.execution.learning import SearchResult, learn
-from stickslip.ga.operators.crossover import crossover_probability, fitness
+from stickslip.ga.operators.breeding import crossover_probability, fitness
 from stickslip.ga.problem.problem import AtLeast, Gene, Problem
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Errors of the learning; the tree is drawn in ``ga/__init__.py``."""
+"""Errors of the learning."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip.cosim import Table
-from stickslip.cosim.ssp.package import Package
+from stickslip.cosim.ssp.structure import Package
 from stickslip.fmi.files import atomic_write
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import differential_evolution
 
 from stickslip import ga
-from stickslip.ga.problem.encoding import Encoding
+from stickslip.ga.problem.problem import Encoding
 
 Cost = Callable[[np.ndarray], float]
 Racer = Callable[[Cost, ga.Problem, int, int], None]

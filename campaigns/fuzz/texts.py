@@ -13,8 +13,8 @@ from campaigns.fuzz.mutation import by_tokens
 from campaigns.fuzz.parser import Parser, text
 from stickslip import cosim, ga, models
 from stickslip.cosim.ssp.markup import violation
-from stickslip.cosim.ssp.package import Package
 from stickslip.cosim.ssp.read import read_package
+from stickslip.cosim.ssp.structure import Package
 from stickslip.errors import StickslipError, UsageError
 from stickslip.ga.execution import checkpoint
 from stickslip.learned.file import LearnedFile

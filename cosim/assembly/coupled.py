@@ -13,9 +13,9 @@ from numpy.ctypeslib import as_array
 from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.assembly.wiring import connected_inputs
+from stickslip.cosim.component import component_of
 from stickslip.cosim.errors import ConnectionFault, ExperimentError
 from stickslip.cosim.fmu.library import Library
-from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.kernel import structures as tables
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.loops import Group
@@ -28,11 +28,8 @@ _COUNTS = ("n_past", "steps", "sweeps", "rejected", "inner")
 class Coupled:
     """What a run needs to agree before the first step and, where it is not plain, in each.
 
-    Components in ``averages`` are given the mean of inputs, whatever they declare.
-
-    Attributes
-    ----------
-    accuracy : the declared order, with what these FMUs can do
+    Components in ``averages`` are given the mean of inputs, whatever they declare. ``accuracy`` is
+    the declared order, with what these FMUs can do.
     """
 
     def __init__(
@@ -95,10 +92,7 @@ class Coupled:
         run.coupling = ctypes.pointer(self._table)
 
     def follow(self, ends: Array | None) -> None:
-        """Let the next run have the exposed inputs, (n, number of inputs), at the ends of steps.
-
-        None stands for a run by steps, in which they hold.
-        """
+        """Let the next run have exposed inputs (n, number) at the ends of steps; by steps None."""
         if hasattr(self, "_table"):
             self._ends = ends
             self._table.ends = None if ends is None else tables.doubles(ends)
@@ -282,7 +276,8 @@ class Coupled:
             references = list(slot.input_references[:n]) * degree
             orders = [order for order in range(1, degree + 1) for _ in range(n)]
             member.interpolates = True
-            member.set_derivatives = member.set_derivatives or library.derivatives_call()
+            set_derivatives = "fmi2SetRealInputDerivatives"
+            member.set_derivatives = member.set_derivatives or library.address(set_derivatives)
             member.derivative_references = (ctypes.c_uint32 * len(references))(*references)
             member.derivative_orders = (ctypes.c_int32 * len(orders))(*orders)
             member.derivatives = (ctypes.c_double * len(orders))()

@@ -13,13 +13,13 @@ from numpy.ctypeslib import as_array
 from numpy.typing import NDArray
 
 from stickslip.cosim.errors import FmuError
-from stickslip.cosim.fmu.batch import Batch, batches
 from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.fmu.instance import Batch, batches
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.kernel.structures import doubles
 from stickslip.cosim.signals.signals import Table
-from stickslip.cosim.system.coupling import Adaptive
+from stickslip.cosim.system.settings import Adaptive
 from stickslip.fmi.description.variables import Value, Variable
 
 # What it keeps of time, and of each clock, that does not follow from anything else.
@@ -43,14 +43,9 @@ def needs_general_path(fmu: Fmu, signals: Iterable[Variable]) -> bool:
 class GeneralComponent:
     """Room for one component on the general path.
 
-    Parameters
-    ----------
-    outputs : variables or elements in the order of the component's columns
-    inputs : those that are connected, in the order in which the kernel sets them
-    ahead : for each input, whether the kernel gives its value at the end of the step
-    arrays : name -> variable, of the arrays whose elements are among these
-    tolerance : relative, of Model Exchange; that which the FMU proposes where None
-    retries_steps : whether a step that is discarded is taken back and tried in parts
+    ``outputs`` are in the order of the columns, ``inputs`` in the one in which the kernel sets
+    them; ``ahead`` says for each input whether its value at the end of the step is given.
+    ``arrays`` are those whose elements are among them.
     """
 
     def __init__(
@@ -120,22 +115,14 @@ class GeneralComponent:
         return save, restore, free
 
     def follow_polynomials(self, fresh: Sequence[bool], degree: int) -> int:
-        """Let inputs of Model Exchange follow those of a coupling; return what sets derivatives.
-
-        Parameters
-        ----------
-        fresh : for each input, whether the coupling knows its value at the end of the step
-        """
+        """Let inputs follow those of a coupling; return the call that sets derivatives."""
         for i, known in enumerate(fresh):
             self.c.input_ports[i].ahead = known
         self.c.follows = degree > 0
         return _address(self._kernel.general_SetRealInputDerivatives)
 
     def tighten(self, n_steps: int, adaptive: Adaptive | None) -> None:
-        """Let the solver's error stay below that of the coupling.
-
-        The solver restarts in each communication step, and the errors of all of them add up.
-        """
+        """Keep the solver's error, which adds up over the steps, below that of the coupling."""
         share, finest = (1e-5 * adaptive.tolerance, 1e-12) if adaptive else (0.1 / n_steps, 1e-10)
         usual = self.c.tolerance
         self.c.tolerance = min(usual, max(finest, share if adaptive else share * usual))
@@ -183,10 +170,7 @@ class GeneralComponent:
         return memory
 
     def recall(self, memory: Mapping[str, NDArray[Any]]) -> int:
-        """Go on with what ``memory`` returned, once the FMU is in its state; return an FMI status.
-
-        The solver of Model Exchange is initialised again.
-        """
+        """Go on with a ``memory`` once the FMU has its state, the solver anew; return a status."""
         for name, place in self._places().items():
             if memory[name].shape != place.shape:
                 raise ValueError(f"{memory[name].shape} {name}, expected {place.shape}")

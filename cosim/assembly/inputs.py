@@ -1,37 +1,34 @@
-"""The exposed inputs of a system: at the points in time of a run, and where they jump between."""
+"""Exposed inputs over a run, and what a scenario does to signals and tunable parameters."""
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from stickslip.cosim.errors import SignalError
-from stickslip.cosim.fmu.names import component_of, variable_of
-from stickslip.cosim.fmu.values import integer_range
+from stickslip.cosim.assembly.general_path import GeneralComponent
+from stickslip.cosim.assembly.plan import Layout
+from stickslip.cosim.component import component_of, converted, integer_range, variable_of
+from stickslip.cosim.errors import ParameterError, SignalError
+from stickslip.cosim.fmu.instance import Batch
+from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.kernel import structures
-from stickslip.cosim.signals.signals import Array, Input, Table, ends_of, sampled, shifted
-from stickslip.cosim.signals.span import slack
-from stickslip.cosim.system.scaling import IDENTITY
+from stickslip.cosim.signals.scenario import Disturbance, Tables
+from stickslip.cosim.signals.signals import Array, Input, Table, ends_of, sampled, shifted, slack
+from stickslip.cosim.system.scaling import IDENTITY, Scaling
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import suggestion
 
-WHOLE = {"Boolean", "integer", "enumeration"}
-"""Families of types that take whole numbers."""
+WHOLE = {"Boolean", "integer", "enumeration"}  # families of types that take whole numbers
 
 
 def sample_inputs(
     system: System, starts: Mapping[str, Value], inputs: Mapping[str, Input], time: Array
 ) -> Array:
-    """Return the exposed inputs over time, (n, number of exposed inputs).
-
-    Raises
-    ------
-    SignalError
-        When there is no such input, or it cannot have such values.
-    """
+    """Return the exposed inputs over time, (n, number of exposed inputs)."""
     table = np.empty((len(time), len(system.inputs)))
     for i, (name, targets) in enumerate(system.inputs.items()):
         if name not in inputs:
@@ -42,10 +39,7 @@ def sample_inputs(
 
 
 def put_inputs(system: System, inputs: Mapping[str, Input], time: Array, table: Array) -> None:
-    """Put inputs over time into the columns of a table that they have there.
-
-    The arguments are those of ``sample_inputs``, and so are the errors.
-    """
+    """Put inputs over time into the columns of a table that ``sample_inputs`` returned."""
     places = {name: i for i, name in enumerate(system.inputs)}
     for name, signal in inputs.items():
         if name not in places:
@@ -63,11 +57,7 @@ def put_inputs(system: System, inputs: Mapping[str, Input], time: Array, table: 
 
 
 def sample_ends(system: System, inputs: Mapping[str, Input], time: Array, external: Array) -> Array:
-    """Return the exposed inputs at the end of the step before each point in time.
-
-    They differ from those at the points, ``external``, where an input jumps: what is discrete or
-    held has the value of the point before.
-    """
+    """Return the inputs at the end of the step before each point; other ones where they jump."""
     ends = external.copy()
     for i, (name, targets) in enumerate(system.inputs.items()):
         if system.variable(targets[0]).is_discrete:
@@ -99,18 +89,10 @@ def _start(system: System, starts: Mapping[str, Value], target: str) -> float:
 
 
 class InputEvents:
-    """What a run does between its points in time; must exist as long as the run.
+    """Times (n,) in s between the points, their steps, and inputs (n, number) from then on.
 
-    Parameters
-    ----------
-    inputs, tables : of the exposed inputs, all and those that are tables
-    time, external : the points in time (s), and the inputs there
-
-    Attributes
-    ----------
-    times : (n,) s
-    steps : (n,) the step in which each lies
-    values : (n, number of exposed inputs), from then on
+    Must exist as long as the run. ``tables`` are those of the ``inputs`` that are tables,
+    ``external`` the inputs at the points in time.
     """
 
     def __init__(
@@ -143,21 +125,13 @@ class InputEvents:
 
 
 def joined(time: Array, ends: Array, values: Array) -> Table:
-    """Return straight lines between the points in time, each from a value to the end of its step.
-
-    Parameters
-    ----------
-    time, ends, values : (n,) the points, the ends of the steps before each, the values there
-    """
+    """Return straight lines between points in time, each from a value to the end of its step."""
     jumps = np.flatnonzero(ends != values)
     return Table(np.insert(time, jumps, time[jumps]), np.insert(values, jumps, ends[jumps]))
 
 
 def courses(system: System, component: str, tables: Mapping[str, Table]) -> dict[str, Table]:
-    """Return the tables that inputs of a component follow, by input and in its unit.
-
-    Clocks follow none: they tick at the points in time at which their input is not 0.
-    """
+    """Return the tables that inputs, but for clocks, of a component follow, in their units."""
     found = {}
     for name, table in tables.items():
         for target in system.inputs[name]:
@@ -180,3 +154,147 @@ def _between(
     apart = np.minimum(times - points[steps], points[steps + 1] - times) > near
     apart &= np.append(times[1:], np.inf) - times > near  # of several at one time the last
     return times[apart], steps[apart]
+
+
+def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Tables]:
+    """Return what happens to signals, an input standing for its only source, and to parameters."""
+    sources = system.sources() if tables.keys() - layout.columns.keys() else {}
+    signals: dict[str, Disturbance] = {}
+    for name, table in tables.items():
+        if name in sources or name in layout.columns:
+            source = sources.get(name, name)
+            if source in signals:
+                raise SignalError(
+                    f"scenario: {name} is {source}, which occurs already; name it once"
+                )
+            signals[source] = table if source == name else _at_source(name, table, sources, system)
+    others = {name: t for name, t in tables.items() if name not in (layout.columns | sources)}
+    for name in others:
+        try:
+            variable = system.variable(name, SignalError)
+        except SignalError:
+            variable = None
+        if variable is None or variable.causality != "parameter":
+            raise SignalError(
+                f"scenario: {name!r} is not a signal of the run that is read or recorded, nor a"
+                f" parameter{suggestion(name, layout.columns)}"
+            )
+        if variable.variability != "tunable" or not variable.is_signal or variable.array:
+            kind = "array" if variable.array or variable.dimensions else variable.type
+            raise SignalError(
+                f"scenario: {name} is a {variable.variability} parameter ({kind}); only tunable"
+                " ones that are a number or Boolean change during a run; set it before"
+            )
+    return signals, others
+
+
+def _at_source(
+    name: str, table: Disturbance, sources: Mapping[str, str], system: System
+) -> Disturbance:
+    """Return what happens to an input as if it happened to its source."""
+    source = sources[name]
+    if receivers := [target for target in sources if sources[target] == source and target != name]:
+        raise SignalError(
+            f"scenario: {name} is connected to {source}, which is also connected to "
+            f"{', '.join(receivers)} and is disturbed as a whole: name {source}"
+        )
+    line = system.scaling(source, name)
+    if not isinstance(line, Scaling) or line.factor == 0:
+        raise SignalError(f"scenario: the values of {name} are mapped; name {source}")
+    return table.in_unit(line.factor, line.offset)
+
+
+def tune(
+    tables: Tables,
+    values: Mapping[str, Value],
+    system: System,
+    libraries: Mapping[str, Library],
+    general_components: Mapping[str, GeneralComponent],
+    order: Sequence[str],
+) -> list[tuple[int, structures.Change, Any]]:
+    """Return the changes of parameters in the order of time: step, change and what it points to."""
+    changes = []
+    for name, table in tables.items():
+        variable = system.variable(name)
+        start = values.get(name, variable.start)
+        if not isinstance(start, int | float):
+            raise SignalError(f"scenario: {name} has no start value; set one")
+        series = table.at_points(np.full(len(table.keep), float(start)))
+        before = np.append(float(start), series[:-1])
+        component = component_of(name)
+        for step in np.flatnonzero(series != before):
+            value = float(series[step])
+            try:
+                whole = int(value) if value.is_integer() else value
+                checked = converted(variable, whole, name)
+            except ParameterError as fault:
+                raise SignalError(f"scenario: {fault}") from None
+            batch = Batch(libraries[component], [variable], "Set")
+            batch.put(variable, checked)
+            setting, kept = _setting(batch, general_components.get(component))
+            change = structures.Change(int(step), order.index(component), setting)
+            changes.append((int(step), change, (batch, kept)))
+    return sorted(changes, key=lambda change: change[0])
+
+
+def _setting(batch: Batch, general: GeneralComponent | None) -> tuple[structures.Setting, Any]:
+    """Return what the kernel calls, and what it points to beside the batch."""
+    address, values = batch.address, batch.values
+    if general:
+        address, values = general.tune_call(), ctypes.pointer(batch.group())
+    setting = structures.Setting(
+        set=address,
+        call=batch.call.encode(),
+        n=len(batch.references),
+        references=batch.references,
+        values=ctypes.cast(values, ctypes.c_void_p),
+    )
+    return setting, values
+
+
+def disturb(
+    tables: Tables,
+    layout: Layout,
+    run: structures.Run,
+    slots: Mapping[str, structures.Component],
+    external: Array,
+    ends: Array,
+) -> None:
+    """Prepare a run, changing inputs (n, number) at the points and at the ends before each."""
+    inputs = list(layout.columns)[: external.shape[1]]
+    for column, name in enumerate(inputs):
+        if name in tables:
+            ends[:, column] = tables[name].at_ends(ends[:, column], external[:, column])
+            external[:, column] = tables[name].at_points(external[:, column])
+    run.disturbed = len(tables.keys() - inputs)
+    for component, slot in slots.items():
+        mine = [name for name in layout.outputs[component] if name in tables]
+        slot.n_disturbances = len(mine)
+        slot.disturbances = (structures.Disturbance * len(mine))(
+            *(_entry(layout.columns[name], tables[name]) for name in mine)
+        )
+
+
+def _entry(column: int, table: Disturbance) -> structures.Disturbance:
+    return structures.Disturbance(
+        column, *map(structures.doubles, (table.keep, table.add, table.ends))
+    )
+
+
+def held_values(slots: Mapping[str, structures.Component], row: Array, done: int) -> Array:
+    """Return the value that each signal keeps if it sticks after the step ``done``, (width,)."""
+    values = row.copy()
+    for entry in _entries(slots):
+        if np.isnan(entry.keep[done]):
+            values[entry.column] = entry.held
+    return values
+
+
+def hold_values(slots: Mapping[str, structures.Component], values: Array) -> None:
+    """Let signals that stick keep the values (width,) that ``held_values`` returned."""
+    for entry in _entries(slots):
+        entry.held = values[entry.column]
+
+
+def _entries(slots: Mapping[str, structures.Component]) -> list[structures.Disturbance]:
+    return [slot.disturbances[i] for slot in slots.values() for i in range(slot.n_disturbances)]

@@ -1,25 +1,191 @@
-"""What follows from the settings of a simulation alone: order, layout and points in time."""
+"""What follows from the settings of a simulation alone: layout of a row, order, points in time."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from functools import cached_property
 from numbers import Real
 
 import numpy as np
 
-from stickslip.cosim.assembly.layout import Layout
-from stickslip.cosim.errors import ExperimentError, ParameterError
-from stickslip.cosim.fmu.values import converted
-from stickslip.cosim.signals.signals import Array
-from stickslip.cosim.signals.span import slack
-from stickslip.cosim.system.coupling import Coupling
+from stickslip.cosim.component import component_of, converted
+from stickslip.cosim.errors import ConnectionFault, ExperimentError, ParameterError
+from stickslip.cosim.signals.signals import Array, slack
 from stickslip.cosim.system.loops import group
-from stickslip.cosim.system.record import Record
-from stickslip.cosim.system.system import Specification
+from stickslip.cosim.system.settings import Coupling, Deviation, Record
+from stickslip.cosim.system.system import Specification, System
 from stickslip.fmi.description.variables import Value, Variable
+from stickslip.fmi.messages import suggestion
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Columns of a row: exposed inputs, then per component its linked and its other outputs.
+
+    Where the rows are the record, components come in the order of the system, else in one that
+    costs least.
+
+    Attributes
+    ----------
+    columns : name -> column
+    outputs : component -> names of its columns, those that other components read first
+    linked : component -> how many of its outputs other components read
+    recorded : the names to keep: exposed inputs, then by component in the order of the system
+    summed : label -> deviation whose squares are summed up
+    whole : whether the rows are the record, all signals of all points in time
+    texts : the variables of type String to keep, which have no column
+    """
+
+    columns: dict[str, int]
+    outputs: dict[str, list[str]]
+    linked: dict[str, int]
+    recorded: list[str]
+    summed: dict[str, Deviation]
+    whole: bool
+    texts: list[str]
+
+    def kept_per_point(self, record: Record) -> float:
+        """Return how many numbers of a point in time are kept."""
+        if record.keep == "last":
+            return 0
+        return len(self.columns) if self.whole else len(self.recorded) / record.every
+
+    @classmethod
+    def of(cls, system: System, record: Record, turn: Iterable[str] | None = None) -> Layout:
+        """Lay out a system; ``turn`` is the order of the steps where each sees those before it."""
+        texts = _texts(system, record.wanted)
+        kept = _select(system, record.wanted, texts)
+        summed = {
+            label: _summed(system, label, deviation)
+            for label, deviation in record.deviations.items()
+        }
+        outputs: dict[str, list[str]] = {component: [] for component in system.components}
+        for source in dict.fromkeys(system.connections.values()):
+            outputs[component_of(source)].append(source)
+        linked = {component: len(names) for component, names in outputs.items()}
+        read = set(system.connections.values())
+        for name in dict.fromkeys([*kept, *(name for d in summed.values() for name in d.names)]):
+            if name not in system.inputs and name not in read:
+                outputs[component_of(name)].append(name)
+        usual = _columns(system, outputs, outputs)
+        recorded = sorted(kept, key=usual.__getitem__)
+        whole = len(recorded) == len(usual) and record.every == 1 and record.keep == "all"
+        columns = usual if whole else _columns(system, outputs, turn or _neighbours(system))
+        return cls(columns, outputs, linked, recorded, summed, whole, texts)
+
+
+def _columns(system: System, outputs: dict[str, list[str]], order: Iterable[str]) -> dict[str, int]:
+    names = [*system.inputs, *(name for component in order for name in outputs[component])]
+    return {name: column for column, name in enumerate(names)}
+
+
+def _neighbours(system: System) -> list[str]:
+    """Return the components so that sources of one are neighbours, which needs no gathering.
+
+    The sources of a component that steps in its turn are of two rows: those that step before it are
+    side by side in the order of the steps, and the last column of a row is beside the first of the
+    next.
+    """
+    sources: dict[str, list[str]] = {component: [] for component in system.components}
+    for target, source in system.connections.items():
+        sources[component_of(target)].append(component_of(source))
+    several = (found for found in sources.values() if len(set(found)) > 1)
+    first = [component for found in several for component in found]
+    return list(dict.fromkeys([*first, *system.components]))
+
+
+def _texts(system: System, record: Iterable[str] | None) -> list[str]:
+    """Return the outputs of type String that fit, and the variables of that type that are named."""
+    every = {
+        f"{component}.{v.name}": v
+        for component, fmu in system.components.items()
+        for v in fmu.variables.values()
+        if v.type == "String" and not v.dimensions
+    }
+    usual = [name for name, v in every.items() if v.causality == "output"]
+    if record is None:
+        return usual
+    kept: dict[str, None] = {}
+    for wanted in record:
+        found = [name for name in usual if fnmatchcase(name, wanted)]
+        kept |= dict.fromkeys([wanted] if wanted in every else found)
+    return list(kept)
+
+
+def _select(system: System, record: Iterable[str] | None, texts: Iterable[str]) -> list[str]:
+    shown = _of_causality(system, "output") or [
+        name
+        for name in _of_causality(system, "local")
+        if system.variable(name).variability not in {"constant", "fixed"}
+    ]
+    usual = [*system.inputs, *shown]
+    if record is None:
+        return usual
+    kept: dict[str, None] = {}
+    for wanted in record:
+        found = [name for name in usual if name == wanted or fnmatchcase(name, wanted)]
+        if not found and any(fnmatchcase(name, wanted) for name in texts):
+            continue
+        if not found and any(mark in wanted for mark in "*?"):
+            raise ConnectionFault(
+                f"cannot record {wanted!r}: no output fits{suggestion(wanted, usual)}"
+            )
+        kept |= dict.fromkeys(found or _recordable(system, wanted))
+    return list(kept)
+
+
+def _of_causality(system: System, causality: str) -> list[str]:
+    return [
+        f"{component}.{element.name}"
+        for component, fmu in system.components.items()
+        for v in fmu.variables.values()
+        if v.causality == causality
+        for element in system.variable(f"{component}.{v.name}").elements()
+        if element.is_signal
+    ]
+
+
+def _summed(system: System, label: str, deviation: Deviation) -> Deviation:
+    signal, reference = deviation.signal, deviation.reference
+    signal = _scalar(system, label, signal)
+    if isinstance(reference, str):
+        reference = _scalar(system, label, reference)
+        here, there = system.unit_of(signal), system.unit_of(reference)
+        if here and there and not here.same_as(there):
+            raise ConnectionFault(
+                f"cannot sum up {label!r}: {signal} is in {here.name!r}, {reference} in"
+                f" {there.name!r}"
+            )
+    elif not math.isfinite(reference):
+        raise ConnectionFault(f"cannot sum up {label!r}: the reference {reference} is not finite")
+    return replace(deviation, signal=signal, reference=reference)
+
+
+def _scalar(system: System, label: str, name: str) -> str:
+    found = [name] if name in system.inputs else _recordable(system, name)
+    if len(found) > 1:
+        raise ConnectionFault(
+            f"cannot sum up {label!r}: {name} is an array; name one of its elements: {found[0]}"
+        )
+    return found[0]
+
+
+def _recordable(system: System, name: str) -> list[str]:
+    try:
+        variable = system.variable(name)
+    except ConnectionFault as fault:
+        raise ConnectionFault(f"cannot record {name}: {fault}") from None
+    elements = [element for element in variable.elements() if element.is_signal]
+    if not elements:
+        raise ConnectionFault(
+            f"cannot record {name}: it is {variable.type}, expected a number, Boolean or String"
+        )
+    return [f"{component_of(name)}.{element.name}" for element in elements]
+
 
 MAX_STEPS = 10**10
 _SHARE = 0.8  # of a machine's memory that a run may take
@@ -29,21 +195,16 @@ _NUMBER = 8  # bytes
 class Plan:
     """A specification that was checked, and what it means.
 
-    Attributes
-    ----------
-    spec : Specification
-    n_steps : from start to stop
-    coupling : Coupling
-    groups : components that are iterated together, in the order in which they step
-    order : names of the components as they step
-    record : Record
-    layout : of a row of the kernel
+    The kernel steps ``order``, the components of ``groups``, each of which is iterated together.
     """
 
     def __init__(self, spec: Specification) -> None:
         self.spec, system = spec, spec.system
         self.n_steps = count_steps(spec.start, spec.stop, spec.step)
-        check_tolerance(spec.tolerance)
+        if spec.tolerance is not None and not 0 < spec.tolerance < 1:
+            raise ExperimentError(
+                f"tolerance is {spec.tolerance}, expected a number between 0 and 1"
+            )
         self.coupling = Coupling.of(spec.coupling)
         self.groups = group(system, self.coupling)
         self.order = [name for members in self.groups for name in members.components]
@@ -71,24 +232,12 @@ class Plan:
         return 1 if self.record.keep == "last" else self.n_steps // self.record.every + 2
 
     def check_memory(self, per_point: float = 0) -> None:
-        """Check that there is room for a run, with so many numbers more at each point in time.
-
-        Raises
-        ------
-        ExperimentError
-            When there is not.
-        """
+        """Check that there is room for a run, with so many numbers more at each point in time."""
         per_point += 1 + len(self.spec.system.inputs) + self._kept
         check_memory(self.n_steps + 1, per_point)
 
     def step_at(self, until: float | None) -> int:
-        """Return the number of the step that ends at a time (s), by default of the last.
-
-        Raises
-        ------
-        ExperimentError
-            When none does.
-        """
+        """Return the number of the step that ends at a time (s), by default of the last."""
         if until is None:
             return self.n_steps
         steps = (until - self.spec.start) / self.spec.step
@@ -99,13 +248,7 @@ class Plan:
         return n
 
     def start_values(self, parameters: Mapping[str, object]) -> dict[str, Value]:
-        """Return the start values of a run, with those that it sets itself.
-
-        Raises
-        ------
-        ParameterError
-            When there is no such variable, or it cannot have that value.
-        """
+        """Return the start values of a run, with those that it sets itself."""
         system = self.spec.system
         values = dict(system.parameters)
         for name, value in parameters.items():
@@ -153,13 +296,7 @@ def count_steps(start: float, stop: float, step: float) -> int:
 
 
 def check_memory(points: int, columns: float) -> None:
-    """Check that a machine has room for what a run keeps.
-
-    Parameters
-    ----------
-    points : in time
-    columns : numbers that are kept of each
-    """
+    """Check that a machine has room for so many numbers of each point in time."""
     try:
         present = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, ValueError):  # not on Windows
@@ -171,9 +308,3 @@ def check_memory(points: int, columns: float) -> None:
             f" GB, where the machine has {present / 1e9:.3g} GB; record less, fewer points or a"
             " shorter time"
         )
-
-
-def check_tolerance(tolerance: float | None) -> None:
-    """Check a relative tolerance of solvers."""
-    if tolerance is not None and not 0 < tolerance < 1:
-        raise ExperimentError(f"tolerance is {tolerance}, expected a number between 0 and 1")

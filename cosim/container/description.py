@@ -1,20 +1,138 @@
-"""modelDescription.xml and documentation of a container.
+"""What a container shows of its system, and its modelDescription.xml and documentation.
 
 Source: FMI 2.0.4 section 2.2, FMI 3.0.2 section 2.4.
 """
 
-from __future__ import annotations
-
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import Literal
 from xml.etree import ElementTree as ET
 
-from stickslip.cosim.container.variables import ContainerVariable
+from stickslip.cosim.errors import ConnectionFault, CosimError, ParameterError
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.model import DefaultExperiment
-from stickslip.fmi.description.units import BASE_UNITS
+from stickslip.fmi.description.units import BASE_UNITS, Unit
+from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.description.writing import child, document
-from stickslip.fmi.messages import escaped
+from stickslip.fmi.messages import escaped, suggestion
+
+Role = Literal["TIME", "INPUT", "OUTPUT", "PARAMETER", "TUNABLE"]
+
+# FMI 2.0 has one integer for both of these; the 64-bit enumerations of FMI 3.0 are left out.
+TYPES = {
+    "Real": "REAL",
+    "Float64": "REAL",
+    "Integer": "INTEGER",
+    "Int32": "INTEGER",
+    "Boolean": "BOOLEAN",
+}
+
+
+# What passes through the kernel as a number, and has a value in both standards.
+_SIGNALS = TYPES | dict.fromkeys(("Int8", "UInt8", "Int16", "UInt16", "Enumeration"), "INTEGER")
+_SIGNALS["Float32"] = "REAL"
+
+
+@dataclass(frozen=True)
+class ContainerVariable:
+    """A variable whose value reference is its place; ``source`` is what it stands for."""
+
+    name: str
+    role: Role
+    type: str
+    source: str = ""
+    unit: Unit | None = None
+    start: Value | None = None
+    minimum: float | None = None
+    maximum: float | None = None
+    nominal: float | None = None
+    description: str = ""
+
+
+def shown_variables(
+    system: System, outputs: Sequence[str] | None, parameters: Sequence[str] | None
+) -> list[ContainerVariable]:
+    """Return what a container shows, time first: what the names or patterns say, or all."""
+    second = Unit("s", (0, 0, 1, 0, 0, 0, 0, 0))
+    time = ContainerVariable("time", "TIME", "REAL", unit=second, description="Simulation time")
+    inputs = [_input(system, name) for name in system.inputs]
+    return [time, *inputs, *_outputs(system, outputs), *_parameters(system, parameters)]
+
+
+def _input(system: System, name: str) -> ContainerVariable:
+    target = system.inputs[name][0]
+    variable = system.variable(target)
+    start = system.parameters.get(target, variable.start)
+    unit, start = system.unit_of(name), 0.0 if start is None else start
+    described = variable.description
+    if variable.type not in _SIGNALS:
+        raise ConnectionFault(
+            f"input {name} is a {variable.type}, which a container does not show; leave it out"
+        )
+    return ContainerVariable(
+        name, "INPUT", _SIGNALS[variable.type], name, unit, start, description=described
+    )
+
+
+def _outputs(system: System, patterns: Sequence[str] | None) -> list[ContainerVariable]:
+    every = _variables(
+        system, lambda v: v.causality == "output" and v.type in _SIGNALS and not v.dimensions
+    )
+    if hidden := [name for name, source in system.outputs.items() if source not in every]:
+        raise ConnectionFault(
+            f"output {hidden[0]} is an array or of a type that a container does not show"
+        )
+    names = dict(system.outputs) if patterns is None else {}
+    if not names:
+        names = {name: name for name in _matching(every, patterns, ConnectionFault)}
+    return [_shown(system, name, "OUTPUT", every[source], source) for name, source in names.items()]
+
+
+def _parameters(system: System, patterns: Sequence[str] | None) -> list[ContainerVariable]:
+    def is_settable(v: Variable) -> bool:
+        scalar = v.type in TYPES and not v.dimensions and v.start is not None
+        return v.causality == "parameter" and scalar
+
+    every = _variables(system, is_settable)
+    chosen = {name: every[name] for name in _matching(every, patterns, ParameterError)}
+    return [
+        _shown(system, name, "TUNABLE" if v.variability == "tunable" else "PARAMETER", v, name)
+        for name, v in chosen.items()
+    ]
+
+
+def _variables(system: System, wanted: Callable[[Variable], bool]) -> dict[str, Variable]:
+    return {
+        f"{component}.{variable.name}": variable
+        for component, fmu in system.components.items()
+        for variable in fmu.variables.values()
+        if wanted(variable)
+    }
+
+
+def _shown(system: System, name: str, role: Role, v: Variable, source: str) -> ContainerVariable:
+    start = None if role == "OUTPUT" else system.parameters.get(source, v.start)
+    limits = (v.minimum, v.maximum, v.nominal)
+    unit = system.unit_of(source)
+    return ContainerVariable(
+        name, role, _SIGNALS[v.type], source, unit, start, *limits, v.description
+    )
+
+
+def _matching(
+    every: dict[str, Variable], patterns: Sequence[str] | None, error: type[CosimError]
+) -> list[str]:
+    chosen: dict[str, None] = dict.fromkeys(every if patterns is None else ())
+    for pattern in patterns or ():
+        found = [name for name in every if name == pattern or fnmatchcase(name, pattern)]
+        if not found:
+            near = suggestion(pattern, every)
+            raise error(f"{pattern!r} matches nothing that a container can expose{near}")
+        chosen |= dict.fromkeys(found)
+    return list(chosen)
+
 
 _TAGS = {
     2: {"REAL": "Real", "INTEGER": "Integer", "BOOLEAN": "Boolean"},
@@ -45,13 +163,7 @@ def model_description(
     restores_state: bool,
     serializes: bool,
 ) -> str:
-    """Return the XML.
-
-    Parameters
-    ----------
-    version : of FMI, 2 or 3
-    experiment : times; its step is that of the components
-    """
+    """Return the XML; the experiment's step is that of the components."""
     structured = all(_STRUCTURED.fullmatch(v.name) for v in shown)
     head = {
         "fmiVersion": f"{version}.0",
@@ -69,13 +181,7 @@ def model_description(
     flags = {f"canGetAndSetFMU{state}": restores_state, f"canSerializeFMU{state}": serializes}
     flags["canHandleVariableCommunicationStepSize"] = varies_step
     internal = experiment.step if version == 3 and not varies_step else None
-    child(
-        root,
-        "CoSimulation",
-        modelIdentifier=identifier,
-        **flags,
-        fixedInternalStepSize=internal,
-    )
+    child(root, "CoSimulation", modelIdentifier=identifier, **flags, fixedInternalStepSize=internal)
     # Old releases of the FMI Library require a start value for time, which FMI 2.0 forbids; there
     # time may be left out.
     listed = {place: v for place, v in enumerate(shown) if version == 3 or v.role != "TIME"}
@@ -175,8 +281,8 @@ def index(system: System, order: Sequence[str], step: float, *, jacobi: bool) ->
         title=escaped(system.name),
         step=step,
         rest=_SHORTENED if all(c.varies_step for c in system.components.values()) else _WHOLE,
-        components=_table(("component", "model", "standard", "token"), components),
-        connections=_table(("from", "to"), connections),
+        components=_html_table(("component", "model", "standard", "token"), components),
+        connections=_html_table(("from", "to"), connections),
         delay=", each delayed by one step" if jacobi else "",
     )
 
@@ -189,7 +295,7 @@ def licences(system: System) -> str:
     return "\n".join([*lines, ""])
 
 
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def _html_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     lines = [f"<tr>{''.join(f'<th>{escaped(cell)}</th>' for cell in head)}</tr>"]
     lines += [f"<tr>{''.join(f'<td>{escaped(cell)}</td>' for cell in row)}</tr>" for row in rows]
     return "<table>" + "\n".join(lines) + "</table>"

@@ -7,10 +7,10 @@ import json
 from collections.abc import Mapping, Sequence
 
 from stickslip.cosim.assembly.general_path import GeneralComponent
-from stickslip.cosim.assembly.layout import Layout
-from stickslip.cosim.container.variables import TYPES, ContainerVariable
+from stickslip.cosim.assembly.plan import Layout
+from stickslip.cosim.component import component_of
+from stickslip.cosim.container.description import TYPES, ContainerVariable
 from stickslip.cosim.errors import ParameterError
-from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Value
@@ -26,19 +26,7 @@ def system_header(
     folders: Mapping[str, str],
     step: float,
 ) -> str:
-    """Return ``system.h`` without the token.
-
-    Parameters
-    ----------
-    run, general : as ``wire`` returns them
-    order : components as they step
-    folders : component -> folder in the resources
-
-    Raises
-    ------
-    ParameterError
-        When a start value is of a type that a container cannot set.
-    """
+    """Return ``system.h`` without the token; ``run`` and ``general`` are those of ``wire``."""
     parts = [run.components[i] for i in range(len(order))]
     place = {name: i for i, name in enumerate(order)}
     starts = [_start(system, place, *item) for item in system.parameters.items()]

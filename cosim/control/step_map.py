@@ -1,22 +1,18 @@
 """A system of FMUs over one communication step: x[k+1] = f(x[k], u[k]) and y[k] = g(x[k], u[k])."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.cosim.errors import LinearisationError, SimulationError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.run.simulation import Simulation
-from stickslip.cosim.signals.signals import Input
+from stickslip.cosim.signals.signals import Array, Input
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Variable
 
-Array = NDArray[np.float64]
 _HIDDEN = 1e-2  # of the range in two steps: more than an integrator's tolerance explains
 _VISIBLE = 1e-3  # of the range in many, beside the errors that the integrator makes
 _TOLERANCE = 1e-6  # of an integrator, relative to the size of a variable
@@ -28,16 +24,7 @@ _INSTEAD = f"export it for Model Exchange and leave out step=, or {_MEASURE}"
 class StepMap:
     """A prepared system that is initialised for every step. Attributes are as in ``Exchange``.
 
-    Parameters
-    ----------
-    outputs : ``component.variable``
-    step : communication step [s]
-    prefix : that names of states and outputs have here and nowhere else
-
-    Raises
-    ------
-    LinearisationError
-        When it has no states that can be set, or others beside them.
+    ``prefix`` is what names of states and outputs have here and nowhere else.
     """
 
     change = 1e-3  # of a variable's size, for differences: an integrator inside adds noise
@@ -74,13 +61,7 @@ class StepMap:
         self.u_size = np.array([abs(v.nominal or 1.0) for v in targets])
 
     def put(self, x: Array, u: Array) -> None:
-        """Make sure that the states are all that a step begins with.
-
-        Raises
-        ------
-        LinearisationError
-            When steps end elsewhere than those from the states in between, in a state or an output.
-        """
+        """Make sure that the states are all that a step begins with."""
         x, u, later = x + 1e-3 * self.x_size, u + 0.1 * self.u_size, u - 0.1 * self.u_size
         name, n, watched = self._simulation.spec.system.name, len(x), tuple(self._watched)
         two = _run(self._simulation, self._start(x), self._held_inputs(u, later, later), watched)
@@ -131,10 +112,7 @@ class StepMap:
     def _off(
         self, course: Array, expected: Array, found: Array, share: float, errors: Any = 0.0
     ) -> str:
-        """Return the names of variables that differ from those of a run.
-
-        Allowed are a share of a variable's range in the run, and errors.
-        """
+        """Return what differs by more than a share of its range in a run, and errors."""
         sizes = [abs(v.nominal or 1.0) for v in self._watched.values()]
         size = np.maximum(np.abs(course).max(axis=0), sizes)
         allowed = share * np.ptp(course, axis=0) + _TOLERANCE * size + errors
@@ -178,13 +156,7 @@ def _run(
 
 
 def _states(component: str, fmu: Fmu) -> list[Variable]:
-    """Return the states of an FMU: those it names, else what else has a start value and changes.
-
-    Raises
-    ------
-    LinearisationError
-        When it names one that cannot be set.
-    """
+    """Return the states of an FMU: those it names, else what else has a start value and changes."""
     named = fmu.description.derivatives or fmu.description.derivative_of
     if not named:
         return [

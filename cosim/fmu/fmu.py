@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -51,7 +52,7 @@ def _paused_collection() -> Iterator[None]:
 
 
 class Fmu(Component):
-    """An FMU that this machine can run, by one of its interfaces.
+    """An FMU that this machine can run, by one of its interfaces; a Component.
 
     Pickles as its path and interface.
 
@@ -62,27 +63,15 @@ class Fmu(Component):
 
     Attributes
     ----------
-    path : the ``.fmu`` file
     interfaces : all it has that can be run here
-    interface : the one it is run by
     folder : where it lies unpacked, under a hash of its content
     version : 2 or 3; FMI 1.0 is run through the functions of FMI 2.0, see ``fmi1.c``
-    description : all that was read of it
-    name : of the model
+    description, name : all that was read of it, and the name of the model
     token : the GUID of FMI 2.0, the instantiation token of FMI 3.0
-    variables : name -> Variable, in the order of the description
-    units : name -> Unit
-    aliases : other name -> name, in FMI 3.0
-    feedthrough : output -> the inputs it depends on without delay
-    experiment : the times it proposes, s, and the tolerance
     event_mode : whether events between steps are left to us (FMI 3.0 Co-Simulation)
     has_arrays : whether it has more than scalars: arrays, binary values, structural parameters
-    structural : names of its structural parameters
     clocks : input clocks that tick by time
-    learned : what it learns in a run
     once_per_process : whether there can be one instance only
-    serializes : whether its state can be put into a file
-    restores_state, interpolates_inputs, varies_step : whether it declares these abilities
 
     Raises
     ------
@@ -143,13 +132,12 @@ class Fmu(Component):
         warn_of(self.path, description)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (self.path, self.interface)
+        return partial(Fmu, interface=self.interface), (self.path,)
 
     def __repr__(self) -> str:
         return f"Fmu({str(self.path)!r})"
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: inputs, outputs and parameters with units."""
         kinds = ("input", "output", "parameter", "structuralParameter")
         own = [v for v in self.variables.values() if v.causality in kinds]
         own.sort(key=lambda v: kinds.index(v.causality))
@@ -168,13 +156,7 @@ class Fmu(Component):
         return Library(self)
 
     def restore(self) -> None:
-        """Unpack the FMU again where its unpacked files were changed, as by a run of it.
-
-        Raises
-        ------
-        FmuError
-            When the file is not there any more, or another one.
-        """
+        """Unpack the FMU again where a run changed its files; FmuError if it is gone or another."""
         restore(self.folder, self.path, FmuError)
 
     @property
@@ -246,12 +228,7 @@ class Fmu(Component):
 
 
 def described(path: Path) -> tuple[Path, Description]:
-    """Unpack an FMU, also one that this machine cannot run; return its folder and description.
-
-    Raises
-    ------
-    FmuError
-    """
+    """Return folder and description of an FMU, also one that this machine cannot run."""
     folder = unpack(path, "fmus", FmuError)
     names = {file.name for file in folder.iterdir()}
     if _DESCRIPTION not in names:
@@ -274,7 +251,3 @@ def warn_of(path: Path, description: Description) -> None:
         _WARNED.add((path, description.token))
         for line in description.remarks:
             _log.warning("%s: %s: %s", path, _DESCRIPTION, line)
-
-
-def _rebuild(path: Path, interface: Interface) -> Fmu:
-    return Fmu(path, interface=interface)

@@ -10,9 +10,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Protocol
 
+from stickslip.cosim import kernel
 from stickslip.cosim.errors import FmuError
-from stickslip.cosim.kernel import marks
-from stickslip.cosim.kernel.arithmetic import plain_arithmetic
+from stickslip.cosim.kernel import plain_arithmetic
 from stickslip.cosim.kernel.structures import step_calls
 from stickslip.fmi import toolchain
 from stickslip.fmi.binary import NotALibrary, read_library
@@ -58,7 +58,7 @@ class Library:
 
     def __init__(self, fmu: Loadable) -> None:
         self._fmu, self._version = fmu, fmu.version
-        marks.note(fmu.path.name, "loading its binary")
+        kernel.note_call(fmu.path.name, "loading its binary")
         self._library: Any = _load(str(fmu.binary))
         folder = fmu.folder / "resources"
         if fmu.description.standard == 1:
@@ -71,10 +71,7 @@ class Library:
             self.calls = self._step_calls()
 
     def accessor(self, type_name: str, verb: str) -> tuple[str, int, Any]:
-        """Return name, address and C type of the function that sets or gets a type.
-
-        ``verb`` is Set or Get.
-        """
+        """Return name, address and C type of what does the verb, Set or Get, with a type."""
         setter, c_type = SETTERS[self._version][type_name]
         name = setter.replace("Set", verb)
         return name, self.address(name), c_type
@@ -84,10 +81,6 @@ class Library:
         word = "fmi2{}FMUstate" if self._version == 2 else "fmi3{}FMUState"
         save, restore, free = (self.address(word.format(s)) for s in ("Get", "Set", "Free"))
         return save, restore, free
-
-    def derivatives_call(self) -> int:
-        """Return the address of the function that sets derivatives of inputs (FMI 2.0)."""
-        return self.address("fmi2SetRealInputDerivatives")
 
     def function(self, name: str) -> Any:
         """Return a function for use from Python; it returns an FMI status."""
@@ -189,10 +182,7 @@ def _load(binary: str) -> ctypes.CDLL:
 
 
 def _load_neighbours(binary: Path) -> int:
-    """Load the libraries beside a binary, which finds them when it does not say where they are.
-
-    They may need each other, so it is tried until no more can be loaded. Returns how many were.
-    """
+    """Load the libraries beside a binary, which may need each other; return how many."""
     waiting = [p for p in binary.parent.glob(f"*{binary.suffix}*") if p != binary]
     n = len(waiting)
     for _ in range(n):

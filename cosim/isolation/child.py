@@ -1,7 +1,5 @@
 """The child process: prepares a simulation and runs it on request."""
 
-from __future__ import annotations
-
 import ctypes
 import json
 import logging
@@ -19,9 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.cosim.isolation.answers import LOST, receive, send
-from stickslip.cosim.isolation.shared import Shared
-from stickslip.cosim.kernel import marks
+from stickslip.cosim import kernel
+from stickslip.cosim.isolation.messages import LOST, Shared, receive, send
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
@@ -31,13 +28,7 @@ from stickslip.fmi.process.child import limit
 
 
 def main(name: str, size: int, token: bytes) -> None:
-    """Serve the parent at the other ends of standard input and output until it is gone.
-
-    Parameters
-    ----------
-    name, size : of the shared memory
-    token : that begins each message
-    """
+    """Serve the parent at the other ends of standard input and output until it is gone."""
     requests, replies = _take_pipes()
     shared = Shared.open(name, size)
     own = os.getpid()
@@ -51,7 +42,7 @@ def main(name: str, size: int, token: bytes) -> None:
             os._exit(LOST)
 
     order = _receive(requests, token)
-    marks.use(shared.mark, Path(order["kernel"]))
+    kernel.use_mark(shared.mark, Path(order["kernel"]))
     limit(order["memory"])
     resets.lines.update(order["resets"])
     for module in order["modules"]:
@@ -75,8 +66,6 @@ _LINES = 100  # of the log, for each answer
 
 
 class _Kept(logging.Handler):
-    """Keeps what is logged for the next reply."""
-
     def __init__(self) -> None:
         super().__init__()
         self._lines: list[tuple[int, str]] = []
@@ -99,7 +88,7 @@ class _Served:
 
     def do(self, what: str, arguments: dict[str, Any]) -> None:
         """Carry out a request of the parent and reply with the result or the error."""
-        marks.note("", "")
+        kernel.note_call("", "")
         try:
             answer = getattr(self, what)(**arguments)
         except MemoryError:
@@ -136,7 +125,7 @@ class _Served:
     def close(self) -> dict[str, object]:
         if self._simulation:
             self._simulation.close()
-        marks.note("", "unloading its binary")
+        kernel.note_call("", "unloading its binary")
         return {}
 
     @property
@@ -178,7 +167,6 @@ def _take_pipes() -> tuple[int, int]:
 
 
 def _receive(requests: int, token: bytes) -> Any:
-    """Return the next request."""
     try:
         request = receive(requests, token)
     except OSError:  # an FMU has closed the pipe or read from it, or the parent is gone

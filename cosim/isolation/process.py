@@ -1,7 +1,5 @@
 """The child process from the parent's side: started, asked, watched, ended."""
 
-from __future__ import annotations
-
 import builtins
 import logging
 import math
@@ -23,12 +21,20 @@ from stickslip.cosim import errors, kernel
 from stickslip.cosim.errors import CosimError, FmuCrashed, SimulationError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.library import prepare_library
-from stickslip.cosim.isolation.answers import NONSENSE, TOKEN_SIZE, Answers, Reply, ThreadedAnswers
-from stickslip.cosim.isolation.parcel import pack
-from stickslip.cosim.isolation.shared import Shared
-from stickslip.cosim.isolation.verdict import crashed, ending, present
+from stickslip.cosim.isolation.messages import (
+    NONSENSE,
+    TOKEN_SIZE,
+    Answers,
+    Reply,
+    Shared,
+    ThreadedAnswers,
+    crashed,
+    ending,
+    pack,
+    present,
+)
 from stickslip.cosim.run import resets
-from stickslip.cosim.system.isolation import Isolation
+from stickslip.cosim.system.settings import Isolation
 from stickslip.cosim.system.system import Specification
 from stickslip.fmi.process import check_interruption, held, sandbox, temporary_folder
 from stickslip.fmi.process.child import close_pipes, kill, start_python
@@ -73,20 +79,11 @@ class _Clock:
 
 
 class Process:
-    """A child that prepares a simulation and runs it.
+    """A child that prepares a simulation and runs it; a result may have n numbers.
 
-    Parameters
-    ----------
-    order : names of the components as they step
-    n : numbers that a result may have
-    modules : that the child imports before it enters the sandbox, because they start programs
-
-    Attributes
-    ----------
-    repeats : whether it repeats the run that it was asked for, to see what a reset does
-    runs : that it has done
-    state : a file in a folder that the child may write, for states
-    stands_for : the file of the user that ``state`` stands for in messages
+    It imports ``modules`` before it enters the sandbox, and may write the file ``state``, which
+    stands for the user's ``stands_for`` in messages. ``repeats`` says whether it repeats a run to
+    see what a reset does.
     """
 
     def __init__(
@@ -108,18 +105,13 @@ class Process:
         self._folders = ExitStack()
         with ExitStack() as undone:  # by an error, or Ctrl-C, before the child is ready
             undone.callback(self._folders.close)
-            self._start(specification, limits, library, modules, undone)
+            self._start(specification, library, modules, undone)
             undone.pop_all()
 
     def _start(
-        self,
-        specification: Specification,
-        limits: Isolation,
-        library: Path,
-        modules: tuple[str, ...],
-        undone: ExitStack,
+        self, specification: Specification, library: Path, modules: Sequence[str], undone: ExitStack
     ) -> None:
-        shared = self.shared
+        shared, limits = self.shared, self._limits
         self._room = self._folders.enter_context(temporary_folder())
         self.state = self._room / "state"
         allow = Permissions.of(limits.allow)
@@ -199,18 +191,7 @@ class Process:
         progress: Callable[[float], object] | None = None,
         slack: float = 0.0,
     ) -> Reply:
-        """Send a request to the child and return its answer.
-
-        Parameters
-        ----------
-        progress : is called with the time reached (s) now and then
-        slack : s that a step may take beyond the patience for it
-
-        Raises
-        ------
-        FmuCrashed
-            When the child died or had to be ended.
-        """
+        """Return the answer to a request; a step may take ``slack`` s beyond the patience."""
         self._clock, self.repeats = _Clock(), False
         self._answers.send(pickle.dumps((what, arguments), pickle.HIGHEST_PROTOCOL))
         limit = self._limits.timeout or math.inf
@@ -228,13 +209,7 @@ class Process:
         return reply
 
     def told(self, reply: Reply) -> Reply:
-        """Log what an answer brings, and what the sandbox denied; return the answer.
-
-        Raises
-        ------
-        CosimError, ValueError, TypeError, OSError
-            That the child reports.
-        """
+        """Log what an answer brings, and what the sandbox denied; return the answer."""
         known: dict[str, str] = reply.get("resets", {})
         for line in dict.fromkeys(known.values()):
             resets.declare([Path(binary) for binary in known if known[binary] == line], line)
@@ -259,13 +234,7 @@ class Process:
         self._let_go()
 
     def leave(self) -> None:
-        """Wait until a child that was asked to close ends by itself.
-
-        Raises
-        ------
-        FmuCrashed
-            When it does not, or its exit status is not 0.
-        """
+        """Wait until a child that was asked to close ends by itself."""
         patience = self._limits.timeout or self._limits.patience
         status = self._ended(max(_LOOK, patience - self._clock.passed()))
         if status is None:
@@ -276,11 +245,7 @@ class Process:
             raise self._crashed(status)
 
     def _wait(self, patience: float, limit: float) -> Reply:
-        """Return the next answer.
-
-        Nothing may stand still for ``patience`` (s), or go on when ``limit`` (s) have passed since
-        the request.
-        """
+        """Return the next answer: after at most ``patience`` s at a standstill, or ``limit`` s."""
         still, seen = _Clock(), self._mark()
         while True:
             try:
@@ -368,14 +333,12 @@ class Process:
         self._folders.close()
 
     def _take(self, pipe: IO[bytes]) -> None:
-        """Take what FMUs print; keep the end of it."""
         with suppress(OSError, ValueError):
             while part := pipe.read(2**16):
                 self._tail = (self._tail + part)[-2000:]
 
 
 def _raise(reply: Reply) -> NoReturn:
-    """Raise the error that the child reported."""
     if "file" in reply:
         raise OSError(*reply["file"])
     kind = getattr(errors, reply["error"], None) or getattr(builtins, reply["error"], None)

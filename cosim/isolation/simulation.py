@@ -1,7 +1,5 @@
 """A simulation whose FMUs run in a child process."""
 
-from __future__ import annotations
-
 import inspect
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -16,18 +14,15 @@ import numpy as np
 
 from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.errors import FmuCrashed, ParameterError
-from stickslip.cosim.isolation.answers import Reply
-from stickslip.cosim.isolation.parcel import Tabulated, portable_inputs
+from stickslip.cosim.isolation.messages import Reply, Tabulated, called, portable_inputs
 from stickslip.cosim.isolation.process import Process
-from stickslip.cosim.isolation.verdict import called
 from stickslip.cosim.run import resets
-from stickslip.cosim.run.exclusive import Exclusive
-from stickslip.cosim.run.real_time import RealTimePacing
+from stickslip.cosim.run.guards import Exclusive, RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import signals_of
-from stickslip.cosim.system.isolation import Isolation
+from stickslip.cosim.system.settings import Isolation
 from stickslip.cosim.system.system import Specification
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
@@ -39,9 +34,8 @@ _BIND_RESUME = inspect.signature(Simulation.resume).bind
 class IsolatedSimulation(Simulation):
     """Runs a system in a child process: a simulation like any other, at nearly its speed.
 
-    A crash, an exit or a hang of the child becomes
-    FmuCrashed, which names component, call and time; the next run starts another child. What FMUs
-    print is shown in that error only.
+    A crash, an exit or a hang of the child becomes FmuCrashed, which names component, call and time
+    and shows what was printed; the next run starts another child.
     """
 
     def __init__(self, spec: Specification, limits: Isolation) -> None:
@@ -66,13 +60,7 @@ class IsolatedSimulation(Simulation):
         return self._effort
 
     def run(self, *arguments: Any, **named: Any) -> Result:
-        """Run from the start, see Simulation; starts a child where there is none.
-
-        Raises
-        ------
-        FmuCrashed
-            When an FMU ended the child or did not return; besides what Simulation raises.
-        """
+        """Run from the start, see Simulation; starts a child where there is none."""
         return self._run_there("run", _BIND_RUN(self, *arguments, **named))
 
     def resume(self, *arguments: Any, **named: Any) -> Result:
@@ -110,13 +98,7 @@ class IsolatedSimulation(Simulation):
             return [float(value) for value in reply["values"]]
 
     def close(self) -> None:
-        """Free the FMUs and end the child. A closed simulation starts another when it runs.
-
-        Raises
-        ------
-        FmuCrashed
-            When an FMU crashes even then.
-        """
+        """Free the FMUs and end the child. A closed simulation starts another when it runs."""
         process = self._process
         if process is None or not self._exclusive.is_ours:
             return

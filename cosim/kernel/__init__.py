@@ -1,22 +1,21 @@
-"""The compiled library of the kernel."""
+"""The compiled library of the kernel, and which call of an FMU it is in."""
 
 from __future__ import annotations
 
-from ctypes import CDLL, POINTER, c_bool, c_char_p, c_int
+from collections.abc import Iterator
+from contextlib import contextmanager
+from ctypes import CDLL, POINTER, addressof, byref, c_bool, c_char_p, c_int, c_void_p
 from functools import cache
 from pathlib import Path
 
-from stickslip.cosim.kernel import marks
-from stickslip.cosim.kernel.structures import Component, Run
+from stickslip.cosim.kernel.structures import Arithmetic, Component, Mark, Run, SumOfSquares
 from stickslip.fmi import toolchain
 from stickslip.fmi.standard import standard_files
 
 # Two neighbours copied as one would wait until both have arrived in memory. A loop of calls that
 # begins within a line of the cache costs some percent more or less, as chance has it.
 _FLAGS = ("-fno-tree-slp-vectorize", "-falign-loops=64")
-
 FINISHED, PAUSED, FAILED, HALTED = range(4)
-
 SIDE_BY_SIDE, PAIR, SCATTERED, NONE = range(4)  # how a component finds its inputs in a row
 
 # Values of ``Run.status``: FMI statuses, then the kernel's own reasons.
@@ -44,14 +43,7 @@ STATUS = {
 def built(
     steps: str | None = None, *, marked: bool = False, platform: toolchain.Platform | None = None
 ) -> Path:
-    """Return the path of the kernel's library, compiled on first use.
-
-    Parameters
-    ----------
-    steps : text to compile in place of ``steps.h``
-    marked : whether it notes which call it is in, see ``marks.py``
-    platform : what to build for; this machine by default
-    """
+    """Return the kernel's library, compiled on first use with ``steps`` in place of ``steps.h``."""
     here = Path(__file__).parent
     files = {file.name: file.read_text(encoding="utf-8") for file in here.glob("*.[ch]")}
     if steps is not None:
@@ -64,13 +56,17 @@ def built(
     return toolchain.shared_library("cosim_kernel", files, platform=platform, flags=flags)
 
 
+_marks: list[tuple[Mark, Path]] = []
+
+
 @cache
 def load(steps: str | None = None) -> CDLL:
     """Return the kernel's library, as it is `built`."""
-    marked = marks.library()
+    marked = _marks[0][1] if _marks else None
     path = marked if marked and not steps else built(steps, marked=marked is not None)
     library = CDLL(str(path))
-    marks.attach(library)
+    for mark, _ in _marks:
+        library.mark_in(c_void_p(addressof(mark)))
     library.instantiate.argtypes = (POINTER(Component), c_char_p, c_char_p, c_char_p)
     library.instantiate.restype = library.release.restype = library.forget.restype = None
     library.release.argtypes = (POINTER(Component),)
@@ -79,3 +75,104 @@ def load(steps: str | None = None) -> CDLL:
     library.end_early.argtypes = (POINTER(Run), c_bool)
     library.end_early.restype = c_bool
     return library
+
+
+def use_mark(mark: Mark, kernel: Path) -> None:
+    """Note all calls in this process from now on in a mark, by a kernel built with marks."""
+    _marks.append((mark, kernel))
+
+
+def note_call(name: str, call: str) -> None:
+    """Note a call that the kernel does not make, where notes are taken."""
+    for mark, _ in _marks:
+        mark.begin(name, call)
+
+
+@contextmanager
+def plain_arithmetic() -> Iterator[None]:
+    """Give FMUs the usual arithmetic, to nearest and with subnormal numbers; restore ours."""
+    library, before = load(), Arithmetic()
+    library.begin_plain_arithmetic(byref(before))
+    try:
+        yield
+    finally:
+        library.end_plain_arithmetic(byref(before))
+
+
+MOST_COMPONENTS = 64  # beyond, the code would crowd itself out of the processor's cache
+_GROUP = 12  # as in steps.h
+
+_STEPS = """#include "walk.h"
+
+{lists}
+
+INLINE bool step(Run *run, const double *now, double *next) {{
+    const Component *c = run->components;
+    (void)now, (void)next;
+    return {calls};
+}}
+
+INLINE void add(Run *run, int64_t n, const double *row) {{
+    (void)run, (void)n, (void)row;
+{sums}}}
+
+__attribute__((noinline)) static bool step_until(Run *run, int64_t end) {{
+    return walk(run, end, step, add, {width}, {constant});
+}}
+"""
+
+
+def unroll(run: Run) -> str | None:
+    """Return ``steps.h`` for the components of a run; None where the tables serve better."""
+    n = run.n_components
+    if not 0 < n <= MOST_COMPONENTS or any(run.components[i].maps for i in range(n)):
+        return None
+    size = _GROUP if run.jacobi else 1
+    lists, calls = [], []
+    for begin in range(0, n, size):
+        group = range(begin, min(begin + size, n))
+        components = [(i, run.components[i]) for i in group]
+        lists += [line for i, c in components for line in _references(i, c)]
+        calls += [_set_call(i, c) for i, c in components if c.n_inputs]
+        calls += ["plain(true)"] * run.jacobi  # else the step that follows makes it so
+        calls += [f"do_step(run, c + {i}, {c.version})" for i, c in components]
+        calls += [
+            f"get(run, c + {i}, {c.version}, out{i}, {c.n_outputs}, next + {c.column})"
+            for i, c in components
+            if c.n_outputs
+        ]
+    sums = "".join(_add_call(i, run.sums[i]) for i in range(run.n_sums))
+    return _STEPS.format(
+        lists="\n".join(lists),
+        calls=" &&\n        ".join(calls),
+        sums=sums,
+        width=run.width,
+        constant=run.constant_step,
+    )
+
+
+def _references(i: int, c: Component) -> list[str]:
+    tables = ("in", c.input_references[: c.n_inputs]), ("out", c.output_references[: c.n_outputs])
+    return [
+        f"static const uint32_t {name}{i}[] = {{{', '.join(map(str, table))}}};"
+        for name, table in tables
+        if table
+    ]
+
+
+def _set_call(i: int, c: Component) -> str:
+    values = f"now + {c.input_offset}"
+    if c.input_offsets:
+        terms = [f"now[{offset}]" for offset in c.input_offsets[: c.n_inputs]]
+        if c.scales:
+            factors, shifts = c.scales[: c.n_inputs], c.scales[c.n_inputs : 2 * c.n_inputs]
+            terms = [
+                f"{a!r} * {term} + {b!r}" for a, term, b in zip(factors, terms, shifts, strict=True)
+            ]
+        values = f"(const double[]){{{', '.join(terms)}}}"
+    return f"set(run, c + {i}, {c.version}, in{i}, {c.n_inputs}, {values})"
+
+
+def _add_call(i: int, s: SumOfSquares) -> str:
+    reference = f"row[{s.reference}]" if s.reference >= 0 else f"run->sums[{i}].constant"
+    return f"    add_square(run->sums + {i}, n, row[{s.column}], {reference});\n"

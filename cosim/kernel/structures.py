@@ -2,28 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 import re
-from collections.abc import Callable
-from ctypes import (
-    POINTER,
-    Structure,
-    c_bool,
-    c_char,
-    c_char_p,
-    c_double,
-    c_float,
-    c_int8,
-    c_int16,
-    c_int32,
-    c_int64,
-    c_size_t,
-    c_uint8,
-    c_uint16,
-    c_uint32,
-    c_uint64,
-    c_void_p,
-)
+from ctypes import POINTER, Structure
 from pathlib import Path
 from typing import Any
 
@@ -56,38 +38,38 @@ def step_calls(version: int) -> list[str]:
 
 MAX_PAST = 3
 STORED = {
-    "double": c_double,
-    "float": c_float,
-    "int8_t": c_int8,
-    "uint8_t": c_uint8,
-    "int16_t": c_int16,
-    "uint16_t": c_uint16,
-    "int32_t": c_int32,
-    "uint32_t": c_uint32,
-    "int64_t": c_int64,
-    "uint64_t": c_uint64,
-    "bool": c_bool,
-    "char *": c_char_p,
+    "double": ctypes.c_double,
+    "float": ctypes.c_float,
+    "int8_t": ctypes.c_int8,
+    "uint8_t": ctypes.c_uint8,
+    "int16_t": ctypes.c_int16,
+    "uint16_t": ctypes.c_uint16,
+    "int32_t": ctypes.c_int32,
+    "uint32_t": ctypes.c_uint32,
+    "int64_t": ctypes.c_int64,
+    "uint64_t": ctypes.c_uint64,
+    "bool": ctypes.c_bool,
+    "char *": ctypes.c_char_p,
 }
 """The types of values in the order of ``enum Stored``; the last stands for all text."""
 _LENGTHS = {"N_CALLS": len(calls("GENERAL_CALLS")), "MAX_PAST": MAX_PAST}
 _TYPES: dict[str, Any] = {
     **STORED,
-    "char": c_char,
-    "size_t": c_size_t,
-    "fmi3Boolean": c_bool,
-    "fmi3Float64": c_double,
-    "fmi2CallbackFunctions": c_void_p * 5,
-    "Setter": c_void_p,
-    "Calls": c_void_p * len(calls("FMI2_CALLS")),
+    "char": ctypes.c_char,
+    "size_t": ctypes.c_size_t,
+    "fmi3Boolean": ctypes.c_bool,
+    "fmi3Float64": ctypes.c_double,
+    "fmi2CallbackFunctions": ctypes.c_void_p * 5,
+    "Setter": ctypes.c_void_p,
+    "Calls": ctypes.c_void_p * len(calls("FMI2_CALLS")),
 }
 
 
 def __getattr__(name: str) -> Any:
-    """Return the structure of this name, with the fields of the headers."""
     if name not in _BODIES:
         raise AttributeError(name)
-    return _mirror()(type(name, (Structure,), {}))
+    _TYPES[name] = globals()[name] = type(name, (Structure,), {"_fields_": _fields(name)})
+    return _TYPES[name]
 
 
 def _type(name: str) -> Any:
@@ -100,77 +82,22 @@ def _fields(name: str) -> list[tuple[str, Any]]:
         for stars, field, length in re.findall(r"(\**)(\w+)(?:\[(\w+)\])?", declared):
             kind: Any = _type(f"{base} {stars}" if base == "char" and stars else base)
             if stars and base != "char":
-                kind = POINTER(kind) if kind else c_void_p
+                kind = POINTER(kind) if kind else ctypes.c_void_p
             if length:
                 kind = kind * (_LENGTHS.get(length) or int(length))
             fields.append((field, kind))
     return fields
 
 
-def _mirror(*added: tuple[str, Any]) -> Callable[[type[Structure]], Any]:
-    """Give a class the fields of the structure of its name, and those that only Python uses."""
-
-    def give(cls: type[Structure]) -> type[Structure]:
-        cls._fields_ = [*_fields(cls.__name__), *added]
-        _TYPES[cls.__name__] = globals()[cls.__name__] = cls
-        return cls
-
-    return give
-
-
 def doubles(values: NDArray[np.float64]) -> Any:
     """Return a pointer to an array, which the caller must keep."""
-    return values.ctypes.data_as(POINTER(c_double))
+    return values.ctypes.data_as(POINTER(ctypes.c_double))
 
 
-@_mirror()
-class Setting(Structure):
-    """Start values of one type for one component."""
-
-
-@_mirror()
-class Change(Structure):
-    """Values that a component is given when a step is done."""
-
-
-@_mirror()
-class Disturbance(Structure):
-    """What a scenario does to one signal."""
-
-
-@_mirror()
-class SumOfSquares(Structure):
-    """A sum of (signal - reference)^2 over time."""
-
-
-@_mirror()
-class Component(Structure):
-    """One instance and its place in the rows."""
-
-
-@_mirror()
-class Run(Structure):
-    """One run: what to step, where to put it, and how it went."""
-
-
-@_mirror()
-class Group(Structure):
-    """Variables that one call gets or sets."""
-
-
-@_mirror()
-class Groups(Structure):
-    """A list of groups."""
-
-
-@_mirror()
-class Arithmetic(Structure):
-    """How the processor rounds and treats numbers near zero."""
-
-
-@_mirror(("name", c_char * 512))
 class Mark(Structure):
     """The last call that was begun, and the name of the component in a call from Python."""
+
+    _fields_ = (*_fields("Mark"), ("name", ctypes.c_char * 512))
 
     def begin(self, name: str, call: str) -> None:
         """Note a call that the kernel does not make: on whom, and which."""

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.cosim.assembly.disturbances import held_values, hold_values
+from stickslip.cosim.assembly.inputs import held_values, hold_values
 from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.run.stepping import Stepper, last_outputs
@@ -152,13 +152,7 @@ def _array(data: bytes) -> NDArray[Any]:
 
 
 def taken(stepper: Stepper) -> Checkpoint:
-    """Return the state of a run that was halted.
-
-    Raises
-    ------
-    SimulationError
-        When an FMU cannot give its state away.
-    """
+    """Return the state of a run that was halted."""
     plan, fmus = stepper.plan, stepper.fmus
     components = plan.spec.system.components
     if mute := [name for name, fmu in components.items() if not fmu.serializes]:
@@ -179,13 +173,7 @@ def taken(stepper: Stepper) -> Checkpoint:
 
 
 def put_back(stepper: Stepper, checkpoint: Checkpoint, path: str | os.PathLike[str]) -> None:
-    """Initialise the FMUs of a run that has begun, and bring them into a state read from a file.
-
-    Raises
-    ------
-    SimulationError
-        When the state is damaged, or an FMU does not take it.
-    """
+    """Initialise the FMUs of a run that has begun, and bring them into a state read from a file."""
     fmus = stepper.fmus
     stepper.advance(0)  # initialised, the FMUs are in a mode that takes a state
     try:

@@ -10,24 +10,19 @@ import numpy as np
 
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.coupled import Coupled
-from stickslip.cosim.assembly.general_path import GeneralComponent
-from stickslip.cosim.assembly.memory import Memory, Room
 from stickslip.cosim.assembly.plan import Plan
-from stickslip.cosim.assembly.settings import Settings
-from stickslip.cosim.assembly.wiring import wire
-from stickslip.cosim.component import Component
+from stickslip.cosim.assembly.wiring import Memory, Room, Settings, wire
+from stickslip.cosim.component import Component, component_of
 from stickslip.cosim.errors import SimulationError
-from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.single_instance import (
+from stickslip.cosim.fmu.instance import (
+    StateAccess,
     claim,
     none_fatal,
     note_fatal,
     release,
     times_fatal,
 )
-from stickslip.cosim.fmu.state import StateAccess
-from stickslip.cosim.kernel import structures
-from stickslip.cosim.kernel.unrolled import unroll
+from stickslip.cosim.kernel import structures, unroll
 from stickslip.cosim.run import resets
 from stickslip.fmi.description.variables import Value
 from stickslip.fmi.messages import named
@@ -39,24 +34,14 @@ _N_LAST = 10  # messages in ``Log.last``
 class Instances:
     """Makes instances of FMUs, and says which calls on them failed.
 
-    Parameters
-    ----------
-    room : makes arrays of a shape, for what is kept of a run
-
     Attributes
     ----------
-    plan : Plan
-    run : table of the kernel
-    slots : component -> its entry in that table
-    libraries : component -> its functions
+    slots, libraries : component -> its entry in the table of the kernel, its functions
     general : component -> what it has beside its slot, for those on the general path
-    coupled : what is coupled beyond the plain orders
-    memory : where the signals of a run go
-    kernel : library
     moved : (n,) of the components in their order, whether their outputs moved in the last run
     ready : whether all have an instance
-    retries : components that discarded a step and can take it back; used by `build`
-    averages : components that refused derivatives of their inputs; likewise
+    retries, averages : components that discarded a step and can take it back, and that refused
+        derivatives of their inputs; used by `build`
     """
 
     def __init__(self, plan: Plan, room: Room) -> None:
@@ -113,13 +98,13 @@ class Instances:
         self.moved = np.ctypeslib.as_array(moved)
         run.moved, run.began = moved, (ctypes.c_double * run.width)()
         self.coupled.attach(run)
-        self._attach(self._new_settings(system.parameters))
+        self._attach_settings(system.parameters)
         self._instantiate()
 
     def begin(self, values: Mapping[str, Value]) -> None:
         """Make sure that all FMUs have an instance, and give them start values for a new run."""
         if values.keys() != self._settings.names:
-            self._attach(self._new_settings(values))
+            self._attach_settings(values)
         self._settings.fill(values)
         self._instantiate()
         self.run.next_change = 0
@@ -141,13 +126,11 @@ class Instances:
         version = self._components[name].version
         return StateAccess(name, version, self.libraries[name], instance, self._mark_fatal)
 
-    def _new_settings(self, names: Iterable[str]) -> Settings:
-        return Settings(self.plan.spec.system, names, self.libraries, self.general)
-
-    def _attach(self, settings: Settings) -> None:
-        self._settings = settings
+    def _attach_settings(self, names: Iterable[str]) -> None:
+        system = self.plan.spec.system
+        self._settings = Settings(system, names, self.libraries, self.general)
         for name, slot in self.slots.items():
-            settings.attach(name, slot)
+            self._settings.attach(name, slot)
 
     def _instantiate(self) -> None:
         """Make sure that all FMUs have an instance; a run that failed may have lost some."""
@@ -202,7 +185,6 @@ class Instances:
         self.ready = False
 
     def _mark_fatal(self, name: str) -> None:
-        """Take note that an FMU answered fatal."""
         note_fatal(self._components[name].binary)
         self.drop_invalidated()
 
@@ -262,20 +244,15 @@ class Instances:
         if run.status == kernel.FATAL:
             self._mark_fatal(name)
         elif run.status == kernel.PENDING and call == b"fmi2DoStep":
-            self._cancel(name, slot, general)
+            # end a step that goes on by itself, or else leave the instance to it
+            instance = general.c.instance if general else slot.instance
+            cancel = self.libraries[name].function("fmi2CancelStep")
+            if cancel(ctypes.c_void_p(instance)) not in {0, 1}:
+                self._lose(name, slot)
         elif run.call.endswith(b"Reset"):
             self.kernel.forget(run)
             self.kernel.release(slot)
         return SimulationError(message)
-
-    def _cancel(
-        self, name: str, slot: structures.Component, general: GeneralComponent | None
-    ) -> None:
-        """End a step that goes on by itself, or else leave the instance to it."""
-        instance = general.c.instance if general else slot.instance
-        cancel = self.libraries[name].function("fmi2CancelStep")
-        if cancel(ctypes.c_void_p(instance)) not in {0, 1}:
-            self._lose(name, slot)
 
 
 def _message_of(slot: structures.Component, component: Component) -> str:

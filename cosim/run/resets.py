@@ -1,7 +1,5 @@
 """FMUs that a reset does not bring back to their start: each of their runs has a new instance."""
 
-from __future__ import annotations
-
 import logging
 import threading
 from collections.abc import Iterable, Sequence
@@ -11,10 +9,7 @@ from stickslip.cosim.system.system import System
 
 _log = logging.getLogger(__name__)
 _lock = threading.Lock()
-
-lines: dict[Path, str] = {}
-"""What is known in this process: binary -> the line that was logged."""
-
+lines: dict[Path, str] = {}  # what is known in this process: binary -> the line that was logged
 crashed: set[Path] = set()
 """Binaries that crashed or hung when they were used again: each isolated run has a new child."""
 

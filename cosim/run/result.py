@@ -116,31 +116,17 @@ class Result:
         return f"Result({len(self.time)} points: {signals})"
 
     def _repr_html_(self) -> str:
-        """Return the table that a notebook shows."""
         return _summary(self.time, self._all(), self.units, self.stopped)
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self.names)
 
     def plot(self, *names: str, axes: Axes | Sequence[Axes] | None = None) -> list[Axes]:
-        """Draw signals over time with matplotlib, those of one unit in one panel.
+        """Draw signals over time with matplotlib, those of one unit in one panel; return axes.
 
-        Values and time are shown in the SI prefix that makes numbers between 1 and 1000 of them.
-
-        Parameters
-        ----------
-        names : of signals; all by default
-        axes : one for each unit, in the order of the names, or the one; by default those of a new
-            figure
-
-        Returns
-        -------
-        the axes, from top to bottom
-
-        Raises
-        ------
-        KeyError
-            When a signal was not recorded.
+        Values and time are shown in the SI prefix that makes numbers between 1 and 1000 of them. By
+        default all signals are drawn, into a new figure; ``axes`` has one for each unit, in the
+        order of the names. KeyError when a signal was not recorded.
         """
         known = (self._column(name) if isinstance(name, str) else None for name in names)
         columns = [*known] if names else range(len(self.names))
@@ -171,18 +157,10 @@ class Result:
         return {name: self._system.unit(name) for name in self.names}
 
     def frame(self, *, pint: bool = False) -> pd.DataFrame:
-        """Return a table with the time (s) as index; ``attrs["units"]`` holds the units.
+        """Return signals, then strings, by time (s); ``attrs["units"]`` holds the units.
 
-        Variables of type String come after the signals.
-
-        Parameters
-        ----------
-        pint : whether its columns are quantities of Pint
-
-        Raises
-        ------
-        CosimError
-            When pint-pandas is not installed, or Pint does not know a unit.
+        Where ``pint``, columns are quantities of Pint; CosimError when pint-pandas is not
+        installed, or Pint does not know a unit.
         """
         import pandas as pd  # late, for those who start quickly
 
@@ -196,14 +174,13 @@ class Result:
         return frame
 
     def to_xarray(self) -> xr.Dataset:
-        """Return a data set along ``time`` (s); the attribute ``units`` holds the unit of each.
-
-        Raises
-        ------
-        CosimError
-            When xarray is not installed.
-        """
-        return _to_xarray(self.frame())
+        """Return a data set along ``time`` (s) with ``units``; CosimError without xarray."""
+        _library("xarray", "xarray")
+        data: xr.Dataset = self.frame().to_xarray()
+        for name, unit in {"time": "s", **self.units}.items():
+            if unit:
+                data[name].attrs["units"] = unit
+        return data
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
@@ -220,26 +197,14 @@ class Result:
         return atomic_write(Path(path), text.getvalue())
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
-        """Write ``time`` (s) and the signals; units are in the metadata of the columns.
-
-        Raises
-        ------
-        CosimError
-            When pyarrow is not installed.
-        """
+        """Write ``time`` (s) and the signals with their units; CosimError without pyarrow."""
         from stickslip.cosim.signals.tables import write_parquet
 
         write_parquet(Path(path), self.frame(), self.units)
         return Path(path)
 
     def to_excel(self, path: str | os.PathLike[str]) -> Path:
-        """Write ``time`` (s) and the signals into the sheet of a workbook, names in the first row.
-
-        Raises
-        ------
-        CosimError
-            When openpyxl is not installed, or a sheet has not as many rows or columns.
-        """
+        """Write a sheet of ``time`` (s) and the signals; CosimError without room or openpyxl."""
         from stickslip.cosim.signals.tables import write_excel
 
         write_excel(Path(path), self.frame())
@@ -268,7 +233,6 @@ def _draw(
     units: Mapping[str, str | None],
     axes: Axes | Sequence[Axes] | None,
 ) -> list[Axes]:
-    """Draw signals over time, those of one unit in one panel; see ``Result.plot``."""
     panels: dict[str | None, list[str]] = {}
     for name in signals:
         panels.setdefault(units[name], []).append(name)
@@ -312,31 +276,8 @@ def _summary(
     return html_table(("signal", "unit", "least", "greatest", "last"), rows, caption, words=2)
 
 
-def _to_xarray(frame: pd.DataFrame) -> xr.Dataset:
-    """Return a data set along the index; ``frame.attrs["units"]`` are attributes of its variables.
-
-    Raises
-    ------
-    CosimError
-        When xarray is not installed.
-    """
-    _library("xarray", "xarray")
-    data: xr.Dataset = frame.to_xarray()
-    for name, unit in {frame.index.name: "s", **frame.attrs["units"]}.items():
-        if unit:
-            data[name].attrs["units"] = unit
-    return data
-
-
 def with_pint(frame: pd.DataFrame, units: dict[str, Unit | None]) -> pd.DataFrame:
-    """Return a frame with columns of Pint, dimensionless where a signal has no unit.
-
-    Raises
-    ------
-    CosimError
-        When pint-pandas is not installed, or Pint does not know a unit that its FMU does not
-        define either.
-    """
+    """Return a frame with columns of Pint, dimensionless where a signal has no unit."""
     pint = _library("pint", "pint-pandas")
     _library("pint_pandas", "pint-pandas")
     registry = pint.get_application_registry()

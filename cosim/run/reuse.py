@@ -5,8 +5,6 @@ is reset only after runs whose traces a reset has been seen to remove: such a ru
 a reset and gave the same. After any other run the next one has new instances.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Callable, Mapping
 
@@ -25,12 +23,7 @@ _RESUMED = ("begun", "from a state")  # is never known to be removed
 
 
 class Reuse:
-    """Takes FMUs through one run after the other.
-
-    Attributes
-    ----------
-    before_repetition : is called before a run is repeated to see what a reset does
-    """
+    """Takes FMUs through one run after the other; may call ``before_repetition``."""
 
     def __init__(self, stepper: Stepper) -> None:
         self.before_repetition: Callable[[], object] = lambda: None
@@ -50,13 +43,9 @@ class Reuse:
         self._fmus.free()
 
     def renew(self, values: Mapping[str, Value]) -> set[_Trace]:
-        """Make sure that a run with these start values has instances as good as new.
+        """Let a run have instances as good as new; return the traces of what it leaves unset.
 
         Until it comes to its end it counts as failed, so that all are new for the next one.
-
-        Returns
-        -------
-        traces of start values that earlier runs set and this one does not
         """
         unset: set[_Trace] = set()
         if not self._set.keys() <= values.keys():
@@ -76,17 +65,10 @@ class Reuse:
         same_as: object = None,
         resumed: bool = False,
     ) -> Result:
-        """Run with instances that are new, or as good as new.
+        """Run, by ``go``, with instances that are new, or as good as new.
 
-        Parameters
-        ----------
-        values : start values
-        external : (n_steps + 1, number of exposed inputs)
-        go : goes through a run that has begun, for the user or as a repetition
-        repeats : whether the run may be repeated, which takes its time once more
-        same_as : equal for runs that are the same where ``values`` and ``external`` are; None
-            where that is not known
-        resumed : whether ``go`` begins with a saved state
+        It is repeated where ``repeats`` allows that. Runs with equal ``same_as`` are the same where
+        the values and the inputs ``external`` are.
         """
         again, before = bool(self._traces), self._set
         unset = self.renew(values)
@@ -102,20 +84,16 @@ class Reuse:
             earlier = {**before, **values} if unset else {}
             self._repeat(values, earlier, external, go, result, left)
             if same_as is not None and self._deterministic:
-                self._compare_with_first((same_as, values, _digest(external)), result)
+                first = (same_as, values, _digest(external)), _digest_of(result)
+                if self._first and self._first[0] == first[0] and self._first[1] != first[1]:
+                    self._deterministic = False
+                    what = "this run is not the first one again"
+                    resets.declare_erratic(self._system, self._plan.order, what)
         elif self._first is None and same_as is not None:
             self._first = (same_as, dict(values), _digest(external)), _digest_of(result)
         if resumed:
             self._traces.add(_RESUMED)
         return result
-
-    def _compare_with_first(self, settings: object, result: Result) -> None:
-        """Say so where the first instances of all gave something else in the same run."""
-        if self._first and self._first[0] == settings and self._first[1] != _digest_of(result):
-            self._deterministic = False
-            resets.declare_erratic(
-                self._system, self._plan.order, "this run is not the first one again"
-            )
 
     def _renew_for(self, values: Mapping[str, Value], *, everything: bool) -> None:
         """Make sure that no used instance is left but those that a reset serves."""
@@ -130,7 +108,6 @@ class Reuse:
         return self._system.components[name].binary not in resets.lines
 
     def _left_by(self, result: Result) -> set[_Trace]:
-        """Return the traces of the run that was done last."""
         how = "stopped" if result.stopped else "halted" if self._stepper.halted else "finished"
         left = _ENDED[how].copy()
         if self._stepper.changed:
@@ -149,14 +126,7 @@ class Reuse:
         result: Result,
         left: set[_Trace],
     ) -> None:
-        """Do a run again after a reset; note which traces that removes, or who cannot be reset.
-
-        Parameters
-        ----------
-        earlier : start values that the run does not set, and others; to be set before the reset
-        result : of the run, with new instances
-        left : its traces
-        """
+        """Repeat a run after a reset, at first with ``earlier``; note which traces that removes."""
         able = [name for name in self._plan.order if self._can_be_reset(name)]
         if not able:
             return
@@ -198,15 +168,7 @@ class Reuse:
         *,
         same: bool,
     ) -> None:
-        """Say who cannot be reset.
-
-        Parameters
-        ----------
-        after_reset : rows of the run after a reset; the last run had new instances
-        failed : which component failed in it, and the error
-        able : components that were reset
-        same : whether two runs with new instances were the same
-        """
+        """Say who of the ``able`` cannot be reset, by the rows of the run after a reset."""
         found = self._first_difference(after_reset, self._fmus.memory.rows())
         names, what = found or failed or (able, "the results differ")
         if same and set(names) <= set(able):
@@ -226,10 +188,7 @@ class Reuse:
             columns = range(slot.column, slot.column + slot.n_outputs)
             for place, column in enumerate(columns):
                 if differs[row, column]:
-                    signal, t = (
-                        self._plan.layout.outputs[name][place],
-                        self._plan.time[row],
-                    )
+                    signal, t = (self._plan.layout.outputs[name][place], self._plan.time[row])
                     values = f"{after_reset[row, column]:.9g} instead of {new[row, column]:.9g}"
                     return [name], f"{signal} is {values} at t = {t:.9g} s"
         return None

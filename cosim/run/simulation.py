@@ -10,16 +10,15 @@ from typing import NoReturn, Self, TypeVar
 
 import numpy as np
 
-from stickslip.cosim.assembly.memory import Room
 from stickslip.cosim.assembly.plan import Plan
+from stickslip.cosim.assembly.wiring import Room
+from stickslip.cosim.component import component_of
 from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationError
-from stickslip.cosim.fmu.batch import Batch
-from stickslip.cosim.fmu.names import component_of
+from stickslip.cosim.fmu.instance import Batch
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.checkpoint import Checkpoint, differences, identity, put_back, taken
-from stickslip.cosim.run.exclusive import Exclusive
+from stickslip.cosim.run.guards import Exclusive, RealTimePacing
 from stickslip.cosim.run.instances import Instances
-from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.reuse import Reuse
 from stickslip.cosim.run.stepping import Discarded, NotReset, Stepper
@@ -122,12 +121,10 @@ class Simulation:
 
         Raises
         ------
-        ParameterError, SignalError
-            Before anything is run.
-        SharedSimulation
-            When it runs already, in another thread or from its own progress function.
-        SimulationError
-            When an FMU fails or gives a value that is not finite; the simulation can run again.
+        ParameterError, SignalError : Before anything is run
+        SharedSimulation : when it runs already, in another thread or from its own progress function
+        SimulationError : when an FMU fails or gives a value that is not finite; the simulation can
+            run again
 
         An FMU may ask to end a run: the result is then shorter, and its ``stopped`` says so.
         """
@@ -156,19 +153,9 @@ class Simulation:
     ) -> dict[str, float]:
         """Begin a run by steps: reset, set start values and inputs, initialise.
 
-        Parameters
-        ----------
-        parameters : ``component.variable`` -> start value for this run only
-        inputs : exposed input -> value; one left out has the start value of its first target
-
-        Returns
-        -------
-        name -> value at the start, of the signals to record but for exposed inputs
-
-        Raises
-        ------
-        ParameterError, SignalError, SharedSimulation, SimulationError
-            As ``run``.
+        Parameters and errors are those of ``run``; an input left out has the start value of its
+        first target. Returns name -> value at the start, of the signals to record but for exposed
+        inputs.
         """
         values = self._plan.start_values(by_name("parameters", parameters, ParameterError))
 
@@ -183,24 +170,15 @@ class Simulation:
         """Do one communication step of a run that ``start`` has begun.
 
         Nothing of it is kept, so that ``stop`` may be far away with ``Record(keep="last")``. The
-        results are those of a whole run, bit for bit, whose inputs hold over each step.
-
-        Parameters
-        ----------
-        inputs : exposed input -> value over this step; one left out keeps the value it has
-
-        Returns
-        -------
-        name -> value at the end of the step, of the signals to record but for exposed inputs
+        results are those of a whole run, bit for bit, whose inputs hold over each step. An input
+        left out keeps the value it has. Returns name -> value at the end of the step, as ``start``
+        does.
 
         Raises
         ------
-        ExperimentError
-            When the run is at its stop.
-        SignalError
-            When there is no such input, or it cannot have such a value; the run can go on.
-        SimulationError
-            When ``start`` was not called, or an FMU fails or asks to end the run.
+        ExperimentError : the run is at its stop
+        SignalError : there is no such input, or it cannot have such a value; the run can go on
+        SimulationError : ``start`` was not called, or an FMU fails or asks to end the run
         """
         with self._exclusive:
             try:
@@ -213,10 +191,7 @@ class Simulation:
                 ) from None
 
     def _with_retries(self, attempt: Callable[[], T]) -> T:
-        """Run; again, and with more care, where an FMU discards a step that it can take back.
-
-        Where a reset fails, the run is done with a new instance.
-        """
+        """Run; again, with more care or new instances, where a discarded step or a reset allows."""
         while True:
             try:
                 return attempt()
@@ -244,13 +219,9 @@ class Simulation:
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the state that the last run halted in to a file, for ``resume``; return the path.
 
-        Raises
-        ------
-        SimulationError
-            When no run was halted by ``until``, or an FMU cannot give its state away.
-
         A resumed run equals the uninterrupted one bit for bit, but for Model Exchange: its solver
-        is initialised again, so that the two agree within its tolerance.
+        is initialised again, so that the two agree within its tolerance. It is a SimulationError
+        when no run was halted by ``until``, or an FMU cannot give its state away.
         """
         with self._exclusive:
             if not self._stepper.halted:
@@ -273,9 +244,8 @@ class Simulation:
 
         Raises
         ------
-        SimulationError
-            Also when the state is of another system (FMU files, connections, start values), step,
-            start, coupling or record; the first differences are named.
+        SimulationError : Also when the state is of another system (FMU files, connections, start
+            values), step, start, coupling or record; the first differences are named
         """
         checkpoint = Checkpoint.read(path)
         if difference := differences(checkpoint.identity, identity(self._plan)):
@@ -307,17 +277,10 @@ class Simulation:
             return self._with_retries(attempt)
 
     def learned(self) -> dict[str, float]:
-        """Return what the components have learned in the last run.
+        """Return what the components have learned in the last run: parameter -> start value.
 
-        Returns
-        -------
-        ``component.parameter`` -> start value, with which ``run`` of this or another simulation
-        goes on from it. FMUs say in an annotation what they learn; others learn nothing.
-
-        Raises
-        ------
-        SimulationError
-            When nothing was run, or an FMU refuses.
+        With these ``run`` of this or another simulation goes on from it. FMUs say in an annotation
+        what they learn; others learn nothing. The errors are those of `values`.
         """
         names = {
             f"{name}.{parameter}": f"{name}.{variable}"
@@ -327,30 +290,18 @@ class Simulation:
         return dict(zip(names, self.values(list(names.values())), strict=True))
 
     def values(self, names: Sequence[str]) -> list[float]:
-        """Return the values that numbers and Booleans have at the end of the last run.
-
-        Parameters
-        ----------
-        names : ``component.variable``, parameters included
+        """Return the values that variables, parameters included, have at the end of the last run.
 
         Raises
         ------
-        ParameterError
-            When there is no such variable, or it is no number.
-        SimulationError
-            When nothing was run, or an FMU refuses.
+        ParameterError : there is no such variable, or it is no number
+        SimulationError : nothing was run, or an FMU refuses
         """
         with self._exclusive:
             return [self._value(name) for name in names]
 
     def close(self) -> None:
-        """Free the FMUs. A closed simulation instantiates them again when it runs.
-
-        Raises
-        ------
-        SharedSimulation
-            When it runs.
-        """
+        """Free the FMUs, unless it runs (SharedSimulation); another run instantiates them again."""
         if self._exclusive.is_ours:
             with self._exclusive:
                 self._reuse.free()

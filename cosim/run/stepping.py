@@ -10,22 +10,24 @@ from typing import Any
 import numpy as np
 
 from stickslip.cosim import kernel
-from stickslip.cosim.assembly.disturbances import disturb, split, tune
 from stickslip.cosim.assembly.inputs import (
     InputEvents,
     courses,
+    disturb,
     joined,
     put_inputs,
     sample_ends,
     sample_inputs,
+    split,
+    tune,
 )
+from stickslip.cosim.component import component_of
 from stickslip.cosim.errors import ExperimentError, SimulationError
-from stickslip.cosim.fmu.batch import Batch
+from stickslip.cosim.fmu.instance import Batch
 from stickslip.cosim.fmu.library import Library
-from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.kernel import structures
+from stickslip.cosim.run.guards import RealTimePacing
 from stickslip.cosim.run.instances import Instances
-from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Array, Input, Table
@@ -54,17 +56,9 @@ class NotReset(SimulationError):
 
 
 class Stepper:
-    """Takes FMUs through a run.
+    """Takes FMUs through a run: by `follow`, `begin`, `go` and `advance`, or `start` and `step`.
 
-    The order of calls is `follow` and `begin`, then `go` and `advance` to points in time; or
-    `start`, then `step` for each step.
-
-    Attributes
-    ----------
-    fmus : Instances
-    halted : whether the run can go on
-    starts : start values of the run
-    changed : parameters that its scenario changes
+    It has the start values of the run, and the names of parameters that its scenario changes.
     """
 
     def __init__(self, fmus: Instances) -> None:
@@ -179,15 +173,7 @@ class Stepper:
         return self._stepped(0)
 
     def step(self, inputs: Mapping[str, float]) -> dict[str, float]:
-        """Do one step of a run by steps; return the outputs at its end.
-
-        Raises
-        ------
-        ExperimentError
-            When the run is at its end.
-        SimulationError
-            When there is no such run, or an FMU fails or ends it.
-        """
+        """Do one step of a run by steps; return the outputs at its end."""
         done = self.fmus.run.done
         self.fmus.drop_invalidated()
         if not (self._by_steps and self.fmus.ready):
@@ -288,10 +274,10 @@ class Stepper:
         return None
 
     def _ended(self, end: tuple[float, str], first: int) -> Result:
-        """Return what there is of a run from a step on that an FMU ended.
+        """Return the partial result, from a step on, of a run that an FMU ended.
 
-        In the last row it has its last outputs, and all others have those of the row before. That
-        row is left out where the FMU did not come further.
+        In the last row, which is left out where the FMU came no further, only that FMU's outputs
+        are new.
         """
         fmus, run = self.fmus, self.fmus.run
         name = self.plan.order[run.failed]
@@ -308,7 +294,6 @@ class Stepper:
         return self._result(time, values, f"{name}: {reason} at t = {time_reached:.9g} s")
 
     def _new_texts(self) -> Texts:
-        """Return what reads the strings to record."""
         names: dict[str, list[str]] = {}
         for name in self.plan.layout.texts:
             names.setdefault(component_of(name), []).append(name)
@@ -345,12 +330,7 @@ _MOST = 10_000_000  # characters of a run
 
 
 class Texts:
-    """Reads strings at points in time and keeps those that differ from the ones before.
-
-    Parameters
-    ----------
-    batches : names of the variables, room for them and the function that reads it
-    """
+    """Reads strings at points in time and keeps those that differ from the ones before."""
 
     def __init__(
         self, batches: Sequence[tuple[Sequence[str], Batch, Callable[[Batch], None]]]
@@ -362,13 +342,7 @@ class Texts:
         }
 
     def note(self, time: float) -> None:
-        """Read all strings at a point in time (s).
-
-        Raises
-        ------
-        SimulationError
-            When an FMU refuses, or the strings of the run are too long to be kept.
-        """
+        """Read all strings at a point in time (s)."""
         for names, batch, read in self._batches:
             read(batch)
             for name, value in zip(names, batch.values, strict=True):

@@ -1,7 +1,5 @@
 """Columns of numbers over time from untrusted CSV files."""
 
-from __future__ import annotations
-
 import csv
 import io
 from array import array
@@ -19,20 +17,12 @@ from stickslip.fmi.files import read_limited
 from stickslip.fmi.messages import printable, shown
 
 Array = NDArray[np.float64]
-
 MOST_BYTES = 1 << 28
-LONGEST = 1 << 20
-"""Characters of a line."""
+LONGEST = 1 << 20  # characters of a line
 
 
 def read_columns(path: Path) -> dict[str, Array]:
-    """Return the columns (n,) of a file by name, ``time`` [s] among them, which never falls.
-
-    Raises
-    ------
-    SignalError
-        When the file cannot be read or holds something else; names the line.
-    """
+    """Return the columns (n,) of a CSV file by name, with ``time`` [s], which never falls."""
     try:
         data = read_limited(path, MOST_BYTES)
     except OSError as fault:
@@ -41,17 +31,7 @@ def read_columns(path: Path) -> dict[str, Array]:
 
 
 def parse_columns(data: bytes, label: str) -> dict[str, Array]:
-    """Return the columns (n,) of a CSV file by name, as ``read_columns`` does.
-
-    Parameters
-    ----------
-    data : what the file holds
-    label : what messages call it
-
-    Raises
-    ------
-    SignalError
-    """
+    """Return the columns (n,) of a CSV file by name, as ``read_columns`` does."""
     try:
         rows = csv.reader(_lines(data.decode("utf-8-sig"), label))
         names = [name.strip() for name in next(rows, [])]

@@ -5,36 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
 from stickslip.cosim.errors import SignalError
-from stickslip.cosim.signals.signals import Array, Input, ends_of, sampled, shifted
-from stickslip.cosim.signals.span import Span
+from stickslip.cosim.signals.signals import Array, Input, Span, ends_of, sampled, shifted
 
 
 @dataclass(frozen=True)
 class Disturbance:
-    """What happens to one signal: value = keep * value + add at the points in time of a run.
+    """What happens to one signal: value = keep * value + add at the n points in time of a run.
 
-    Attributes
-    ----------
-    keep : (n,) NaN where the signal sticks: value = the one of the last point at which it was
-        free + add
-    add : (n,)
-    ends : (n,) what ``add`` is at the end of the step before each point; another where the signal
-        jumps. ``keep`` is that of the begin of the step
+    Where ``keep`` is NaN the signal sticks: value = that of the last point at which it was free +
+    add. ``ends`` is what ``add`` is at the end of the step before each point.
     """
 
     keep: Array
     add: Array
     ends: Array
-
-    @classmethod
-    def of(cls, n: int) -> Disturbance:
-        """Return one that changes nothing."""
-        return cls(np.ones(n), np.zeros(n), np.zeros(n))
 
     def at_points(self, values: Array) -> Array:
         """Return a signal, (n,), as it is changed at the points in time."""
@@ -43,12 +31,7 @@ class Disturbance:
         return result
 
     def at_ends(self, ends: Array, values: Array) -> Array:
-        """Return a signal as it is changed at the ends of the steps before the points, (n,).
-
-        Parameters
-        ----------
-        ends, values : (n,) the signal there, and at the points
-        """
+        """Return a signal as it is changed at the ends of the steps before the points, (n,)."""
         keep, held = shifted(self.keep), shifted(self._held(values))
         result: Array = np.where(np.isnan(keep), held, keep * ends) + self.ends
         return result
@@ -72,13 +55,6 @@ class Disturbance:
 
 
 Tables = Mapping[str, Disturbance]
-
-
-class Event(Protocol):
-    """One thing that happens to a signal."""
-
-    def apply(self, time: Array, table: Disturbance) -> None:
-        """Change a table in place where it happens."""
 
 
 @dataclass(frozen=True)
@@ -105,10 +81,12 @@ class _Offset(_Override):
 
 
 @dataclass(frozen=True)
-class _Reset(Span):
+class _Keep(Span):
+    keep: float
+
     def apply(self, time: Array, table: Disturbance) -> None:
         here = self.covers(time)
-        table.keep[here], table.add[here] = 1.0, 0.0
+        table.keep[here], table.add[here] = self.keep, 0.0
         table.ends[shifted(here)] = 0.0
 
 
@@ -125,12 +103,7 @@ class _Noise(Span):
         table.ends[here] += noise[here]
 
 
-@dataclass(frozen=True)
-class _Stuck(Span):
-    def apply(self, time: Array, table: Disturbance) -> None:
-        here = self.covers(time)
-        table.keep[here], table.add[here] = math.nan, 0.0
-        table.ends[shifted(here)] = 0.0
+Event = _Override | _Keep | _Noise
 
 
 @dataclass(frozen=True)
@@ -169,7 +142,7 @@ class Scenario:
 
     def reset(self, name: str, at: float) -> Scenario:
         """End what the methods called before this one do to a signal or parameter."""
-        return self._with(name, _Reset(at, math.inf))
+        return self._with(name, _Keep(at, math.inf, 1.0))
 
     def add_noise(
         self,
@@ -189,19 +162,14 @@ class Scenario:
 
     def stick(self, name: str, begin: float, end: float = math.inf) -> Scenario:
         """Let a signal keep the value that it had a step before ``begin``."""
-        return self._with(name, _Stuck(begin, end))
+        return self._with(name, _Keep(begin, end, math.nan))
 
     def tables(self, time: Array) -> Tables:
-        """Return what happens at the times (n,) in s.
-
-        Raises
-        ------
-        SignalError
-            When a value is not finite.
-        """
+        """Return what happens at the times (n,) in s; SignalError where it is not finite."""
         tables: dict[str, Disturbance] = {}
         for name, event in self.events:
-            table = tables.setdefault(name, Disturbance.of(len(time)))
+            n = len(time)
+            table = tables.setdefault(name, Disturbance(np.ones(n), np.zeros(n), np.zeros(n)))
             with np.errstate(over="ignore"):
                 event.apply(time, table)
             if not np.isfinite([table.add, table.ends]).all():

@@ -1,4 +1,4 @@
-"""Signals over time for the exposed inputs of a system."""
+"""Signals over time for the exposed inputs of a system, and spans of time."""
 
 from __future__ import annotations
 
@@ -14,8 +14,35 @@ from numpy.typing import NDArray
 
 from stickslip.cosim.errors import SignalError
 from stickslip.cosim.signals.csv_columns import read_columns
-from stickslip.cosim.signals.span import slack
 from stickslip.fmi.messages import printable, suggestion
+
+
+def slack(t: Any, step: float) -> Any:
+    """Return how far from times t (s) another may lie that is meant to be the same, in s.
+
+    A millionth of the step of the run, or the next number that a computer has: at large times, such
+    as those of a clock that counts from 1970, that is more.
+    """
+    return 1e-6 * step + np.spacing(np.abs(t))
+
+
+@dataclass(frozen=True)
+class Span:
+    """From ``begin`` up to, not including, ``end`` (s)."""
+
+    begin: float
+    end: float
+
+    def __post_init__(self) -> None:
+        if not self.begin < self.end:
+            raise SignalError(f"from {self.begin} s to {self.end} s: expected begin before end")
+
+    def covers(self, time: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return which of the points in time (n,) of a run lie in it, (n,)."""
+        near: NDArray[np.float64]
+        near = slack(time, float(time[-1] - time[0]) / max(1, len(time) - 1))
+        return (time >= self.begin - near) & (time < self.end - near)
+
 
 Array = NDArray[np.float64]
 
@@ -43,8 +70,7 @@ class SineSweep:
 
     Raises
     ------
-    SignalError
-        When one is not finite, the duration not positive, or a range not two numbers.
+    SignalError : when one is not finite, the duration not positive, or a range not two numbers
     """
 
     frequency: tuple[float, float]
@@ -82,8 +108,7 @@ class Trapezoid:
 
     Raises
     ------
-    SignalError
-        When one is not finite, the slope not positive, or the plateau negative.
+    SignalError : when one is not finite, the slope not positive, or the plateau negative
     """
 
     height: float
@@ -145,13 +170,7 @@ class Table:
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str], column: str | None = None) -> Self:
-        """Read one column of a CSV file that has a column ``time`` (s).
-
-        Raises
-        ------
-        SignalError
-            When the file cannot be read, or ``column`` is missing or not the only one.
-        """
+        """Read one column, or the only one, of a CSV file with ``time`` (s); SignalError else."""
         tables = cls.all_from_csv(path)
         if column is None and len(tables) == 1:
             return next(iter(tables.values()))
@@ -162,12 +181,7 @@ class Table:
 
     @classmethod
     def all_from_csv(cls, path: str | os.PathLike[str]) -> dict[str, Self]:
-        """Read every column of a CSV file that has a column ``time`` (s), by name.
-
-        Raises
-        ------
-        SignalError
-        """
+        """Read every column, by name, of a CSV file with ``time`` (s), or raise SignalError."""
         columns = read_columns(Path(path))
         time = columns.pop("time")
         return {name: cls(time, column) for name, column in columns.items()}
@@ -184,13 +198,13 @@ class Table:
         np.divide(t1 - t, t1 - t0, out=share, where=t1 > t0)
         share = np.clip(share, 0.0, 1.0)
         line = share * self.values[right - 1] + (1 - share) * self.values[right]
-        last = np.searchsorted(self.time, t + _slack(t), side="right") - 1
+        last = np.searchsorted(self.time, t + _slack_of(t), side="right") - 1
         jumps = (self.time[last] > t) & (self.time[np.maximum(last - 1, 0)] == self.time[last])
         return np.where((self.time[last] == t) | jumps, self.values[last], line)
 
     def hold(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) in s where each holds until the next."""
-        last = np.searchsorted(self.time, t + _slack(t), side="right") - 1
+        last = np.searchsorted(self.time, t + _slack_of(t), side="right") - 1
         return self.values[np.maximum(last, 0)]
 
     def before(self, t: Array) -> Array:
@@ -217,8 +231,7 @@ def _numbers(signal: object, *given: Any) -> Array:
     return numbers
 
 
-def _slack(t: Array) -> Array:
-    """Return how far from the times t (s) another may lie that is meant to be the same, in s."""
+def _slack_of(t: Array) -> Array:
     steps = np.abs(np.diff(np.ravel(t)))
     near: Array = slack(t, float(steps.min()) if steps.size else 0.0)
     return near
@@ -237,13 +250,7 @@ def shifted(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def sampled(name: str, signal: Input, time: Array) -> Array:
-    """Return an input over time, (n,) or a single value for all times.
-
-    Raises
-    ------
-    SignalError
-        When it has the wrong shape, is not finite or holds no numbers.
-    """
+    """Return an input over time, (n,) or a single value for all times, or raise SignalError."""
     if hasattr(signal, "columns"):
         raise SignalError(
             f"input {name!r}: expected a signal, a series, a function, an array or a number, got a"
@@ -283,11 +290,6 @@ def _evaluated(name: str, function: Callable[[Any], Any], time: Array) -> Any:
 
     Only an array of n values is taken for those of all times. A single value may be of a function
     that ignores the time, and of one that looks up, or averages over, what it takes for one time.
-
-    Raises
-    ------
-    SignalError
-        When it raises, or returns no number, for one time.
     """
     try:
         values = function(time.copy())
@@ -310,13 +312,7 @@ def _evaluated(name: str, function: Callable[[Any], Any], time: Array) -> Any:
 
 
 def _number(name: str, t: float, value: Any) -> float:
-    """Return what a function returned at the time t [s], alone or in a list or array, as a number.
-
-    Raises
-    ------
-    SignalError
-        When it is none.
-    """
+    """Return what a function returned at t [s], alone or in a list or array, as a number."""
     try:
         array = isinstance(value, list | tuple | np.ndarray)
         return float(np.asarray(value).item() if array else value)

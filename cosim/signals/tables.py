@@ -1,18 +1,20 @@
-"""Tables of inputs from files and data frames, and results into Parquet files."""
+"""Tables of inputs from files and data frames, and results into files."""
 
 from __future__ import annotations
 
 import io
 import os
+import re
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.cosim.errors import CosimError, SignalError
-from stickslip.cosim.signals.parquet import MOST_BYTES, Unreadable, read_columns
 from stickslip.cosim.signals.signals import Array, Input, Table
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write, read_limited
@@ -20,6 +22,7 @@ from stickslip.fmi.messages import printable, shown
 
 if TYPE_CHECKING:
     import pandas as pd
+
 
 Inputs: TypeAlias = "Mapping[str, Input] | pd.DataFrame"
 """Signals by input, or a data frame with a column of each over time [s]."""
@@ -41,8 +44,7 @@ def read_tables(
 
     Raises
     ------
-    SignalError
-        When the file cannot be read, or contains a value that is not a number.
+    SignalError : when the file cannot be read, or contains a value that is not a number
     """
     tables = _read(source)
     names = {name: {name, name.partition("[")[0]} for name in tables}  # also of a cell's array
@@ -56,13 +58,7 @@ def read_tables(
 
 
 def write_parquet(path: Path, frame: pd.DataFrame, units: Mapping[str, str | None]) -> None:
-    """Write a frame, its index as the first column; units go into the metadata of the columns.
-
-    Raises
-    ------
-    CosimError
-        When pyarrow is not installed.
-    """
+    """Write a frame, its index as the first column; units go into the metadata of the columns."""
     arrow = _arrow(CosimError, path)
     table = arrow.Table.from_pandas(frame.reset_index(), preserve_index=False)
     known = {frame.index.name: "s"} | dict(units)
@@ -79,13 +75,7 @@ def write_parquet(path: Path, frame: pd.DataFrame, units: Mapping[str, str | Non
 
 
 def write_excel(path: Path, frame: pd.DataFrame) -> None:
-    """Write a frame, its index as the first column, into the sheet of a workbook.
-
-    Raises
-    ------
-    CosimError
-        When openpyxl is not installed, or a sheet has not as many rows or columns.
-    """
+    """Write a frame, its index as the first column, into the sheet of a workbook."""
     if len(frame) >= _SHEET[0] or len(frame.columns) >= _SHEET[1]:
         raise CosimError(
             f"{path}: a sheet of Excel has {_SHEET[0]} rows and {_SHEET[1]} columns, the result"
@@ -113,7 +103,7 @@ def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
         return Table.all_from_csv(path)
     _arrow(SignalError, path)
     try:
-        columns = read_columns(read_limited(path, MOST_BYTES))
+        columns = read_parquet(read_limited(path, MOST_BYTES))
     except OSError as fault:
         raise SignalError(f"{path}: cannot be read: {fault.strerror}") from fault
     except Unreadable as fault:
@@ -127,13 +117,7 @@ def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
 
 
 def signals_of(inputs: Inputs | None) -> dict[str, Input]:
-    """Return signals by input; a data frame and each series of pandas become tables.
-
-    Raises
-    ------
-    SignalError
-        When the index or a column ``time`` of a frame or series does not hold times.
-    """
+    """Return signals by input, of pandas as tables; SignalError where an index is not times."""
     if not isinstance(inputs, Mapping | None) and hasattr(inputs, "columns"):
         return dict(_from_frame(inputs, "the data frame"))
     also = ", such as read_tables returns of a file, or a data frame"
@@ -201,3 +185,73 @@ def _arrow(error: type[CosimError], path: Path) -> ModuleType | Any:
             f"{path}: Parquet files need pyarrow; install it with pip install 'stickslip[parquet]'"
         ) from None
     return pyarrow
+
+
+MOST_BYTES = 1 << 30
+MOST_VALUES = 100_000_000
+_INDEX = re.compile(r"__index_level_\d+__")  # of a frame, which pandas stores as a column
+
+
+class Unreadable(ValueError):
+    """The bytes are not a Parquet file of columns; the message does not name the file."""
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """A column: its type, numbers (n,) with nan where there is none, and the unit of times."""
+
+    kind: str
+    numbers: NDArray[np.float64] | None = None
+    unit: str | None = None
+
+
+def read_parquet(data: bytes) -> dict[str, Column]:
+    """Return the columns of a file by name."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        file = pq.ParquetFile(io.BytesIO(data))
+        schema = file.schema_arrow
+        names = [name for name in schema.names if not _INDEX.fullmatch(name)]
+        kinds = {name: schema.field(name).type for name in names if names.count(name) == 1}
+        wanted = [name for name, kind in kinds.items() if _holds_numbers(pa, kind)]
+        rows, size = file.metadata.num_rows, _unpacked(file.metadata)
+        if rows * max(1, len(wanted)) > MOST_VALUES or size > 8 * MOST_BYTES:
+            raise Unreadable(f"{rows} rows of {len(wanted)} columns; at most {MOST_VALUES} values")
+        table = file.read(columns=wanted, use_threads=False)
+        if twice := [name for name in names if name not in kinds]:
+            raise Unreadable(f"two columns {shown(twice[0])}")
+        if table.column_names != wanted or len(table) != rows:
+            raise Unreadable("its parts contradict each other")
+        return {
+            name: _column(pa, kind, table[name]) if name in wanted else Column(str(kind))
+            for name, kind in kinds.items()
+        }
+    except (pa.ArrowException, OSError, ValueError, KeyError, OverflowError) as fault:
+        raise Unreadable(printable(" ".join(str(fault).split()))) from None
+
+
+def _holds_numbers(pa: Any, kind: Any) -> bool:
+    is_time = pa.types.is_timestamp(kind) or pa.types.is_duration(kind)
+    return bool(pa.types.is_primitive(kind)) and bool(
+        is_time
+        or pa.types.is_integer(kind)
+        or pa.types.is_floating(kind)
+        or pa.types.is_boolean(kind)
+    )
+
+
+def _unpacked(metadata: Any) -> int:
+    """Return how large the pages are when they are unpacked, by the file's own account."""
+    return sum(metadata.row_group(k).total_byte_size for k in range(metadata.num_row_groups))
+
+
+def _column(pa: Any, kind: Any, values: Any) -> Column:
+    unit = None
+    if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
+        values, unit = values.cast(pa.int64()), kind.unit
+    elif pa.types.is_boolean(kind):
+        values = values.cast(pa.int8())
+    with np.errstate(invalid="ignore"):  # odd kinds of NaN
+        return Column(str(kind), np.asarray(values.to_numpy(), dtype=np.float64), unit)

@@ -1,7 +1,5 @@
 """Writes start values of a system that differ from those of its package."""
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Mapping
 from pathlib import Path as File
@@ -9,14 +7,23 @@ from typing import Any
 
 from lxml import etree
 
+from stickslip.cosim.component import component_of, variable_of
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.fmu.names import component_of, variable_of
-from stickslip.cosim.ssp.compose import add, add_units, group, new_root, text_of
 from stickslip.cosim.ssp.edit import Editor
-from stickslip.cosim.ssp.markup import local
-from stickslip.cosim.ssp.members import Members, file_name, free_name
-from stickslip.cosim.ssp.names import path_of, tag
-from stickslip.cosim.ssp.parameters import read_parameters
+from stickslip.cosim.ssp.markup import (
+    Members,
+    add,
+    add_units,
+    file_name,
+    free_name,
+    group,
+    local,
+    new_root,
+    path_of,
+    tag,
+    text_of,
+)
+from stickslip.cosim.ssp.read import read_parameters
 from stickslip.cosim.system.system import Origin, System
 from stickslip.fmi.description.variables import Value, Variable
 
@@ -64,11 +71,7 @@ def _changed_values(before: System, system: System) -> dict[str, Value]:
 
 
 def _change_in_place(
-    editor: Editor,
-    given: tuple[Value, Any],
-    value: Value,
-    members: Members,
-    package: Origin | None,
+    editor: Editor, given: tuple[Value, Any], value: Value, members: Members, package: Origin | None
 ) -> bool:
     """Change a value where it is written, if no mapping or scaling changes it on the way."""
     arrives, element = given
@@ -99,7 +102,6 @@ def _bind(
     members: Members,
     file: str,
 ) -> None:
-    """Bind values to a component."""
     node = editor.graph.nodes[path_of(name)]
     if node.document is not editor.document:
         _bind_on_top(editor, system, {f"{name}.{v}": x for v, x in values.items()}, members)

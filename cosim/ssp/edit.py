@@ -1,17 +1,22 @@
 """Changes an SSP description: components, connections across nested systems, connectors."""
 
-from __future__ import annotations
-
 from itertools import takewhile
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.ssp.compose import add, add_connector, add_units, discard, group
-from stickslip.cosim.ssp.connectors import Connector
+from stickslip.cosim.ssp.connectors import Connector, add_transformation
 from stickslip.cosim.ssp.graph import Edge, End, Graph
-from stickslip.cosim.ssp.names import FMU, Path, component
+from stickslip.cosim.ssp.markup import (
+    FMU,
+    Path,
+    add,
+    add_connector,
+    add_units,
+    component,
+    discard,
+    group,
+)
 from stickslip.cosim.ssp.structure import Node
-from stickslip.cosim.ssp.transformation import add_transformation
 from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable
@@ -20,14 +25,7 @@ _TEXTS = {"String", "Binary"}
 
 
 class Editor:
-    """A description being changed; the tree and the graph are changed together.
-
-    Attributes
-    ----------
-    graph : of the description
-    document : of the outermost system
-    has_arrays, has_clocks : whether the version of SSP has these
-    """
+    """A description, or ``document``, being changed; the tree and the graph change together."""
 
     def __init__(self, graph: Graph, version: str) -> None:
         self.graph, self.document = graph, graph.nodes[()].document
@@ -165,7 +163,6 @@ class Editor:
     def _declare(
         self, end: End, kind: str = "", like: End | None = None, unit: Unit | None = None
     ) -> None:
-        """Make sure that an end has a connector."""
         path, name = end
         node = self.graph.nodes[path]
         if self.graph.connector(end):

@@ -1,7 +1,5 @@
 """Connections across the borders of nested systems and through signal dictionaries."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -11,11 +9,9 @@ from typing import Any
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.ssp.connectors import Connector, Items
-from stickslip.cosim.ssp.markup import attribute, place, truth
-from stickslip.cosim.ssp.names import NAMESPACES, Path, component
+from stickslip.cosim.ssp.connectors import Connector, Items, check_types, transform_of
+from stickslip.cosim.ssp.markup import NAMESPACES, Path, attribute, component, place, truth
 from stickslip.cosim.ssp.structure import Node
-from stickslip.cosim.ssp.transformation import check_types, transform_of
 from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link, Scaling, Transform, conversion
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import FAMILY, Variable, converts, parse_element
@@ -29,10 +25,8 @@ An element of an array is called ``name[i,j]``, counted from 1.
 
 _GIVES = {"output", "calculatedParameter", "local", "constant"}
 _TAKES = {"input", "parameter", "structuralParameter"}
-
 Shape = tuple[int, ...]
 MOST_ELEMENTS = 1_000_000
-
 _PARAMETERS = {"parameter", "structuralParameter", "calculatedParameter", "constant"}
 
 
@@ -209,7 +203,6 @@ class Graph:
         return child.path, name + at
 
     def _check_declared(self, end: End, element: Any) -> None:
-        """Check the declaration of a connector against the variable of the FMU."""
         variable, connector = self.variable(end), self.connector(end)
         if variable is None or connector is None:
             return
@@ -293,8 +286,12 @@ def label(end: End) -> str:
 
 def expand(graph: Graph) -> None:
     """Replace each connection of whole arrays (SSP 2.0) by connections of their elements."""
-    signals = [edge for edge in graph.edges.values() if not _is_parameter(graph, edge.target)]
-    shapes = [(edge, _shape_at(graph, edge)) for edge in signals]
+    shapes = []
+    for edge in graph.edges.values():
+        variable, connector = graph.variable(edge.target), graph.connector(edge.target)
+        kind = variable.causality if variable else connector and connector.kind
+        if kind not in _PARAMETERS:
+            shapes.append((edge, _shape_at(graph, edge)))
     for edge, shape in shapes:
         if not shape:
             continue
@@ -311,7 +308,6 @@ def expand(graph: Graph) -> None:
 
 
 def _shape_at(graph: Graph, edge: Edge) -> Shape:
-    """Return the dimensions of what a connection carries."""
     source, target = (_shape(graph, end, edge, ()) for end in (edge.source, edge.target))
     if source != target:
         raise SspError(
@@ -349,8 +345,3 @@ def _shape(graph: Graph, end: End, edge: Edge, seen: tuple[End, ...]) -> Shape:
         if other not in seen:
             return _shape(graph, other, edge, (*seen, end))
     raise SspError(f"{place(edge.element)}: the length of the array {label(end)} is not declared")
-
-
-def _is_parameter(graph: Graph, end: End) -> bool:
-    variable, connector = graph.variable(end), graph.connector(end)
-    return (variable.causality if variable else connector and connector.kind) in _PARAMETERS

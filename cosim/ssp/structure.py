@@ -1,7 +1,8 @@
-"""The elements of a system as SSP nests them: systems, components, signal dictionaries."""
+"""The elements of a system as SSP nests them, and the variants in an .ssp file."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path as File
@@ -9,18 +10,25 @@ from typing import Any
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.ssp.connectors import Connector, Definitions, read_connectors, read_entries
-from stickslip.cosim.ssp.markup import attribute, check, find, inside, parse, place
-from stickslip.cosim.ssp.names import (
+from stickslip.cosim.ssp.markup import (
     FMU,
     NAMESPACES,
     NESTED,
     SEPARATOR,
     STRUCTURE,
     Path,
+    attribute,
+    check,
     component,
+    find,
+    inside,
+    parse,
+    place,
     tag,
 )
+from stickslip.cosim.system.system import Origin
 from stickslip.fmi.archive import unpack
+from stickslip.fmi.messages import suggestion
 
 DEEPEST = 16
 MOST_FILES = 1000
@@ -29,16 +37,7 @@ MOST_FILES = 1000
 
 @dataclass(frozen=True)
 class Document:
-    """An .ssd file.
-
-    Attributes
-    ----------
-    file : its path, from which its URIs start
-    top : the unpacked package, which no URI may leave
-    root : SystemStructureDescription
-    definitions : of units and enumerations
-    opened : all files that were read for the same system, in turn
-    """
+    """An .ssd file of an unpacked package, ``top``; ``opened`` has all that were read with it."""
 
     file: File
     top: File
@@ -61,17 +60,9 @@ class Document:
 
 @dataclass
 class Node:
-    """An element and what is in it.
+    """An element as its parent mentions it, and its body: ssd:System of a system, else itself.
 
-    Attributes
-    ----------
-    path : of names
-    document : that ``element`` and ``body`` ... of the same file are written in
-    element : as its parent mentions it
-    body : ssd:System of a system; the element itself otherwise
-    body_document : that the body is written in: another one where the source is a file
-    fmu : of a component
-    dictionary : that a reference refers to
+    Both may be of different documents. A reference names its ``dictionary``.
     """
 
     path: Path
@@ -181,3 +172,42 @@ def _entries(element: Any, document: Document) -> dict[str, Connector]:
         root = find(element, "ssb:SignalDictionary")
         check(root, "ssb")
     return read_entries(root, Definitions.of(root).within(document.definitions))
+
+
+class Package(Origin):
+    """An .ssp file that is unpacked, and the chosen variant."""
+
+    @classmethod
+    def open(cls, path: str | os.PathLike[str], variant: str | None = None) -> Package:
+        """Unpack a file and choose a variant by the name it gives itself, or by its file."""
+        whole = File(path).absolute()
+        package = cls(whole, unpacked(whole))
+        if variant is None:
+            return package
+        named = package.variants()
+        files = {file: file for file in named.values()} | named
+        if variant not in files:
+            raise SspError(f"{whole}: no variant {variant!r}{suggestion(variant, files)}")
+        return cls(whole, package.folder, files[variant])
+
+    def variants(self) -> dict[str, str]:
+        """Return name -> file of each variant, the default one first."""
+        files = sorted(self.folder.glob("*.ssd"), key=lambda file: (file.name != STRUCTURE, file))
+        names: dict[str, str] = {}
+        for file in files:
+            try:
+                name = attribute(parse(file, "ssd"), "name")
+            except SspError as fault:
+                raise SspError(f"{self.path}: {fault}") from fault
+            if name in names:
+                raise SspError(
+                    f"{self.path}: {names[name]} and {file.name} are both called {name!r};"
+                    " choose one by its file"
+                )
+            names[name] = file.name
+        return names
+
+
+def variants(path: str | os.PathLike[str]) -> list[str]:
+    """Return the names of the variants in an .ssp file, the default first, or raise SspError."""
+    return list(Package.open(path).variants())

@@ -14,28 +14,34 @@ from typing import Literal
 
 from lxml import etree
 
+from stickslip.cosim.component import component_of, variable_of
 from stickslip.cosim.errors import CosimError, SspError
-from stickslip.cosim.fmu.names import component_of, variable_of
 from stickslip.cosim.ssp.bindings import edit_parameters
-from stickslip.cosim.ssp.compose import add, group, new_root, text_of
 from stickslip.cosim.ssp.connectors import Definitions
 from stickslip.cosim.ssp.edit import Editor
 from stickslip.cosim.ssp.graph import End, Graph, expand
-from stickslip.cosim.ssp.markup import short, violation
-from stickslip.cosim.ssp.members import Members, file_name, free_name, zipped
-from stickslip.cosim.ssp.names import (
+from stickslip.cosim.ssp.markup import (
     ANNOTATION,
     NAMESPACES,
     OSP,
     ROOTS,
     STRUCTURE,
     VERSIONS,
+    Members,
+    add,
+    file_name,
+    free_name,
+    group,
+    new_root,
     path_of,
+    short,
     tag,
+    text_of,
+    violation,
+    zipped,
 )
-from stickslip.cosim.ssp.package import Package
 from stickslip.cosim.ssp.read import read_experiment, read_package
-from stickslip.cosim.ssp.structure import Document, Node
+from stickslip.cosim.ssp.structure import Document, Node, Package
 from stickslip.cosim.system.scaling import PLAIN, Link, Scaling
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.model import DefaultExperiment
@@ -69,11 +75,9 @@ def write_ssp(
 
     Raises
     ------
-    SspError
-        When an FMU is no longer where it was read from, a nested system that lies in a file of its
-        own would have to be changed, or the version cannot express the package.
-    OSError
-        When the file cannot be written.
+    SspError : when an FMU is no longer where it was read from, a nested system that lies in a file
+        of its own would have to be changed, or the version cannot express the package
+    OSError : when the file cannot be written
     """
     if version not in {None, *VERSIONS}:
         raise SspError(f"version is {version!r}, expected '1.0' or '2.0'")
@@ -274,7 +278,6 @@ def _verify(members: Members, structure: str, system: System) -> None:
 
 
 def _meaning(system: System, parameters: Iterable[str]) -> dict[str, object]:
-    """Return what a package and a system must agree in."""
     scalings = {
         f"the scaling of {target}": system.scaling(source, target)
         for target, source in system.sources().items()

@@ -1,7 +1,5 @@
 """A system as a block diagram in SVG: columns from inputs to outputs, feedback below."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -10,9 +8,7 @@ from stickslip.fmi.messages import escaped
 
 Port = tuple[str, str]
 """Component and variable; of what the system exposes, no component and the name."""
-Wire = tuple[Port, Port]
-"""Source and target."""
-
+Wire = tuple[Port, Port]  # source and target
 _ROW, _HEAD, _LETTER = 15, 34, 6.4  # height of a port and of a title, width of a letter [px]
 _GAP, _APART, _MARGIN, _LANE = 70, 22, 12, 12  # between columns, boxes, and lanes of feedback
 _SWEEPS = 4
@@ -48,12 +44,7 @@ class _Box:
 
 
 def block_diagram(components: Mapping[str, str], wires: Sequence[Wire]) -> str:
-    """Return the diagram as an SVG element in the colour of the text around it.
-
-    Parameters
-    ----------
-    components : name -> what stands below it
-    """
+    """Return the diagram as an SVG element; ``components`` has what stands below each name."""
     boxes = {f"> {port}": _Box(port) for (name, port), _ in wires if not name}
     boxes |= {name: _Box(name, note) for name, note in components.items()}
     boxes |= {f"< {port}": _Box(port) for _, (name, port) in wires if not name}

@@ -1,7 +1,5 @@
 """Which components step together because they depend on each other."""
 
-from __future__ import annotations
-
 import heapq
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -9,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.cosim.component import component_of, variable_of
 from stickslip.cosim.errors import ConnectionFault
-from stickslip.cosim.fmu.names import component_of, variable_of
-from stickslip.cosim.system.coupling import Coupling
+from stickslip.cosim.system.settings import Coupling
 from stickslip.cosim.system.system import System
 
 Connection = tuple[str, str]  # "component.output", "component.input"
@@ -19,13 +17,7 @@ Connection = tuple[str, str]  # "component.output", "component.input"
 
 @dataclass(frozen=True)
 class Group:
-    """Components that step one after the other, as one unit.
-
-    Attributes
-    ----------
-    components : names, in the order in which they step
-    iterated : whether they repeat the step until they agree
-    """
+    """Components in the order in which they step, and whether they do so until they agree."""
 
     components: tuple[str, ...]
     iterated: bool
@@ -123,14 +115,7 @@ def _sorted_groups(names: Sequence[str], edges: Sequence[Connection]) -> list[li
 
 
 def stepping_order(components: Sequence[str], feedthrough: Iterable[Connection]) -> list[str]:
-    """Sort components so that each direct feedthrough is computed before it is read.
-
-    Parameters
-    ----------
-    components : names; ties keep this order
-    feedthrough : the connections whose output depends on an input of its component without delay;
-        they form no loop
-    """
+    """Sort components so that direct feedthrough is computed before it is read."""
     successors: dict[str, set[str]] = {name: set() for name in components}
     for source, target in feedthrough:
         successors[component_of(source)].add(component_of(target))

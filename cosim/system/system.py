@@ -9,18 +9,29 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from stickslip.cosim.component import Component, Interface
+from stickslip.cosim.component import (
+    Component,
+    Interface,
+    check_name,
+    component_of,
+    converted,
+    resized,
+    variable_of,
+)
 from stickslip.cosim.display import html_table
 from stickslip.cosim.errors import ConnectionFault, CosimError, ParameterError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.names import check_name, component_of, variable_of
-from stickslip.cosim.fmu.values import converted, resized
-from stickslip.cosim.system.connections import End, check_connection, pairs, transform
-from stickslip.cosim.system.coupling import Coupling, Method
 from stickslip.cosim.system.drawing import block_diagram
-from stickslip.cosim.system.isolation import Isolated, Isolation
-from stickslip.cosim.system.record import Record
-from stickslip.cosim.system.scaling import PLAIN, Link, Transform
+from stickslip.cosim.system.scaling import (
+    PLAIN,
+    End,
+    Link,
+    Transform,
+    check_connection,
+    pairs,
+    transform,
+)
+from stickslip.cosim.system.settings import Coupling, Isolated, Isolation, Method, Record
 from stickslip.fmi import toolchain
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.description.units import Unit
@@ -31,20 +42,12 @@ if TYPE_CHECKING:
     from stickslip.cosim.run.simulation import Simulation
 
 
-_SHOWN = 12
-"""Start values of a component that a notebook shows."""
+_SHOWN = 12  # start values of a component that a notebook shows
 
 
 @dataclass(frozen=True)
 class Origin:
-    """The SSP package that a system was read from; the folder is named by its content.
-
-    Attributes
-    ----------
-    path : the ``.ssp`` file
-    folder : the folder that it is unpacked in
-    structure : the file in it that describes the chosen variant
-    """
+    """The SSP package of a system, its folder named by its content, and the variant's file."""
 
     path: Path
     folder: Path
@@ -94,7 +97,6 @@ class System:
         return block_diagram({name: part.label for name, part in self.components.items()}, wires)
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: the diagram, and tables of components and connections."""
         values = dict.fromkeys(self.components, "")
         for name in self.components:
             own = [key for key in self.parameters if component_of(key) == name]
@@ -149,16 +151,12 @@ class System:
     def connect(self, source: str, target: str, link: Link = PLAIN) -> None:
         """Connect an output to an input; the value is converted to the unit of the input.
 
-        Parameters
-        ----------
-        source, target : ``component.variable``
-        link : a scaling beyond that of the units, or none of the units
+        ``link`` is a scaling beyond that of the units, or none of the units.
 
         Raises
         ------
-        ConnectionFault
-            When an end does not exist, has the wrong causality or type, measures another quantity
-            than the other end, or the input already has a source.
+        ConnectionFault : an end does not exist, has the wrong causality or type, measures another
+            quantity than the other end, or the input already has a source
         """
         purpose = f"cannot connect {source} to {target}"
         for one, other in pairs(self._end(source, purpose), self._end(target, purpose)):
@@ -177,18 +175,13 @@ class System:
     ) -> None:
         """Make an input of the system and connect it to inputs of components, in their units.
 
-        Parameters
-        ----------
-        name : of the input
-        targets : ``component.variable``
-        unit : of the input; that of the first target by default
-        links : target -> a scaling beyond that of the units, or none of the units
+        Its unit is that of the first target by default. ``links`` give targets a scaling beyond
+        that of the units, or none of the units.
 
         Raises
         ------
-        ConnectionFault
-            When the name is taken, or a target does not exist, is not an input, already has a
-            source, or measures another quantity than the input.
+        ConnectionFault : the name is taken, or a target does not exist, is not an input, already
+            has a source, or measures another quantity than the input
         """
         if fault := check_name(name):
             raise ConnectionFault(f"cannot expose {shown(name)}: {fault}")
@@ -217,8 +210,7 @@ class System:
 
         Raises
         ------
-        ConnectionFault
-            When the name is taken, or ``source`` is not an output of a component.
+        ConnectionFault : the name is taken, or ``source`` is not an output of a component
         """
         if fault := check_name(name):
             raise ConnectionFault(f"cannot expose {shown(name)}: {fault}")
@@ -229,12 +221,11 @@ class System:
         self.outputs[name] = source
 
     def set(self, name: str, value: object) -> None:
-        """Give a variable a start value, in the variable's unit.
+        """Give a variable a start value, in its unit.
 
         Raises
         ------
-        ParameterError
-            When there is no such variable, it cannot be set, or not to this value.
+        ParameterError : there is no such variable, it cannot be set, or not to this value
         """
         checked = self.checked(name, value)
         component, variable = component_of(name), variable_of(name)
@@ -245,22 +236,11 @@ class System:
         self.parameters[name] = checked
 
     def checked(self, name: str, value: object) -> Value:
-        """Return ``value`` as ``set`` would store it.
-
-        Raises
-        ------
-        ParameterError
-        """
+        """Return ``value`` as ``set`` would store it, or raise ParameterError."""
         return converted(self.variable(name, ParameterError), value, name)
 
     def variable(self, name: str, error: type[CosimError] = ConnectionFault) -> Variable:
-        """Return the variable called ``component.variable``.
-
-        Raises
-        ------
-        error
-            When there is none; names that look alike are suggested.
-        """
+        """Return the variable ``component.variable``; the error suggests names that look alike."""
         component, variable = component_of(name), variable_of(name)
         if component not in self.components:
             near = suggestion(component, self.components)
@@ -305,13 +285,7 @@ class System:
         return self.connections | exposed
 
     def fmus(self, purpose: str) -> dict[str, Fmu]:
-        """Return the components for a purpose that only FMUs serve.
-
-        Raises
-        ------
-        ConnectionFault
-            When a component is a Python function.
-        """
+        """Return the components for a purpose that only FMUs serve, else raise ConnectionFault."""
         for name, component in self.components.items():
             if not isinstance(component, Fmu):
                 raise ConnectionFault(
@@ -348,9 +322,7 @@ class System:
         ----------
         step, stop, start : communication step and interval, s
         record : a Record of what to keep, or its names; every output and exposed input by default
-        coupling : a Coupling, or the name of its method: ``gauss_seidel`` steps components in the
-            order of their direct feedthrough, each seeing what was computed before it; ``jacobi``
-            delays every connection by one step; ``iterative`` repeats steps until all agree
+        coupling : a Coupling, or the name of its method
         constant_step : whether the FMUs are given exactly ``step`` as their step size. By
             default they are given the distance of the two points in time (as FMPy does), so that
             point and step size add up exactly
@@ -362,29 +334,16 @@ class System:
             coupled takes less: a tenth of it divided by the number of steps, at least 1e-10, and
             with adaptive steps 1e-5 of their tolerance
         allow_nan : whether outputs may be NaN or infinite. By default such a value ends the run
-        isolation : ``process`` lets the FMUs live in a process of their own, which they may crash;
-            an Isolation says how long and how much memory they may take. ``foreign`` does so on
-            Linux if the binary of an FMU was not compiled by this installation, and all components
-            are FMUs. None keeps all in this process
+        isolation : which systems live in a process of their own, which they may crash, see
+            ``Isolated``; an Isolation says how long and how much memory they may take
 
         Raises
         ------
         ExperimentError, ConnectionFault, FmuError
         """
         kept = record if record is None or isinstance(record, Record) else Record(record).wanted
-        return Specification(
-            self.copy(),
-            step,
-            stop,
-            start,
-            kept,
-            coupling,
-            constant_step,
-            compiled,
-            tolerance,
-            allow_nan,
-            isolation,
-        ).prepare()
+        settings = (coupling, constant_step, compiled, tolerance, allow_nan, isolation)
+        return Specification(self.copy(), step, stop, start, kept, *settings).prepare()
 
     def copy(self) -> Self:
         """Return a system that can be changed without changing this one; FMUs are shared."""
@@ -414,7 +373,6 @@ class System:
 
 
 def _component(name: str, thing: Any, interface: Interface | None) -> Component:
-    """Return what ``System.add`` was given as a component."""
     if isinstance(thing, Fmu) and interface not in (None, thing.interface):
         thing = thing.path
     if isinstance(thing, str | os.PathLike):
@@ -428,9 +386,9 @@ def _component(name: str, thing: Any, interface: Interface | None) -> Component:
 
 @dataclass(frozen=True)
 class Specification:
-    """All settings of a simulation; pickles, so that each worker can prepare its own.
+    """All settings of a simulation, the arguments of ``System.prepare``.
 
-    The fields are the arguments of ``System.prepare``.
+    It pickles, so that each worker can prepare its own.
     """
 
     system: System
@@ -447,13 +405,7 @@ class Specification:
 
     @property
     def limits(self) -> Isolation | None:
-        """The limits of the process that the FMUs have for themselves, None where they have none.
-
-        Raises
-        ------
-        ExperimentError
-            When ``isolation`` is unknown.
-        """
+        """The limits of the process that the FMUs have for themselves; None without one."""
         limits = Isolation.of(self.isolation)
         components = self.system.components.values()
         if self.isolation == "foreign" and (

@@ -8,9 +8,8 @@ from pathlib import Path
 from pkgutil import iter_modules
 
 from stickslip.ga.algorithms.genetic import GeneticAlgorithm
-from stickslip.ga.algorithms.limits import Limits
 from stickslip.ga.algorithms.optimiser import Optimiser
-from stickslip.ga.algorithms.settings import DEFAULT, PRESETS
+from stickslip.ga.algorithms.settings import DEFAULT, PRESETS, Limits
 from stickslip.ga.errors import SettingsError
 from stickslip.ga.problem.problem import Problem
 
@@ -30,12 +29,7 @@ ALGORITHMS = (*sorted(PRESETS), *OTHERS)
 
 
 def optimiser(
-    name: str,
-    problem: Problem,
-    limits: Limits | None = None,
-    seed: int = 0,
-    *,
-    noisy: bool = False,
+    name: str, problem: Problem, limits: Limits | None = None, seed: int = 0, *, noisy: bool = False
 ) -> Optimiser:
     """Return a new optimiser.
 

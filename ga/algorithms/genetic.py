@@ -7,18 +7,13 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from stickslip.ga.algorithms.generation import Candidate, Generation
-from stickslip.ga.algorithms.limits import PROGRESS, Limits
-from stickslip.ga.algorithms.optimiser import Optimiser
-from stickslip.ga.algorithms.settings import DEFAULT, Settings
-from stickslip.ga.arrays import Array
-from stickslip.ga.operators.crossover import CROSSOVERS
-from stickslip.ga.operators.mutation import MUTATIONS
-from stickslip.ga.operators.rates import MutationRate
+from stickslip.ga.algorithms.optimiser import Candidate, Optimiser
+from stickslip.ga.algorithms.settings import DEFAULT, PROGRESS, Limits, Settings
+from stickslip.ga.operators.breeding import CROSSOVERS, MUTATIONS, MutationRate
 from stickslip.ga.operators.surrogates import BRED, Origins, Surrogates
-from stickslip.ga.problem.encoding import Encoding
-from stickslip.ga.problem.problem import Gene, Problem, Repair
+from stickslip.ga.problem.problem import Array, Encoding, Gene, Problem, Repair
 
 COLLAPSED = 1e-3
 """A population whose strings all lie within this of each other has found the bottom of a valley."""
@@ -26,6 +21,67 @@ COLLAPSED = 1e-3
 SETTLED = 6
 """Generations without 1 % of progress that it then has to go on, and as many again to find another
 valley along the genes, before it restarts."""
+
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Generation:
+    """n candidates in order of cost; each cost is the mean of some runs.
+
+    ``strings`` (n, k), 0 to 1, are what the operators work on, ``values`` what was evaluated.
+    """
+
+    strings: Array
+    values: Array
+    costs: Array
+    runs: Array
+
+    @classmethod
+    def once(cls, strings: Array, values: Array, costs: Array) -> Generation:
+        """Return candidates that were evaluated once."""
+        return cls(strings, values, costs, np.ones(len(costs)))
+
+    def candidate(self, row: int) -> Candidate:
+        """Return one of the candidates."""
+        return Candidate(self.values[row].copy(), float(self.costs[row]))
+
+    def ranked(self) -> Generation:
+        """Sort best first; equals keep their order."""
+        order = np.argsort(self.costs, kind="stable")
+        return Generation(
+            self.strings[order], self.values[order], self.costs[order], self.runs[order]
+        )
+
+    def averaged(self, costs: Array) -> Generation:
+        """Return the generation with the first ones evaluated once more, at these costs."""
+        means, runs = self.costs.copy(), self.runs.copy()
+        again = slice(len(costs))
+        runs[again] += 1
+        means[again] += (costs - means[again]) / runs[again]
+        return Generation(self.strings, self.values, means, runs)
+
+    def winners(self, children: Generation, settings: Settings) -> Mask:
+        """Return which children (m,) take the places behind the elite (Paper, Step 4, part 4)."""
+        if settings.survival == "rival":
+            return children.costs <= self.costs[settings.elites :]
+        return np.ones(len(children.costs), dtype=bool)
+
+    def followed_by(self, children: Generation, wins: Mask) -> Generation:
+        """Return the next generation: the elite, then in each place the child or its rival."""
+        places = len(self.costs) - len(wins) + np.flatnonzero(wins)
+        parts = []
+        for mine, theirs in (
+            (self.strings, children.strings),
+            (self.values, children.values),
+            (self.costs, children.costs),
+            (self.runs, children.runs),
+        ):
+            new = mine.copy()
+            new[places] = theirs[wins]
+            parts.append(new)
+        return Generation(*parts).ranked()
 
 
 @dataclass(frozen=True)
@@ -123,14 +179,10 @@ class GeneticAlgorithm(Optimiser):
         return Brood(strings, values, rates, origins)
 
     def _first(self) -> Brood:
-        """Return a first generation: around the start, or after a restart.
+        """Return a first generation: around the start (paper, Step 1), or after a restart.
 
-        The first restart is around where the cost is lowest by and large, the second anywhere,
-        and so on in turns.
-
-        Source
-        ------
-        Paper, Step 1.
+        The first restart is around where the cost is lowest by and large, the second anywhere, and
+        so on in turns.
         """
         settings, n = self.settings, self.settings.population
         start: Array | None = self._encoding.encode(self.problem.start)
@@ -199,7 +251,8 @@ class GeneticAlgorithm(Optimiser):
         stale, goal = self._stale
         lowest = float(current.costs[0])
         self._stale = (0, lowest * (1 - PROGRESS)) if lowest <= goal else (stale + 1, goal)
-        self._settled_for = self._settled_for + 1 if self._collapsed() and self._stale[0] else 0
+        collapsed = float(np.ptp(current.strings, axis=0).max()) <= COLLAPSED
+        self._settled_for = self._settled_for + 1 if collapsed and self._stale[0] else 0
         if self._at_rest() and self._restarts < self.settings.restarts:
             self._earlier = self._chosen
             self._restart(self._restarts + 1)
@@ -209,10 +262,6 @@ class GeneticAlgorithm(Optimiser):
         return patience is not None and (
             self._stale[0] >= patience or self._settled_for >= 2 * SETTLED
         )
-
-    def _collapsed(self) -> bool:
-        current = self._current
-        return current is not None and float(np.ptp(current.strings, axis=0).max()) <= COLLAPSED
 
     def _converged(self) -> str | None:
         if not self._at_rest():

@@ -12,23 +12,30 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip.ga.algorithms.generation import Candidate
-from stickslip.ga.algorithms.limits import PROGRESS, Limits
-from stickslip.ga.arrays import Array
+from stickslip.ga.algorithms.settings import PROGRESS, Limits
 from stickslip.ga.errors import CallOrderError, CostError, StateError
 from stickslip.ga.execution import checkpoint
-from stickslip.ga.execution.record import Record
-from stickslip.ga.problem.problem import Problem
+from stickslip.ga.execution.checkpoint import Record
+from stickslip.ga.problem.problem import Array, Problem
 
 if TYPE_CHECKING:
     import pandas as pd
 
 NOT_A_NUMBER = "the cost is not a number"
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A parameter vector (k,), in the genes' order and units, and what it costs, 0 .. inf."""
+
+    values: Array
+    cost: float
 
 
 class Optimiser(ABC):
@@ -86,15 +93,9 @@ class Optimiser(ABC):
         return np.empty((0, len(self.names)))
 
     def ask(self) -> Array:
-        """Return the candidates to evaluate next. The very first is the start.
+        """Return the candidates (n, k) to evaluate next, in the genes' units, first the start.
 
-        Returns
-        -------
-        ndarray, shape (n, k), in the genes' units
-
-        Raises
-        ------
-        CallOrderError : the candidates asked for before have not been told
+        It is a CallOrderError when those asked for before have not been told.
         """
         if self._asked is not None:
             raise CallOrderError(
@@ -109,15 +110,13 @@ class Optimiser(ABC):
 
         Parameters
         ----------
-        costs : shape (n,), 0 .. inf; inf for a candidate that failed. NaN counts as inf, with
-            the reason "the cost is not a number".
+        costs : shape (n,), 0 .. inf; inf for a candidate that failed. NaN counts as inf
         reasons : why each failed, n texts, empty where it did not
 
         Raises
         ------
         CallOrderError : nothing was asked
-        CostError : wrong number of costs or reasons, or a negative cost. The candidates can
-            still be told.
+        CostError : wrong number of costs or reasons, or a negative cost; they can still be told
         """
         if self._asked is None:
             raise CallOrderError("tell was called before ask; ask for candidates first")
@@ -166,12 +165,7 @@ class Optimiser(ABC):
 
     @property
     def best(self) -> Candidate:
-        """The candidate of the lowest cost so far.
-
-        Raises
-        ------
-        CallOrderError : no costs have been told
-        """
+        """The candidate of the lowest cost so far; CallOrderError before costs were told."""
         if self._best is None:
             raise CallOrderError("there is no best candidate yet; ask and tell first")
         best = self._best
@@ -189,12 +183,7 @@ class Optimiser(ABC):
 
     @property
     def stopped(self) -> str | None:
-        """Why learning should stop, or None. `ask` goes on regardless.
-
-        Source
-        ------
-        Paper, Step 3.
-        """
+        """Why learning should stop (paper, Step 3), or None. `ask` goes on regardless."""
         if self._best is None:
             return None
         return (
@@ -226,13 +215,9 @@ class Optimiser(ABC):
         return checkpoint.pack(self._head(), self._record)
 
     def replay(self, state: Mapping[str, Any]) -> None:
-        """Go on from `state`: bit for bit as if the run had never been interrupted.
+        """Go on from what `state` returned: bit for bit as if the run had not been interrupted.
 
         The optimiser must be new. It asks again what it asked then, and is told what it was told.
-
-        Parameters
-        ----------
-        state : what `state` returned, also after a round trip through JSON
 
         Raises
         ------

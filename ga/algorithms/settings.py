@@ -1,9 +1,9 @@
-"""How to learn: the numbers of the algorithm, and two presets of them."""
+"""How to learn, two presets of it, and when to stop."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Literal, get_args, get_type_hints
 
 from stickslip.ga.errors import SettingsError
@@ -32,13 +32,13 @@ class Settings:
     elite_rate : share of the population that passes on unchanged (and is not evaluated again);
         at least one candidate does
     mutation_rate : probability that a gene of a child mutates
-    crossover : ``differential`` or ``arithmetic``, see ``ga/operators/crossover.py``
+    crossover : ``differential`` or ``arithmetic``, see ``ga/operators/breeding.py``
     crossover_rate : ``differential`` only: probability that a gene comes from the crossover
     k1, k2 : ``arithmetic`` only: constants of the adaptive crossover probability (7)
-    mutation : ``spread`` or ``uniform``, see ``ga/operators/mutation.py``
+    mutation : ``spread`` or ``uniform``, see ``ga/operators/breeding.py``
     survival : ``rival``: a child takes its parent's place if it costs no more;
         ``generational``: it always does
-    encoding : ``log`` or ``linear``, see ``ga/problem/encoding.py``
+    encoding : ``log`` or ``linear``, see ``ga/problem/problem.py``
     resolution : step of a gene's string on [0, 1]; None leaves it continuous. A repaired gene may
         lie between two steps.
     near_share : share of the first generation drawn around the start; the rest is drawn uniformly
@@ -46,7 +46,7 @@ class Settings:
     ahead : a generation is bred before the costs of the one before are known, so that no worker
         waits for the slowest
     threshold : stop as soon as the best cost is at most this, in the cost's unit; None never does
-    adaptive : the mutation rate follows what succeeds, see ``ga/operators/rates.py``
+    adaptive : the mutation rate follows what succeeds, see ``ga/operators/breeding.py``
     surrogates : some children are where models of the cost are lowest, see
         ``ga/operators/surrogates.py``
     patience : generations in which the best cost has not fallen by 1 % after which the search
@@ -136,3 +136,66 @@ PAPER = Settings(
 """
 
 PRESETS = {"paper": PAPER, "default": DEFAULT}
+PROGRESS = 0.01  # a best cost must fall by this fraction to count as progress
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What ends a run, whichever comes first; None never does.
+
+    Parameters
+    ----------
+    generations : so many batches were evaluated
+    evaluations : another batch would exceed this number of candidates
+    seconds : so long since the optimiser was made or resumed, s
+    target : the best cost is at most this, in the cost's unit
+    patience : the best cost has not fallen by 1 % for so many evaluations
+
+    Raises
+    ------
+    SettingsError : a limit that is not positive; a negative target
+    """
+
+    generations: int | None = None
+    evaluations: int | None = None
+    seconds: float | None = None
+    target: float | None = None
+    patience: int | None = None
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is not None and not (value >= 0 if field.name == "target" else value > 0):
+                raise SettingsError(f"{field.name} must be above 0, or None, got {value!r}")
+
+    def reached(
+        self,
+        *,
+        generations: int,
+        evaluations: int,
+        batch: int,
+        seconds: float,
+        best: float,
+        stagnant: int,
+    ) -> str | None:
+        """Return which limit ends a run that has come so far, as a sentence, or None."""
+        if self.target is not None and best <= self.target:
+            return f"the best cost {best:.6g} reached the threshold {self.target:.6g}"
+        if spent := self.spent(generations=generations, evaluations=evaluations, batch=batch):
+            return spent
+        if self.seconds is not None and seconds >= self.seconds:
+            return f"{self.seconds:g} s have passed"
+        if self.patience is not None and stagnant >= self.patience:
+            return f"stagnation: the best cost has not fallen by 1 % in {stagnant} evaluations"
+        return None
+
+    def spent(self, *, generations: int, evaluations: int, batch: int) -> str | None:
+        """Return which of the limits that are known beforehand ends the run, or None."""
+        if self.generations is not None and generations >= self.generations:
+            return f"all {self.generations} generations are done"
+        if self.evaluations is not None and evaluations + batch > self.evaluations:
+            return (
+                f"the budget of {self.evaluations} evaluations is used "
+                f"({evaluations} done, another generation takes {batch})"
+            )
+        return None

@@ -35,14 +35,9 @@ LEAN = {
 }
 """What a cluster of ours leaves out: a tenth of the workers' time on a machine of two cores."""
 
-WITHOUT_WORKERS = 60.0
-"""How long a scheduler that has no workers is waited for [s]."""
-
-LOOK = 1.0
-"""How often the workers of a scheduler are counted while it is watched [s]."""
-
-ANSWER = 10.0
-"""How long a scheduler may take to say how many workers it has [s]."""
+WITHOUT_WORKERS = 60.0  # how long a scheduler that has no workers is waited for [s]
+LOOK = 1.0  # how often the workers of a scheduler are counted while it is watched [s]
+ANSWER = 10.0  # how long a scheduler may take to say how many workers it has [s]
 
 
 class DaskWorkers(Executor):
@@ -120,14 +115,7 @@ def _keeping(packed: Packed) -> Any:
 
 @contextmanager
 def cluster(where: str, workers: int) -> Iterator[DaskWorkers]:
-    """Open the workers of a running scheduler, or ``local`` ones; see `ga.executor`.
-
-    Raises
-    ------
-    WorkersLost
-        When the connection to the scheduler is lost, it does not answer, or it has no workers for
-        too long.
-    """
+    """Open the workers of a running scheduler, or ``local`` ones; see `ga.executor`."""
     if find_spec("distributed") is None:
         raise SettingsError(
             f"workers {where!r} need the package distributed; pip install stickslip[dask]"
@@ -187,15 +175,9 @@ def _silenced() -> Iterator[None]:
 
 
 class _Watch:
-    """Counts the workers of a client, and closes it where there are none or no answer comes.
+    """Counts the threads of a client's workers, and closes it without any, or an answer.
 
-    Closing it cancels all tasks.
-
-    Attributes
-    ----------
-    ended : to be set at the end
-    reason : why the client is closed
-    threads : how many the workers have together
+    Closing it cancels all tasks. ``ended`` is to be set at the end.
     """
 
     def __init__(self, client: Any, where: str) -> None:

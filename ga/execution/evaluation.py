@@ -16,26 +16,19 @@ import cloudpickle
 import numpy as np
 
 from stickslip.fmi.process import cancel_all, result_of
-from stickslip.ga.arrays import Array
 from stickslip.ga.errors import CandidateFailed, SettingsError
+from stickslip.ga.problem.problem import Array
 
 T = TypeVar("T")
-
 Evaluate = Callable[[Array], float]
 """values (k,), in the genes' units -> cost, 0 .. inf; raises CandidateFailed if it has none.
 
 An attribute ``fatal``, a tuple of exceptions, names those that no candidate is to blame for."""
 
-Outcome = tuple[float, str]
-"""cost, and why it is infinite or an empty text"""
-
-ALONE = 2
-"""How often a candidate whose worker died is tried alone."""
-
+Outcome = tuple[float, str]  # cost, and why it is infinite or an empty text
+ALONE = 2  # how often a candidate whose worker died is tried alone
 DIED = "the worker process that ran it died"
-
 _UNPICKLABLE = pickle.PicklingError, AttributeError, TypeError
-
 _FATAL: tuple[type[Exception], ...] = (OSError, ImportError, MemoryError, CancelledError)
 """The machine's fault, not the candidate's: the run ends, and can be resumed."""
 
@@ -45,11 +38,6 @@ class Evaluator:
 
     Workers that have nothing to do begin with what is known of the next generation, so none waits
     for the slowest. What is learned does not depend on it.
-
-    Parameters
-    ----------
-    evaluate : cost of one candidate
-    executor : where; None for the caller's own thread
     """
 
     def __init__(self, evaluate: Evaluate, executor: Executor | None) -> None:
@@ -60,20 +48,11 @@ class Evaluator:
         self._last: list[_Place | None] = []
 
     def outcomes(self, population: Array, ahead: Array, *, begins: bool) -> list[Outcome]:
-        """Return cost and reason of every row, in order, whatever the executor.
+        """Return cost and reason of every row (n, k), in order, whatever the executor.
 
-        Candidates whose worker died are tried alone, one after the other. So the one that kills
-        its worker is known, and the others have their cost.
-
-        Parameters
-        ----------
-        population : shape (n, k)
-        ahead : rows of the next population that are known already, shape (m, k)
-        begins : whether the first row is the start. What it raises is not a candidate's fault.
-
-        Raises
-        ------
-        Exception : what the start raises, or what no candidate is to blame for
+        Rows ``ahead`` (m, k) of the next population are begun. Candidates whose worker died are
+        tried alone, so that the one that kills its worker is known. What the start raises, the
+        first row where ``begins``, is not a candidate's fault.
         """
         if self._executor is None:
             return evaluate_rows(self._evaluate, population, begins)
@@ -150,13 +129,7 @@ class _Task:
 
 
 def received(future: Future[T]) -> T | None:
-    """Wait for what a worker sends, and return it; None if the worker died.
-
-    Raises
-    ------
-    SettingsError
-        When what was sent to it, or its result, does not pickle.
-    """
+    """Wait for what a worker sends, and return it; None if the worker died."""
     try:  # futures of Dask are not those of concurrent.futures
         return result_of(future) if isinstance(future, Future) else future.result()
     except BrokenExecutor:
@@ -172,13 +145,7 @@ def received(future: Future[T]) -> T | None:
 
 
 def pickled(thing: object) -> bytes:
-    """Return something as bytes for another process, functions of a notebook or script whole.
-
-    Raises
-    ------
-    SettingsError
-        When it does not pickle.
-    """
+    """Return something as bytes for another process, functions of a notebook or script whole."""
     stream = io.BytesIO()
     try:
         _Pickler(stream, pickle.HIGHEST_PROTOCOL).dump(thing)
@@ -204,13 +171,7 @@ def _carry(name: str) -> None:
 
 
 def unpickled(content: bytes) -> Any:
-    """Return what `pickled` has made bytes of, in the process that received it.
-
-    Raises
-    ------
-    SettingsError
-        When a module that it needs is not found here.
-    """
+    """Return what `pickled` has made bytes of, in the process that received it."""
     try:
         return pickle.loads(content)  # noqa: S301 - of our own making
     except (ImportError, AttributeError) as error:
@@ -252,12 +213,7 @@ class _Place:
 class Packed:
     """A cost on its way to another process, where it is unpacked once and not for each task.
 
-    Unpacking a system of FMUs takes as long as running a candidate.
-
-    Attributes
-    ----------
-    name : of the content, a hash
-    content : of `pickled`; None where each process has received it by `keep`
+    Its name is a hash of the content, which is None where processes have received it by `keep`.
     """
 
     name: str
@@ -265,13 +221,7 @@ class Packed:
 
     @classmethod
     def of(cls, evaluate: Evaluate) -> Packed:
-        """Pickle a cost.
-
-        Raises
-        ------
-        SettingsError
-            When it does not pickle.
-        """
+        """Pickle a cost."""
         content = pickled(evaluate)
         return cls(hashlib.sha256(content).hexdigest(), content)
 

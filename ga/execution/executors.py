@@ -21,13 +21,7 @@ from typing import Any, ParamSpec, TypeVar
 from stickslip.fmi.process import Threads, held
 from stickslip.ga.errors import SettingsError
 from stickslip.ga.execution.cluster import cluster
-from stickslip.ga.execution.evaluation import (
-    Evaluate,
-    Packed,
-    Raised,
-    pickled,
-    unpickled,
-)
+from stickslip.ga.execution.evaluation import Evaluate, Packed, Raised, pickled, unpickled
 from stickslip.ga.execution.starting import process_start
 
 P = ParamSpec("P")
@@ -95,11 +89,6 @@ class Processes(Executor):
         """Run a function in one of the processes.
 
         It is pickled here, because errors in the thread of the pool are not always caught.
-
-        Raises
-        ------
-        SettingsError
-            When it, or an argument, does not pickle.
         """
         call = pickled((fn, args, kwargs))
         with held(), process_start():  # a process may be started

@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from stickslip.fmi.process import held
-from stickslip.ga.algorithms.generation import Candidate
-from stickslip.ga.algorithms.optimiser import Optimiser
+from stickslip.ga.algorithms.optimiser import Candidate, Optimiser
 from stickslip.ga.errors import Interrupted, NothingLearned, StateError
 from stickslip.ga.execution import checkpoint as files
 from stickslip.ga.execution.evaluation import Evaluate, Evaluator
@@ -20,14 +19,7 @@ AnyOptimiser = TypeVar("AnyOptimiser", bound=Optimiser)
 
 @dataclass(frozen=True)
 class SearchResult:
-    """What a run found.
-
-    Parameters
-    ----------
-    best : the best candidate
-    parameters : the same by name, in the genes' units
-    stopped : why the run ended
-    """
+    """The best candidate, its values by name in the genes' units, and why the run ended."""
 
     best: Candidate
     parameters: dict[str, float]

@@ -1,7 +1,5 @@
 """What holds while a process is started: it will see neither Ctrl-C nor the user's script."""
 
-from __future__ import annotations
-
 import signal
 import sys
 import threading
@@ -16,13 +14,7 @@ _one_at_a_time = threading.RLock()
 
 @contextmanager
 def process_start() -> Iterator[None]:
-    """Put off Ctrl-C, and hide the main module, from a process that is started meanwhile.
-
-    Raises
-    ------
-    SettingsError
-        When the system refuses.
-    """
+    """Put off Ctrl-C, and hide the main module, from a process that is started meanwhile."""
     with _without_main():
         if sys.platform == "win32":
             yield

@@ -12,11 +12,10 @@ from uuid import uuid4
 
 from stickslip import cosim
 from stickslip.cosim.signals.signals import Input
-from stickslip.ga.arrays import Array
 from stickslip.ga.errors import CandidateFailed
+from stickslip.ga.problem.problem import Array
 
 _Worker = tuple[int, int]  # process and thread; a forked process must not use its parent's FMUs
-
 _open: dict[tuple[str, _Worker], cosim.Simulation] = {}
 
 
@@ -51,11 +50,7 @@ class SimulatedCost:
         return (cosim.CosimError,)
 
     def __call__(self, values: Array) -> float:
-        """Run one candidate and return its cost.
-
-        Parameters
-        ----------
-        values : shape (k,), in the order of `names`, in the parameters' units
+        """Run one candidate (k,), in the order of `names` and in their units; return its cost.
 
         Raises
         ------
@@ -66,13 +61,7 @@ class SimulatedCost:
         return float(self.cost(self.result(values)))
 
     def result(self, values: Array) -> cosim.Result:
-        """Run one candidate (k,) and return what was recorded.
-
-        Raises
-        ------
-        CandidateFailed, cosim.CosimError
-            As a call.
-        """
+        """Run one candidate (k,) and return what was recorded; errors are those of a call."""
         parameters = dict(zip(self.names, values.tolist(), strict=True))
         try:
             return self._simulation().run(parameters=parameters, inputs=self.inputs)

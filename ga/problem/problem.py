@@ -1,15 +1,17 @@
-"""What is searched: the genes and what must hold between them. Every optimiser takes it."""
+"""What is searched: genes, what must hold between them, and the strings that operators see."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from stickslip.ga.arrays import Array
 from stickslip.ga.errors import SettingsError
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -96,14 +98,8 @@ class AtLeast:
 class Problem:
     """k genes and a constraint between them.
 
-    Parameters
-    ----------
-    genes : what to learn
-    repair : makes candidates keep a constraint, e.g. `AtLeast`; its result is held to the bounds
-
-    Raises
-    ------
-    SettingsError : no genes, or two of one name
+    ``repair`` makes candidates keep it, e.g. `AtLeast`; its result is held to the bounds. It is a
+    SettingsError to have no genes, or two of one name.
     """
 
     genes: Sequence[Gene]
@@ -127,12 +123,7 @@ class Problem:
         return np.array([gene.start for gene in self.genes])
 
     def repaired(self, values: Array) -> Array:
-        """Return candidates, shape (n, k), that keep the constraint and the bounds.
-
-        Raises
-        ------
-        SettingsError : the repair changes the shape
-        """
+        """Return candidates (n, k) in constraint and bounds; SettingsError for another shape."""
         if self.repair is None:
             return values
         repaired = self.repair(values.copy(), self.genes)
@@ -142,3 +133,50 @@ class Problem:
             )
         lower, upper = np.array([(gene.lower, gene.upper) for gene in self.genes]).T
         return np.clip(repaired, lower, upper)
+
+
+class Encoding:
+    """Translates between strings in [0, 1], with a resolution or None, and values of k genes."""
+
+    def __init__(self, genes: Sequence[Gene], kind: str, resolution: float | None) -> None:
+        self.lower = np.array([gene.lower for gene in genes])
+        self.upper = np.array([gene.upper for gene in genes])
+        self._log = np.array([kind == "log" and not gene.linear for gene in genes])
+        self._resolution = resolution
+        for gene, log in zip(genes, self._log, strict=True):
+            if log and gene.lower <= 0:
+                raise SettingsError(
+                    f"gene {gene.name}: log encoding needs a lower bound above 0, "
+                    f"got {gene.lower}; use linear=True, encoding='linear' or raise the bound"
+                )
+        self._origin = self._scale(self.lower)
+        self._span = self._scale(self.upper) - self._origin
+
+    @classmethod
+    def of(cls, problem: Problem) -> Encoding:
+        """Return the encoding for a problem that has none of its own: log wherever it can be."""
+        kinds = [gene if gene.lower > 0 else replace(gene, linear=True) for gene in problem.genes]
+        return cls(kinds, "log", None)
+
+    def encode(self, values: Array) -> Array:
+        """Return the strings, shape (n, k), of values inside the bounds, shape (n, k)."""
+        return np.clip((self._scale(values) - self._origin) / self._span, 0.0, 1.0)
+
+    def decode(self, strings: Array) -> Array:
+        """Return the values, shape (n, k), of strings, shape (n, k); never outside the bounds."""
+        scaled = self._origin + strings * self._span
+        scaled[..., self._log] = np.exp(scaled[..., self._log])
+        return np.clip(scaled, self.lower, self.upper)
+
+    def settle(self, strings: Array) -> Array:
+        """Mirror strings that left [0, 1] back at its ends, then round to the resolution."""
+        mirrored = np.abs(strings)
+        inside = np.clip(np.where(mirrored > 1, 2 - mirrored, mirrored), 0.0, 1.0)
+        if self._resolution is None:
+            return inside
+        return np.clip(np.rint(inside / self._resolution) * self._resolution, 0.0, 1.0)
+
+    def _scale(self, values: Array) -> Array:
+        scaled = np.array(values)
+        scaled[..., self._log] = np.log(scaled[..., self._log])
+        return scaled

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim.kernel.arithmetic import plain_arithmetic
+from stickslip.cosim.kernel import plain_arithmetic
 from tests.corpus.hostile import fmus
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="hostile.c is for Linux")

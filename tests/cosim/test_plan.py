@@ -18,8 +18,7 @@ from benchmarks.coupling import ring
 from stickslip import cosim
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.plan import check_memory, count_steps
-from stickslip.cosim.kernel import structures
-from stickslip.cosim.kernel.unrolled import MOST_COMPONENTS
+from stickslip.cosim.kernel import MOST_COMPONENTS, structures
 from stickslip.cosim.system.loops import stepping_order
 from stickslip.fmi import toolchain
 

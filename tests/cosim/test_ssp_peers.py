@@ -154,7 +154,7 @@ def test_the_schemas_find_our_packages_valid(make, tmp_path):
     system = drawn(make, 1, nested=True, scaled=True)
     for version in ("1.0", "2.0"):
         path = cosim.write_ssp(system, tmp_path / "a.ssp", EXPERIMENT, version=version)
-        folder = cosim.ssp.package.Package.open(path).folder
+        folder = cosim.ssp.structure.Package.open(path).folder
         for file in [*folder.glob("*.ssd"), *folder.rglob("*.ssv")]:
             root = etree.parse(file).getroot()
             assert root.get("version") == version

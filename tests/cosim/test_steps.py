@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim.run.real_time import RealTimePacing
+from stickslip.cosim.run.guards import RealTimePacing
 
 STEP, N = 0.01, 40
 STOP = N * STEP

@@ -9,7 +9,7 @@ from problems import GENES, always_fails, breaks, quadratic, sometimes_fails
 
 from benchmarks.learning.racers import race_one, scipy_de
 from stickslip import ga
-from stickslip.ga.problem.encoding import Encoding
+from stickslip.ga.problem.problem import Encoding
 
 SHORT = replace(ga.DEFAULT, generations=12)
 

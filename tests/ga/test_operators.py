@@ -10,12 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stickslip import ga
-from stickslip.ga.algorithms.generation import Generation
-from stickslip.ga.operators.crossover import arithmetic, differential
-from stickslip.ga.operators.quadratic import RADIUS, bottom, bowl, unknowns
-from stickslip.ga.operators.rates import LEAST, MutationRate, Shares
-from stickslip.ga.operators.sections import Sections
-from stickslip.ga.operators.surrogates import Archive
+from stickslip.ga.algorithms.genetic import Generation
+from stickslip.ga.operators.breeding import LEAST, MutationRate, Shares, arithmetic, differential
+from stickslip.ga.operators.surrogates import RADIUS, Archive, Sections, bottom, bowl, unknowns
 
 N = 20
 LABELS = np.arange(N, dtype=float)[:, np.newaxis]  # a string names its candidate
@@ -46,7 +43,7 @@ def test_children_of_a_pair_lie_between_them_and_keep_their_mean():
 
 def test_a_difference_is_of_two_others(monkeypatch):
     """The parent itself is not among them; the origin is the best one in 70 % of all children."""
-    monkeypatch.setattr("stickslip.ga.operators.crossover.STRETCH", (1.0, 1.0))
+    monkeypatch.setattr("stickslip.ga.operators.breeding.STRETCH", (1.0, 1.0))
     settings = replace(ga.DEFAULT, population=N, crossover_rate=1.0)
     strings = 3.0 ** np.arange(N)[:, np.newaxis]  # so that a child shows what it is the sum of
     rng, n = np.random.default_rng(2), np.arange(N)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from problems import GENES
 
 from stickslip import ga
-from stickslip.ga.problem.encoding import Encoding
+from stickslip.ga.problem.problem import Encoding
 
 UNIT = st.lists(st.floats(0, 1), min_size=3, max_size=3).map(lambda row: np.array([row]))
 

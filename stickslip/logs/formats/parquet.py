@@ -26,10 +26,10 @@ def read(path: str, data: bytes) -> LogTable:
     RecordingError
         When the file cannot be read, or it holds no rows of numbers.
     """
-    from stickslip.cosim.signals.parquet import Unreadable, read_columns  # late: loads cosim
+    from stickslip.cosim.signals.tables import Unreadable, read_parquet  # late: loads cosim
 
     try:
-        columns = read_columns(data)
+        columns = read_parquet(data)
     except Unreadable as error:
         raise RecordingError(f"{path}: not a Parquet file, or damaged ({error})") from None
     names: list[str] = []

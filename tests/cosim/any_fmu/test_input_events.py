@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim.signals.span import slack
+from stickslip.cosim.signals.signals import slack
 from tests.cosim.single import by_fmpy, one
 
 STEP, STOP = 0.1, 2.0

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim.fmu import single_instance as once
+from stickslip.cosim.fmu import instance as once
 from tests.cosim.single import one
 
 

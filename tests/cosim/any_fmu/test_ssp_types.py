@@ -11,7 +11,7 @@ import pytest
 from stickslip import cosim
 from stickslip.cosim import Link, ValueMap
 from stickslip.cosim.ssp.markup import violation
-from stickslip.cosim.ssp.package import Package
+from stickslip.cosim.ssp.structure import Package
 from tests.corpus.hostile import packages
 
 SPEED = (

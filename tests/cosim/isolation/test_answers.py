@@ -11,7 +11,7 @@ from queue import Empty
 
 import pytest
 
-from stickslip.cosim.isolation.answers import (
+from stickslip.cosim.isolation.messages import (
     NONSENSE,
     Answers,
     ThreadedAnswers,

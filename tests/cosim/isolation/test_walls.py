@@ -11,14 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip.cosim.isolation.shared import Shared
+from stickslip.cosim.isolation.messages import Shared
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 
 
 def in_a_child(code: str, made: Shared, **options: object) -> subprocess.CompletedProcess[str]:
     """Run code in a process that inherits shared memory; it knows ``name`` and ``size``."""
-    begin = "import os, sys; from stickslip.cosim.isolation.shared import Shared;"
+    begin = "import os, sys; from stickslip.cosim.isolation.messages import Shared;"
     begin += "name, size = sys.argv[1], int(sys.argv[2]);"
     return subprocess.run(
         [sys.executable, "-c", begin + code, made.name, str(made.size)],

@@ -1,14 +1,54 @@
-"""Lets simulated time pass no faster than the time on the wall."""
+"""One thread of one process is in a simulation, whose time may follow the clock on the wall."""
 
 from __future__ import annotations
 
 import math
+import os
+import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import NoReturn, Self
 
-from stickslip.cosim.errors import ExperimentError
+from stickslip.cosim.errors import ExperimentError, SharedSimulation
+
+
+class Exclusive:
+    """Lets a thread in unless another is, or the process has forked and has no copy of all."""
+
+    def __init__(self, name: str, *, outlives_fork: bool) -> None:
+        self._name, self._outlives_fork = name, outlives_fork
+        self._lock = threading.Lock()
+        self._process = os.getpid()
+
+    @property
+    def is_ours(self) -> bool:
+        """Whether this process may call the FMUs."""
+        return not self._forked() or (self._outlives_fork and not self._lock.locked())
+
+    def __enter__(self) -> None:
+        if not self._outlives_fork and self._forked():
+            self._refuse()
+        if not self._lock.acquire(blocking=False):
+            self._refuse()
+
+    def __exit__(self, *_: object) -> None:
+        self._lock.release()
+
+    def _forked(self) -> bool:
+        return os.getpid() != self._process
+
+    def _refuse(self) -> NoReturn:
+        if self._forked():
+            raise SharedSimulation(
+                f"{self._name}: this simulation was prepared before the process was forked, and"
+                " belongs to the other process; prepare another one here: simulation.spec.prepare()"
+            )
+        raise SharedSimulation(
+            f"{self._name}: this simulation is in use; it runs in one thread at a time, and not"
+            " from its own progress function; prepare another one for each thread:"
+            " simulation.spec.prepare()"
+        )
 
 
 @dataclass
