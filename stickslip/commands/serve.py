@@ -55,11 +55,7 @@ def run(options: argparse.Namespace) -> Answer:
         try:
             address = (options.host, options.port)
             server = Server(
-                drive,
-                address,
-                options.drive.name,
-                heartbeat=options.heartbeat,
-                fast=options.fast,
+                drive, address, options.drive.name, heartbeat=options.heartbeat, fast=options.fast
             )
         except OSError as fault:
             raise UsageError(f"--port {options.port}: {fault.strerror}") from None

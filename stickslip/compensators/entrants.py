@@ -116,11 +116,7 @@ Design = Callable[[Mapping[str, float], VelocityLoop, Coarse, Datasheet], dict[s
 
 
 def kalman(
-    genes: Mapping[str, float],
-    loop: VelocityLoop,
-    coarse: Coarse,
-    sheet: Datasheet,
-    order: int = 1,
+    genes: Mapping[str, float], loop: VelocityLoop, coarse: Coarse, sheet: Datasheet, order: int = 1
 ) -> dict[str, float]:
     """Return the gains of a stationary Kalman filter; rate and noise are in units of friction."""
     rate, noise = genes["rate"] * coarse.friction, genes["noise"] * coarse.friction

@@ -99,11 +99,7 @@ def evaluate(
 
 
 def _runs(
-    rig: FmuRig,
-    entries: Mapping[str, Entry],
-    feed: Feed,
-    v_cmd: Array,
-    phases: Sequence[float],
+    rig: FmuRig, entries: Mapping[str, Entry], feed: Feed, v_cmd: Array, phases: Sequence[float]
 ) -> Iterator[tuple[str, list[Run]]]:
     """Run one motion; the FMUs are prepared once for all compensators in the same loop."""
     alike: dict[int, list[str]] = {}

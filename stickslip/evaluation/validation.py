@@ -133,10 +133,7 @@ def tracking_errors(t: Array, error: Array, spans: Iterable[Span]) -> dict[str, 
     The unit is that of the error.
     """
     counted = error[covered(t, spans)]
-    return {
-        "E_max": float(np.abs(counted).max()),
-        "E_rms": float(np.sqrt(np.mean(counted**2))),
-    }
+    return {"E_max": float(np.abs(counted).max()), "E_rms": float(np.sqrt(np.mean(counted**2)))}
 
 
 def covered(t: Array, spans: Iterable[Span]) -> NDArray[np.bool_]:

@@ -34,9 +34,7 @@ ONE_WAY = "F_c and the constant force cannot be told apart"
 
 
 def check_recording(
-    recording: Recording,
-    controller: Controller | None = None,
-    force_limit: float | None = None,
+    recording: Recording, controller: Controller | None = None, force_limit: float | None = None
 ) -> tuple[Finding, ...]:
     """Return the findings on a recording before learning.
 

@@ -104,11 +104,7 @@ def even_grid(
 
 
 def _longest(
-    table: LogTable,
-    t: Array,
-    signals: Mapping[str, Array],
-    usual: float,
-    findings: list[Finding],
+    table: LogTable, t: Array, signals: Mapping[str, Array], usual: float, findings: list[Finding]
 ) -> tuple[int, int]:
     """Return the longest stretch (begin, end) without long gaps."""
     usable = np.ones(len(t), dtype=bool)

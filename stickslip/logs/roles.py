@@ -9,13 +9,7 @@ from stickslip.errors import RecordingError
 from stickslip.logs.description import ROLES, Description
 from stickslip.logs.finding import Finding
 from stickslip.logs.table import LogTable
-from stickslip.logs.units import (
-    QUANTITIES,
-    quantities_of,
-    quantity_key,
-    unit_fitting,
-    unit_named,
-)
+from stickslip.logs.units import QUANTITIES, quantities_of, quantity_key, unit_fitting, unit_named
 
 _EXACT = {
     "time": "t time timestamp zeitstempel time_stamp x_value",

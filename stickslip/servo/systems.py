@@ -308,9 +308,7 @@ def _add_servo(system: cosim.System, fmus: Path, loop: VelocityLoop, drive: str 
     if filtered is not None:
         system.add("filter", fmus / "velocity_filter.fmu", filtered.parameters())
     system.add(
-        "controller",
-        fmus / "velocity_controller.fmu",
-        {**gains, "use_v_hat": filtered is not None},
+        "controller", fmus / "velocity_controller.fmu", {**gains, "use_v_hat": filtered is not None}
     )
     system.add(drive, fmus / f"{drive}.fmu")
     system.connect("controller.u", f"{drive}.u")

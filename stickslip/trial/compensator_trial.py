@@ -22,11 +22,7 @@ from stickslip.servo.measurement import smoothed
 from stickslip.servo.observer import MASSES
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.specification import LoopSpecification
-from stickslip.servo.velocity_loop import (
-    VelocityLoop,
-    close_velocity_loop,
-    design_velocity_loop,
-)
+from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 from stickslip.thresholds import control_match, harm
 from stickslip.trial.candidates import compare
 from stickslip.trial.guards import (

@@ -44,10 +44,9 @@ class Refinement:
     @property
     def result(self) -> str:
         """What the final parameters are, in words."""
-        return {
-            "refined": "after least squares",
-            "start": "as learning began, typical run",
-        }[self.chosen]
+        return {"refined": "after least squares", "start": "as learning began, typical run"}[
+            self.chosen
+        ]
 
     @property
     def values(self) -> dict[str, float]:

@@ -129,7 +129,6 @@ def _delay(inverse: InverseModel, values: Values) -> float:
     """Return the delay of the logged force that suits the inverse model best [s]."""
     delays = (values["delay"], *(np.arange(-3.0, 5.01, 0.25) * inverse.T_s))
     best: float = min(
-        delays,
-        key=lambda delay: float(np.sum(inverse.residual({**values, "delay": delay}) ** 2)),
+        delays, key=lambda delay: float(np.sum(inverse.residual({**values, "delay": delay}) ** 2))
     )
     return best

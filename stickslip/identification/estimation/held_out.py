@@ -37,11 +37,7 @@ class HeldOut:
 
 
 def check_held_out(
-    inverse: InverseModel,
-    found: Fit,
-    task: Task,
-    gains: Mapping[str, float] | None,
-    scale: Scale,
+    inverse: InverseModel, found: Fit, task: Task, gains: Mapping[str, float] | None, scale: Scale
 ) -> HeldOut:
     """Predict, and test the causes of a mismatch: the position, and the other laws.
 

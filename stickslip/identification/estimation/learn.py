@@ -24,12 +24,7 @@ from stickslip.identification.criteria.motion import against_motion, measured_fo
 from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.criteria.scaling import Scale, recording_scale
 from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
-from stickslip.identification.estimation.estimation import (
-    Estimation,
-    FittedLaw,
-    Searches,
-    restored,
-)
+from stickslip.identification.estimation.estimation import Estimation, FittedLaw, Searches, restored
 from stickslip.identification.estimation.faults import change_of_friction, found_faults, hidden
 from stickslip.identification.estimation.held_out import check_held_out
 from stickslip.identification.estimation.task import LearnSettings, Task
@@ -201,10 +196,7 @@ def _not_explained(corrected: UnbiasedFit, start: Start) -> str:
 
 
 def _search(
-    task: Task,
-    inverse: InverseModel,
-    start: Start,
-    on_generation: Callable[[ga.Optimiser], object],
+    task: Task, inverse: InverseModel, start: Start, on_generation: Callable[[ga.Optimiser], object]
 ) -> tuple[Fit, Searches]:
     """Search with each seed, finish each locally, and return the best with a table of all."""
     fits, algorithms, rows = [], [], []
@@ -294,11 +286,7 @@ def _output_error(
 
 
 def _inverse_model(
-    task: Task,
-    inverse: InverseModel,
-    found: Fit,
-    start: Start,
-    sliding: Mapping[str, Interval],
+    task: Task, inverse: InverseModel, found: Fit, start: Start, sliding: Mapping[str, Interval]
 ) -> tuple[Fit, dict[str, float]]:
     """Return the fit without its bias, and standard errors by name [SI].
 

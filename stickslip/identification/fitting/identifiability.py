@@ -150,9 +150,7 @@ def _is_prior_dominated(name: str, fitted: Fit) -> bool:
 
 
 def profiles(
-    fitted: Fit,
-    residuals: Callable[[list[Values]], list[Array]],
-    errors: Values,
+    fitted: Fit, residuals: Callable[[list[Values]], list[Array]], errors: Values
 ) -> pd.DataFrame:
     """Return the profile likelihoods of the law's parameters.
 

@@ -232,10 +232,5 @@ def _around(
     if model.measures_friction:  # only friction and its offset show
         deviation[[at("m"), at("b"), at("delay")]] = 1e-6
     return replace(
-        space,
-        units=units,
-        prior_mean=mean,
-        prior_deviation=deviation,
-        lower=lower,
-        upper=upper,
+        space, units=units, prior_mean=mean, prior_deviation=deviation, lower=lower, upper=upper
     )

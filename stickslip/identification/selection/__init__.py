@@ -4,12 +4,4 @@ from stickslip.identification.selection.candidates import Candidate, candidates
 from stickslip.identification.selection.choice import Choice, choose
 from stickslip.identification.selection.prediction import Prediction, predict, predictions
 
-__all__ = [
-    "Candidate",
-    "Choice",
-    "Prediction",
-    "candidates",
-    "choose",
-    "predict",
-    "predictions",
-]
+__all__ = ["Candidate", "Choice", "Prediction", "candidates", "choose", "predict", "predictions"]
