@@ -34,12 +34,7 @@ def pack_input(package: Path, table: pd.DataFrame) -> None:
 def packed_input(package: Path) -> dict[str, Table]:
     """Return the signals of a package by exposed input; empty when it has none.
 
-    Raises
-    ------
-    SignalError
-        When they cannot be read.
-    SspError
-        When the package cannot be.
+    Raises SignalError when they cannot be read, or SspError when the package cannot be.
     """
     file = Package.open(package).folder / MEMBER
     return Table.all_from_csv(file) if file.is_file() else {}

@@ -21,16 +21,11 @@ LOG = logging.getLogger("stickslip")
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command returns.
+    """What a command returns."""
 
-    Attributes
-    ----------
-    document : what ``--json`` prints: mappings and lists, also of paths, numpy values and tables
-    status : exit status
-    """
-
+    # what ``--json`` prints: mappings and lists, also of paths, numpy values and tables
     document: Mapping[str, Any] = field(default_factory=dict)
-    status: int = 0
+    status: int = 0  # exit status
 
 
 class _Lines(logging.Handler):

@@ -24,17 +24,11 @@ from stickslip.fmi.toolchain.shipped import ARCHIVE
 
 
 def precompile(
-    archive: Path = ARCHIVE,
-    platforms: Iterable[Platform] = PLATFORMS.values(),
-    names: Iterable[str] | None = None,
+    archive: Path = ARCHIVE,  # the one that ``fmi.toolchain`` looks into by default
+    platforms: Iterable[Platform] = PLATFORMS.values(),  # what to compile for
+    names: Iterable[str] | None = None,  # models; all by default
 ) -> Path:
     """Write an archive of compiled libraries and return its path.
-
-    Parameters
-    ----------
-    archive : the one that ``fmi.toolchain`` looks into by default
-    platforms : what to compile for
-    names : models; all by default
 
     Raises
     ------

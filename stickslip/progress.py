@@ -11,8 +11,7 @@ if TYPE_CHECKING:
     from stickslip import ga
 
 T = TypeVar("T")
-Show = Callable[[int, int], object]
-"""Takes how many steps are done, and of how many."""
+Show = Callable[[int, int], object]  # takes how many steps are done, and of how many
 
 _show: ContextVar[Show] = ContextVar("show", default=lambda *_: None)
 

@@ -65,17 +65,12 @@ def simulate(
 
 @dataclass
 class Model:
-    """A system that was read from a file.
-
-    Attributes
-    ----------
-    experiment : times that the file proposes
-    inputs : signals that are packed with it, by exposed input
-    """
+    """A system that was read from a file."""
 
     path: Path
     system: cosim.System
-    experiment: cosim.DefaultExperiment
+    experiment: cosim.DefaultExperiment  # times that the file proposes
+    # signals that are packed with it, by exposed input
     inputs: Mapping[str, cosim.Table] = field(default_factory=dict)
 
     @classmethod
@@ -116,10 +111,7 @@ class Model:
     ) -> cosim.Simulation:
         """Instantiate the FMUs for the times that are given or else proposed [s].
 
-        Raises
-        ------
-        UsageError
-            When they make no run.
+        Raises UsageError when they make no run.
         """
         start = (self.experiment.start or 0.0) if start is None else start
         stop = self.experiment.stop if stop is None else stop

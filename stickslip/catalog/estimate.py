@@ -20,8 +20,7 @@ class Estimate:
 
 LOW, HIGH = "_low", "_high"
 """What the columns of a range are called behind the name of their median."""
-UNKNOWN = 3.0
-"""Relative standard error of a value that no experiment showed: a factor of e^3."""
+UNKNOWN = 3.0  # relative standard error of a value that no experiment showed: a factor of e^3
 
 
 def unseen(value: float) -> Estimate:

@@ -63,10 +63,7 @@ PAPER = {
 def friction_law(name: str = "lugre") -> Law:
     """Return a friction law of ``models/laws``, LuGre by default.
 
-    Raises
-    ------
-    models.UnknownLaw
-        When there is no such law.
+    Raises models.UnknownLaw when there is no such law.
     """
     return models.load_law(name)
 
@@ -102,10 +99,7 @@ def scaled_start(one: LawParameter, F_c: float, deflection: float) -> float:
 def parameter(name: str) -> LawParameter:
     """Return a parameter of a drive or of any friction law.
 
-    Raises
-    ------
-    KeyError
-        When there is none of this name.
+    Raises KeyError when there is none of this name.
     """
     if name in DRIVE:
         return DRIVE[name]
@@ -144,8 +138,6 @@ def force_and_length_of(name: str) -> tuple[int, int]:
         return force_and_length(gains.get(name) or "1")
 
 
-LUGRE = estimated(friction_law())
-"""The parameters of the paper's compensator."""
+LUGRE = estimated(friction_law())  # the parameters of the paper's compensator
 
-UNITS = {name: unit_of(name) for name in PAPER}
-"""Units of Table 2."""
+UNITS = {name: unit_of(name) for name in PAPER}  # units of Table 2

@@ -23,25 +23,18 @@ class ParameterSpace:
     parameter must not fall below another one, the coordinate is the logarithm of their ratio,
     with a lower bound of 0. Any other coordinate is the value in units of ``units``. All
     coordinates are of the order of 1.
-
-    Attributes
-    ----------
-    law : the friction law
-    parameters : the estimated parameters, in the order of their coordinates
-    constants : the values of further parameters, by name, in SI units; those that start at 0 are
-        switched off and left out
-    units : (k,) units of linear coordinates in SI; not used for logarithms
-    prior_mean : (k,) expected coordinates before the recording is seen
-    prior_deviation : (k,) their standard deviations; infinite without a prior
-    lower, upper : (k,) bounds
     """
 
-    law: Law
+    law: Law  # the friction law
+    # the estimated parameters, in the order of their coordinates
     parameters: tuple[LawParameter, ...]
+    # the values of further parameters, by name, in SI units; those that start at 0 are switched off
+    # and left out
     constants: Mapping[str, float]
-    units: Array
-    prior_mean: Array
-    prior_deviation: Array
+    units: Array  # (k,) units of linear coordinates in SI; not used for logarithms
+    prior_mean: Array  # (k,) expected coordinates before the recording is seen
+    prior_deviation: Array  # (k,) their standard deviations; infinite without a prior
+    # (k,) bounds
     lower: Array
     upper: Array
 
@@ -165,10 +158,7 @@ class ParameterSpace:
     def fixed(self, **values: float) -> ParameterSpace:
         """Return the space in which these parameters have these values, in SI units.
 
-        Raises
-        ------
-        KeyError
-            When there is no parameter of one of the names.
+        Raises KeyError when there is no parameter of one of the names.
         """
         for name in values:
             if name not in self.names and name not in self.constants:

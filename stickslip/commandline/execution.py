@@ -69,18 +69,12 @@ def execution_of(options: argparse.Namespace, checkpoint: Path | None) -> Iterat
     """Give what the options choose to a block that learns and writes the results.
 
     At its end the checkpoint is deleted, unless the user named one. Where the block is interrupted,
-    the message names what is kept.
+    the message names what is kept. Raises UsageError when a checkpoint is there and is not to be
+    resumed, or StateError when it is to be resumed, but is not a checkpoint.
 
     Parameters
     ----------
     checkpoint : the file unless another one is named; None writes none
-
-    Raises
-    ------
-    UsageError
-        When a checkpoint is there and is not to be resumed.
-    StateError
-        When it is to be resumed, but is not a checkpoint.
     """
     file = options.checkpoint or checkpoint
     execution = Execution(options.workers, options.where, file, options.resume)

@@ -34,13 +34,7 @@ def add_isolation(parser: argparse.ArgumentParser) -> None:
 
 
 def isolation_of(options: argparse.Namespace) -> cosim.Isolated:
-    """Return what the options ask for.
-
-    Raises
-    ------
-    UsageError
-        When a limit is given without isolation.
-    """
+    """Return what the options ask for; raise UsageError when a limit is given without isolation."""
     from stickslip import cosim
 
     given = {"timeout": options.timeout, "memory": options.memory}

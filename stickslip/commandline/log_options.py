@@ -45,25 +45,14 @@ def add_log_argument(parser: argparse.ArgumentParser) -> None:
 
 
 def log_of(options: argparse.Namespace) -> Path:
-    """Return the log's file.
-
-    Raises
-    ------
-    UsageError
-        When none, or two, are given.
-    """
+    """Return the log's file; raise UsageError when none, or two, are given."""
     return one_of("a log", options.log, options.log_option)
 
 
 def one_of(what: str, *given: Path | None) -> Path:
     """Return the one path that is given.
 
-    Raises
-    ------
-    UsageError
-        When there is none, or more than one.
-    OSError
-        When the file is not there.
+    Raises UsageError when there is none, or more than one, or OSError when the file is not there.
     """
     paths = [path for path in given if path is not None]
     if len(paths) != 1:
@@ -120,10 +109,7 @@ def add_log_options(parser: argparse.ArgumentParser) -> None:
 def description_of(options: argparse.Namespace) -> Description:
     """Return the description that options and their file give together.
 
-    Raises
-    ------
-    UsageError
-        When an option or the file is not valid.
+    Raises UsageError when an option or the file is not valid.
     """
     base = load_description(options.config) if options.config else Description()
     columns = dict(base.columns)

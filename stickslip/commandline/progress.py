@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 
 
 LEVELS = "▁▂▃▄▅▆▇█"
-LATEST = 40
-"""Generations of which the cost is drawn."""
+LATEST = 40  # generations of which the cost is drawn
 Row = tuple[float, str]
 """A share from 0 to 1, which is drawn as a bar, and a text; a share that is NaN draws none."""
 

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from stickslip.rigs.contract import Rig
 
 
-MOTIONS = "motions"
-"""Folder, within that of the results, of the logs of a rig."""
+MOTIONS = "motions"  # Folder, within that of the results, of the logs of a rig
 
 
 def add_rig_option(parser: argparse.ArgumentParser, what: str) -> None:

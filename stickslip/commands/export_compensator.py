@@ -17,10 +17,8 @@ if TYPE_CHECKING:
     from stickslip.servo.systems import Compensator
 
 
-NAME = "compensator"
-"""Of the command, of what it writes, and of the model that evaluates any law."""
-MOST_SAMPLES = 10_000_000
-"""Of a validation command."""
+NAME = "compensator"  # of the command, of what it writes, and of the model that evaluates any law
+MOST_SAMPLES = 10_000_000  # of a validation command
 
 
 def add_to(exports: argparse._SubParsersAction[Any]) -> None:
@@ -72,11 +70,8 @@ def run(options: argparse.Namespace) -> Answer:
 def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> float:
     """Try a compensator, print what is found, and return the share of the whole force to export.
 
-    Raises
-    ------
-    HarmfulError
-        When it makes the loop worse at every share, was never tried, or learning refused it, and is
-        not forced.
+    Raises HarmfulError when it makes the loop worse at every share, was never tried, or learning
+    refused it, and is not forced.
     """
     from stickslip.studies.learn.terminal import print_benefit
     from stickslip.trial.guards import bench_of, benefits_on_drives, feedforward

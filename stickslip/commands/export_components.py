@@ -26,10 +26,7 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
 def run(options: argparse.Namespace) -> Answer:
     """Write each component under its name and print the paths.
 
-    Raises
-    ------
-    UsageError
-        When there is none, or it is not available in the form that is wanted.
+    Raises UsageError when there is none, or it is not available in the form that is wanted.
     """
     from stickslip.learned.file import LearnedFile
 

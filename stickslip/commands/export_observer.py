@@ -38,10 +38,8 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
 def run(options: argparse.Namespace) -> Answer:
     """Write the observer with its designed gains and print the paths.
 
-    Raises
-    ------
-    HarmfulError
-        When learning refused it, or the peak sensitivity of the loop is too large with it.
+    Raises HarmfulError when learning refused it, or the peak sensitivity of the loop is too large
+    with it.
     """
     from stickslip import models
     from stickslip.learned.file import LearnedFile

@@ -80,10 +80,7 @@ def run(options: argparse.Namespace) -> Answer:
 def _limits(options: argparse.Namespace) -> tuple[Limits, Unit]:
     """Return the limits, and the unit of length in which they were given.
 
-    Raises
-    ------
-    UsageError
-        When one cannot be read, or their units belong to different motions.
+    Raises UsageError when one cannot be read, or their units belong to different motions.
     """
     values: dict[str, Any] = {}
     units: list[tuple[str, Unit]] = []

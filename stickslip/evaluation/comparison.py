@@ -19,42 +19,31 @@ from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 
-Key = tuple[str, str, str, str, str]
-"""An error, by the columns of ``KEYS``."""
+Key = tuple[str, str, str, str, str]  # an error, by the columns of ``KEYS``
 KEYS = ["motion", "region", "velocity", "metric", "unit"]
 """The columns of ``Evaluation.table`` before those of the entries."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One way to control the drive.
+    """One way to control the drive."""
 
-    Attributes
-    ----------
-    loop : the velocity loop
-    compensator : its parameters by name, None for no compensation
-    others : of further seeds; of the errors with them and with ``compensator`` the median counts
-    """
-
-    loop: VelocityLoop
+    loop: VelocityLoop  # the velocity loop
+    # its parameters by name, None for no compensation
     compensator: Mapping[str, float] | None = None
+    # of further seeds; of the errors with them and with ``compensator`` the median counts
     others: Sequence[Mapping[str, float]] = ()
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """All motions with all entries.
+    """All motions with all entries."""
 
-    Attributes
-    ----------
-    motions : in the order in which they are shown
-    runs : by name of the motion, then of the entry: of its ``compensator``, at the first phase
-    errors : by name of the entry, with the index ``KEYS`` and a column for each compensator and
-        phase; NaN where the drive runs away
-    """
-
-    motions: tuple[Motion, ...]
+    motions: tuple[Motion, ...]  # in the order in which they are shown
+    # by name of the motion, then of the entry: of its ``compensator``, at the first phase
     runs: Mapping[str, Mapping[str, Run]]
+    # by name of the entry, with the index ``KEYS`` and a column for each compensator and phase; NaN
+    # where the drive runs away
     errors: Mapping[str, pd.DataFrame]
 
     def table(self) -> pd.DataFrame:

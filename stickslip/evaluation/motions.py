@@ -16,54 +16,35 @@ import numpy as np
 from stickslip import cosim
 from stickslip.servo.paper_commands import REGION, VALIDATION
 
-Span = tuple[float, float]
-"""From when to when [s]."""
-Regions = Mapping[str, tuple[Span, ...]]
-"""By name, the spans of time over which errors are taken."""
+Span = tuple[float, float]  # from when to when [s]
+Regions = Mapping[str, tuple[Span, ...]]  # by name, the spans of time over which errors are taken
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A velocity command, and where the errors of following it are taken.
+    """A velocity command, and where the errors of following it are taken."""
 
-    Attributes
-    ----------
-    name : such as ``creep``
-    purpose : one sentence on what it tests and which samples count
-    command : [m/s]
-    duration : [s]
-    regions : the spans that count
-    positioned : whether the position error counts as well
-    """
-
-    name: str
-    purpose: str
-    command: cosim.Signal
-    duration: float
-    regions: Regions
-    positioned: bool = False
+    name: str  # such as ``creep``
+    purpose: str  # one sentence on what it tests and which samples count
+    command: cosim.Signal  # [m/s]
+    duration: float  # [s]
+    regions: Regions  # the spans that count
+    positioned: bool = False  # whether the position error counts as well
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """A move with constant acceleration up to a speed and down to rest.
+    """A move with constant acceleration up to a speed and down to rest."""
 
-    Attributes
-    ----------
-    speed : with sign [m/s]
-    ramp, hold, rest : how long each ramp, the constant speed and the rest after it last [s]
-    counted : how long after its begin the errors are taken [s]
-    """
-
-    speed: float
+    speed: float  # with sign [m/s]
+    # how long each ramp, the constant speed and the rest after it last [s]
     ramp: float
     hold: float
     rest: float
-    counted: float
+    counted: float  # how long after its begin the errors are taken [s]
 
 
-BEGIN = 0.1
-"""Rest before the first stroke [s]."""
+BEGIN = 0.1  # rest before the first stroke [s]
 
 
 def windows(command: cosim.Trapezoid) -> dict[str, float]:
@@ -178,5 +159,4 @@ def _micrometre_moves() -> Motion:
 
 SLOW_MOTIONS = (_reversals(), _creep(), _micrometre_moves())
 """What the trapezoid is too fast and too long for."""
-MOTIONS = (trapezoid(VALIDATION), *SLOW_MOTIONS)
-"""All of them, the paper's first."""
+MOTIONS = (trapezoid(VALIDATION), *SLOW_MOTIONS)  # all of them, the paper's first

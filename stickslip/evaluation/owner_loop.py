@@ -28,50 +28,34 @@ from stickslip.servo.velocity_loop import VelocityLoop
 SHARE = 1.0 / 16.0
 """Cut-off of the low-pass of a velocity that is a derivative, as share of the sample rate."""
 
-NEGLIGIBLE = 1e-6
-"""Share of the friction that counts as none."""
+NEGLIGIBLE = 1e-6  # share of the friction that counts as none
 
 
 @dataclass(frozen=True)
 class LearnedDrive:
-    """A drive as it was learned, in SI units.
+    """A drive as it was learned, in SI units."""
 
-    Attributes
-    ----------
-    law : name of its friction law
-    values : of the drive by name: those of the law, m, b, F_0 and delay
-    compensator : parameters of the compensator by name; none for no force
-    reference : the loop whose response the compensator takes; None where it takes the command
-    """
-
-    law: str
-    values: Mapping[str, float]
-    compensator: Mapping[str, float]
+    law: str  # name of its friction law
+    values: Mapping[str, float]  # of the drive by name: those of the law, m, b, F_0 and delay
+    compensator: Mapping[str, float]  # parameters of the compensator by name; none for no force
+    # the loop whose response the compensator takes; None where it takes the command
     reference: VelocityLoop | None = None
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Motion of a drive in a loop.
+    """Motion of a drive in a loop."""
 
-    Attributes
-    ----------
-    position, velocity : (n,) true [m], [m/s]
-    encoder : (n,) position that the encoder shows [m]
-    """
-
+    # (n,) true [m], [m/s]
     position: Array
     velocity: Array
-    encoder: Array
+    encoder: Array  # (n,) position that the encoder shows [m]
 
 
 def commanded_velocity(recording: Recording) -> Array:
     """Return the velocity command (n,) [m/s], or the derivative of the position command.
 
-    Raises
-    ------
-    UsageError
-        When neither was logged.
+    Raises UsageError when neither was logged.
     """
     received = recording.controller_inputs.get("v_cmd")
     if received is not None:

@@ -17,8 +17,7 @@ from stickslip.catalog.estimate import HIGH, LOW
 
 Key = TypeVar("Key", bound=Hashable)
 
-ONCE = (0.0,)
-"""The drive begins where its FMU does."""
+ONCE = (0.0,)  # the drive begins where its FMU does
 PHASES = tuple(sorted((k / 9.0 for k in range(-4, 5)), key=abs))
 """Where the drive begins, in steps of the encoder from where its FMU does; at each of them the
 encoder shows the same position at first."""

@@ -19,16 +19,12 @@ SHARE = 1.0 / 16.0
 
 @dataclass(frozen=True)
 class TrackingError:
-    """Root mean square and largest absolute value of the errors of velocity and position.
+    """Root mean square and largest absolute value of the errors of velocity and position."""
 
-    Attributes
-    ----------
-    velocity_rms, velocity_max : [m/s]
-    position_rms, position_max : [m]
-    """
-
+    # [m/s]
     velocity_rms: float
     velocity_max: float
+    # [m]
     position_rms: float
     position_max: float
 
@@ -52,29 +48,19 @@ def _size(error: Array) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Tracking:
-    """Simulated motion of a drive along one command.
+    """Simulated motion of a drive along one command."""
 
-    Attributes
-    ----------
-    t : (n,) [s]
-    v_cmd : (n,) commanded velocity [m/s]
-    velocity : (n,) true velocity by variant [m/s]
-    position_error : (n,) true position less commanded position by variant [m]
-    used : the samples that count; the first ones do not where the log began in motion
-    loop, command : the loop and the command, in words
-    known : whether the loop is that of the log's controller
-    measured : tracking error of the log itself, without compensation; None where the simulated loop
-        or command is another
-    """
-
-    t: Array
-    v_cmd: Array
-    velocity: Mapping[str, Array]
-    position_error: Mapping[str, Array]
-    used: slice
+    t: Array  # (n,) [s]
+    v_cmd: Array  # (n,) commanded velocity [m/s]
+    velocity: Mapping[str, Array]  # (n,) true velocity by variant [m/s]
+    position_error: Mapping[str, Array]  # (n,) true position less commanded position by variant [m]
+    used: slice  # the samples that count; the first ones do not where the log began in motion
+    # the loop and the command, in words
     loop: str
     command: str
-    known: bool
+    known: bool  # whether the loop is that of the log's controller
+    # tracking error of the log itself, without compensation; None where the simulated loop or
+    # command is another
     measured: TrackingError | None = None
 
     def velocity_error(self, variant: str) -> Array:

@@ -41,26 +41,19 @@ RECORD = (
 
 @dataclass(frozen=True)
 class Run:
-    """One motion once.
+    """One motion once."""
 
-    Attributes
-    ----------
-    t, v_cmd : (n,) [s], [m/s]
-    x_enc : position (n,) [m] that the encoder shows
-    v : velocity (n,) [m/s] by what shows it, ``measured`` and, of a simulated drive, ``true``
-    v_r : response of the nominal loop (n,) [m/s]
-    F_f, F_ff : the drive's true friction, and the force of the compensator (n,) [N]
-    x : the drive's true position (n,) [m]; NaN where the truth is not known, as F_f
-    """
-
+    # (n,) [s], [m/s]
     t: Array
     v_cmd: Array
-    x_enc: Array
+    x_enc: Array  # position (n,) [m] that the encoder shows
+    # velocity (n,) [m/s] by what shows it, ``measured`` and, of a simulated drive, ``true``
     v: dict[str, Array]
-    v_r: Array
+    v_r: Array  # response of the nominal loop (n,) [m/s]
+    # the drive's true friction, and the force of the compensator (n,) [N]
     F_f: Array
     F_ff: Array
-    x: Array
+    x: Array  # the drive's true position (n,) [m]; NaN where the truth is not known, as F_f
 
     @property
     def x_cmd(self) -> Array:
@@ -73,16 +66,12 @@ class Validation:
     """Both runs, and the instants at which motion starts and reverses [s].
 
     It shows itself as the table of its errors.
-
-    Attributes
-    ----------
-    repeated : both runs of further phases, see ``scatter.py``
     """
 
     without: Run
     compensated: Run
     instants: dict[str, float]
-    repeated: Sequence[tuple[Run, Run]] = ()
+    repeated: Sequence[tuple[Run, Run]] = ()  # both runs of further phases, see ``scatter.py``
 
     def errors(self) -> pd.DataFrame:
         """Return velocity errors [mm/s] without and with compensation, and reductions (9).
@@ -228,18 +217,13 @@ def run_command(
 def runs_of(
     rig: FmuRig,
     loop: VelocityLoop,
-    compensators: Sequence[Mapping[str, float] | None],
+    compensators: Sequence[Mapping[str, float] | None],  # one that is None, for none, stands alone
     v_cmd: Array,
     feed: Feed = "nominal",
     phases: Sequence[float] = ONCE,
     behind: Sequence[Compensator] = (),
 ) -> Iterator[list[Run]]:
-    """Do what ``run_command`` does, with several compensators at every phase; prepare once.
-
-    Parameters
-    ----------
-    compensators : one that is None, for none, stands alone
-    """
+    """Do what ``run_command`` does, with several compensators at every phase; prepare once."""
     connected: dict[str, float] | None = None if compensators[0] is None else {}
     system = paper_loop(rig.fmus, loop, connected, feed, behind=behind)
     stop, commands = (len(v_cmd) - 1) * rig.T_s, loop.commands(v_cmd)

@@ -13,8 +13,7 @@ from stickslip.logs.units import unit_named
 from stickslip.servo.measurement import Array
 
 _DAY = re.compile(r"\d{4}-\d\d?-\d\d?[T ]\d|\d\d?[./]\d\d?[./]\d{4},? +\d|\d\d?:\d\d")
-FILETIME = 1e16
-"""Larger times count 100 ns, as Windows does."""
+FILETIME = 1e16  # larger times count 100 ns, as Windows does
 
 
 def is_clock(text: str) -> bool:
@@ -26,12 +25,8 @@ def clock_seconds(texts: Sequence[str]) -> Array:
     """Return seconds (n,) since the first of points in time such as 2026-01-31T10:00:00.125.
 
     Dates are ISO 8601 or day.month.year, fractions have a point or a comma. A time without a date
-    that falls back by more than half a day belongs to the next one.
-
-    Raises
-    ------
-    ValueError
-        When a text is not a point in time, or lies beyond 2262.
+    that falls back by more than half a day belongs to the next one. Raises ValueError when a text
+    is not a point in time, or lies beyond 2262.
     """
     import pandas as pd  # late, for those who start quickly
 

@@ -18,8 +18,7 @@ from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import log_unit
 
 RATE = "d(position)/dt"
-DELAYS = 9
-"""Delays of the force that are tried."""
+DELAYS = 9  # delays of the force that are tried
 LATE, FILTERED = 0.1, 0.01
 """Share of the log by which a signal may be later than its command, and a velocity late."""
 CUTOFF = 0.02

@@ -22,8 +22,7 @@ _TAKES: dict[str, tuple[tuple[set[str], set[str]], ...]] = {
     "none": ((set(), set()),),
 }
 """Per kind: alternatives of the gains that it needs and those that it may have."""
-COMMON = frozenset({"tau_f", "T_s", "u_max"})
-"""What any controller may have."""
+COMMON = frozenset({"tau_f", "T_s", "u_max"})  # what any controller may have
 
 
 @dataclass(frozen=True)
@@ -37,32 +36,20 @@ class Controller:
     A command that was not logged is 0. P and PI act on position (P_x, I_x) or on velocity (K_p,
     K_i); PID acts on position, with K_p for the derivative; a cascade, P-PI or
     P-P, has K_x around K_p, K_i.
-
-    Attributes
-    ----------
-    kind : P, PI, PID, cascade, P-PI, P-P or none (unknown)
-    K_x : [1/s]
-    velocity_feedforward : share of v_cmd that a cascade follows [1]; None: 1 where a velocity
-        command was logged, else 0
-    P_x : [N/m]
-    I_x : [N/(m s)]
-    K_p : [N s/m]
-    K_i : [N/m]
-    tau_f : time constant of the low-pass behind v_est, which differentiates the position [s]
-    T_s : its sample period [s]; 0: that of the log
-    u_max : [N]
     """
 
-    kind: Kind = "none"
-    K_x: float = 0.0
+    kind: Kind = "none"  # P, PI, PID, cascade, P-PI, P-P or none (unknown)
+    K_x: float = 0.0  # [1/s]
+    # share of v_cmd that a cascade follows [1]; None: 1 where a velocity command was logged, else 0
     velocity_feedforward: float | None = None
-    P_x: float = 0.0
-    I_x: float = 0.0
-    K_p: float = 0.0
-    K_i: float = 0.0
+    P_x: float = 0.0  # [N/m]
+    I_x: float = 0.0  # [N/(m s)]
+    K_p: float = 0.0  # [N s/m]
+    K_i: float = 0.0  # [N/m]
+    # time constant of the low-pass behind v_est, which differentiates the position [s]
     tau_f: float = 0.0
-    T_s: float = 0.0
-    u_max: float = math.inf
+    T_s: float = 0.0  # its sample period [s]; 0: that of the log
+    u_max: float = math.inf  # [N]
 
     @property
     def needs(self) -> str | None:
@@ -91,10 +78,7 @@ GAINS = tuple(field.name for field in fields(Controller) if field.name != "kind"
 def check_gains(kind: str, gains: Collection[str]) -> None:
     """Check that a kind of controller has exactly these gains.
 
-    Raises
-    ------
-    UsageError
-        When the kind or a gain is unknown, or one is missing or superfluous.
+    Raises UsageError when the kind or a gain is unknown, or one is missing or superfluous.
     """
     if kind not in get_args(Kind):
         raise UsageError(f"controller '{kind}': expected one of {', '.join(get_args(Kind))}")

@@ -15,13 +15,10 @@ from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import log_delay
 
-CUTOFF = 50.0
-"""Low-pass of what is compared [Hz]."""
+CUTOFF = 50.0  # Low-pass of what is compared [Hz]
 ROUNDS = 12
-FARTHEST = 0.1
-"""Delays beyond are not looked for [s]."""
-TRIALS = 41
-"""Delays that are tried at first."""
+FARTHEST = 0.1  # delays beyond are not looked for [s]
+TRIALS = 41  # delays that are tried at first
 NOTHING = 1e-7
 """Share of a signal by which it changes in one sample, where nothing but rounding changes it."""
 AS_WELL = 3e-4

@@ -160,12 +160,8 @@ def load_description(path: Path) -> Description:
 
     The file holds the fields of ``Description`` by name; ``[columns.ROLE]`` the fields of
     ``Column``, or in short ``columns.ROLE = "NAME"``, with ``index`` for a number from 1;
-    ``[controller]`` ``kind`` and the gains.
-
-    Raises
-    ------
-    UsageError
-        When it cannot be read, or a key or value is not valid.
+    ``[controller]`` ``kind`` and the gains. Raises UsageError when it cannot be read, or a key or
+    value is not valid.
     """
     content = read_toml(path)
     try:

@@ -14,36 +14,25 @@ from stickslip.logs.units import unit_named
 
 _DELIMITERS = ("\t", ";", ",", "|", " ")
 _BEHIND = re.compile(r"(?:,|\s/|\sin\s)\s*([^,\s]+)$")
-_GROUPED = re.compile(r"[-+]?\d{1,3}(\.\d{3})+,\d*")
-"""A number such as 1.234,5."""
+_GROUPED = re.compile(r"[-+]?\d{1,3}(\.\d{3})+,\d*")  # a number such as 1.234,5
 _WHITE = re.compile(r"\s")
-_FIRST = frozenset("+-.,0123456789nNiI")
-"""How a number begins."""
+_FIRST = frozenset("+-.,0123456789nNiI")  # how a number begins
 MISSING = frozenset(
     ("", "-", "--", "---", "n/a", "na", "n.a.", "#n/a", "null", "none", "nil", "?", "1.#qnan")
 )
 """What stands where a value is missing, in small letters."""
-SAMPLE = 200
-"""Lines that are looked at, from all over a text and at its end."""
-SAMPLED = 1 << 18
-"""Characters of lines that are looked at."""
+SAMPLE = 200  # lines that are looked at, from all over a text and at its end
+SAMPLED = 1 << 18  # characters of lines that are looked at
 _LONGEST_NAME = 200
 
 
 @dataclass(frozen=True)
 class Dialect:
-    """How lines become fields and fields numbers.
+    """How lines become fields and fields numbers."""
 
-    Attributes
-    ----------
-    delimiter : one character; a space stands for any white space
-    decimal : . or ,
-    width : fields of a line of data; 0 where no line holds a number
-    """
-
-    delimiter: str
-    decimal: str
-    width: int = 0
+    delimiter: str  # one character; a space stands for any white space
+    decimal: str  # . or ,
+    width: int = 0  # fields of a line of data; 0 where no line holds a number
 
     def fields(self, line: str) -> list[str]:
         """Return the fields of a line, without quotes and white space around them."""
@@ -75,10 +64,7 @@ def find_dialect(
 ) -> Dialect:
     """Return the dialect in which some lines hold most numbers, equally many fields per line.
 
-    Raises
-    ------
-    UsageError
-        When delimiter and decimal sign are the same, and no quotes tell them apart.
+    Raises UsageError when delimiter and decimal sign are the same, and no quotes tell them apart.
     """
     most = max(3, SAMPLED // max(map(len, lines)))
     sample = lines[:: max(1, len(lines) // most)]

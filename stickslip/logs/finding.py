@@ -10,25 +10,16 @@ Severity = Literal["error", "warning", "note"]
 
 @dataclass(frozen=True)
 class Finding:
-    """One finding of a check of a recording; as text it is one line.
+    """One finding of a check of a recording; as text it is one line."""
 
-    Attributes
-    ----------
-    severity : error (nothing can be learned), warning (something will suffer), note
-    what : was found
-    figure : the number behind it, with its unit
-    advice : what to do; empty when nothing need be done
-    spoils : "intervals" where the learned intervals are too narrow, "values" where the learned
-        values are wrong
-    hides : parameters that cannot be identified therefore
-    """
-
-    severity: Severity
-    what: str
-    figure: str = ""
-    advice: str = ""
+    severity: Severity  # error (nothing can be learned), warning (something will suffer), note
+    what: str  # was found
+    figure: str = ""  # the number behind it, with its unit
+    advice: str = ""  # what to do; empty when nothing need be done
+    # "intervals" where the learned intervals are too narrow, "values" where the learned values are
+    # wrong
     spoils: Literal["", "intervals", "values"] = ""
-    hides: tuple[str, ...] = ()
+    hides: tuple[str, ...] = ()  # parameters that cannot be identified therefore
 
     @classmethod
     def either(cls, fine: bool, words: tuple[str, str], figure: str, advice: str) -> Finding:

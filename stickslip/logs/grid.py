@@ -22,18 +22,11 @@ from stickslip.thresholds import log_clock, log_content
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Signals at even times.
+    """Signals at even times."""
 
-    Attributes
-    ----------
-    t : (n,) from 0 on [s]
-    signals : (n,) by role
-    findings : what was done to get there
-    """
-
-    t: Array
-    signals: dict[str, Array]
-    findings: list[Finding]
+    t: Array  # (n,) from 0 on [s]
+    signals: dict[str, Array]  # (n,) by role
+    findings: list[Finding]  # what was done to get there
 
 
 def even_grid(
@@ -41,17 +34,14 @@ def even_grid(
 ) -> Grid:
     """Return signals on an even grid.
 
+    Raises RecordingError when no stretch without gaps is long enough, or its times do not rise.
+
     Parameters
     ----------
     table : for messages
     t : (n,) that do not fall [s]
     signals : (n,) by role, nan where a value is missing
     motion : for messages
-
-    Raises
-    ------
-    RecordingError
-        When no stretch without gaps is long enough, or its times do not rise.
     """
     findings: list[Finding] = []
     if len(t) < log_content.FEWEST:

@@ -11,10 +11,8 @@ from stickslip.logs.clock import is_clock
 from stickslip.logs.dialect import MISSING, Dialect, split_unit, states_units, unbracketed
 from stickslip.logs.roles import role_named
 
-_KEPT = 8
-"""Lines of text that are looked at for names, at both ends of those right above the data."""
-_SCORED = 200
-"""Fields of such a line of which it is counted how many name signals."""
+_KEPT = 8  # lines of text that are looked at for names, at both ends of those right above the data
+_SCORED = 200  # fields of such a line of which it is counted how many name signals
 _LONGEST_KEY = 40
 LOOKED_AT = 100_000
 """Most lines above the first that holds a number or a point in time; they take 1 s."""
@@ -30,30 +28,21 @@ _KEYS = {
 }
 """What begins a row of a header in which each row has a title, such as those of TwinCAT Scope."""
 
-Line = tuple[int, str]
-"""Number and text of a line."""
+Line = tuple[int, str]  # number and text of a line
 
 
 @dataclass(frozen=True)
 class Header:
-    """What stands above the data.
+    """What stands above the data."""
 
-    Attributes
-    ----------
-    begin : number of the first line of data
-    width : fields of a line of data
-    names, units : of the columns; empty when the file names none
-    paired : whether columns take turns: times, and a signal at these times
-    titled : whether each row of the header has a title; times may then lack a unit
-    periods : sample periods [ms] of the columns by number, where such a header states them
-    """
-
-    begin: int
-    width: int
+    begin: int  # number of the first line of data
+    width: int  # fields of a line of data
+    # of the columns; empty when the file names none
     names: list[str]
     units: list[str | None]
-    paired: bool = False
-    titled: bool = False
+    paired: bool = False  # whether columns take turns: times, and a signal at these times
+    titled: bool = False  # whether each row of the header has a title; times may then lack a unit
+    # sample periods [ms] of the columns by number, where such a header states them
     periods: tuple[tuple[int, float], ...] = ()
 
 

@@ -9,8 +9,7 @@ import scipy
 
 from stickslip.servo.measurement import Array
 
-MOST = 20_000
-"""Number of samples on which the choice of an interpolation is based."""
+MOST = 20_000  # number of samples on which the choice of an interpolation is based
 
 Method = Literal["linear", "cubic"]
 

@@ -17,12 +17,13 @@ from stickslip.fmi.process import child_process
 from stickslip.logs import reader_process
 from stickslip.logs.signals import Signal
 
-TIMEOUT = 60.0
-"""Time limit of the reader [s]."""
+TIMEOUT = 60.0  # time limit of the reader [s]
 
 
 def read_isolated(path: str, data: bytes, module: str, title: str) -> list[Signal] | str:
     """Return the signals of a file, or its table as text.
+
+    Raises RecordingError when the file is damaged, takes too long or too much memory.
 
     Parameters
     ----------
@@ -30,11 +31,6 @@ def read_isolated(path: str, data: bytes, module: str, title: str) -> list[Signa
     data : content of the file
     module : path of the module whose ``contents`` reads it
     title : of the format, for messages
-
-    Raises
-    ------
-    RecordingError
-        When the file is damaged, takes too long or too much memory.
     """
     search = {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p), "OPENBLAS_NUM_THREADS": "1"}
     pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)

@@ -14,10 +14,8 @@ from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import log_clock, log_jump
 
-AROUND = 17
-"""Steps around one, with itself."""
-WORDS = tuple(2.0**n for n in range(8, 33))
-"""Counts after which a counter restarts."""
+AROUND = 17  # steps around one, with itself
+WORDS = tuple(2.0**n for n in range(8, 33))  # counts after which a counter restarts
 
 
 def jumps(t: Array, x: Array) -> tuple[NDArray[np.intp], Array, Array]:

@@ -9,12 +9,10 @@ from stickslip.logs.finding import Finding
 from stickslip.logs.recording import Recording
 from stickslip.thresholds import log_force
 
-WINDOW = 7
-"""Number of differences of the position in the moving median."""
+WINDOW = 7  # number of differences of the position in the moving median
 ALIKE = 0.25
 """Largest deviation of the neighbours of a jump from that median, relative: steady motion."""
-STEPS = 5.0
-"""Encoder steps per row from which one row can be distinguished from two."""
+STEPS = 5.0  # encoder steps per row from which one row can be distinguished from two
 
 
 def lost_rows(recording: Recording) -> Finding | None:

@@ -11,30 +11,19 @@ from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import CUTOFF, Array, derivative, smoothed
 from stickslip.thresholds import log_content
 
-FASTEST = 0.1
-"""Low-pass cutoff at most, in sampling frequencies."""
+FASTEST = 0.1  # Low-pass cutoff at most, in sampling frequencies
 
 
 @dataclass(frozen=True, eq=False)
 class Kinematics:
-    """All signals through one zero-phase low-pass, so that they stay in step.
+    """All signals through one zero-phase low-pass, so that they stay in step."""
 
-    Attributes
-    ----------
-    x : (n,) [m]
-    v : (n,) [m/s]
-    a : (n,) [m/s^2]
-    jerk : (n,) [m/s^3]
-    cutoff : of the low-pass [Hz]
-    floor : velocity below which the steps of the encoder hide motion [m/s]
-    """
-
-    x: Array
-    v: Array
-    a: Array
-    jerk: Array
-    cutoff: float
-    floor: float
+    x: Array  # (n,) [m]
+    v: Array  # (n,) [m/s]
+    a: Array  # (n,) [m/s^2]
+    jerk: Array  # (n,) [m/s^3]
+    cutoff: float  # of the low-pass [Hz]
+    floor: float  # velocity below which the steps of the encoder hide motion [m/s]
 
 
 def kinematics(recording: Recording, cutoff: float = CUTOFF) -> Kinematics:
@@ -81,18 +70,11 @@ def sliding(motion: Kinematics, T_s: float, share: float = 0.1) -> NDArray[np.bo
 
 @dataclass(frozen=True, eq=False)
 class Rigid:
-    """F = m a + b v + F_c sign v + F_0 while sliding.
+    """F = m a + b v + F_c sign v + F_0 while sliding."""
 
-    Attributes
-    ----------
-    used : (n,) where the drive slides
-    columns : (k, 4) of m, b, F_c and F_0
-    force : (n,) through the low-pass of the motion [N]
-    """
-
-    used: NDArray[np.bool_]
-    columns: Array
-    force: Array
+    used: NDArray[np.bool_]  # (n,) where the drive slides
+    columns: Array  # (k, 4) of m, b, F_c and F_0
+    force: Array  # (n,) through the low-pass of the motion [N]
 
 
 def rigid(recording: Recording, motion: Kinematics) -> Rigid | None:

@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-MEMORY = 1 << 32
-"""Bytes of address space, so that a small compressed file cannot fill the memory."""
+MEMORY = 1 << 32  # bytes of address space, so that a small compressed file cannot fill the memory
 _VALUES = ("values", "data", "value")
 _LABELS = ("label", "name")
 _UNITS = ("unit", "units")

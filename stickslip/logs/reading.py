@@ -27,32 +27,22 @@ from stickslip.logs.units import Unit, sized_unit
 from stickslip.servo.measurement import Array, derivative
 from stickslip.thresholds import log_unit
 
-MOST_FEEDFORWARD = 2.0
-"""Largest velocity feedforward of a cascade, a share of the velocity command."""
+MOST_FEEDFORWARD = 2.0  # largest velocity feedforward of a cascade, a share of the velocity command
 
 
 @dataclass(frozen=True)
 class Reading:
-    """A log, read and converted to SI units.
+    """A log, read and converted to SI units."""
 
-    Attributes
-    ----------
-    recording : its signals in SI units on an even grid
-    controller : that was in use; kind none when it is not known
-    findings : what was detected, filled in, cut off; ``check_recording`` adds what it can show
-    force_limit : of motor or amplifier [N], None when it is not known
-    tau_i : time constant of the amplifier's current loop [s], None when it is not known
-    channels : its columns in their roles, without those in error
-    description : by which it was read
-    """
-
-    recording: Recording
-    controller: Controller
+    recording: Recording  # its signals in SI units on an even grid
+    controller: Controller  # that was in use; kind none when it is not known
+    # what was detected, filled in, cut off; ``check_recording`` adds what it can show
     findings: tuple[Finding, ...] = ()
-    force_limit: float | None = None
+    force_limit: float | None = None  # of motor or amplifier [N], None when it is not known
+    # time constant of the amplifier's current loop [s], None when it is not known
     tau_i: float | None = None
-    channels: tuple[Channel, ...] = ()
-    description: Description = field(default_factory=Description)
+    channels: tuple[Channel, ...] = ()  # its columns in their roles, without those in error
+    description: Description = field(default_factory=Description)  # by which it was read
 
     @property
     def units(self) -> dict[str, Unit | None]:
@@ -71,13 +61,7 @@ class Reading:
 
 
 def raise_errors(path: str | os.PathLike[str], findings: Iterable[Finding]) -> None:
-    """Raise the first finding that is an error.
-
-    Raises
-    ------
-    RecordingError
-        When there is one.
-    """
+    """Raise the first finding that is an error; raise RecordingError when there is one."""
     for finding in findings:
         if finding.severity == "error":
             raise RecordingError(f"{path}: {finding}")
@@ -88,19 +72,15 @@ def read_recording(
 ) -> Reading:
     """Read a log: CSV and its relatives, or one of ``formats``.
 
+    Raises RecordingError when the file cannot become a recording; names row or column, or
+    UsageError when the description does not suit it.
+
     Parameters
     ----------
     path : of the file
     description : what its columns mean; what it leaves open is detected and reported
     strict : whether a column whose unit is wrong or missing is raised; else it is an error among
         the findings, and its numbers are kept as they are
-
-    Raises
-    ------
-    RecordingError
-        When the file cannot become a recording; names row or column.
-    UsageError
-        When the description does not suit it.
     """
     given = description or Description()
     table = with_joined_times(read_table(Path(path), given.delimiter, given.decimal))

@@ -15,35 +15,24 @@ class Recording:
     """What a drive showed; a signal that was not logged is None.
 
     For a rotary drive read rad for m, N m for N and kg m^2 for kg throughout.
-
-    Attributes
-    ----------
-    t : (n,) even, from 0 on [s]
-    position : (n,) shown by the encoder [m]
-    force : (n,) of the motor, at each sample [N]
-    velocity : (n,) logged beside or instead of the position [m/s]
-    friction : (n,) measured friction force [N], as a tribometer shows it
-    position_command, velocity_command, force_command : (n,) [m], [m/s], [N]
-    added_force : (n,) that was added to the controller's output, such as pulses [N]
-    added_velocity : (n,) that was added to the velocity command, such as dither [m/s]
-    encoder_step : resolution of the position [m]; 0 when none shows
-    motion : linear or rotary
-    source : where it comes from, for people
     """
 
-    t: Array
-    position: Array | None = None
-    force: Array | None = None
-    velocity: Array | None = None
-    friction: Array | None = None
+    t: Array  # (n,) even, from 0 on [s]
+    position: Array | None = None  # (n,) shown by the encoder [m]
+    force: Array | None = None  # (n,) of the motor, at each sample [N]
+    velocity: Array | None = None  # (n,) logged beside or instead of the position [m/s]
+    friction: Array | None = None  # (n,) measured friction force [N], as a tribometer shows it
+    # (n,) [m], [m/s], [N]
     position_command: Array | None = None
     velocity_command: Array | None = None
     force_command: Array | None = None
+    # (n,) that was added to the controller's output, such as pulses [N]
     added_force: Array | None = None
+    # (n,) that was added to the velocity command, such as dither [m/s]
     added_velocity: Array | None = None
-    encoder_step: float = 0.0
-    motion: Motion = "linear"
-    source: str = "recording"
+    encoder_step: float = 0.0  # resolution of the position [m]; 0 when none shows
+    motion: Motion = "linear"  # linear or rotary
+    source: str = "recording"  # where it comes from, for people
 
     @property
     def rotary(self) -> bool:

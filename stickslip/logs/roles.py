@@ -53,8 +53,7 @@ _BASES = {
     "current": "current cur curr strom courant corrente",
     "friction": "friction reibung",
 }
-_SENSORS = "encoder enc"
-"""Words of a position, unless another quantity is named beside them."""
+_SENSORS = "encoder enc"  # words of a position, unless another quantity is named beside them
 _COMMANDS = (
     "cmd command commanded ref reference setpoint set target desired demand soll sollwert goal "
     "input des dem demanded tgt sp setp nominal planned traj trajectory profile request requested "
@@ -134,8 +133,7 @@ _KINDS = _sets(
 _MEANT = frozenset().union(*_BASE_WORDS.values(), *_KINDS.values()) - _KINDS["filler"]
 """Words in front of a component of a vector that say what it is."""
 _LONGEST_NAME = 200
-_PATH = r"[.:/](?=\s*[^\W\d_])"
-"""What separates the components of a name."""
+_PATH = r"[.:/](?=\s*[^\W\d_])"  # what separates the components of a name
 _SHOWN = 8
 _NO_SUFFIXES = ("in", "min", "mil", "pulse", "pulses", "second", "sample", "turn", "rot", "lu")
 """Units that are other words at the end of a name."""
@@ -144,10 +142,8 @@ _NO_SUFFIXES = ("in", "min", "mil", "pulse", "pulses", "second", "sample", "turn
 def assign_roles(table: LogTable, description: Description) -> tuple[dict[str, str], list[Finding]]:
     """Return column names by role, and remarks on what was detected.
 
-    Raises
-    ------
-    RecordingError
-        When a named column is missing, one has two roles, or a guess is not clear.
+    Raises RecordingError when a named column is missing, one has two roles, or a guess is not
+    clear.
     """
     found: dict[str, str] = {}
     for role, column in description.columns.items():

@@ -17,8 +17,7 @@ from stickslip.thresholds import log_clock
 
 SPAN = 16
 """Rows over which a period is averaged: rounding is divided by as much, and few rows are lost."""
-FOLLOWED = 4096
-"""Most rows to which the period of a clock that drifts is fitted."""
+FOLLOWED = 4096  # most rows to which the period of a clock that drifts is fitted
 
 
 def mean_period(t: Array) -> float:
@@ -69,12 +68,8 @@ def without_repeats(
 ) -> NDArray[np.intp]:
     """Return the rows (k,) of a log that are not copies of others, if time rises without them.
 
-    A rounded clock gives rows with equal times, too, and those at rest may be alike.
-
-    Raises
-    ------
-    RecordingError
-        When time falls, or a time is not finite; names the row.
+    A rounded clock gives rows with equal times, too, and those at rest may be alike. Raises
+    RecordingError when time falls, or a time is not finite; names the row.
     """
     if (wrong := np.flatnonzero(~np.isfinite(t))).size:
         row = table.row(int(wrong[0]))
@@ -116,10 +111,7 @@ def even_rows(
 ) -> NDArray[np.intp]:
     """Return the rows (k,) of a log whose samples are even, whatever its column of time says.
 
-    Raises
-    ------
-    RecordingError
-        When its rows hold one channel each.
+    Raises RecordingError when its rows hold one channel each.
     """
     if own := _in_turn(signals):
         raise RecordingError(
@@ -141,10 +133,7 @@ def _in_turn(signals: Mapping[str, Array]) -> str:
 def _check_instants(table: LogTable, t: Array, signals: Mapping[str, Array]) -> None:
     """Check that the drive moves on between rows with equal times, as with a rounded clock.
 
-    Raises
-    ------
-    RecordingError
-        When it does not; names the row.
+    Raises RecordingError when it does not; names the row.
     """
     steps = np.abs(np.diff(signals.get("position", t)))
     equal = np.flatnonzero(np.diff(t)[1:-1] == 0) + 1
@@ -160,10 +149,7 @@ def _check_instants(table: LogTable, t: Array, signals: Mapping[str, Array]) -> 
 def even_clock(table: LogTable, t: Array, period: float, findings: list[Finding]) -> Array:
     """Return times (n,) that rise: those of a regular clock if their rounding explains others.
 
-    Raises
-    ------
-    RecordingError
-        When times are equal and no regular clock explains it; names the row.
+    Raises RecordingError when times are equal and no regular clock explains it; names the row.
     """
     found = regular_times(t, period)
     if found is not None:
@@ -187,14 +173,9 @@ def on_one_clock(
 ) -> tuple[NDArray[np.intp], Array, dict[str, Array]]:
     """Return rows (k,) of a log, their times (k,) and signals (k,) at these.
 
-    A channel whose numbers and blanks alternate was sampled at times of its own. It is
-    interpolated to those of the position, or else of the velocity: one that is interpolated
-    between its samples shows false accelerations.
-
-    Raises
-    ------
-    RecordingError
-        When a channel was sampled too slowly for that.
+    A channel whose numbers and blanks alternate was sampled at times of its own. It is interpolated
+    to those of the position, or else of the velocity: one that is interpolated between its samples
+    shows false accelerations. Raises RecordingError when a channel was sampled too slowly for that.
     """
     if not _in_turn(signals):
         rows = without_repeats(table, t, signals, findings)

@@ -18,47 +18,28 @@ from stickslip.servo.measurement import Array
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """A variable of a file.
+    """A variable of a file."""
 
-    Attributes
-    ----------
-    name : in the file
-    values : numbers of any shape; None where there are none
-    unit : as the file states it
-    time : (n,) of its values [s]; None where the file keeps times as a variable
-    instead : what there is instead of numbers
-    """
-
-    name: str
-    values: Array | None
-    unit: str = ""
+    name: str  # in the file
+    values: Array | None  # numbers of any shape; None where there are none
+    unit: str = ""  # as the file states it
+    # (n,) of its values [s]; None where the file keeps times as a variable
     time: Array | None = None
-    instead: str = ""
+    instead: str = ""  # what there is instead of numbers
 
 
 def table_of(
-    path: str,
-    signals: Iterable[Signal],
-    findings: tuple[Finding, ...] = (),
-    timed: str | None = "s",
+    path: str,  # for messages
+    signals: Iterable[Signal],  # in the file's order
+    findings: tuple[Finding, ...] = (),  # of reading
+    timed: str | None = "s",  # unit of their times
 ) -> LogTable:
     """Return one table of signals; what has other times is interpolated.
 
     Columns of a matrix are called ``name(1)`` and so on. The common times are those of the
     position, because one that is interpolated between its samples shows false accelerations;
-    without a position those of the velocity, of the force, or of most samples.
-
-    Parameters
-    ----------
-    path : for messages
-    signals : in the file's order
-    findings : of reading
-    timed : unit of their times
-
-    Raises
-    ------
-    RecordingError
-        When there is no vector of numbers.
+    without a position those of the velocity, of the force, or of most samples. Raises
+    RecordingError when there is no vector of numbers.
     """
     numbers: dict[str, Array] = {}
     times: dict[str, Array] = {}

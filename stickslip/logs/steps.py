@@ -6,10 +6,8 @@ import numpy as np
 
 from stickslip.servo.measurement import Array
 
-DIVISORS = 12
-"""Most encoder steps that the smallest difference of a signal may have."""
-SHARE = 0.98
-"""Share of the differences that must be whole steps."""
+DIVISORS = 12  # most encoder steps that the smallest difference of a signal may have
+SHARE = 0.98  # share of the differences that must be whole steps
 
 
 def step_of(signal: Array) -> float:

@@ -18,32 +18,20 @@ from stickslip.servo.measurement import Array
 
 @dataclass(frozen=True, eq=False)
 class LogTable:
-    """Columns by name, as they were read.
+    """Columns by name, as they were read."""
 
-    Attributes
-    ----------
-    path : of the file, for messages
-    names : of all columns, in the file's order
-    numbers : (n,) by name; nan where a field is empty
-    texts : (n,) by name, of columns that hold no numbers
-    units : by name, where the file states one
-    faults : by name, why a column cannot be used
-    scalars : single numbers beside the columns
-    rows : (n,) number of the line or row of each value; None counts from 1
-    headed : whether the file itself names its columns
-    findings : of reading
-    """
-
-    path: str
-    names: tuple[str, ...]
-    numbers: Mapping[str, Array]
+    path: str  # of the file, for messages
+    names: tuple[str, ...]  # of all columns, in the file's order
+    numbers: Mapping[str, Array]  # (n,) by name; nan where a field is empty
+    # (n,) by name, of columns that hold no numbers
     texts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    units: Mapping[str, str] = field(default_factory=dict)
-    faults: Mapping[str, str] = field(default_factory=dict)
-    scalars: Mapping[str, float] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)  # by name, where the file states one
+    faults: Mapping[str, str] = field(default_factory=dict)  # by name, why a column cannot be used
+    scalars: Mapping[str, float] = field(default_factory=dict)  # single numbers beside the columns
+    # (n,) number of the line or row of each value; None counts from 1
     rows: NDArray[np.intp] | None = None
-    headed: bool = True
-    findings: tuple[Finding, ...] = ()
+    headed: bool = True  # whether the file itself names its columns
+    findings: tuple[Finding, ...] = ()  # of reading
 
     def row(self, k: int) -> int:
         """Return the number in the file of the k-th value."""
@@ -57,10 +45,7 @@ class LogTable:
     def find(self, key: str | int, role: str) -> str:
         """Return the name of the column with a name or a number from 1.
 
-        Raises
-        ------
-        RecordingError
-            When there is none, or several only differ in case.
+        Raises RecordingError when there is none, or several only differ in case.
         """
         if isinstance(key, str) and key in self.names:
             return key
@@ -80,10 +65,7 @@ class LogTable:
     def value(self, product: Product, what: str) -> float:
         """Return the value of a product, whose factors may name scalars of the file.
 
-        Raises
-        ------
-        UsageError
-            When a factor is neither number nor name, or the value is not finite.
+        Raises UsageError when a factor is neither number nor name, or the value is not finite.
         """
         value = 1.0
         for factor in str(product).split("*"):
@@ -100,13 +82,7 @@ class LogTable:
         return value
 
     def column(self, name: str) -> Array:
-        """Return the numbers (n,) of a column.
-
-        Raises
-        ------
-        RecordingError
-            When it holds none.
-        """
+        """Return the numbers (n,) of a column; raise RecordingError when it holds none."""
         if name in self.faults:
             raise RecordingError(f"{self.path}: column '{name}': {self.faults[name]}")
         if name in self.texts:

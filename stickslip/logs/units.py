@@ -104,16 +104,10 @@ _CASE_COUNTS = frozenset({"force", "torque", "current", "voltage"})
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit: value in SI units = factor * value.
+    """A unit: value in SI units = factor * value."""
 
-    Attributes
-    ----------
-    name : as it is written here
-    quantity : what it measures
-    """
-
-    name: str
-    quantity: str
+    name: str  # as it is written here
+    quantity: str  # what it measures
     factor: float
 
 
@@ -129,8 +123,7 @@ for _name in (*_UNITS, *_SPELT):
     if (_spelt := _SPELT.get(_name, _name)) in _UNITS:
         _ALIKE.setdefault(_name.lower(), set()).add(_UNITS[_spelt])
 _PER_TIME = {"length": "speed", "angle": "angular speed", "number": "number per time"}
-_WEIGHTS = {"kg": "kgf", "g": "gf"}
-"""Forces of torques in kg.cm."""
+_WEIGHTS = {"kg": "kgf", "g": "gf"}  # forces of torques in kg.cm
 
 
 def unit_named(text: str) -> Unit | None:
@@ -181,16 +174,13 @@ def unit_fitting(text: str, quantities: Collection[str]) -> Unit | None:
 def parse_quantity(text: str, what: str, quantities: Collection[str]) -> tuple[float, Unit | None]:
     """Return the SI value of a text such as 100mm or 2.5 rev/s, and its unit; None is SI.
 
+    Raises UsageError when there is no number, or the unit measures something else.
+
     Parameters
     ----------
     text : number and unit
     what : is given, for messages
     quantities : that its unit may measure, such as length and angle
-
-    Raises
-    ------
-    UsageError
-        When there is no number, or the unit measures something else.
     """
     match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*", text)
     unit = unit_named(match[2]) if match and match[2] else None

@@ -105,8 +105,7 @@ class Limits:
         return min(self.speed, math.sqrt(0.9 * self.acceleration * 0.95 * self.room))
 
 
-LINEAR = Limits()
-"""Suits the paper's stage: its training sweep fits."""
+LINEAR = Limits()  # suits the paper's stage: its training sweep fits
 
 ROTARY = Limits(
     stroke=2 * math.pi,

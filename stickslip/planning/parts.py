@@ -14,8 +14,7 @@ import numpy as np
 from stickslip.planning.limits import Limits
 from stickslip.servo.measurement import Array
 
-QUICK = 0.1
-"""Shortest move [s]: what most position loops still follow."""
+QUICK = 0.1  # shortest move [s]: what most position loops still follow
 
 
 def small_moves(limits: Limits, n: int) -> Array:

@@ -136,10 +136,7 @@ def commissioning_loop(sheet: Datasheet, T_s: float = COMMISSIONING.T_s) -> Velo
 def refuse(limits: RigLimits, command: Command) -> None:
     """Check a command before anything moves.
 
-    Raises
-    ------
-    LimitError
-        When the command itself exceeds a limit.
+    Raises LimitError when the command itself exceeds a limit.
     """
     watch = Watch(limits, command.T_s)
     driven = command.added_force if command.force is None else command.force

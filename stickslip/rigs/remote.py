@@ -24,8 +24,7 @@ from stickslip.thresholds import rig_motion
 
 RETURNS, RETURN_SPEED, DWELL, K_X = 5, 0.02, 0.5, 20.0
 """Most moves back to 0, their speed [m/s], rest at their end [s] and position gain [1/s]."""
-MARGIN = 1e-3
-"""By how much a move back may overshoot where it begins [m]."""
+MARGIN = 1e-3  # by how much a move back may overshoot where it begins [m]
 
 
 class Refused(RigError):
@@ -35,7 +34,8 @@ class Refused(RigError):
 class RemoteRig(Rig):
     """A drive behind a connection, asked as in the protocol of docs/rig.md.
 
-    A kind of connection implements ``_request`` and ``_disconnect``.
+    A kind of connection implements ``_request`` and ``_disconnect``. Raises RigError when nobody
+    answers, or not with this protocol.
 
     Parameters
     ----------
@@ -44,11 +44,6 @@ class RemoteRig(Rig):
     limits : that abort a motion, there and here
     law : friction law of the compensator
     patience : how long a lost connection is tried again [s]
-
-    Raises
-    ------
-    RigError
-        When nobody answers, or not with this protocol.
     """
 
     chunk = CHUNK
@@ -68,10 +63,7 @@ class RemoteRig(Rig):
     def _request(self, what: str, **fields: Any) -> dict[str, Any]:
         """Send a request until it is answered, over a new connection if need be.
 
-        Raises
-        ------
-        RigError
-            When it is refused, or not answered for ``patience``.
+        Raises RigError when it is refused, or not answered for ``patience``.
         """
 
     @abstractmethod

@@ -20,14 +20,10 @@ from stickslip.servo.sensitivity import ComplexArray, OpenLoop, Response
 from stickslip.servo.systems import Compensator, lone_chain
 from stickslip.servo.velocity_loop import VelocityLoop
 
-SAMPLES = 2048
-"""Length of the impulse responses."""
-LOWEST = 4
-"""Lowest frequency, in oscillations over that length, at which they are evaluated."""
-SETTLED = 400
-"""Samples at the operating point before the impulse."""
-SPEED = 0.01
-"""Operating point by default [m/s]."""
+SAMPLES = 2048  # length of the impulse responses
+LOWEST = 4  # lowest frequency, in oscillations over that length, at which they are evaluated
+SETTLED = 400  # samples at the operating point before the impulse
+SPEED = 0.01  # operating point by default [m/s]
 CHANGES = {"x_enc": 1e-8, "F_motor": 1e-4, "v_est": 1e-9, "u": 1e-4}
 """Size of the impulse [m, N, m/s, N]: small against a Stribeck velocity and a presliding force.
 
@@ -109,18 +105,11 @@ class ChainResponse:
     def of(
         self,
         loop: VelocityLoop,
-        values: Mapping[str, float],
-        friction: float,
-        m: float | None = None,
+        values: Mapping[str, float],  # parameters of the chain, ``component.variable``
+        friction: float,  # force of sliding [N], by which the motor moves the axis
+        m: float | None = None,  # true mass [kg], by default that of the loop's axis
     ) -> Robustness:
-        """Return how robust a loop with the chain is.
-
-        Parameters
-        ----------
-        values : parameters of the chain, ``component.variable``
-        friction : force of sliding [N], by which the motor moves the axis
-        m : true mass [kg], by default that of the loop's axis
-        """
+        """Return how robust a loop with the chain is."""
         opened = self._opened_at(loop, m)
         found = self.responses([opened], values, friction)
         if not found:

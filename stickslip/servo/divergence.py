@@ -16,15 +16,12 @@ class Diverged(cosim.SimulationError):
 def require_bounded(v: Array, speed: float) -> None:
     """Raise where a simulated velocity is not finite, or far beyond what was commanded.
 
+    Raises Diverged when it has run away.
+
     Parameters
     ----------
     v : (n,) of the drive [m/s]
     speed : the largest one that is commanded, at any time of the trial [m/s]
-
-    Raises
-    ------
-    Diverged
-        When it has run away.
     """
     peak = float(np.max(np.abs(v)))
     if not peak <= loop_fit.RUNS_AWAY * speed:

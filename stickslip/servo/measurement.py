@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-CUTOFF = 117.0
-"""Low-pass of the measured velocity [Hz]."""
+CUTOFF = 117.0  # Low-pass of the measured velocity [Hz]
 
 
 def smoothed(signal: Array, T_s: float, cutoff: float = CUTOFF) -> Array:

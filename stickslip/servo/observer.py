@@ -38,10 +38,8 @@ REVERSALS = 0.1
 so that it excites high frequencies less than a step does."""
 FORCE_NOISE = 0.01
 """Standard deviation of the measured force where it is not given, relative to the friction."""
-QUIET = 0.02
-"""Share by which the whole error may grow where the encoder hides friction in it."""
-LEAST_GAIN = 1e-3
-"""Relative improvement below which the search ends."""
+QUIET = 0.02  # share by which the whole error may grow where the encoder hides friction in it
+LEAST_GAIN = 1e-3  # relative improvement below which the search ends
 Weights = tuple[float, float]
 _RATES = np.geomspace(1e-10, 10.0, 12)
 _NOISES = np.geomspace(1e-6, 30.0, 8)
@@ -50,26 +48,18 @@ _STEPS = (2.0, 1.4, 1.15)  # factors of the search around the best of these
 
 @dataclass(frozen=True)
 class DesignedObserver:
-    """An observer with what it was designed for.
+    """An observer with what it was designed for."""
 
-    Attributes
-    ----------
-    observer : the design
-    sensitivity : largest peak sensitivity at any of the masses, with the observer
-    without : the same without it
-    error, error_without : expected RMS of the velocity error [m/s]
-    reversal, reversal_without : what reversals of friction leave of it [m/s]
-    weights : of the Kalman filter
-    """
-
-    observer: Observer
-    sensitivity: float
-    without: float
+    observer: Observer  # the design
+    sensitivity: float  # largest peak sensitivity at any of the masses, with the observer
+    without: float  # the same without it
+    # expected RMS of the velocity error [m/s]
     error: float
     error_without: float
+    # what reversals of friction leave of it [m/s]
     reversal: float
     reversal_without: float
-    weights: FilterSpecification
+    weights: FilterSpecification  # of the Kalman filter
 
     def slower(self, factor: float) -> Observer:
         """Return an observer with a rate of the disturbance that is smaller by a factor."""

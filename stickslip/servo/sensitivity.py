@@ -27,29 +27,20 @@ from stickslip.servo.velocity_loop import VelocityLoop, known_force, plant_and_e
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-LOWEST = 1e-5
-"""Lowest frequency that is evaluated, as a share of the sample rate."""
-FREQUENCIES = 600
-"""Frequencies that are evaluated, evenly spaced in the logarithm."""
+LOWEST = 1e-5  # lowest frequency that is evaluated, as a share of the sample rate
+FREQUENCIES = 600  # frequencies that are evaluated, evenly spaced in the logarithm
 
 
 @dataclass(frozen=True)
 class Response:
-    """How a loop with an observer responds at each frequency of its ``OpenLoop`` loop.
+    """How a loop with an observer responds at each frequency of its ``OpenLoop`` loop."""
 
-    Attributes
-    ----------
-    at_command, at_encoder : (n,) sensitivity 1 / (1 + L) where the loop is opened there
-    disturbed : (n,) from a force on the mass to the velocity [m/(N s)]
-    noisy : (n,) from an error of the encoder to the velocity [1/s]
-    driven : (n,) from an error of the measured motor force to the velocity [m/(N s)]
-    """
-
+    # (n,) sensitivity 1 / (1 + L) where the loop is opened there
     at_command: ComplexArray
     at_encoder: ComplexArray
-    disturbed: ComplexArray
-    noisy: ComplexArray
-    driven: ComplexArray
+    disturbed: ComplexArray  # (n,) from a force on the mass to the velocity [m/(N s)]
+    noisy: ComplexArray  # (n,) from an error of the encoder to the velocity [1/s]
+    driven: ComplexArray  # (n,) from an error of the measured motor force to the velocity [m/(N s)]
 
     @property
     def peak(self) -> float:

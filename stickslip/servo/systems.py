@@ -14,8 +14,7 @@ from stickslip.fmi.toolchain import PLATFORMS, Platform
 from stickslip.servo.velocity_loop import VelocityLoop
 
 Feed = Literal["nominal", "command"]
-NOMINAL_ORDER = 8
-"""States that the nominal-loop FMU has room for."""
+NOMINAL_ORDER = 8  # states that the nominal-loop FMU has room for
 FEEDS: tuple[Feed, ...] = ("nominal", "command")
 COMPONENTS = ("controller", "drive", "filter", "nominal")
 """Names in a loop beside those of the compensators."""
@@ -85,20 +84,13 @@ def drive_law(changes: Changes) -> tuple[dict[str, float], str]:
 
 def build_fmus(
     folder: Path,
-    truth: Changes,
+    truth: Changes,  # goes into the drive
+    # friction law of the compensator, and of the stage that the identification simulates
     law: str = "lugre",
-    only: Iterable[str] | None = None,
-    platforms: Iterable[Platform] | None = None,
+    only: Iterable[str] | None = None,  # names of models, all by default
+    platforms: Iterable[Platform] | None = None,  # what to build for; this machine by default
 ) -> None:
-    """Build the FMUs of the loop into a folder.
-
-    Parameters
-    ----------
-    truth : goes into the drive
-    law : friction law of the compensator, and of the stage that the identification simulates
-    only : names of models, all by default
-    platforms : what to build for; this machine by default
-    """
+    """Build the FMUs of the loop into a folder."""
     start, own = drive_law(truth)
     for name in models.model_names() if only is None else only:
         if name == "drive":
@@ -170,32 +162,21 @@ def paper_loop(
 
 
 def build_loop(
-    fmus: Path,
-    loop: VelocityLoop,
+    fmus: Path,  # folder of the FMUs
+    loop: VelocityLoop,  # controller, nominal loop and axis
+    # in the order in which their forces are added; none for a loop without
     compensators: Sequence[Compensator],
+    # what gives the reference velocity, the nominal loop's response or the command
     feed: Feed = "nominal",
     *,
-    connected: bool = True,
-    drive: str = "drive",
+    connected: bool = True,  # whether the last one's force goes to the loop, or runs beside it only
+    drive: str = "drive",  # name of the drive in the loop, and of its FMU
 ) -> cosim.System:
     """Return a servo loop with any chain of compensators, connected by the roles of their ports.
 
     Each one adds its force to that of the one before it, if it has an input for it. The last one's
-    force goes to the controller and, as known friction, to a velocity filter.
-
-    Parameters
-    ----------
-    fmus : folder of the FMUs
-    loop : controller, nominal loop and axis
-    compensators : in the order in which their forces are added; none for a loop without
-    feed : what gives the reference velocity, the nominal loop's response or the command
-    connected : whether the last one's force goes to the loop, or runs beside it only
-    drive : name of the drive in the loop, and of its FMU
-
-    Raises
-    ------
-    ValueError
-        When a model is not a compensator, or cannot take the force of the one before it.
+    force goes to the controller and, as known friction, to a velocity filter. Raises ValueError
+    when a model is not a compensator, or cannot take the force of the one before it.
     """
     system = cosim.System("loop")
     system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))

@@ -19,9 +19,8 @@ def tuned_pi(loop: VelocityLoop) -> VelocityLoop:
     a step leaves is 1 / K_i. So K_i is the largest for which no frequency is amplified more than
     in ``loop``.
 
-    Source
-    ------
-    Astrom and Hagglund, Advanced PID Control, ISA 2006, section 6.2 (integral gain optimisation).
+    Source: Astrom and Hagglund, Advanced PID Control, ISA 2006, section 6.2 (integral gain
+    optimisation).
     """
     z = _points(loop)
     limit = float(np.abs(1.0 / (1.0 + loop.open_loop(z))).max())

@@ -275,10 +275,7 @@ def plant_and_estimator(
 ) -> tuple[control.StateSpace, control.StateSpace]:
     """Return the axis, whose first output is v, and what estimates v from the others.
 
-    Raises
-    ------
-    ControlError
-        When the filter has another sample period.
+    Raises ControlError when the filter has another sample period.
     """
     if velocity_filter is None:
         return _plant(axis, T_s), _estimator(T_s, tau_f)

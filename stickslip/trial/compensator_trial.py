@@ -181,12 +181,8 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
     """Return the loop of the log's controller, the one that the log shows, or one like the paper's.
 
     A controller that does not command the logged force is not that of the drive. Where a velocity
-    loop shows no gains, the one like the paper's is slower.
-
-    Raises
-    ------
-    ControlError
-        When the mass is not known, or no loop is stable.
+    loop shows no gains, the one like the paper's is slower. Raises ControlError when the mass is
+    not known, or no loop is stable.
     """
     known, controller = estimation.known, reading.controller
     if "m" not in known:

@@ -24,39 +24,25 @@ from stickslip.thresholds import harm
 
 Values = Mapping[str, float]
 
-SPEEDS = (1.0, 0.1, 0.01)
-"""Shares of the log's speed."""
+SPEEDS = (1.0, 0.1, 0.01)  # shares of the log's speed
 MOVES = {"micro-steps": (3.0, 20.0, 0.01), "short moves": (30.0, 200.0, 0.1)}
 """Lengths of small moves: in presliding deflections, at least in encoder steps, and at most as a
 share of the travel."""
-LEVELS = (0.5, 1.5)
-"""Shares of the fitted friction."""
-UNEVEN = 0.1
-"""Share by which friction differs by direction, and along the guide."""
-PERIOD = 0.4
-"""Length of its variation along the guide, as a share of the travel."""
-_REST = 0.1
-"""Pause between moves [s]."""
-_LEAST = 20
-"""Samples in a move."""
-_DEFLECTION = 4e-4
-"""Presliding deflection over the command's speed where no stiffness is known [s]."""
+LEVELS = (0.5, 1.5)  # shares of the fitted friction
+UNEVEN = 0.1  # share by which friction differs by direction, and along the guide
+PERIOD = 0.4  # length of its variation along the guide, as a share of the travel
+_REST = 0.1  # pause between moves [s]
+_LEAST = 20  # samples in a move
+_DEFLECTION = 4e-4  # presliding deflection over the command's speed where no stiffness is known [s]
 
 
 @dataclass(frozen=True)
 class Drive:
-    """A drive of the family.
+    """A drive of the family."""
 
-    Attributes
-    ----------
-    name : how it differs from the fitted one
-    law : name of its friction law
-    parameters : start values of the drive FMU: friction, and what else differs
-    """
-
-    name: str
-    law: str
-    parameters: Values
+    name: str  # how it differs from the fitted one
+    law: str  # name of its friction law
+    parameters: Values  # start values of the drive FMU: friction, and what else differs
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,19 +66,15 @@ class Command:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a log tells of a drive's friction besides the values that a compensator takes.
+    """What a log tells of a drive's friction besides the values that a compensator takes."""
 
-    Attributes
-    ----------
-    plausible : values that the log supports: the fit first, and draws from its covariance
-    ranges : interval by name for parameters that are poorly identified
-    rivals : values by name for other laws fitted to the same log, by name of the law
-    better : names of those that predict the force better than the law of the compensator
-    """
-
+    # values that the log supports: the fit first, and draws from its covariance
     plausible: Sequence[Values] = ()
+    # interval by name for parameters that are poorly identified
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    # values by name for other laws fitted to the same log, by name of the law
     rivals: Mapping[str, Values] = field(default_factory=dict)
+    # names of those that predict the force better than the law of the compensator
     better: frozenset[str] = frozenset()
 
 
@@ -136,21 +118,14 @@ def family(
 
 
 def commands(
-    command: Trapezoid,
+    command: Trapezoid,  # the trapezoid at full speed
     T_s: float,
-    friction: Values,
-    encoder_step: float = 0.0,
+    friction: Values,  # gives the presliding deflection, in which small moves are measured
+    encoder_step: float = 0.0,  # of which a move has several [m]
     *,
     rotary: bool = False,
 ) -> tuple[Command, ...]:
-    """Return the commands: a trapezoid at the speeds of ``SPEEDS``, and small moves.
-
-    Parameters
-    ----------
-    command : the trapezoid at full speed
-    friction : gives the presliding deflection, in which small moves are measured
-    encoder_step : of which a move has several [m]
-    """
+    """Return the commands: a trapezoid at the speeds of ``SPEEDS``, and small moves."""
     unit = motion_unit("mm/s", rotary=rotary)
     t = np.arange(round((command.corners()[-1] + command.begin) / T_s) + 1) * T_s
     found = []

@@ -74,20 +74,14 @@ def inspect(trial: Trial, standard_errors: dict[str, float]) -> list[Finding]:
 
 def benefits_on_drives(
     bench: Bench,
-    friction: Mapping[str, float],
-    variants: Sequence[Variant],
-    standard_errors: Mapping[str, float],
+    friction: Mapping[str, float],  # as fitted, parameters of the law by name
+    variants: Sequence[Variant],  # each is tried, in this order
+    standard_errors: Mapping[str, float],  # of the friction, by name
     *,
+    # whether the guards take the whole force instead of the share that is acceptable
     force: bool = False,
 ) -> tuple[tuple[Benefit, ...], list[Finding]]:
     """Try ways to compensate on the family of drives of a bench.
-
-    Parameters
-    ----------
-    friction : as fitted, parameters of the law by name
-    variants : each is tried, in this order
-    standard_errors : of the friction, by name
-    force : whether the guards take the whole force instead of the share that is acceptable
 
     Returns
     -------
@@ -106,25 +100,17 @@ def benefits_on_drives(
 
 @contextmanager
 def bench_of(
-    law: Law,
+    law: Law,  # of the feedforward
     loop: VelocityLoop,
-    friction: Mapping[str, float],
-    drives: Sequence[Drive],
-    command: Trapezoid,
+    friction: Mapping[str, float],  # as fitted, parameters of the law by name
+    drives: Sequence[Drive],  # see ``family``
+    command: Trapezoid,  # at the highest speed; see ``commands``
     datasheet: Datasheet,
     *,
     feed: Feed = "nominal",
     workers: int = 1,
 ) -> Iterator[Bench]:
-    """Build the loop in which variants are tried.
-
-    Parameters
-    ----------
-    law : of the feedforward
-    friction : as fitted, parameters of the law by name
-    drives : see ``family``
-    command : at the highest speed; see ``commands``
-    """
+    """Build the loop in which variants are tried."""
     with temporary_folder() as folder:
         step, rotary = datasheet.encoder_step, loop.axis.rotary
         tried = commands(command, loop.T_s, friction, step, rotary=rotary)

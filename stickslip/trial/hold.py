@@ -27,30 +27,20 @@ from stickslip.trial.single_run import Finding, axis_values, in_loop
 
 SHORTEST, LONGEST, PERIODS = 1.0, 20.0, 8.0
 """Of a hold [s], and how many periods of the limit cycle to be expected it has."""
-MOVES = (3.5, 25.5, 250.5)
-"""Lengths of small moves before a hold, in encoder steps."""
-RISE = 20
-"""Samples of such a move."""
+MOVES = (3.5, 25.5, 250.5)  # lengths of small moves before a hold, in encoder steps
+RISE = 20  # samples of such a move
 
 
 @dataclass(frozen=True)
 class Hold:
-    """How far a drive swings at rest, at worst of several motions and drives.
+    """How far a drive swings at rest, at worst of several motions and drives."""
 
-    Attributes
-    ----------
-    swing : of the true position in the second half of the hold, peak to peak [m]
-    reversals : changes of direction there, by more than half of the swing and half an encoder step
-    duration : of that half [s]
-    drive : on which
-    unit : of a millionth of a position, for people
-    """
-
-    swing: float
+    swing: float  # of the true position in the second half of the hold, peak to peak [m]
+    # changes of direction there, by more than half of the swing and half an encoder step
     reversals: int
-    duration: float
-    drive: str = ""
-    unit: str = "um"
+    duration: float  # of that half [s]
+    drive: str = ""  # on which
+    unit: str = "um"  # of a millionth of a position, for people
 
     def hunts(self, limit: float) -> bool:
         """Tell whether it goes to and fro, farther than a limit [m]."""

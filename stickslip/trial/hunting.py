@@ -12,8 +12,7 @@ from stickslip.servo.measurement import Array
 from stickslip.thresholds import caution
 from stickslip.trial.single_run import Finding, Trial
 
-HOLD = 1.0
-"""For how long the end of the command is held, to see what goes on there [s]."""
+HOLD = 1.0  # for how long the end of the command is held, to see what goes on there [s]
 
 
 def hunting(trial: Trial) -> list[Finding]:

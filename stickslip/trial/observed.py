@@ -23,8 +23,7 @@ from stickslip.trial.guards import Bench, Benefit, TrialError, Variant
 
 SLOWER = 0.3
 """Share of the Coulomb friction for which an observer is designed that has to be slower."""
-SHARES = (0.7, 0.5, 0.35, 0.25, 0.15)
-"""Shares of its estimate that are tried after that."""
+SHARES = (0.7, 0.5, 0.35, 0.25, 0.15)  # shares of its estimate that are tried after that
 FEEDFORWARD: Final = "feedforward"
 OBSERVER: Final = "observer"
 BOTH: Final = "feedforward + observer"
@@ -33,35 +32,21 @@ Choice = Literal["feedforward", "observer", "feedforward + observer", ""]
 
 @dataclass(frozen=True)
 class ObserverDesign:
-    """An observer that was designed.
+    """An observer that was designed."""
 
-    Attributes
-    ----------
-    observer : its component
-    sensitivity : largest peak sensitivity at any of the masses, with the observer
-    without : the same without it
-    """
-
-    observer: Compensator
-    sensitivity: float
-    without: float
+    observer: Compensator  # its component
+    sensitivity: float  # largest peak sensitivity at any of the masses, with the observer
+    without: float  # the same without it
 
 
 @dataclass(frozen=True)
 class ObserverTrial:
-    """What an observer adds to a feedforward.
+    """What an observer adds to a feedforward."""
 
-    Attributes
-    ----------
-    designed : the observer, None where there is none
-    reason : why there is none, empty otherwise
-    alone, both : what it does on the family of drives, and with the feedforward; None without it
-    feedforward : what the feedforward does there
-    """
-
-    feedforward: Benefit
-    designed: ObserverDesign | None = None
-    reason: str = ""
+    feedforward: Benefit  # what the feedforward does there
+    designed: ObserverDesign | None = None  # the observer, None where there is none
+    reason: str = ""  # why there is none, empty otherwise
+    # what it does on the family of drives, and with the feedforward; None without it
     alone: Benefit | None = None
     both: Benefit | None = None
 
@@ -124,14 +109,11 @@ def strongest(
 ) -> tuple[ObserverDesign, Benefit]:
     """Return the first acceptable observer, or the one with the least worst ratio, as tried.
 
+    Raises ControlError when there is no observer.
+
     Parameters
     ----------
     together : whether it is tried with the feedforward, at the share of that
-
-    Raises
-    ------
-    ControlError
-        When there is no observer.
     """
     tried: list[tuple[TrialError, ObserverDesign, Benefit]] = []
     for designed in designs:
@@ -152,18 +134,13 @@ def strongest(
 def kalman_designs(
     bench: Bench, F_c: float, masses: tuple[float, ...], order: int = 1
 ) -> Iterator[ObserverDesign]:
-    """Yield disturbance observers from fast to weak.
+    """Yield disturbance observers from fast to weak; raise ControlError when there is none.
 
     Parameters
     ----------
     F_c : Coulomb friction, as fitted [N]
     masses : true masses, relative to that of the axis, at which the limit of Ms holds
     order : of the disturbance
-
-    Raises
-    ------
-    ControlError
-        When there is none.
     """
 
     def designed(friction: float) -> DesignedObserver:

@@ -17,17 +17,11 @@ from stickslip.trial.observed import ObserverTrial
 
 
 class Loops(NamedTuple):
-    """Velocity loops of a drive.
+    """Velocity loops of a drive."""
 
-    Attributes
-    ----------
-    plain : without compensation
-    compensated : in which the compensator runs
-    known : whether the drive runs in them; False where they only serve to try the compensator
-    """
-
-    plain: VelocityLoop
-    compensated: VelocityLoop
+    plain: VelocityLoop  # without compensation
+    compensated: VelocityLoop  # in which the compensator runs
+    # whether the drive runs in them; False where they only serve to try the compensator
     known: bool = True
 
 

@@ -21,26 +21,16 @@ from stickslip.servo.velocity_loop import VelocityLoop
 
 @dataclass(frozen=True)
 class Trial:
-    """What is tried; the axis is a drive FMU with the mass and lag that the loop counts on.
+    """What is tried; the axis is a drive FMU with the mass and lag that the loop counts on."""
 
-    Attributes
-    ----------
-    fmus : folder of the FMUs, as ``build_fmus`` leaves it
-    loop : the velocity loop
-    friction : of the axis, parameters of ``law`` by name
-    compensator : its parameters by name
-    v_cmd : command (n,) [m/s], one value a sample of the loop
-    law : friction law of axis and compensator
-    """
-
-    fmus: Path
-    loop: VelocityLoop
-    friction: Mapping[str, float]
-    compensator: Mapping[str, float]
-    v_cmd: Array
+    fmus: Path  # folder of the FMUs, as ``build_fmus`` leaves it
+    loop: VelocityLoop  # the velocity loop
+    friction: Mapping[str, float]  # of the axis, parameters of ``law`` by name
+    compensator: Mapping[str, float]  # its parameters by name
+    v_cmd: Array  # command (n,) [m/s], one value a sample of the loop
     feed: Feed = "nominal"
     datasheet: Datasheet = field(default_factory=Datasheet)
-    law: Law = field(default_factory=friction_law)
+    law: Law = field(default_factory=friction_law)  # friction law of axis and compensator
 
     @contextmanager
     def runs(self, *, compensated: bool) -> Iterator[Run]:
@@ -98,20 +88,14 @@ class Run:
 
 @dataclass(frozen=True)
 class Finding:
-    """One warning.
+    """One warning."""
 
-    Attributes
-    ----------
-    guard : name of the guard
-    figure, limit : what was found and the largest acceptable value, in ``unit``
-    message : what, figure, limit and what to do, in a line
-    """
-
-    guard: str
+    guard: str  # name of the guard
+    # what was found and the largest acceptable value, in ``unit``
     figure: float
     limit: float
     unit: str
-    message: str
+    message: str  # what, figure, limit and what to do, in a line
 
     def __str__(self) -> str:
         return f"{self.guard}: {self.message}"

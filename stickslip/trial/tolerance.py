@@ -8,10 +8,8 @@ from stickslip.catalog.space import ParameterSpace
 from stickslip.thresholds import caution
 from stickslip.trial.single_run import Finding, Run, Trial
 
-MOST = 1.0
-"""Share at which the search ends: twice the friction is as wrong as none."""
-_BOUND = 1.96
-"""Standard errors to a bound of the 95 % interval."""
+MOST = 1.0  # share at which the search ends: twice the friction is as wrong as none
+_BOUND = 1.96  # standard errors to a bound of the 95 % interval
 
 
 def tolerance(trial: Trial, standard_errors: Mapping[str, float]) -> list[Finding]:

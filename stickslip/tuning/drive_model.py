@@ -32,8 +32,7 @@ PROBES = (
     PLAIN | {"K_p": 0.75, "K_i": 0.5, "m_ff": 0.5, "share": 0.7, "observed": 0.1},
 )
 """Loops that the drive runs: the reference, and such as a search tries."""
-NOISIEST = 0.5
-"""Largest noise of the encoder of a model, in steps of it."""
+NOISIEST = 0.5  # largest noise of the encoder of a model, in steps of it
 STEEPER = 2.0
 """Exponent of the Stribeck curve with more friction of a model that was not fitted: of what was
 identified the exponent is not known, and with this one, a usual one, the curve falls faster. On a
@@ -53,22 +52,13 @@ drive of GMS friction, and 1.55 of one of Armstrong's."""
 
 @dataclass(frozen=True)
 class DriveModel:
-    """Friction of a model of the drive.
+    """Friction of a model of the drive."""
 
-    Attributes
-    ----------
-    law : name
-    friction : its parameters by name, SI units
-    noise : standard deviation of the noise of the encoder [m]
-    mismatch : RMS of the logarithms of its errors relative to those of the drive
-    fitted : whether it is of a search, or what was identified
-    """
-
-    law: str
-    friction: dict[str, float]
-    noise: float = 0.0
-    mismatch: float = 0.0
-    fitted: bool = False
+    law: str  # name
+    friction: dict[str, float]  # its parameters by name, SI units
+    noise: float = 0.0  # standard deviation of the noise of the encoder [m]
+    mismatch: float = 0.0  # RMS of the logarithms of its errors relative to those of the drive
+    fitted: bool = False  # whether it is of a search, or what was identified
 
     def parameters(self, bench: LoopBench, level: float) -> dict[str, float]:
         """Return the parameters of its FMU by name, with so many times its friction."""
@@ -211,12 +201,8 @@ def fit_models(
     """Run the drive in the loops of ``PROBES``, and find models that err alike, the best first.
 
     What was identified is enough where it errs like the drive. Otherwise each law whose start runs
-    and is not hopeless has a short search, and the best go on.
-
-    Raises
-    ------
-    ga.NothingLearned, ga.Interrupted
-        As ``ga.learn``.
+    and is not hopeless has a short search, and the best go on. Raises ga.NothingLearned,
+    ga.Interrupted as ``ga.learn``.
     """
     with closing(LoopRuns(bench)) as drive:
         errors = errors_of(drive)

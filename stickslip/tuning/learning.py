@@ -26,16 +26,10 @@ BOUNDS = (0.1, 100.0)  # times the identified value, as in the paper
 
 @dataclass(frozen=True)
 class VelocityCost:
-    """Sum of (v - v_r)^2 [m^2/s^2] over the samples of a run on the drive.
+    """Sum of (v - v_r)^2 [m^2/s^2] over the samples of a run on the drive."""
 
-    Attributes
-    ----------
-    T_s : sample period [s]
-    cutoff : of the low-pass of v - v_r [Hz], None for none
-    """
-
-    T_s: float
-    cutoff: float | None = CUTOFF
+    T_s: float  # sample period [s]
+    cutoff: float | None = CUTOFF  # of the low-pass of v - v_r [Hz], None for none
 
     def __call__(self, result: Recorded) -> float:
         """Return the cost of the recorded ``drive.x_enc`` [m] and ``nominal.v_r`` [m/s]."""
@@ -51,23 +45,16 @@ class VelocityCost:
 
 @dataclass(frozen=True)
 class Study:
-    """What a learning run needs, and nothing of the drive but its rig.
-
-    Attributes
-    ----------
-    loop : the velocity loop of the drive, and its nominal loop
-    start : the compensator's tuned parameters by name, in the order of law.toml, with the standard
-        errors of their identification, SI units
-    v_cmd : (n,) training command [m/s], one value a sample
-    seed : of the small changes between repeated runs
-    """
+    """What a learning run needs, and nothing of the drive but its rig."""
 
     rig: Rig
-    loop: VelocityLoop
+    loop: VelocityLoop  # the velocity loop of the drive, and its nominal loop
+    # the compensator's tuned parameters by name, in the order of law.toml, with the standard errors
+    # of their identification, SI units
     start: Mapping[str, Estimate]
-    v_cmd: Array
+    v_cmd: Array  # (n,) training command [m/s], one value a sample
     feed: Feed = "nominal"
-    seed: int = 0
+    seed: int = 0  # of the small changes between repeated runs
 
     @cached_property
     def space(self) -> ParameterSpace:

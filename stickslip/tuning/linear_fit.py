@@ -22,27 +22,18 @@ from stickslip.servo.measurement import Array, smoothed
 from stickslip.servo.systems import feedforward
 from stickslip.tuning.learning import BOUNDS, Study, VelocityCost
 
-FLOOR = 0.01
-"""Least relative error granted to identification: its models are not exact either."""
+FLOOR = 0.01  # least relative error granted to identification: its models are not exact either
 REPEATS = 5
-JITTER = 1e-4
-"""Relative change of the parameters between repeated runs."""
+JITTER = 1e-4  # relative change of the parameters between repeated runs
 
 
 @dataclass(frozen=True)
 class Runs:
-    """Repeated runs of one compensator.
+    """Repeated runs of one compensator."""
 
-    Attributes
-    ----------
-    values : its parameters by name, in SI units
-    commands : the training command, its mirror image, and further ones (n,) [m/s]
-    gaps : (REPEATS, n) v - v_r [m/s] of each
-    """
-
-    values: Mapping[str, float]
-    commands: Sequence[Array]
-    gaps: Sequence[Array]
+    values: Mapping[str, float]  # its parameters by name, in SI units
+    commands: Sequence[Array]  # the training command, its mirror image, and further ones (n,) [m/s]
+    gaps: Sequence[Array]  # (REPEATS, n) v - v_r [m/s] of each
 
     @cached_property
     def means(self) -> list[Array]:
@@ -89,18 +80,11 @@ class Bench:
 
 @dataclass(frozen=True)
 class Fit:
-    """What least squares make of runs.
+    """What least squares make of runs."""
 
-    Attributes
-    ----------
-    values : the parameters by name, in SI units
-    errors : their relative standard errors
-    alone : what the training command and its mirror image alone would leave
-    """
-
-    values: dict[str, float]
-    errors: dict[str, float]
-    alone: dict[str, float]
+    values: dict[str, float]  # the parameters by name, in SI units
+    errors: dict[str, float]  # their relative standard errors
+    alone: dict[str, float]  # what the training command and its mirror image alone would leave
 
 
 def fit(study: Study, runs: Runs) -> Fit:

@@ -27,8 +27,7 @@ from stickslip.servo.systems import Compensator, nominal_parameters
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 
-OBSERVER = "observer"
-"""Name of the disturbance observer in the loop."""
+OBSERVER = "observer"  # name of the disturbance observer in the loop
 CHAIN = (Compensator("compensator", "compensator"), Compensator(OBSERVER, "dob"))
 """The feedforward, and the observer of what it leaves."""
 GENES = (
@@ -43,28 +42,18 @@ GENES = (
 """Lowest value, highest value and start of each; all are searched by their logarithm."""
 PLAIN = {gene.name: gene.start for gene in GENES} | {"m_ff": 0.0, "share": 0.0, "observed": 0.0}
 """The reference: its gains alone, without any model of friction."""
-FEEDFORWARD = PLAIN | {"share": 1.0}
-"""The reference with the feedforward of friction."""
+FEEDFORWARD = PLAIN | {"share": 1.0}  # the reference with the feedforward of friction
 
 
 @dataclass(frozen=True)
 class TunedLoop:
-    """A velocity loop with its compensators.
+    """A velocity loop with its compensators."""
 
-    Attributes
-    ----------
-    loop : with its gains and feedforward of inertia
-    law : friction law of the feedforward
-    friction : its parameters at the whole force, by name, SI units
-    share : of that force
-    observer : of what the feedforward leaves
-    """
-
-    loop: VelocityLoop
-    law: Law
-    friction: Mapping[str, float]
-    share: float
-    observer: Observer
+    loop: VelocityLoop  # with its gains and feedforward of inertia
+    law: Law  # friction law of the feedforward
+    friction: Mapping[str, float]  # its parameters at the whole force, by name, SI units
+    share: float  # of that force
+    observer: Observer  # of what the feedforward leaves
 
     def chain(self) -> list[Compensator]:
         """Return the compensators with their parameters; without an observer that has no share."""
@@ -88,24 +77,15 @@ class TunedLoop:
 
 
 def tuned_loop(
-    genes: Mapping[str, float],
-    reference: VelocityLoop,
+    genes: Mapping[str, float],  # values by name
+    reference: VelocityLoop,  # the loop in whose units the gains are
     law: Law,
-    friction: Mapping[str, float],
+    friction: Mapping[str, float],  # parameters of the law by name
     sheet: Datasheet,
 ) -> TunedLoop:
     """Return the loop of a candidate.
 
-    Parameters
-    ----------
-    genes : values by name
-    reference : the loop in whose units the gains are
-    friction : parameters of the law by name
-
-    Raises
-    ------
-    ControlError
-        When it is unstable, or no observer follows from the genes.
+    Raises ControlError when it is unstable, or no observer follows from the genes.
     """
     axis, T_s, F_c = reference.axis, reference.T_s, friction["F_c"]
     gains = {name: genes[name] * getattr(reference, name) for name in ("tau_f", "K_p", "K_i")}

@@ -39,31 +39,23 @@ NEAR, STEEP = 0.9, 3.0
 Coulomb-Stribeck friction ended where nothing could be taken."""
 EVALUATIONS = 300
 """Candidates in a search: docs/measurements/loop-tuning.md shows what fewer and more give."""
-FINALISTS = 4
-"""Best candidates that are run again."""
+FINALISTS = 4  # best candidates that are run again
 REPEATS = 3
 JITTER = 1e-4
 """How often, and by how much their genes change in between: as no drive runs twice alike."""
 FORCE = "change of the force"
 
-Ratios = dict[tuple[str, float], float]
-"""By kind of motion, or ``FORCE``, and friction."""
+Ratios = dict[tuple[str, float], float]  # by kind of motion, or ``FORCE``, and friction
 
 
 @dataclass(frozen=True)
 class LoopStudy(LoopBench):
-    """What learning of the loop needs, and nothing of the drive but its rig.
+    """What learning of the loop needs, and nothing of the drive but its rig."""
 
-    Attributes
-    ----------
-    models : of the drive, see ``fit_models``; by default of the friction that was identified
-    algorithm : one of ``ga.ALGORITHMS``
-    seed : of the search
-    """
-
+    # of the drive, see ``fit_models``; by default of the friction that was identified
     models: Sequence[DriveModel] = ()
-    algorithm: str = "cma"
-    seed: int = 0
+    algorithm: str = "cma"  # one of ``ga.ALGORITHMS``
+    seed: int = 0  # of the search
     limits: ga.Limits = field(default_factory=lambda: ga.Limits(evaluations=EVALUATIONS))
 
     def optimiser(self) -> ga.Optimiser:
@@ -74,44 +66,30 @@ class LoopStudy(LoopBench):
 
 @dataclass(frozen=True)
 class LearnedLoop:
-    """A loop that was learned, or what is used instead.
-
-    Attributes
-    ----------
-    tuned : the loop
-    genes : of which it is made
-    chosen : ``learned``, or where no candidate is as good as the reference in everything
-        ``feedforward``, the reference with the feedforward, or ``reference``
-    cost, ratios : as they were measured when it was chosen
-    Ms : its peak sensitivity
-    evaluations : candidates
-    runs : of the drive, with those for its models
-    algorithm : what searched
-    """
+    """A loop that was learned, or what is used instead."""
 
     seed: int
-    tuned: TunedLoop
-    genes: Mapping[str, float]
+    tuned: TunedLoop  # the loop
+    genes: Mapping[str, float]  # of which it is made
+    # ``learned``, or where no candidate is as good as the reference in everything ``feedforward``,
+    # the reference with the feedforward, or ``reference``
     chosen: str
+    # as they were measured when it was chosen
     cost: float
     ratios: Ratios
-    Ms: float
-    evaluations: int
-    runs: int
-    algorithm: ga.Optimiser
+    Ms: float  # its peak sensitivity
+    evaluations: int  # candidates
+    runs: int  # of the drive, with those for its models
+    algorithm: ga.Optimiser  # what searched
 
 
 @dataclass(frozen=True)
 class _Case:
-    """The drive, or a model with some friction.
-
-    Attributes
-    ----------
-    values : parameters of the model's FMU by name
-    """
+    """The drive, or a model with some friction."""
 
     level: float
     runs: LoopRuns
+    # parameters of the model's FMU by name
     values: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -138,12 +116,7 @@ class LoopCost:
         """Return the errors of a loop, and the change of its force, relative to the reference.
 
         With other friction they count as at least those with the drive's own, which is measured,
-        and where models differ, the largest counts.
-
-        Raises
-        ------
-        CandidateFailed
-            When a run fails.
+        and where models differ, the largest counts. Raises CandidateFailed when a run fails.
         """
         ratios: Ratios = {}
         errors = self._errors(tuned)
@@ -172,10 +145,7 @@ class LoopCost:
     def __call__(self, values: Array) -> float:
         """Return the cost of a candidate (k,).
 
-        Raises
-        ------
-        CandidateFailed
-            When its loop is unstable or above the limit of Ms, or a run fails.
+        Raises CandidateFailed when its loop is unstable or above the limit of Ms, or a run fails.
         """
         genes = {gene.name: value for gene, value in zip(GENES, values.tolist(), strict=True)}
         try:
@@ -227,10 +197,7 @@ def learn_loop(
 ) -> LearnedLoop:
     """Search the loop, run the best candidates again, and choose.
 
-    Raises
-    ------
-    ga.NothingLearned, ga.StateError, ga.Interrupted
-        As ``ga.learn``.
+    Raises ga.NothingLearned, ga.StateError, ga.Interrupted as ``ga.learn``.
     """
     execution, algorithm = execution or Execution(), study.optimiser()
     one_thread = threadpool_limits(limits=1, user_api="blas")  # matrices are small, workers many

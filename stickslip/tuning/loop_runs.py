@@ -20,8 +20,7 @@ from stickslip.tuning.loop_genes import CHAIN, FEEDFORWARD, TunedLoop, tuned_loo
 NOISY = {"noise": 1.0, "noise_x": 0.0, "noise_F": 0.0, "seed": 1.0}
 """Start values of models: noise is on, of no size yet, and drawn otherwise than the drive's."""
 
-SMALL = Stroke(1.0, 0.025, 0.0, 0.1, counted=0.15)
-"""A small move, with the rest after it."""
+SMALL = Stroke(1.0, 0.025, 0.0, 0.1, counted=0.15)  # a small move, with the rest after it
 
 
 def training_motion() -> Motion:
@@ -61,17 +60,12 @@ def training_motion() -> Motion:
 
 @dataclass(frozen=True)
 class LoopBench:
-    """A drive in loops that differ from a reference by their genes.
-
-    Attributes
-    ----------
-    reference : the loop whose gains are tuned without a model, see ``servo/tuned_pi.py``
-    friction : parameters of the compensator's law, as identified, by name
-    """
+    """A drive in loops that differ from a reference by their genes."""
 
     rig: FmuRig
+    # the loop whose gains are tuned without a model, see ``servo/tuned_pi.py``
     reference: VelocityLoop
-    friction: Mapping[str, float]
+    friction: Mapping[str, float]  # parameters of the compensator's law, as identified, by name
     feed: Feed = "nominal"
 
     def loop(self, genes: Mapping[str, float]) -> TunedLoop:
@@ -112,13 +106,7 @@ class LoopRuns:
         self._cost = ga.SimulatedCost(specification, known, _no_cost, loop.commands(self.v_cmd))
 
     def run(self, tuned: TunedLoop, values: Mapping[str, float] | None = None) -> cosim.Result:
-        """Run a loop, with values of the model by name.
-
-        Raises
-        ------
-        CandidateFailed
-            When an FMU fails.
-        """
+        """Run a loop, with values of the model by name; raise CandidateFailed when an FMU fails."""
         numbers = [*tuned.parameters().values(), *((values or {})[name] for name in self._names)]
         return self._cost.result(np.array(numbers))
 

@@ -22,24 +22,15 @@ Chosen = Literal["refined", "start"]
 
 @dataclass(frozen=True)
 class Refinement:
-    """What is known in the end.
+    """What is known in the end."""
 
-    Attributes
-    ----------
-    estimates : the tuned parameters with standard errors, in SI units
-    alone : relative standard error that the training runs alone would leave, by name
-    cost : of a typical training run on the drive [m^2/s^2]
-    chosen : the fit's parameters, or what it began with
-    runs : of the drive that it took
-    remark : how the fit does in slow motions, as a sentence
-    """
-
-    estimates: dict[str, Estimate]
+    estimates: dict[str, Estimate]  # the tuned parameters with standard errors, in SI units
+    # relative standard error that the training runs alone would leave, by name
     alone: dict[str, float]
-    cost: float
-    chosen: Chosen
-    runs: int
-    remark: str = ""
+    cost: float  # of a typical training run on the drive [m^2/s^2]
+    chosen: Chosen  # the fit's parameters, or what it began with
+    runs: int  # of the drive that it took
+    remark: str = ""  # how the fit does in slow motions, as a sentence
 
     @property
     def result(self) -> str:

@@ -16,22 +16,17 @@ from stickslip import ga
 
 @dataclass(frozen=True)
 class Execution:
-    """Where and how safely learning runs.
+    """Where and how safely learning runs."""
 
-    Attributes
-    ----------
-    workers : candidates side by side; also, in threads, the runs of an experiment while what a
-        search found is fitted
-    where : of candidates: ``threads``, ``processes``, ``local`` or the address of a Dask
-        scheduler, see ``ga.executor``
-    checkpoint : file of what was learned so far, written after every generation; None for none
-    resume : go on from the checkpoint, if it exists
-    """
-
+    # candidates side by side; also, in threads, the runs of an experiment while what a search found
+    # is fitted
     workers: int = 1
+    # of candidates: ``threads``, ``processes``, ``local`` or the address of a Dask scheduler, see
+    # ``ga.executor``
     where: str = "threads"
+    # file of what was learned so far, written after every generation; None for none
     checkpoint: Path | None = None
-    resume: bool = False
+    resume: bool = False  # go on from the checkpoint, if it exists
 
     def of_seed(self, seed: int) -> Execution:
         """Return how one of several searches runs: with a checkpoint of its own."""

@@ -25,16 +25,10 @@ OnStage = Callable[[str], object]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of an item; plain data, so that it travels.
+    """What became of an item; plain data, so that it travels."""
 
-    Attributes
-    ----------
-    learned : what was found, as text in JSON; empty when the job failed
-    reason : why it failed; else empty
-    """
-
-    learned: str = ""
-    reason: str = ""
+    learned: str = ""  # what was found, as text in JSON; empty when the job failed
+    reason: str = ""  # why it failed; else empty
 
 
 Job = Callable[..., Outcome]
@@ -49,19 +43,15 @@ def run_jobs(
     job: Job,
     items: Sequence[Item],
     seed: int,
+    # see ``ga.executor``
     where: str,
     workers: int,
-    on_done: Callable[[Item, Outcome], object],
+    on_done: Callable[[Item, Outcome], object],  # called in the caller's thread
 ) -> None:
     """Run a job for each item and hand over the outcomes as they come.
 
     A process that dies takes down all that were running; these are then tried alone, one after the
     other, so that the one that kills is known and the others have their result.
-
-    Parameters
-    ----------
-    where, workers : see ``ga.executor``
-    on_done : called in the caller's thread
 
     Raises
     ------

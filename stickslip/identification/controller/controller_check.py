@@ -27,25 +27,18 @@ LEVELS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999, 1.0)
 
 @dataclass(frozen=True)
 class ControllerCheck:
-    """What the controller FMU commands along the recorded motion.
+    """What the controller FMU commands along the recorded motion."""
 
-    Attributes
-    ----------
-    force : (n,) that it commands, each value held from its sample on [N]
-    error : root mean square of logged without commanded force, relative to how the logged one
-        varies, all low-passed; NaN where no force was logged
-    shift : samples by which the log shows a command late
-    gains : of the FMU, in the form that commands the logged force best, with what its memory held
-        if it was running before the log began
-    form : how that differs from the FMU's own; empty if it does not
-    factor : of the logged force over the commanded one, where that alone makes them agree; else 1
-    """
-
-    force: Array
+    force: Array  # (n,) that it commands, each value held from its sample on [N]
+    # root mean square of logged without commanded force, relative to how the logged one varies, all
+    # low-passed; NaN where no force was logged
     error: float
-    shift: int
+    shift: int  # samples by which the log shows a command late
+    # of the FMU, in the form that commands the logged force best, with what its memory held if it
+    # was running before the log began
     gains: Mapping[str, float]
-    form: str = OWN
+    form: str = OWN  # how that differs from the FMU's own; empty if it does not
+    # of the logged force over the commanded one, where that alone makes them agree; else 1
     factor: float = 1.0
 
 

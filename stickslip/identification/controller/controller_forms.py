@@ -10,8 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-OWN = ""
-"""Name of the form that the FMU has."""
+OWN = ""  # name of the form that the FMU has
 _INTEGRALS = {"": 0.0, "integral by the trapezoidal rule": 0.5, "integral by forward Euler": 1.0}
 """Share of the last sample's error that the integral in use lacks."""
 _FILTERS = ("", "low-pass by backward Euler", "low-pass by forward Euler")

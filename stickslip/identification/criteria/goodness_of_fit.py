@@ -20,30 +20,21 @@ from stickslip.servo.measurement import Array
 
 @dataclass(frozen=True)
 class GoodnessOfFit:
-    """Relative errors: root mean square of the difference over that of the recorded signal.
+    """Relative errors: root mean square of the difference over that of the recorded signal."""
 
-    Attributes
-    ----------
-    force : of the inverse model, measured and predicted force low-passed alike
-    force_unfiltered : the same, with the measured force as it is
-    position, velocity, closed_loop_force : of the closed loop run with the recorded commands; NaN
-        when the controller is not known, or the loop runs away with it
-    t : (n,) [s]
-    measured, predicted : (n,) force, measured and predicted [N]; of the inverse model
-    simulated : (n,) position of the closed loop [m]; None in the same cases
-    velocity_recorded : (n,) of the recorded motion, low-passed [m/s]
-    """
-
-    force: float
-    force_unfiltered: float
+    force: float  # of the inverse model, measured and predicted force low-passed alike
+    force_unfiltered: float  # the same, with the measured force as it is
+    # of the closed loop run with the recorded commands; NaN when the controller is not known, or
+    # the loop runs away with it
     position: float
     velocity: float
     closed_loop_force: float
-    t: Array
+    t: Array  # (n,) [s]
+    # (n,) force, measured and predicted [N]; of the inverse model
     measured: Array
     predicted: Array
-    simulated: Array | None
-    velocity_recorded: Array
+    simulated: Array | None  # (n,) position of the closed loop [m]; None in the same cases
+    velocity_recorded: Array  # (n,) of the recorded motion, low-passed [m/s]
 
     def errors(self) -> dict[str, float]:
         """Return the relative errors by name."""

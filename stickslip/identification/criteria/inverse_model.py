@@ -36,8 +36,7 @@ from stickslip.logs import Recording
 from stickslip.models import Law
 from stickslip.servo.measurement import Array, smoothed
 
-SHARE = 1.0 / 16.0
-"""Cut-off of the low-pass, as a share of the sample rate."""
+SHARE = 1.0 / 16.0  # cut-off of the low-pass, as a share of the sample rate
 EDGE = 4.0  # periods of the cut-off that the filter needs at either end
 GUARD = 1.0
 """Time before and after rest in which the low-pass mixes both, in periods of the cut-off."""
@@ -58,14 +57,6 @@ def friction_run(fmus: Path, v: Array, T_s: float) -> cosim.Specification:
 class InverseModel(Closing):
     """Criterion: the measured force minus the force that the values predict.
 
-    Parameters
-    ----------
-    fmus : folder of the FMUs
-    recording : with position, and force or friction
-    cutoff : of the low-pass [Hz]; a share of the sample rate by default
-    workers : number of parallel runs
-    law : friction law of the compensator FMU; LuGre by default
-
     Attributes
     ----------
     fmus, recording, cutoff, workers, law : as given
@@ -77,11 +68,11 @@ class InverseModel(Closing):
 
     def __init__(
         self,
-        fmus: Path,
-        recording: Recording,
-        cutoff: float | None = None,
-        workers: int = 1,
-        law: Law | None = None,
+        fmus: Path,  # folder of the FMUs
+        recording: Recording,  # with position, and force or friction
+        cutoff: float | None = None,  # of the low-pass [Hz]; a share of the sample rate by default
+        workers: int = 1,  # number of parallel runs
+        law: Law | None = None,  # friction law of the compensator FMU; LuGre by default
     ) -> None:
         self.fmus, self.recording = fmus, recording
         self.space = ParameterSpace.of(law or friction_law())
@@ -153,21 +144,14 @@ class InverseModel(Closing):
 
 @dataclass(frozen=True)
 class ForceCost:
-    """Sum of squares [N^2] that the best m, b and F_0 leave of a candidate's friction.
+    """Sum of squares [N^2] that the best m, b and F_0 leave of a candidate's friction."""
 
-    Attributes
-    ----------
-    T_s, cutoff : of the low-pass [s], [Hz]
-    target : (n,) recorded force, low-passed [N]
-    basis : (n, k) orthonormal, of what is linear
-    slides : (n,) where friction follows from the motion
-    """
-
+    # of the low-pass [s], [Hz]
     T_s: float
     cutoff: float
-    target: Array
-    basis: Array
-    slides: NDArray[np.bool_]
+    target: Array  # (n,) recorded force, low-passed [N]
+    basis: Array  # (n, k) orthonormal, of what is linear
+    slides: NDArray[np.bool_]  # (n,) where friction follows from the motion
 
     @classmethod
     def of(cls, model: InverseModel, delay: float) -> ForceCost:

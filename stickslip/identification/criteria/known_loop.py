@@ -32,26 +32,19 @@ STATES: dict[str, Callable[[float, Values], float]] = {
 
 
 class KnownLoop(Closing):
-    """Simulates the experiment of a recording.
-
-    Parameters
-    ----------
-    fmus : folder of the FMUs
-    recording : gives commands, start and encoder
-    gains : parameters of the controller FMU by name, and its initial state, if it was running
-    encoder : whether the position is quantised; the trajectory is then not a smooth function of
-        the parameters
-    workers : number of parallel runs
-    """
+    """Simulates the experiment of a recording."""
 
     def __init__(
         self,
-        fmus: Path,
-        recording: Recording,
+        fmus: Path,  # folder of the FMUs
+        recording: Recording,  # gives commands, start and encoder
+        # parameters of the controller FMU by name, and its initial state, if it was running
         gains: Mapping[str, float],
         *,
+        # whether the position is quantised; the trajectory is then not a smooth function of the
+        # parameters
         encoder: bool = False,
-        workers: int = 1,
+        workers: int = 1,  # number of parallel runs
     ) -> None:
         position = position_of(recording)
         start = {"x": position[0], "v": _first_velocity(position, recording.T_s)}
@@ -95,16 +88,11 @@ class KnownLoop(Closing):
     def run(
         self,
         values: Values,
+        # parameters of this run only, such as ``candidate.noise_x``
         further: Mapping[str, float] | None = None,
-        feedforward: Array | float = 0.0,
+        feedforward: Array | float = 0.0,  # (n,) force of a compensator from each sample on [N]
     ) -> cosim.Result:
-        """Run the experiment with these values in the drive.
-
-        Parameters
-        ----------
-        further : parameters of this run only, such as ``candidate.noise_x``
-        feedforward : (n,) force of a compensator from each sample on [N]
-        """
+        """Run the experiment with these values in the drive."""
         parameters = {**candidate(values), **(further or {})}
         if self._first is not None:  # friction balances the motor force
             held = float(np.clip(self._first - values["F_0"], -values["F_c"], values["F_c"]))
@@ -122,10 +110,7 @@ class KnownLoop(Closing):
     ) -> cosim.Result:
         """Do what ``run`` does, for figures that are shown.
 
-        Raises
-        ------
-        Diverged
-            When the drive runs away from its command.
+        Raises Diverged when the drive runs away from its command.
         """
         result = self.run(values, further, feedforward)
         require_bounded(result["candidate.v"], self._speed)

@@ -11,10 +11,8 @@ from stickslip.errors import UsageError
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array, derivative, smoothed
 
-_FEW = 200
-"""Samples in motion that are too few to show the noise of an encoder."""
-_MEDIAN = 0.6745
-"""Median of the absolute value of normal noise, over its standard deviation."""
+_FEW = 200  # samples in motion that are too few to show the noise of an encoder
+_MEDIAN = 0.6745  # median of the absolute value of normal noise, over its standard deviation
 
 
 @dataclass(frozen=True)
@@ -67,10 +65,7 @@ def velocity_noise(noise: float, T_s: float, cutoff: float) -> float:
 def position_of(recording: Recording) -> Array:
     """Return the position (n,) [m], integrated from the velocity where it was not logged.
 
-    Raises
-    ------
-    UsageError
-        When neither was logged.
+    Raises UsageError when neither was logged.
     """
     if recording.position is not None:
         return recording.position
@@ -85,10 +80,7 @@ def position_of(recording: Recording) -> Array:
 def measured_force(recording: Recording) -> Array:
     """Return the motor's force (n,) [N], or the friction where that was measured.
 
-    Raises
-    ------
-    UsageError
-        When neither was logged.
+    Raises UsageError when neither was logged.
     """
     for signal in (recording.force, recording.friction, recording.force_command):
         if signal is not None:

@@ -32,11 +32,6 @@ class OutputError(Closing):
 
     Residuals can be whitened: encoder errors that have passed through the loop are predictable
     from one sample to the next.
-
-    Parameters
-    ----------
-    workers : number of parallel runs
-    law : friction law of the drive FMU; LuGre by default
     """
 
     name = "output error"
@@ -46,8 +41,8 @@ class OutputError(Closing):
         fmus: Path,
         recording: Recording,
         gains: Mapping[str, float],
-        workers: int = 1,
-        law: Law | None = None,
+        workers: int = 1,  # number of parallel runs
+        law: Law | None = None,  # friction law of the drive FMU; LuGre by default
     ) -> None:
         self.space = ParameterSpace.of(law or friction_law())
         self.t = recording.t
@@ -107,9 +102,7 @@ class OutputError(Closing):
 def predictor_error(signal: Array, order: int) -> Array:
     """Return the filter (order + 1,) whose output is the one-step prediction error of a signal.
 
-    Source
-    ------
-    Yule and Walker; L. Ljung, System Identification, 2nd ed., chapter 4.
+    Source: Yule and Walker; L. Ljung, System Identification, 2nd ed., chapter 4.
     """
     n = len(signal)
     correlation = np.array([signal[k:] @ signal[: n - k] for k in range(order + 1)]) / n

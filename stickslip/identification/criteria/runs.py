@@ -10,8 +10,7 @@ from stickslip.cosim.signals.signals import Input
 from stickslip.fmi.process import Threads
 from stickslip.identification.criteria.closing import Closing
 
-RECENT = 64
-"""Number of runs whose results a criterion keeps: some Jacobians of a fit."""
+RECENT = 64  # number of runs whose results a criterion keeps: some Jacobians of a fit
 
 T = TypeVar("T")
 R = TypeVar("R")

@@ -27,13 +27,9 @@ _MEMORY = {"F_held", "F_fading"}  # initial state of the controller [N]
 
 @dataclass(frozen=True)
 class Scale:
-    """Scaled = SI times these factors, which are powers of ten.
+    """Scaled = SI times these factors, which are powers of ten."""
 
-    Attributes
-    ----------
-    force, length : factors
-    """
-
+    # factors
     force: float = 1.0
     length: float = 1.0
 
@@ -62,8 +58,7 @@ class Scale:
         return replace(recording, **signals, encoder_step=step)  # type: ignore[arg-type]
 
 
-SI = Scale()
-"""No scale."""
+SI = Scale()  # no scale
 
 
 def recording_scale(recording: Recording) -> Scale:

@@ -25,10 +25,8 @@ from stickslip.thresholds import loop_fit
 
 RUNS = 8
 ROUNDS = 3
-BANDWIDTH = 0.02
-"""Bandwidth of the surrogate's velocity loop, as a share of the sample rate."""
-LOOSE = 0.5
-"""Standard error of a coordinate above which it is not corrected."""
+BANDWIDTH = 0.02  # bandwidth of the surrogate's velocity loop, as a share of the sample rate
+LOOSE = 0.5  # standard error of a coordinate above which it is not corrected
 
 
 def coarse(inverse: InverseModel, recording: Recording) -> bool:

@@ -25,26 +25,17 @@ from stickslip.models import Law
 
 @dataclass(frozen=True)
 class FittedLaw:
-    """The law that was fitted to a recording, with the drive's mass and viscous friction.
+    """The law that was fitted to a recording, with the drive's mass and viscous friction."""
 
-    Attributes
-    ----------
-    fit : with coordinates, residual and covariance
-    known : identifiability by name: the law's parameters, m and b
-    parameters, errors : all values by name and their standard errors, SI
-    profiles : see ``identifiability.profiles``
-    plausible : all values by name that the recording supports: the fit's, and draws from its
-        covariance
-    largest_friction : at standstill and creep in the recording [N]
-    """
-
-    fit: Fit
-    known: dict[str, Identifiability]
+    fit: Fit  # with coordinates, residual and covariance
+    known: dict[str, Identifiability]  # identifiability by name: the law's parameters, m and b
+    # all values by name and their standard errors, SI
     parameters: dict[str, float]
     errors: dict[str, float]
-    profiles: pd.DataFrame
+    profiles: pd.DataFrame  # see ``identifiability.profiles``
+    # all values by name that the recording supports: the fit's, and draws from its covariance
     plausible: tuple[Mapping[str, float], ...] = ()
-    largest_friction: float = float("inf")
+    largest_friction: float = float("inf")  # at standstill and creep in the recording [N]
 
     def restored(self, scale: Scale) -> FittedLaw:
         """Return the values of a scaled recording in SI units; ``fit`` stays scaled."""
@@ -68,16 +59,11 @@ class FittedLaw:
 
 @dataclass(frozen=True)
 class Searches:
-    """The global searches, one for each seed.
+    """The global searches, one for each seed."""
 
-    Attributes
-    ----------
-    table : a row for each: seed, evaluations, cost, the values of the local fit after it
-    algorithm : the search that led to the result
-    """
-
+    # a row for each: seed, evaluations, cost, the values of the local fit after it
     table: pd.DataFrame
-    algorithm: ga.Optimiser
+    algorithm: ga.Optimiser  # the search that led to the result
 
     def restored(self, scale: Scale) -> Searches:
         """Return the searches on a scaled recording with values in SI units."""
@@ -90,39 +76,27 @@ class Searches:
 
 @dataclass(frozen=True)
 class Estimation:
-    """The result of an estimation.
-
-    Attributes
-    ----------
-    criterion, reason : the criterion of the result, and why
-    start : a straight line through the force, and the friction curve without a law
-    fitted : the law with its values
-    searches : that came before the fit
-    held_out : what the law predicts where it was not fitted, and the other laws where they were
-        tried
-    figures : goodness of fit
-    controller : the check of the controller; None when it is not known
-    model_error : residual of the loop over that from encoder and noise; NaN without the loop
-    gains : of the controller FMU by name; None when the controller is not known
-    remarks : changes made to the recording
-    faults : those of the task, and those that learning found; no parameter is identifiable then
-    choice : of the law among all; None where the law was given
-    """
+    """The result of an estimation."""
 
     recording: Recording
+    # the criterion of the result, and why
     criterion: str
     reason: str
-    start: Start
-    fitted: FittedLaw
-    searches: Searches
+    start: Start  # a straight line through the force, and the friction curve without a law
+    fitted: FittedLaw  # the law with its values
+    searches: Searches  # that came before the fit
+    # what the law predicts where it was not fitted, and the other laws where they were tried
     held_out: HeldOut
-    figures: GoodnessOfFit
-    controller: ControllerCheck | None
+    figures: GoodnessOfFit  # goodness of fit
+    controller: ControllerCheck | None  # the check of the controller; None when it is not known
+    # residual of the loop over that from encoder and noise; NaN without the loop
     model_error: float
+    # of the controller FMU by name; None when the controller is not known
     gains: Mapping[str, float] | None = None
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()  # changes made to the recording
+    # those of the task, and those that learning found; no parameter is identifiable then
     faults: tuple[Finding, ...] = ()
-    choice: Choice | None = None
+    choice: Choice | None = None  # of the law among all; None where the law was given
 
     @property
     def fit(self) -> Fit:

@@ -17,32 +17,20 @@ from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, I
 from stickslip.logs import Finding
 from stickslip.thresholds import loop_fit
 
-SLIDING = 0.3
-"""Share of the highest speed above which the drive slides."""
-LIKE = 40
-"""Classes of velocity."""
-SPANS = 10
-"""Parts of a recording that are left out in turn for that standard error."""
-LEAST = 0.01
-"""Smallest share of a fitted value that a parameter may have which a fault hides."""
+SLIDING = 0.3  # share of the highest speed above which the drive slides
+LIKE = 40  # classes of velocity
+SPANS = 10  # parts of a recording that are left out in turn for that standard error
+LEAST = 0.01  # smallest share of a fitted value that a parameter may have which a fault hides
 
 
 def found_faults(
-    fitted: Fit,
+    fitted: Fit,  # by the criterion of that name
     criterion: str,
-    check: ControllerCheck | None,
-    model_error: float,
-    change: tuple[float, float],
+    check: ControllerCheck | None,  # of the controller; None where it is not known
+    model_error: float,  # residual of the loop over that from encoder and noise
+    change: tuple[float, float],  # what ``change_of_friction`` found
 ) -> Iterator[Finding]:
-    """Yield each fault, with its figure and what to do.
-
-    Parameters
-    ----------
-    fitted : by the criterion of that name
-    check : of the controller; None where it is not known
-    model_error : residual of the loop over that from encoder and noise
-    change : what ``change_of_friction`` found
-    """
+    """Yield each fault, with its figure and what to do."""
     u = fitted.space
     index = u.index("delay")
     delay, low, high = (float(q[index]) for q in (fitted.q, u.lower, u.upper))

@@ -24,16 +24,11 @@ from stickslip.logs import Finding
 
 @dataclass(frozen=True)
 class HeldOut:
-    """What was found where the law was not fitted.
+    """What was found where the law was not fitted."""
 
-    Attributes
-    ----------
-    predictions : of the law, and of all others where they were tried, in SI units
-    findings : that the law does not explain the recording
-    """
-
+    # of the law, and of all others where they were tried, in SI units
     predictions: tuple[Prediction, ...]
-    findings: tuple[Finding, ...]
+    findings: tuple[Finding, ...]  # that the law does not explain the recording
 
 
 def check_held_out(

@@ -49,16 +49,12 @@ UNEXPLAINED = 4.0
 """Residual of the loop, over encoder steps and noise, above which another minimum is looked for."""
 BASIN = 1e-2
 """Relative change of the sum of squares at which the fit ends that only finds another minimum."""
-LAG = 0.2
-"""Initial lag of the force behind its command, in samples."""
+LAG = 0.2  # initial lag of the force behind its command, in samples
 F_0_DEVIATION = 0.01
 """Least prior standard deviation of the constant force from the inverse model, in F_c."""
-DRAWS = 3
-"""Number of draws from the covariance of the fit, on which the compensator is tried."""
-SLOWER = 0.5
-"""Cut-off of a second low-pass, as share of the first."""
-BIAS_ERROR = 0.12
-"""Standard error of the bias that is subtracted, as share of it."""
+DRAWS = 3  # number of draws from the covariance of the fit, on which the compensator is tried
+SLOWER = 0.5  # cut-off of a second low-pass, as share of the first
+BIAS_ERROR = 0.12  # standard error of the bias that is subtracted, as share of it
 
 
 def learn(task: Task, progress: Progress = SILENT) -> Estimation:

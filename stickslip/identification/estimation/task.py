@@ -50,23 +50,15 @@ class LearnSettings:
 
 @dataclass(frozen=True)
 class Task:
-    """The task of an estimation.
+    """The task of an estimation."""
 
-    Attributes
-    ----------
-    fmus : folder of the FMUs
-    gains : of the controller FMU by name; None when the controller is not known
-    settings : the law is that of the FMUs
-    faults : findings of the checks that invalidate intervals or values
-    choice : of the law among all; None where the law is given
-    """
-
-    fmus: Path
+    fmus: Path  # folder of the FMUs
     recording: Recording
+    # of the controller FMU by name; None when the controller is not known
     gains: Mapping[str, float] | None = None
-    settings: LearnSettings = field(default_factory=LearnSettings)
-    faults: tuple[Finding, ...] = ()
-    choice: Choice | None = None
+    settings: LearnSettings = field(default_factory=LearnSettings)  # the law is that of the FMUs
+    faults: tuple[Finding, ...] = ()  # findings of the checks that invalidate intervals or values
+    choice: Choice | None = None  # of the law among all; None where the law is given
 
     @property
     def is_level(self) -> bool:

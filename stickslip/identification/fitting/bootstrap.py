@@ -33,37 +33,24 @@ from stickslip.progress import steps
 from stickslip.servo.measurement import Array
 
 RUNS = 30
-FEW = (10, 10)
-"""Bootstrap samples of the rounds before the last, which only bring the values near."""
-NUMERICS = 5e-6
-"""Numerical error of a simulated loop, as share of the motion."""
+FEW = (10, 10)  # bootstrap samples of the rounds before the last, which only bring the values near
+NUMERICS = 5e-6  # numerical error of a simulated loop, as share of the motion
 
 
 @dataclass(frozen=True)
 class UnbiasedFit:
-    """A fit without its bias.
+    """A fit without its bias."""
 
-    Attributes
-    ----------
-    fit : at the corrected values, with the covariance of the bootstrap
-    bias : (k,) that was subtracted from the coordinates
-    mean : (n,) mean residual of the bootstrap samples, whitened [m]
-    whitening : of the criterion
-    expected : largest standard deviation [m] of the residual before whitening in a bootstrap
-        sample, or the numerical error of a simulation
-    found : the same of the recording
-    noise : standard deviation on the position, beside the encoder's steps [m]
-    unexplained : standard deviation of the whitened residual, over that of the position's own
-        steps and noise
-    """
-
-    fit: Fit
-    bias: Array
-    mean: Array
-    whitening: Array
+    fit: Fit  # at the corrected values, with the covariance of the bootstrap
+    bias: Array  # (k,) that was subtracted from the coordinates
+    mean: Array  # (n,) mean residual of the bootstrap samples, whitened [m]
+    whitening: Array  # of the criterion
+    # largest standard deviation [m] of the residual before whitening in a bootstrap sample, or the
+    # numerical error of a simulation
     expected: float
-    found: float
-    noise: float
+    found: float  # the same of the recording
+    noise: float  # standard deviation on the position, beside the encoder's steps [m]
+    # standard deviation of the whitened residual, over that of the position's own steps and noise
     unexplained: float
 
     @property

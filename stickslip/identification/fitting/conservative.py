@@ -24,8 +24,7 @@ from stickslip.models import LawParameter
 from stickslip.servo.measurement import smoothed
 from stickslip.thresholds import identifiable
 
-CREEP = 0.1
-"""Share of the highest speed up to which friction towards rest shows."""
+CREEP = 0.1  # share of the highest speed up to which friction towards rest shows
 
 
 def conservative(

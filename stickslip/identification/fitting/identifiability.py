@@ -24,36 +24,28 @@ IDENTIFIABLE = "identifiable"
 WEAKLY_IDENTIFIABLE = "weakly identifiable"
 NOT_IDENTIFIABLE = "not identifiable"
 LEVELS = (IDENTIFIABLE, WEAKLY_IDENTIFIABLE, NOT_IDENTIFIABLE)
-VALUE = "{value}"
-"""Place of the value in a template."""
+VALUE = "{value}"  # place of the value in a template
 POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
 PASSES = 3
 SETTLED = 0.01
 """Length of a Gauss step, in deviance, below which a point of a profile is not moved again."""
-LOOSE = 0.5
-"""Standard error of a coordinate above which it is held while others are profiled."""
-AT_BOUND = 1e-6
-"""Distance from a bound below which a coordinate is held there."""
+LOOSE = 0.5  # standard error of a coordinate above which it is held while others are profiled
+AT_BOUND = 1e-6  # distance from a bound below which a coordinate is held there
 
 
 @dataclass(frozen=True)
 class Identifiability:
-    """Estimate of one parameter, in SI units.
+    """Estimate of one parameter, in SI units."""
 
-    Attributes
-    ----------
-    value, standard_error : of the fit
-    low, high : 95 % interval
-    identifiability : one of ``LEVELS``
-    template : the same for display, with the experiment that shows the parameter, and ``VALUE``
-        for the value, which may still be scaled
-    """
-
+    # of the fit
     value: float
     standard_error: float
+    # 95 % interval
     low: float
     high: float
-    identifiability: str
+    identifiability: str  # one of ``LEVELS``
+    # the same for display, with the experiment that shows the parameter, and ``VALUE`` for the
+    # value, which may still be scaled
     template: str
 
     @property
@@ -197,22 +189,16 @@ def profiles(
 
 @dataclass(frozen=True)
 class _Information:
-    """The fit around which profiles are computed.
-
-    Attributes
-    ----------
-    loose : (k,) whether a coordinate stays where it is while others are profiled
-    inverse, frozen : (k, k) inverse information of all coordinates, and of those not loose
-    weight : (k,) information of the priors
-    least : loss of the fit
-    """
+    """The fit around which profiles are computed."""
 
     fitted: Fit
+    # (k,) whether a coordinate stays where it is while others are profiled
     loose: NDArray[np.bool_]
+    # (k, k) inverse information of all coordinates, and of those not loose
     inverse: Array
     frozen: Array
-    weight: Array
-    least: float
+    weight: Array  # (k,) information of the priors
+    least: float  # loss of the fit
 
     @classmethod
     def of(cls, fitted: Fit, rest: Array) -> _Information:

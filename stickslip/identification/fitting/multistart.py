@@ -17,8 +17,7 @@ from stickslip.servo.measurement import Array
 from stickslip.thresholds import law_choice
 
 STEEPER = 0.5
-WIDER = 1.5
-"""Ratio of v_s with the exponent 2 to that with 1, for the same friction."""
+WIDER = 1.5  # ratio of v_s with the exponent 2 to that with 1, for the same friction
 AMBIGUITY = 0.6
 """Standard error, as share of the distance between two fits, where neither is better."""
 
@@ -81,16 +80,10 @@ def variants(criterion: Criterion, found: Fit, ftol: float = FTOL) -> list[Fit]:
 
 @dataclass(frozen=True)
 class Selection:
-    """One of several fits of the same recording.
+    """One of several fits of the same recording."""
 
-    Attributes
-    ----------
-    fit : the selected one
-    ambiguity : (k, k) covariance of its coordinates from not knowing which one is right
-    """
-
-    fit: Fit
-    ambiguity: Array
+    fit: Fit  # the selected one
+    ambiguity: Array  # (k, k) covariance of its coordinates from not knowing which one is right
 
 
 def select(fits: Sequence[Fit], sure: float | None = None) -> Selection:

@@ -14,8 +14,7 @@ from stickslip.identification.fitting.start import Start
 from stickslip.servo.measurement import Array
 from stickslip.work.execution import Execution
 
-EVALUATIONS = 300
-"""Enough to reach the basin of the minimum; a local fit follows."""
+EVALUATIONS = 300  # enough to reach the basin of the minimum; a local fit follows
 PATIENCE = 100
 
 
@@ -35,17 +34,11 @@ def problem(start: Start) -> ga.Problem:
 
 @dataclass(frozen=True)
 class Search:
-    """How to search.
+    """How to search."""
 
-    Attributes
-    ----------
-    algorithm : one of ``ga.ALGORITHMS``
-    evaluations : at most
-    execution : where candidates run, and the checkpoint
-    """
-
-    algorithm: str = "default"
-    evaluations: int = EVALUATIONS
+    algorithm: str = "default"  # one of ``ga.ALGORITHMS``
+    evaluations: int = EVALUATIONS  # at most
+    # where candidates run, and the checkpoint
     execution: Execution = field(default_factory=Execution)
 
 

@@ -22,25 +22,18 @@ FAST = 0.1  # of the top speed: below it sign(v) is not friction
 DELAYS = np.arange(-3.0, 10.01, 0.5)  # in samples
 PRESLIDING = {False: 2e-4, True: 3e-2}
 """Share of the travel over which bristles bend, on a drive and on a tribometer: a first guess."""
-DECADES = 3.0
-"""Largest distance of a law's parameters from their prior means, in decades."""
+DECADES = 3.0  # largest distance of a law's parameters from their prior means, in decades
 RISE = 1.2  # F_s / F_c
 STEEPEST = 20.0  # largest F_s / F_c
 
 
 @dataclass(frozen=True)
 class Start:
-    """A straight line through the force, and the friction curve where the drive slides.
+    """A straight line through the force, and the friction curve where the drive slides."""
 
-    Attributes
-    ----------
-    line : values by name, in SI units; those of the law except F_c are guesses
-    space : with bounds and priors around them
-    curve : friction against speed without a law; None where the drive slides too little
-    """
-
-    line: dict[str, float]
-    space: ParameterSpace
+    line: dict[str, float]  # values by name, in SI units; those of the law except F_c are guesses
+    space: ParameterSpace  # with bounds and priors around them
+    # friction against speed without a law; None where the drive slides too little
     curve: FrictionCurve | None = None
 
     def restored(self, scale: Scale) -> Start:
@@ -121,14 +114,12 @@ class Start:
 def begin(model: InverseModel, recording: Recording, scale: Scale = SI) -> Start:
     """Fit F(t - delay) = m a + b v + F_c sign(v) + F_0 where the drive slides.
 
+    Raises IdentificationError when the drive hardly moves, or the force does not act in the
+    direction of the motion.
+
     Parameters
     ----------
     scale : of the recording
-
-    Raises
-    ------
-    IdentificationError
-        When the drive hardly moves, or the force does not act in the direction of the motion.
     """
     v = model.motion.v
     top = float(np.quantile(np.abs(v[model.used]), 0.999))

@@ -12,15 +12,10 @@ from stickslip.models import Law
 
 @dataclass(frozen=True)
 class Candidate:
-    """A friction law, or its case in which friction does not rise towards rest.
+    """A friction law, or its case in which friction does not rise towards rest."""
 
-    Attributes
-    ----------
-    law : of the catalogue
-    is_level : whether each parameter with a lower bound, as F_s, is held there, as at F_c
-    """
-
-    law: Law
+    law: Law  # of the catalogue
+    # whether each parameter with a lower bound, as F_s, is held there, as at F_c
     is_level: bool = False
 
     @property

@@ -13,18 +13,11 @@ from stickslip.thresholds import law_choice
 
 @dataclass(frozen=True)
 class Choice:
-    """The law that explains a recording.
+    """The law that explains a recording."""
 
-    Attributes
-    ----------
-    predictions : of all candidates, in the order of preference
-    chosen : one of them
-    reason : a sentence
-    """
-
-    predictions: tuple[Prediction, ...]
-    chosen: Prediction
-    reason: str
+    predictions: tuple[Prediction, ...]  # of all candidates, in the order of preference
+    chosen: Prediction  # one of them
+    reason: str  # a sentence
 
 
 def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice:

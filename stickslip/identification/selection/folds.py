@@ -12,8 +12,7 @@ from stickslip.servo.measurement import Array
 from stickslip.thresholds import law_choice
 
 FOLDS = 5
-BLOCKS = 40
-"""Blocks of equal duration; every fifth is held out at once."""
+BLOCKS = 40  # blocks of equal duration; every fifth is held out at once
 
 
 @dataclass(frozen=True)

@@ -14,18 +14,11 @@ from stickslip.thresholds import misfit
 
 @dataclass(frozen=True)
 class Cause:
-    """A possible cause of the unexplained force, tested.
+    """A possible cause of the unexplained force, tested."""
 
-    Attributes
-    ----------
-    name : of the cause, with its figure, such as ``another law, GMS``
-    left : root mean square of the held-out error when the cause is taken into account [N]
-    advice : what to do if it is the cause
-    """
-
-    name: str
-    left: float
-    advice: str
+    name: str  # of the cause, with its figure, such as ``another law, GMS``
+    left: float  # root mean square of the held-out error when the cause is taken into account [N]
+    advice: str  # what to do if it is the cause
 
 
 def is_mismatch(found: Prediction) -> bool:

@@ -15,18 +15,11 @@ from stickslip.servo.measurement import Array, smoothed
 
 @dataclass(frozen=True)
 class Moving:
-    """Held-out errors where the drive moves, as root mean squares.
+    """Held-out errors where the drive moves, as root mean squares."""
 
-    Attributes
-    ----------
-    law : of the law [N]
-    regression : of mass, Coulomb and viscous friction and a constant force [N]
-    fails : whether the regression is the better one, beyond chance
-    """
-
-    law: float
-    regression: float
-    fails: bool
+    law: float  # of the law [N]
+    regression: float  # of mass, Coulomb and viscous friction and a constant force [N]
+    fails: bool  # whether the regression is the better one, beyond chance
 
     def scaled(self, factor: float) -> Moving:
         """Return the same in other units."""

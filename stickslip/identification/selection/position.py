@@ -12,10 +12,8 @@ from stickslip.identification.selection.prediction import memory
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array
 
-PLACES = 60
-"""Places along the travel; the force is linear between them."""
-RIDGE = 10.0
-"""Samples of no force that each place counts in addition."""
+PLACES = 60  # places along the travel; the force is linear between them
+RIDGE = 10.0  # samples of no force that each place counts in addition
 THIN = 4
 
 

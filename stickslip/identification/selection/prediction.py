@@ -32,45 +32,29 @@ from stickslip.progress import steps
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import control_match, law_choice
 
-POINTS = 32
-"""Points at which the friction parameters are tried before the fits."""
-STARTS = 2
-"""Best of these from which a fit starts, beside the straight line."""
-REACH = 1.0
-"""Distance of the points from the prior mean, in prior standard deviations."""
+POINTS = 32  # points at which the friction parameters are tried before the fits
+STARTS = 2  # best of these from which a fit starts, beside the straight line
+REACH = 1.0  # distance of the points from the prior mean, in prior standard deviations
 STEPS = (1.0, 0.3, 1.0)
 """Shares of the Gauss steps from the fit of all samples to that of a fold; bad ones are skipped."""
-AT_BOUND = 1e-6
-"""Distance from a bound below which a coordinate stays there."""
-THIN = 4
-"""Every fourth sample starts the fits; the low-pass leaves less than a quarter of the band."""
+AT_BOUND = 1e-6  # distance from a bound below which a coordinate stays there
+THIN = 4  # every fourth sample starts the fits; the low-pass leaves less than a quarter of the band
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """What a friction law explains of a recording, in SI units.
+    """What a friction law explains of a recording, in SI units."""
 
-    Attributes
-    ----------
-    candidate : the law
-    parameters : fitted to the whole recording, by name
-    errors : their standard errors by name
-    force : root mean square of measured minus predicted force where held out [N]
-    relative : the same over that of the measured force
-    explained : root mean square that noise and the steps of encoder and force make [N]
-    squares : (blocks,) mean square of the held-out error of each block [N^2]
-    shown : names of the law's parameters beyond Coulomb friction that the recording identifies
-    moving : beside a regression where the drive moves; None where that was not compared
-    """
-
-    candidate: Candidate
-    parameters: dict[str, float]
-    errors: dict[str, float]
-    force: float
-    relative: float
-    explained: float
-    squares: Array
+    candidate: Candidate  # the law
+    parameters: dict[str, float]  # fitted to the whole recording, by name
+    errors: dict[str, float]  # their standard errors by name
+    force: float  # root mean square of measured minus predicted force where held out [N]
+    relative: float  # the same over that of the measured force
+    explained: float  # root mean square that noise and the steps of encoder and force make [N]
+    squares: Array  # (blocks,) mean square of the held-out error of each block [N^2]
+    # names of the law's parameters beyond Coulomb friction that the recording identifies
     shown: tuple[str, ...]
+    # beside a regression where the drive moves; None where that was not compared
     moving: Moving | None = None
 
     @property
@@ -108,22 +92,15 @@ class Prediction:
 
 def predictions(
     recording: Recording,
+    # of the controller; not used unless it commands the logged force
     gains: Mapping[str, float] | None = None,
     among: Iterable[Candidate] | None = None,
     workers: int = 1,
 ) -> list[Prediction]:
     """Return the prediction of each law of the catalogue, or of those given.
 
-    Parameters
-    ----------
-    gains : of the controller; not used unless it commands the logged force
-
-    Raises
-    ------
-    IdentificationError
-        When the recording does not show a drive that slides.
-    UsageError
-        When it lacks a signal.
+    Raises IdentificationError when the recording does not show a drive that slides, or UsageError
+    when it lacks a signal.
     """
     scale = recording_scale(recording)
     scaled, _ = against_motion(scale.recording(recording))
@@ -153,16 +130,10 @@ def predict(
     inverse: InverseModel,
     fitted: Fit,
     candidate: Candidate,
-    gains: Mapping[str, float] | None = None,
-    residual: Array | None = None,
+    gains: Mapping[str, float] | None = None,  # of a controller that commands the logged force
+    residual: Array | None = None,  # of ``held_out``, where it is there already
 ) -> Prediction:
-    """Return what a fit by the inverse model to the whole recording predicts of its parts.
-
-    Parameters
-    ----------
-    gains : of a controller that commands the logged force
-    residual : of ``held_out``, where it is there already
-    """
+    """Return what a fit by the inverse model to the whole recording predicts of its parts."""
     residual = held_out(inverse, fitted) if residual is None else residual
     everywhere = np.ones(len(residual), dtype=bool)
     encoder = encoder_error(inverse, fitted.parameters, gains)

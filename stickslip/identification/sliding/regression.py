@@ -20,35 +20,22 @@ from numpy.typing import NDArray
 from stickslip.servo.measurement import Array
 
 ROUNDS = 16
-CORRELATED = (5, 9, 12)
-"""Rounds in which the correlation of the residual is estimated."""
+CORRELATED = (5, 9, 12)  # rounds in which the correlation of the residual is estimated
 LAGS = 400
-UNCORRELATED = 0.05
-"""Autocorrelation below which a residual counts as uncorrelated."""
-DEVIATIONS = (1e-4, 1.0)
-"""Least and largest standard deviation of a random coefficient."""
-FEW = 5
-"""Rows of a class of noise up to which all rows give its variance."""
+UNCORRELATED = 0.05  # autocorrelation below which a residual counts as uncorrelated
+DEVIATIONS = (1e-4, 1.0)  # least and largest standard deviation of a random coefficient
+FEW = 5  # rows of a class of noise up to which all rows give its variance
 
 
 @dataclass(frozen=True)
 class Regression:
-    """The coefficients of a regression.
+    """The coefficients of a regression."""
 
-    Attributes
-    ----------
-    coefficients : (k,) the fixed ones first, then the groups in their order
-    covariance : (k, k)
-    places : where the coefficients of each group are
-    deviations : standard deviation of each group's coefficients
-    correlation : samples of the residual that count as one
-    """
-
-    coefficients: Array
-    covariance: Array
-    places: dict[str, slice]
-    deviations: dict[str, float]
-    correlation: float
+    coefficients: Array  # (k,) the fixed ones first, then the groups in their order
+    covariance: Array  # (k, k)
+    places: dict[str, slice]  # where the coefficients of each group are
+    deviations: dict[str, float]  # standard deviation of each group's coefficients
+    correlation: float  # samples of the residual that count as one
 
 
 def regress(

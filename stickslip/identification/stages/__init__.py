@@ -63,12 +63,8 @@ def identify(
 ) -> Identification:
     """Run the three stages; the velocity loop that stage 2 needs is designed on stage 1.
 
-    Raises
-    ------
-    IdentificationError
-        When a recording does not show what its stage looks for.
-    stickslip.servo.axis.ControlError
-        When the axis found cannot meet the specification.
+    Raises IdentificationError when a recording does not show what its stage looks for, or
+    stickslip.servo.axis.ControlError when the axis found cannot meet the specification.
     """
     on_stage("inertia")
     inertia = measure_inertia(rig)

@@ -25,33 +25,25 @@ _WEIGHTS /= _WEIGHTS.sum()
 
 @dataclass(frozen=True)
 class FrictionMap:
-    """Result of stage 2.
+    """Result of stage 2."""
 
-    Attributes
-    ----------
-    b, F_c, F_s, v_s : of F(v) = b v + F_c + (F_s - F_c) exp(-|v| / v_s) [N s/m, N, N, m/s]
-    fluctuation : standard deviation of the velocity about each constant speed, which encoder steps
-        and noise cause in the loop and the slowest points show [m/s]
-    velocity, force, error : (n,) the points: speed with its sign [m/s], force as the mean of the
-        guide and its standard error [N]
-    breakaway : force at which the stage broke away, forward and back [N]
-    place : friction where it broke away, relative to the mean of the guide
-    ramp_rate : of the force that led there, at most [N/s]; a faster ramp breaks away later
-    warning : why v_s is not known, or empty
-    """
-
+    # of F(v) = b v + F_c + (F_s - F_c) exp(-|v| / v_s) [N s/m, N, N, m/s]
     b: Estimate
     F_c: Estimate
     F_s: Estimate
     v_s: Estimate
+    # standard deviation of the velocity about each constant speed, which encoder steps and noise
+    # cause in the loop and the slowest points show [m/s]
     fluctuation: float
+    # (n,) the points: speed with its sign [m/s], force as the mean of the guide and its standard
+    # error [N]
     velocity: Array
     force: Array
     error: Array
-    breakaway: tuple[float, float]
-    place: float
-    ramp_rate: float
-    warning: str = ""
+    breakaway: tuple[float, float]  # force at which the stage broke away, forward and back [N]
+    place: float  # friction where it broke away, relative to the mean of the guide
+    ramp_rate: float  # of the force that led there, at most [N/s]; a faster ramp breaks away later
+    warning: str = ""  # why v_s is not known, or empty
 
     def curve(self, v: Array) -> Array:
         """Return the fitted friction (n,) [N] at velocities (n,) [m/s]."""
@@ -62,15 +54,12 @@ class FrictionMap:
 def measure_friction(rig: Rig, loop: VelocityLoop, coarse_F_c: float) -> FrictionMap:
     """Drive at constant velocities, break away from rest, and fit the Stribeck curve.
 
+    Raises IdentificationError when the stage does not break away, or the loop holds too few speeds.
+
     Parameters
     ----------
     loop : holds the velocity
     coarse_F_c : Coulomb friction of stage 1, at which the first ramp ends [N]
-
-    Raises
-    ------
-    IdentificationError
-        When the stage does not break away, or the loop holds too few speeds.
     """
     sliding = measure_sliding(rig, loop)
     place = float(sliding.along[0])

@@ -21,23 +21,15 @@ FAST = 0.5  # of the top speed: below it bristles turn around, and sign(v) is no
 
 @dataclass(frozen=True)
 class Inertia:
-    """Result of stage 1.
+    """Result of stage 1."""
 
-    Attributes
-    ----------
-    m : mass [kg]
-    b, F_c : coarse values of viscous [N s/m] and Coulomb friction [N]
-    acceleration : (n,) [m/s^2]
-    force : (n,) motor force without the friction fitted [N]
-    speed : mean of theirs [m/s]
-    """
-
-    m: Estimate
+    m: Estimate  # mass [kg]
+    # coarse values of viscous [N s/m] and Coulomb friction [N]
     b: Estimate
     F_c: Estimate
-    acceleration: Array
-    force: Array
-    speed: float
+    acceleration: Array  # (n,) [m/s^2]
+    force: Array  # (n,) motor force without the friction fitted [N]
+    speed: float  # mean of theirs [m/s]
 
     def check(self, friction: float) -> None:
         """Compare the friction that was fitted with that of a constant velocity [N] at ``speed``.
@@ -62,12 +54,8 @@ def measure_inertia(rig: Rig) -> Inertia:
     """Push with a strong slow sine and fit F = m a + b v + F_c sign(v) + F_0.
 
     Force, velocity and acceleration go through the same zero-phase low-pass, and only samples well
-    away from a reversal count, so neither the filter nor the bristles bias the fit.
-
-    Raises
-    ------
-    IdentificationError
-        When the stage hardly moves, or the encoder is not that of the data sheet.
+    away from a reversal count, so neither the filter nor the bristles bias the fit. Raises
+    IdentificationError when the stage hardly moves, or the encoder is not that of the data sheet.
     """
     t = rig.samples(CYCLES / FREQUENCY)
     amplitude = SHARE * rig.datasheet.peak_force

@@ -27,22 +27,13 @@ STIFFER = np.geomspace(1.0, 30.0, 30)  # than force over deflection, where the l
 
 @dataclass(frozen=True)
 class Presliding:
-    """Result of stage 3.
+    """Result of stage 3."""
 
-    Attributes
-    ----------
-    estimates : the parameters of the law that presliding shows, by name
-    stiffness : force over deflection [N/m]
-    log : what was recorded
-    x_fit : (n,) position of the fitted model [m]
-    warning : why the estimates are start values, or empty
-    """
-
-    estimates: dict[str, Estimate]
-    stiffness: float
-    log: Log
-    x_fit: Array
-    warning: str = ""
+    estimates: dict[str, Estimate]  # the parameters of the law that presliding shows, by name
+    stiffness: float  # force over deflection [N/m]
+    log: Log  # what was recorded
+    x_fit: Array  # (n,) position of the fitted model [m]
+    warning: str = ""  # why the estimates are start values, or empty
 
 
 def measure_presliding(rig: Rig, known: Mapping[str, float], force: float) -> Presliding:

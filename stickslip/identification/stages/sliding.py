@@ -22,29 +22,22 @@ FAST = 3e-3  # from this speed on the whole guide is travelled, below it the beg
 GUIDE, BEGINNING = 0.100, 0.010  # [m]
 BLOCK = 0.0025  # of the guide, over which the force is averaged [m]
 SETTLE, LEAD = 2.0, 0.010  # before that, at most [s] and [m]
-SLOW = 20.0
-"""Frequency below which the fluctuation of a speed counts [Hz]."""
+SLOW = 20.0  # frequency below which the fluctuation of a speed counts [Hz]
 
 
 @dataclass(frozen=True)
 class Sliding:
-    """Friction at the n speeds that the loop holds.
+    """Friction at the n speeds that the loop holds."""
 
-    Attributes
-    ----------
-    speed : (n,) [m/s]
-    forward, back : (n,) motor force in either direction, with its sign [N]
-    friction, error : (n,) half their difference, and its standard error [N]
-    along : (k,) friction in each block of the guide, relative to its mean
-    fluctuation : most that the velocity can fluctuate about its mean, a standard deviation [m/s]
-    """
-
-    speed: Array
+    speed: Array  # (n,) [m/s]
+    # (n,) motor force in either direction, with its sign [N]
     forward: Array
     back: Array
+    # (n,) half their difference, and its standard error [N]
     friction: Array
     error: Array
-    along: Array
+    along: Array  # (k,) friction in each block of the guide, relative to its mean
+    # most that the velocity can fluctuate about its mean, a standard deviation [m/s]
     fluctuation: float
 
 
@@ -52,12 +45,7 @@ def measure_sliding(rig: Rig, loop: VelocityLoop) -> Sliding:
     """Drive at each of the speeds; friction is that of the mean of the guide.
 
     Where the stage sticks and slips the mean force is not that of the mean speed: no such run
-    counts.
-
-    Raises
-    ------
-    IdentificationError
-        When too few speeds are held.
+    counts. Raises IdentificationError when too few speeds are held.
     """
     tried = [_forth_and_back(rig, loop, speed) for speed in SPEEDS]
     held = [run is not None for run in tried]

@@ -21,10 +21,7 @@ def recognises(data: bytes) -> bool:
 def read(path: str, data: bytes) -> LogTable:
     """Read the numeric columns of a Parquet file; points in time become seconds.
 
-    Raises
-    ------
-    RecordingError
-        When the file cannot be read, or it holds no rows of numbers.
+    Raises RecordingError when the file cannot be read, or it holds no rows of numbers.
     """
     from stickslip.cosim.signals.parquet import Unreadable, read_columns  # late: loads cosim
 
