@@ -42,11 +42,9 @@ _PLACES = {
     "stickslip.rigs.kept": ("KeptRig",),
     "stickslip.rigs.limits": ("RigLimits",),
     "stickslip.rigs.socket_rig": ("SocketRig",),
-    "stickslip.servo.axis": ("Axis",),
-    "stickslip.servo.closed_loop": ("closed_loop", "robustness"),
-    "stickslip.servo.datasheet": ("Datasheet",),
+    "stickslip.servo.axis": ("Axis", "Datasheet", "LoopSpecification"),
+    "stickslip.servo.chain_response": ("closed_loop", "robustness"),
     "stickslip.servo.observer": ("design_observer",),
-    "stickslip.servo.specification": ("LoopSpecification",),
     "stickslip.servo.systems": ("Compensator", "nominal_parameters"),
     "stickslip.servo.velocity_filter": ("design_velocity_filter",),
     "stickslip.servo.velocity_loop": (

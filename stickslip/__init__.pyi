@@ -47,11 +47,11 @@ from stickslip.rigs.kept import KeptRig as KeptRig
 from stickslip.rigs.limits import RigLimits as RigLimits
 from stickslip.rigs.socket_rig import SocketRig as SocketRig
 from stickslip.servo.axis import Axis as Axis
-from stickslip.servo.closed_loop import closed_loop as closed_loop
-from stickslip.servo.closed_loop import robustness as robustness
-from stickslip.servo.datasheet import Datasheet as Datasheet
+from stickslip.servo.axis import Datasheet as Datasheet
+from stickslip.servo.axis import LoopSpecification as LoopSpecification
+from stickslip.servo.chain_response import closed_loop as closed_loop
+from stickslip.servo.chain_response import robustness as robustness
 from stickslip.servo.observer import design_observer as design_observer
-from stickslip.servo.specification import LoopSpecification as LoopSpecification
 from stickslip.servo.systems import Compensator as Compensator
 from stickslip.servo.systems import nominal_parameters as nominal_parameters
 from stickslip.servo.velocity_filter import design_velocity_filter as design_velocity_filter

@@ -10,7 +10,7 @@ from benchmarks.loop import design
 from stickslip import cosim, ga
 from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
 from stickslip.cosim import SineSweep
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP
 from stickslip.servo.systems import build_fmus, paper_loop
 from stickslip.tuning.learning import VelocityCost
 

@@ -11,7 +11,7 @@ from stickslip import ga
 from stickslip.commandline import FLAG, add_options, at_least
 from stickslip.errors import UsageError
 from stickslip.ga.execution.checkpoint import check
-from stickslip.work.execution import Execution, processors, stopped
+from stickslip.work.jobs import Execution, processors, stopped
 
 
 def add_algorithm_option(

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from stickslip.catalog.parameters import PAPER
 from stickslip.output import Answer
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.specification import LoopSpecification
+from stickslip.servo.axis import LOOP, Datasheet, LoopSpecification
 
 if TYPE_CHECKING:
     from stickslip.servo.velocity_loop import VelocityLoop

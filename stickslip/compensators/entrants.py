@@ -23,8 +23,8 @@ from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.fmi.messages import suggestion
 from stickslip.models.export.description import AXIS, ROLES, Variable
 from stickslip.models.export.units import force_and_length
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.chain_response import ChainResponse, Robustness
-from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import COMPONENTS, Compensator
 from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop, position_loop

@@ -10,12 +10,18 @@ import numpy as np
 import pandas as pd
 
 from stickslip.evaluation.motions import MOTIONS, Motion
-from stickslip.evaluation.scatter import ONCE, repetitions, summary
-from stickslip.evaluation.validation import Run, covered, runs_of, velocity_errors
+from stickslip.evaluation.validation import (
+    ONCE,
+    Run,
+    covered,
+    repetitions,
+    runs_of,
+    summary,
+    velocity_errors,
+)
 from stickslip.fmi.process import Threads
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.divergence import Diverged, require_bounded
-from stickslip.servo.measurement import Array
+from stickslip.servo.measurement import Array, Diverged, require_bounded
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 

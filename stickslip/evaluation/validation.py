@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import numpy as np
 import pandas as pd
@@ -12,15 +12,62 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from stickslip import cosim
+from stickslip.catalog.estimate import HIGH, LOW
 from stickslip.errors import RigError
 from stickslip.evaluation.motions import Regions, Span, regions_after, trapezoid, windows
-from stickslip.evaluation.scatter import ONCE, beginnings, ranges_last, repetitions, summary
 from stickslip.rigs.contract import Rig
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.divergence import require_bounded
-from stickslip.servo.measurement import Array, measured_velocity
+from stickslip.servo.measurement import Array, measured_velocity, require_bounded
 from stickslip.servo.systems import Compensator, Feed, paper_loop
 from stickslip.servo.velocity_loop import VelocityLoop
+
+Key = TypeVar("Key", bound=Hashable)
+
+ONCE = (0.0,)  # the drive begins where its FMU does
+PHASES = tuple(sorted((k / 9.0 for k in range(-4, 5)), key=abs))
+"""Where the drive begins, in steps of the encoder from where its FMU does; at each of them the
+encoder shows the same position at first."""
+
+
+def beginnings(system: cosim.System, phases: Sequence[float]) -> list[dict[str, float]]:
+    """Return for each phase the values with which the drive of a system begins a run."""
+    variables = system.components["drive"].variables
+    x, step = (cast(float, variables[name].start) for name in ("x", "encoder_step"))
+    seed, seeds = cast(int, variables["seed"].start), 1 + int(variables["seed"].maximum or 0)
+    return [
+        {"drive.x": x + phase * step, "drive.seed": (seed + k) % seeds}
+        for k, phase in enumerate(phases)
+    ]
+
+
+def repetitions(found: Iterable[Mapping[Key, float]], names: Sequence[str]) -> pd.DataFrame:
+    """Tabulate figures by keys (an index with these names), with a column for each repetition."""
+    columns = {k: pd.Series(one) for k, one in enumerate(found)}
+    return pd.DataFrame(columns).rename_axis(index=names)
+
+
+def summary(repeated: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return the median of figures that were found repeatedly, and behind all medians the ranges.
+
+    Where one of the repetitions is NaN, as the drive ran away, so is what is returned.
+
+    Parameters
+    ----------
+    repeated : by the name of a column, the figures with a column for each repetition; of a single
+        one there is no range
+    """
+    found = {name: table.median(axis=1, skipna=False) for name, table in repeated.items()}
+    for name, table in repeated.items():
+        if table.shape[1] > 1:
+            found[f"{name}{LOW}"] = table.min(axis=1, skipna=False)
+            found[f"{name}{HIGH}"] = table.max(axis=1, skipna=False)
+    return pd.DataFrame(found)
+
+
+def ranges_last(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a table with the columns of ranges behind all others."""
+    return table[sorted(table, key=lambda name: str(name).endswith((LOW, HIGH)))]
+
 
 PAPER_TABLE4 = {
     ("start", "E_max"): (0.98, 0.76),

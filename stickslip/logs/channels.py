@@ -9,12 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.errors import RecordingError, UsageError
-from stickslip.logs.clock import clock_seconds, is_clock
 from stickslip.logs.description import Description, Product
-from stickslip.logs.finding import Finding
-from stickslip.logs.recording import Motion
+from stickslip.logs.recording import Finding, Motion
 from stickslip.logs.roles import named_quantity, suffix_unit
-from stickslip.logs.table import LogTable
+from stickslip.logs.table import LogTable, clock_seconds, is_clock
 from stickslip.logs.units import (
     Unit,
     expected_units,

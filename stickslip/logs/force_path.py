@@ -11,10 +11,8 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
-from stickslip.logs.delay import force_delay
-from stickslip.logs.finding import Finding
-from stickslip.logs.motion import kinematics, left, rigid, rigid_columns
-from stickslip.logs.recording import Recording
+from stickslip.logs.motion import force_delay, kinematics, left, rigid, rigid_columns
+from stickslip.logs.recording import Finding, Recording
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import log_content, log_force
 

@@ -11,19 +11,14 @@ import numpy as np
 
 from stickslip.errors import RecordingError, UsageError
 from stickslip.logs.channels import Channel, assumed_units, motion_from, signal_of, unit_fault
-from stickslip.logs.clock import with_joined_times
-from stickslip.logs.controller import Controller
-from stickslip.logs.description import ROLES, Description, Product
-from stickslip.logs.finding import Finding
+from stickslip.logs.description import ROLES, Controller, Description, Product
 from stickslip.logs.formats import read_table
 from stickslip.logs.grid import even_grid
-from stickslip.logs.recording import Motion, Recording
+from stickslip.logs.recording import Finding, Motion, Recording
 from stickslip.logs.roles import assign_roles, named_quantity
-from stickslip.logs.sampling import even_rows, on_one_clock
-from stickslip.logs.steps import step_of
-from stickslip.logs.table import LogTable
-from stickslip.logs.unit_factors import described_ratio, near_factor
-from stickslip.logs.units import Unit, sized_unit
+from stickslip.logs.sampling import even_rows, on_one_clock, step_of
+from stickslip.logs.table import LogTable, with_joined_times
+from stickslip.logs.units import Unit, described_ratio, near_factor, sized_unit
 from stickslip.servo.measurement import Array, derivative
 from stickslip.thresholds import log_unit
 

@@ -1,4 +1,4 @@
-"""One log of a drive, on an even grid, in SI units."""
+"""One log of a drive, on an even grid, in SI units, and findings of its checks."""
 
 from __future__ import annotations
 
@@ -56,3 +56,31 @@ class Recording:
     def T_s(self) -> float:  # noqa: N802 - the symbol of the paper
         """Sample period [s]."""
         return float(self.t[-1] / (len(self.t) - 1))
+
+
+Severity = Literal["error", "warning", "note"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One finding of a check of a recording; as text it is one line."""
+
+    severity: Severity  # error (nothing can be learned), warning (something will suffer), note
+    what: str  # was found
+    figure: str = ""  # the number behind it, with its unit
+    advice: str = ""  # what to do; empty when nothing need be done
+    # "intervals" where the learned intervals are too narrow, "values" where the learned values are
+    # wrong
+    spoils: Literal["", "intervals", "values"] = ""
+    hides: tuple[str, ...] = ()  # parameters that cannot be identified therefore
+
+    @classmethod
+    def either(cls, fine: bool, words: tuple[str, str], figure: str, advice: str) -> Finding:
+        """Return a note without advice, or a warning."""
+        note, warning = words
+        return cls("note", note, figure) if fine else cls("warning", warning, figure, advice)
+
+    def __str__(self) -> str:
+        figure = f": {self.figure}" if self.figure else ""
+        advice = f"; {self.advice}" if self.advice else ""
+        return f"{self.severity}: {self.what}{figure}{advice}"

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from stickslip.errors import RecordingError
 from stickslip.logs.description import ROLES, Description
-from stickslip.logs.finding import Finding
+from stickslip.logs.recording import Finding
 from stickslip.logs.table import LogTable
 from stickslip.logs.units import QUANTITIES, quantities_of, quantity_key, unit_fitting, unit_named
 

@@ -3,17 +3,112 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from stickslip.errors import RecordingError
-from stickslip.logs.finding import Finding
-from stickslip.logs.interpolation import better_method, interpolated
-from stickslip.logs.steps import clock_step
+from stickslip.logs.recording import Finding
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import log_clock
+
+DIVISORS = 12  # most encoder steps that the smallest difference of a signal may have
+SHARE = 0.98  # share of the differences that must be whole steps
+
+
+def step_of(signal: Array) -> float:
+    """Return the step of which all differences of a signal (n,) are multiples; 0 if there is none.
+
+    Differences within the rounding of doubles at the size of the signal are ignored. A filtered
+    signal, or one with all its digits, has no step.
+    """
+    differences = np.abs(np.diff(signal[np.isfinite(signal)]))
+    if not len(differences):
+        return 0.0
+    floor = 256 * np.finfo(float).eps * float(np.max(np.abs(signal[np.isfinite(signal)])))
+    differences = np.sort(differences[differences > floor])
+    if len(differences) < 10:
+        return 0.0
+    smallest = float(differences[len(differences) // 100])
+    near = differences[differences < 1.02 * smallest]
+    for divisor in range(1, DIVISORS + 1):
+        step = _refined(differences, float(np.median(near)) / divisor)
+        counts = differences / step
+        whole = np.abs(counts - np.round(counts)) < 0.05 + floor / step
+        if step > 4 * floor and np.mean(whole & (counts > 0.5)) >= SHARE:
+            return step
+    return 0.0
+
+
+def _refined(differences: Array, step: float) -> float:
+    """Return a step fitted to larger and larger differences."""
+    for most in (3, 30, 300):
+        counts = np.round(differences / step)
+        some = (counts > 0) & (counts <= most)
+        if some.any():
+            step = float(differences[some] @ counts[some] / (counts[some] @ counts[some]))
+    return step
+
+
+def clock_step(t: Array) -> float:
+    """Return the step of which all differences of times (n,) are multiples; 0 if there is none.
+
+    The step of times in single precision is at least the spacing of the largest.
+    """
+    single = t.astype(np.float32)
+    spacing = np.spacing(np.abs(single)).astype(np.float64)
+    least = float(spacing.max()) if np.all(np.abs(t - single) < 0.05 * spacing) else 0.0
+    floor = 8 * np.finfo(float).eps * float(np.max(np.abs(t)))
+    differences = np.unique(np.abs(np.diff(t)))
+    differences = differences[differences > floor]
+    step = float(differences.min(initial=np.inf))
+    while 100.0 * floor < step < np.inf:  # Euclid's algorithm
+        rest = np.abs(differences - step * np.round(differences / step))
+        rest = rest[rest > floor * (1.0 + differences / step)]
+        if not rest.size:
+            return max(step, least)
+        step = float(rest.min())
+    return least
+
+
+MOST = 20_000  # number of samples on which the choice of an interpolation is based
+
+Method = Literal["linear", "cubic"]
+
+
+def better_method(t: Array, signal: Array) -> Method:
+    """Return the method that predicts every other sample from its neighbours better.
+
+    A cubic spline, nearly band-limited, for smooth signals; straight lines for commands with
+    corners and for signals that are mostly noise or steps.
+
+    Parameters
+    ----------
+    t : (n,) rising [s]
+    signal : (n,)
+    """
+    t, signal = t[:MOST], signal[:MOST]
+    if len(t) < 9:
+        return "linear"
+    known, asked = slice(0, None, 2), slice(3, len(t) - 3, 2)
+    errors = {
+        method: np.sum(
+            (interpolated(t[known], signal[known], t[asked], method) - signal[asked]) ** 2
+        )
+        for method in ("linear", "cubic")
+    }
+    return "cubic" if errors["cubic"] < errors["linear"] else "linear"
+
+
+def interpolated(t: Array, signal: Array, at: Array, method: str) -> Array:
+    """Return a signal (n,) given at t (n,) at other times (k,) [s]."""
+    if method == "cubic":
+        return np.asarray(scipy.interpolate.CubicSpline(t, signal)(at))
+    return np.interp(at, t, signal)
+
 
 SPAN = 16
 """Rows over which a period is averaged: rounding is divided by as much, and few rows are lost."""

@@ -9,8 +9,8 @@ import numpy as np
 
 from stickslip.errors import RecordingError
 from stickslip.fmi.messages import printable
-from stickslip.logs.dialect import split_unit
-from stickslip.logs.finding import Finding
+from stickslip.logs.header import split_unit
+from stickslip.logs.recording import Finding
 from stickslip.logs.roles import role_named
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array

@@ -17,12 +17,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import RecordingError
-from stickslip.logs.clock import FILETIME, clock_seconds, filetime_seconds, is_clock
-from stickslip.logs.dialect import MISSING, SAMPLE, SAMPLED, Dialect, find_dialect
-from stickslip.logs.finding import Finding
-from stickslip.logs.header import LOOKED_AT, Header, Line, find_header, is_data
+from stickslip.logs.header import (
+    LOOKED_AT,
+    MISSING,
+    SAMPLE,
+    SAMPLED,
+    Dialect,
+    Header,
+    Line,
+    find_dialect,
+    find_header,
+    is_data,
+)
+from stickslip.logs.recording import Finding
 from stickslip.logs.signals import Signal, table_of
-from stickslip.logs.table import LogTable
+from stickslip.logs.table import FILETIME, LogTable, clock_seconds, filetime_seconds, is_clock
 from stickslip.servo.measurement import Array
 
 MOST_BYTES = 1 << 28

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.catalog.parameters import PAPER
 from stickslip.errors import UsageError
 from stickslip.planning import parts
-from stickslip.planning.limits import LINEAR, Limits
+from stickslip.planning.parts import LINEAR, Limits
 from stickslip.servo.measurement import Array
 
 if TYPE_CHECKING:

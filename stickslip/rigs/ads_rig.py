@@ -17,7 +17,7 @@ from stickslip.errors import RigError, UsageError
 from stickslip.rigs.contract import Command, Log
 from stickslip.rigs.limits import RigLimits, Watch
 from stickslip.rigs.remote import Refused, RemoteRig
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 from stickslip.thresholds import rig_motion
 
 CODE = Path(__file__).with_name("plc") / "StickslipRig.st"

@@ -23,9 +23,8 @@ from stickslip.errors import LimitError, RigError, UsageError
 from stickslip.fmi.process import temporary_folder
 from stickslip.ga import CandidateFailed
 from stickslip.rigs.limits import RigLimits, Watch
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet, LoopSpecification
 from stickslip.servo.measurement import Array
-from stickslip.servo.specification import LoopSpecification
 from stickslip.servo.systems import Feed, build_fmus, feedforward
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 from stickslip.thresholds import rig_motion

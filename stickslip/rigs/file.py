@@ -13,7 +13,7 @@ from stickslip.errors import UsageError
 from stickslip.planning import Limits
 from stickslip.rigs.contract import Rig
 from stickslip.rigs.limits import RigLimits
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 from stickslip.toml_files import NUMBER, PAIR, TABLE, TEXT, WHOLE, Kind, checked, read_toml
 
 KINDS: dict[type, Kind] = {float: NUMBER, int: WHOLE, str: TEXT, type(None): TEXT}

@@ -18,8 +18,7 @@ from stickslip.planning.parts import approach
 from stickslip.rigs.contract import Command, Log, Rig
 from stickslip.rigs.limits import RigLimits
 from stickslip.rigs.lines import CHUNK, LOOP, PROTOCOL, crc_of
-from stickslip.servo.axis import ControlError
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import ControlError, Datasheet
 from stickslip.thresholds import rig_motion
 
 RETURNS, RETURN_SPEED, DWELL, K_X = 5, 0.02, 0.5, 20.0

@@ -11,7 +11,7 @@ from stickslip.errors import RigError, UsageError
 from stickslip.rigs.limits import RigLimits
 from stickslip.rigs.lines import Lines, line_of, sent_limits
 from stickslip.rigs.remote import Refused, RemoteRig
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 
 
 class SocketRig(RemoteRig):

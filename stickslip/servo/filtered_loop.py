@@ -6,7 +6,7 @@ command. Figures: docs/decisions/0022-velocity-filter.md.
 
 from __future__ import annotations
 
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
+
+from stickslip import cosim
+from stickslip.thresholds import loop_fit
 
 Array = NDArray[np.float64]
 
@@ -58,3 +62,47 @@ def blended_velocity(x_enc: Array, F_m: Array, m: float, T_s: float) -> Array:
     """
     by_force = np.cumsum(F_m - F_m.mean()) * T_s / m
     return measured_velocity(x_enc, T_s) + by_force - smoothed(by_force, T_s)
+
+
+def level(p: Mapping[str, float], v: Array | float) -> Array:
+    """Return g (k,) [N] at velocities (k,) [m/s]; ``delta`` is the paper's 1 if not given.
+
+    Without F_s, friction is F_c at each speed.
+    """
+    if "F_s" not in p:
+        return np.full(np.shape(v), p["F_c"])
+    return p["F_c"] + (p["F_s"] - p["F_c"]) * _rest(p, np.abs(v))
+
+
+def slope(p: Mapping[str, float], v: Array | float) -> Array:
+    """Return dg/dv (k,) [N s/m] at speeds (k,) [m/s] above 0."""
+    delta = p.get("delta", 1.0)
+    steep = delta / p["v_s"] * (np.asarray(v) / p["v_s"]) ** (delta - 1.0)
+    return -(p["F_s"] - p["F_c"]) * steep * _rest(p, v)
+
+
+def _rest(p: Mapping[str, float], v: Array | float) -> Array:
+    return np.asarray(np.exp(-((np.asarray(v) / p["v_s"]) ** p.get("delta", 1.0))))
+
+
+class Diverged(cosim.SimulationError):
+    """A simulated drive ran away from its command."""
+
+
+def require_bounded(v: Array, speed: float) -> None:
+    """Raise where a simulated velocity is not finite, or far beyond what was commanded.
+
+    Raises Diverged when it has run away.
+
+    Parameters
+    ----------
+    v : (n,) of the drive [m/s]
+    speed : the largest one that is commanded, at any time of the trial [m/s]
+    """
+    peak = float(np.max(np.abs(v)))
+    if not peak <= loop_fit.RUNS_AWAY * speed:
+        raise Diverged(
+            f"the simulated loop runs away: its velocity exceeds {loop_fit.RUNS_AWAY:g} times the "
+            "largest commanded one; expected a loop that is stable with these gains; check their "
+            "units and signs, the delay and the mass"
+        )

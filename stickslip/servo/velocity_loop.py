@@ -21,8 +21,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from stickslip.servo import frequency
-from stickslip.servo.axis import Array, Axis, ControlError, check
-from stickslip.servo.specification import LoopSpecification
+from stickslip.servo.axis import Array, Axis, ControlError, LoopSpecification, check
 from stickslip.servo.velocity_filter import VelocityFilter
 
 GIVEN = (

@@ -30,8 +30,8 @@ from stickslip.catalog.parameters import friction_law
 from stickslip.identification.criteria.runs import Runs
 from stickslip.models import Law
 from stickslip.progress import steps
-from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.divergence import require_bounded
+from stickslip.servo.axis import Datasheet
+from stickslip.servo.measurement import require_bounded
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import harm, loop_fit

@@ -4,30 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 from scipy.signal import lfilter
 
-from stickslip.catalog.space import ParameterSpace
+from stickslip.catalog.parameters import ParameterSpace
+from stickslip.cosim import Trapezoid
 from stickslip.identification.criteria.motion import encoder_noise, position_of
 from stickslip.identification.estimation import Estimation, LearnSettings
-from stickslip.identification.fitting.conservative import bounded_by
-from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
+from stickslip.identification.fitting.identifiability import (
+    IDENTIFIABLE,
+    NOT_IDENTIFIABLE,
+    bounded_by,
+)
 from stickslip.logs import Reading, Recording
 from stickslip.models import Law
-from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet, LoopSpecification
 from stickslip.servo.measurement import smoothed
 from stickslip.servo.observer import MASSES
 from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.specification import LoopSpecification
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 from stickslip.thresholds import control_match, harm
-from stickslip.trial.candidates import compare
+from stickslip.trial.candidates import CompensatorComparison, compare
 from stickslip.trial.guards import (
     NONE,
     Benefit,
+    Drive,
     Evidence,
     Hold,
     Variant,
@@ -39,8 +44,65 @@ from stickslip.trial.guards import (
     holds,
     hunting_at_rest,
 )
-from stickslip.trial.observed import FEEDFORWARD, kalman_designs, try_observer
-from stickslip.trial.simulated import Loops, SimulatedTrial
+from stickslip.trial.observed import FEEDFORWARD, ObserverTrial, kalman_designs, try_observer
+
+
+class Loops(NamedTuple):
+    """Velocity loops of a drive."""
+
+    plain: VelocityLoop  # without compensation
+    compensated: VelocityLoop  # in which the compensator runs
+    # whether the drive runs in them; False where they only serve to try the compensator
+    known: bool = True
+
+
+@dataclass(frozen=True)
+class SimulatedTrial:
+    """What trying a compensator on simulated drives gave.
+
+    Attributes
+    ----------
+    command, datasheet, drives : what it was tried on
+    benefit : tracking errors with feedforward of the law, and the share of its force that passes
+    warnings : of the guards, a line each
+    others : the same as ``benefit`` for other ways to compensate
+    observed : what an observer adds; None where none was tried
+    holds : how a cascade holds its position, by name of the way to compensate; else empty
+    compared : all compensators that were tried; None where there is only the default
+    """
+
+    command: Trapezoid
+    datasheet: Datasheet
+    benefit: Benefit
+    warnings: tuple[str, ...]
+    drives: tuple[Drive, ...] = ()
+    others: tuple[Benefit, ...] = ()
+    observed: ObserverTrial | None = None
+    holds: Mapping[str, Hold] = field(default_factory=dict)
+    compared: CompensatorComparison | None = None
+
+    def table(self) -> pd.DataFrame:
+        """Return a row for each way to compensate, drive and command.
+
+        Speeds and errors are in m/s, of the figure ``position`` in m; rad for a rotary drive.
+        """
+        rows = [
+            {
+                "compensation": benefit.variant.name,
+                "share": benefit.share,
+                "drive": row.drive,
+                "command": row.command,
+                "figure": row.figure,
+                "speed": row.speed,
+                "without": row.without,
+                "with": row.compensated,
+                "ratio": row.ratio,
+            }
+            for benefit in (self.benefit, *self.others)
+            for row in benefit.rows
+        ]
+        return pd.DataFrame(rows)
+
 
 CAUTIOUS = (0.4, 60.0)
 """Bandwidth, over that of the paper's loop, and phase margin [degrees] of a velocity loop whose

@@ -14,8 +14,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stickslip.catalog.parameters import friction_law
-from stickslip.catalog.space import ParameterSpace
+from stickslip.catalog.parameters import ParameterSpace, friction_law
 from stickslip.cosim import Trapezoid
 from stickslip.models import Law
 from stickslip.models.export.units import motion_unit

@@ -12,9 +12,8 @@ import numpy as np
 from stickslip import cosim
 from stickslip.catalog.parameters import friction_law
 from stickslip.models import Law
-from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.divergence import require_bounded
-from stickslip.servo.measurement import Array
+from stickslip.servo.axis import Datasheet
+from stickslip.servo.measurement import Array, require_bounded
 from stickslip.servo.systems import Feed, paper_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 

@@ -22,9 +22,8 @@ from stickslip import cosim, ga, models
 from stickslip.catalog.parameters import PAPER, friction_law, scaled_start
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import kept
-from stickslip.tuning.loop_genes import FEEDFORWARD, PLAIN
-from stickslip.tuning.loop_runs import LoopBench, LoopRuns
-from stickslip.work.execution import Execution
+from stickslip.tuning.loop_runs import FEEDFORWARD, PLAIN, LoopBench, LoopRuns
+from stickslip.work.jobs import Execution
 
 PROBES = (
     PLAIN,

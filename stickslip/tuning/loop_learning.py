@@ -23,9 +23,16 @@ from stickslip.servo.axis import ControlError
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import kept
 from stickslip.tuning.drive_model import PROBES, DriveModel, start_model
-from stickslip.tuning.loop_genes import FEEDFORWARD, GENES, PLAIN, TunedLoop
-from stickslip.tuning.loop_runs import LoopBench, LoopRuns, by_kind
-from stickslip.work.execution import Execution
+from stickslip.tuning.loop_runs import (
+    FEEDFORWARD,
+    GENES,
+    PLAIN,
+    LoopBench,
+    LoopRuns,
+    TunedLoop,
+    by_kind,
+)
+from stickslip.work.jobs import Execution
 
 LEVELS = (0.7, 1.3)
 """Friction of the models, relative to the drive's own: what temperature and wear change."""

@@ -17,11 +17,11 @@ from stickslip.presentation.page import Picture
 from stickslip.progress import SILENT, Progress
 from stickslip.rigs.contract import COMMISSIONING
 from stickslip.rigs.fmu import FmuRig, rig_of
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import design_velocity_loop
-from stickslip.work.execution import Execution
+from stickslip.work.jobs import Execution
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -7,8 +7,7 @@ import pytest
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import PAPER
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP, Axis
 from stickslip.servo.systems import Compensator, build_fmus, build_loop
 from stickslip.servo.velocity_loop import design_velocity_loop
 

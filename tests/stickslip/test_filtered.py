@@ -7,7 +7,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.evaluation.validation import validate
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import paper_loop

@@ -10,16 +10,21 @@ import pytest
 
 from stickslip import cosim
 from stickslip.catalog.parameters import friction_law
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.measurement import slope
 from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.stribeck_curve import slope
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
-from stickslip.trial.guards import Trial, hunting, inspect, stribeck, tolerance
-from stickslip.trial.stribeck import growth_rate
-from stickslip.trial.tolerance import _at_bounds
+from stickslip.trial.guards import (
+    Trial,
+    _at_bounds,
+    growth_rate,
+    hunting,
+    inspect,
+    stribeck,
+    tolerance,
+)
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
 TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}

@@ -7,10 +7,9 @@ import pytest
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.comparison import Entry, evaluate
 from stickslip.identification.stages import Estimate, identify
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP
 from stickslip.servo.paper_commands import TRAINING
-from stickslip.tuning.coarse_start import coarsened, draw_factors
-from stickslip.tuning.learning import Study
+from stickslip.tuning.learning import Study, coarsened, draw_factors
 from stickslip.tuning.refinement import refine
 
 pytestmark = pytest.mark.slow

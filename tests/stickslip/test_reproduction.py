@@ -5,7 +5,7 @@ import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.papers.lugre.reproduction import Options, reproduce
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.systems import build_fmus, paper_loop
 

@@ -16,7 +16,7 @@ from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.validation import covered, run_command
 from stickslip.fmi.toolchain import PLATFORMS
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
 
 FILES = {

@@ -8,14 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip.catalog.space import Values
+from stickslip.catalog.parameters import Values
 from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
-from stickslip.identification.criteria.motion import measured_force, position_of
-from stickslip.identification.criteria.scaling import Scale
-from stickslip.servo.divergence import Diverged
-from stickslip.servo.measurement import Array
+from stickslip.identification.criteria.motion import Scale, measured_force, position_of
+from stickslip.servo.measurement import Array, Diverged
 
 
 @dataclass(frozen=True)

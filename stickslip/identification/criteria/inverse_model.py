@@ -20,9 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import cosim
-from stickslip.catalog.parameters import DRIVE, friction_law, presliding
-from stickslip.catalog.space import ParameterSpace, Values
-from stickslip.identification.criteria.closing import Closing
+from stickslip.catalog.parameters import DRIVE, ParameterSpace, Values, friction_law, presliding
 from stickslip.identification.criteria.motion import (
     SmoothMotion,
     measured_force,
@@ -31,7 +29,7 @@ from stickslip.identification.criteria.motion import (
     smooth_motion,
     velocity_noise,
 )
-from stickslip.identification.criteria.runs import RECENT, Runs
+from stickslip.identification.criteria.runs import RECENT, Closing, Runs
 from stickslip.logs import Recording
 from stickslip.models import Law
 from stickslip.servo.measurement import Array, smoothed

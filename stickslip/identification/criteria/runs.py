@@ -1,14 +1,53 @@
-"""One system that is run again and again, several candidates side by side."""
+"""FMUs of candidates, their runs, and what closes them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import TypeVar
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Self, TypeVar
 
-from stickslip import cosim
+from stickslip import cosim, models
 from stickslip.cosim.signals.signals import Input
-from stickslip.fmi.process import Threads
-from stickslip.identification.criteria.closing import Closing
+from stickslip.fmi.process import Threads, temporary_folder
+
+
+class Closing(ABC):
+    """Closes itself when a ``with`` block ends."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Free the FMUs."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+CONTROLLER = "velocity_controller"
+MODELS = ("compensator", "drive", CONTROLLER)
+
+
+@contextmanager
+def candidate_fmus(law: str = "lugre") -> Iterator[Path]:
+    """Build them with a friction law into a folder that is deleted at the end of the block.
+
+    They contain nothing of the drive that made a recording, not even which of its extras are on.
+    """
+    with temporary_folder() as folder:
+        for name in MODELS:
+            models.build_fmu(name, folder, law=law if name != CONTROLLER else None)
+        yield folder
+
 
 RECENT = 64  # number of runs whose results a criterion keeps: some Jacobians of a fit
 

@@ -12,8 +12,8 @@ from stickslip import ga
 from stickslip.catalog.parameters import DRIVE
 from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
-from stickslip.identification.criteria.scaling import SI, Scale
-from stickslip.identification.estimation.held_out import HeldOut
+from stickslip.identification.criteria.motion import SI, Scale
+from stickslip.identification.estimation.faults import HeldOut
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.start import Start

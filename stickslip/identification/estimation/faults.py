@@ -1,19 +1,30 @@
-"""Faults of a recording that the estimation finds; no parameter is then well identified."""
+"""Faults that the estimation finds, and whether its law predicts what it was not fitted to."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.catalog.space import Values
+from stickslip.catalog.parameters import Values
 from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.output_error import OutputError
+from stickslip.identification.criteria.known_loop import OutputError
+from stickslip.identification.criteria.motion import Scale
+from stickslip.identification.estimation.task import Task
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
+from stickslip.identification.selection import (
+    Candidate,
+    Prediction,
+    candidates,
+    predict,
+    predictions,
+)
+from stickslip.identification.selection.choice import Cause, along_the_travel, is_large, mismatch
+from stickslip.identification.selection.prediction import held_out
 from stickslip.logs import Finding
 from stickslip.thresholds import loop_fit
 
@@ -110,3 +121,43 @@ def change_of_friction(inverse: InverseModel, values: Values) -> tuple[float, fl
     error = np.sqrt((SPANS - 1) * np.var(without))
     level = abs(float(np.mean(inverse.friction(values)[sliding] * ahead)))
     return slope(span >= 0) / level, float(error / level)
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """What was found where the law was not fitted."""
+
+    # of the law, and of all others where they were tried, in SI units
+    predictions: tuple[Prediction, ...]
+    findings: tuple[Finding, ...]  # that the law does not explain the recording
+
+
+def check_held_out(
+    inverse: InverseModel, found: Fit, task: Task, gains: Mapping[str, float] | None, scale: Scale
+) -> HeldOut:
+    """Predict, and test the causes of a mismatch: the position, and the other laws.
+
+    Parameters
+    ----------
+    found : by the inverse model
+    task : of a recording that is scaled
+    gains : of a controller that commands the logged force
+    scale : of the recording
+    """
+    candidate = Candidate(inverse.space.law, is_level=task.is_level)
+    residual = held_out(inverse, found)
+    own = predict(inverse, found, candidate, gains, residual=residual)
+    tried = task.choice.predictions if task.choice else ()
+    causes: list[Cause] = []
+    if is_large(own):
+        if not tried:
+            further = [one for one in candidates() if one != candidate]
+            tried = tuple(
+                one.restored(scale) for one in predictions(task.recording, gains, further)
+            )
+        place = along_the_travel(inverse, task.recording, residual)
+        causes = [replace(place, left=place.left / scale.force)]
+    own = own.restored(scale)
+    others = [one for one in tried if one.candidate != candidate]
+    findings = mismatch(own, others, causes, rotary=task.recording.rotary)
+    return HeldOut((own, *others), tuple(findings))

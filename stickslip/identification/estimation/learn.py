@@ -14,31 +14,51 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from stickslip import ga
-from stickslip.catalog.parameters import friction_law, presliding
-from stickslip.catalog.space import Values
+from stickslip.catalog.parameters import Values, friction_law, presliding
 from stickslip.identification.controller.controller_check import check_controller
-from stickslip.identification.controller.criterion_choice import choose
 from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.motion import against_motion, measured_force
-from stickslip.identification.criteria.output_error import OutputError
-from stickslip.identification.criteria.scaling import Scale, recording_scale
-from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
+from stickslip.identification.criteria.known_loop import OutputError
+from stickslip.identification.criteria.motion import (
+    Scale,
+    against_motion,
+    measured_force,
+    recording_scale,
+)
 from stickslip.identification.estimation.estimation import Estimation, FittedLaw, Searches, restored
-from stickslip.identification.estimation.faults import change_of_friction, found_faults, hidden
-from stickslip.identification.estimation.held_out import check_held_out
-from stickslip.identification.estimation.task import LearnSettings, Task
-from stickslip.identification.fitting.bootstrap import RUNS, Resimulation, UnbiasedFit, correct
-from stickslip.identification.fitting.conservative import conservative, largest_friction
+from stickslip.identification.estimation.faults import (
+    change_of_friction,
+    check_held_out,
+    found_faults,
+    hidden,
+)
+from stickslip.identification.estimation.task import LearnSettings, Task, choose
+from stickslip.identification.fitting.bootstrap import (
+    RUNS,
+    Resimulation,
+    UnbiasedFit,
+    coarse,
+    correct,
+    correct_inverse,
+)
 from stickslip.identification.fitting.fit import BLOCKS, ROUGH, Fit, fit, plausible, value_errors
 from stickslip.identification.fitting.identifiability import (
+    conservative,
     identifiability,
+    largest_friction,
     of_sliding,
     profiles,
     unreliable,
 )
-from stickslip.identification.fitting.multistart import best_fit, select, variants, without_stribeck
-from stickslip.identification.fitting.search import Search, search, solve_linear
+from stickslip.identification.fitting.search import (
+    Search,
+    best_fit,
+    search,
+    select,
+    solve_linear,
+    variants,
+    without_stribeck,
+)
 from stickslip.identification.fitting.start import Start, begin
 from stickslip.identification.sliding.friction_curve import VARYING, Interval
 from stickslip.progress import SILENT, Progress, step

@@ -9,7 +9,7 @@ from typing import Protocol, Self
 import numpy as np
 from scipy.optimize import least_squares
 
-from stickslip.catalog.space import ParameterSpace, Values
+from stickslip.catalog.parameters import ParameterSpace, Values
 from stickslip.servo.measurement import Array
 
 STEP = 1e-3  # of a coordinate, for differences

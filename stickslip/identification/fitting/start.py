@@ -7,15 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip.catalog.parameters import scaled_start, unit_of
-from stickslip.catalog.space import ParameterSpace, Values
+from stickslip.catalog.parameters import ParameterSpace, Values, scaled_start, unit_of
 from stickslip.errors import IdentificationError
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.motion import measured_force, position_of
-from stickslip.identification.criteria.scaling import SI, Scale
+from stickslip.identification.criteria.motion import SI, Scale, measured_force, position_of
 from stickslip.identification.sliding.friction_curve import FrictionCurve, Interval, friction_curve
 from stickslip.logs import Recording
-from stickslip.servo.stribeck_curve import level
+from stickslip.servo.measurement import level
 from stickslip.thresholds import curve_shown
 
 FAST = 0.1  # of the top speed: below it sign(v) is not friction

@@ -10,27 +10,61 @@ import numpy as np
 from scipy.stats import qmc
 from threadpoolctl import threadpool_limits
 
-from stickslip.catalog.parameters import presliding
-from stickslip.catalog.space import ParameterSpace
+from stickslip import models
+from stickslip.catalog.parameters import ParameterSpace, friction_law, presliding
 from stickslip.identification.controller.controller_check import check_controller
-from stickslip.identification.controller.initial_state import fmu_gains
-from stickslip.identification.criteria.candidate_fmus import candidate_fmus
 from stickslip.identification.criteria.inverse_model import EDGE, ForceCost, InverseModel
-from stickslip.identification.criteria.motion import against_motion
-from stickslip.identification.criteria.scaling import Scale, recording_scale
+from stickslip.identification.criteria.known_loop import fmu_gains
+from stickslip.identification.criteria.motion import Scale, against_motion, recording_scale
+from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, inverse_information
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, identifiability
-from stickslip.identification.fitting.multistart import select, variants
-from stickslip.identification.fitting.search import solve_linear
+from stickslip.identification.fitting.search import select, solve_linear, variants
 from stickslip.identification.fitting.start import Start, begin
-from stickslip.identification.selection.candidates import Candidate, candidates
-from stickslip.identification.selection.folds import Fold, folds, mean_squares
-from stickslip.identification.selection.moving import Moving, moving
-from stickslip.identification.selection.noise import encoder_error, explained
+from stickslip.identification.selection.folds import (
+    Fold,
+    Moving,
+    encoder_error,
+    explained,
+    folds,
+    mean_squares,
+    moving,
+)
 from stickslip.logs import Recording
+from stickslip.models import Law
 from stickslip.progress import steps
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import control_match, law_choice
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A friction law, or its case in which friction does not rise towards rest."""
+
+    law: Law  # of the catalogue
+    # whether each parameter with a lower bound, as F_s, is held there, as at F_c
+    is_level: bool = False
+
+    @property
+    def title(self) -> str:
+        """The name for people."""
+        return "Coulomb-viscous" if self.is_level else self.law.title
+
+    def restricted(self, space: ParameterSpace) -> ParameterSpace:
+        """Return the space in which this candidate is estimated."""
+        return space.level() if self.is_level else space
+
+
+def candidates() -> tuple[Candidate, ...]:
+    """Return Coulomb and viscous friction alone, then the laws with ``candidate``, LuGre first.
+
+    Coulomb-viscous is the level case of a law that has a static curve and no presliding.
+    """
+    every = map(friction_law, dict.fromkeys(("lugre", *models.law_names())))
+    laws = [law for law in every if law.is_candidate]
+    static = [law for law in laws if not presliding(law) and ParameterSpace.of(law).bounded]
+    return (*(Candidate(law, is_level=True) for law in static[:1]), *map(Candidate, laws))
+
 
 POINTS = 32  # points at which the friction parameters are tried before the fits
 STARTS = 2  # best of these from which a fit starts, beside the straight line

@@ -24,8 +24,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from stickslip.identification.criteria.motion import position_noise
-from stickslip.identification.criteria.scaling import Scale
+from stickslip.identification.criteria.motion import Scale, position_noise
 from stickslip.identification.sliding.regression import Regression, regress
 from stickslip.servo.measurement import Array, derivative, smoothed
 from stickslip.thresholds import curve_shown

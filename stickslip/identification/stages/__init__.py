@@ -13,11 +13,15 @@ import numpy as np
 from stickslip.catalog.estimate import Estimate, unseen
 from stickslip.catalog.parameters import estimated, friction_law, scaled_start, tabulated
 from stickslip.identification.stages.friction_map import FrictionMap, measure_friction
-from stickslip.identification.stages.inertia import Inertia, measure_inertia
-from stickslip.identification.stages.presliding import Presliding, measure_presliding
+from stickslip.identification.stages.inertia import (
+    Inertia,
+    Presliding,
+    measure_inertia,
+    measure_presliding,
+)
 from stickslip.models import Law
 from stickslip.rigs.contract import Rig
-from stickslip.servo.specification import LoopSpecification
+from stickslip.servo.axis import LoopSpecification
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 __all__ = ["Estimate", "FrictionMap", "Identification", "Inertia", "Presliding", "identify"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from stickslip.errors import RecordingError
 from stickslip.fmi.messages import printable
-from stickslip.logs.dialect import split_unit
+from stickslip.logs.header import split_unit
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
 

@@ -19,7 +19,7 @@ from stickslip.papers.lugre.fmpy_check import SecondOpinion
 from stickslip.papers.lugre.reproduction import Reproduction
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.tuning.drive_model import DriveModel
-from stickslip.tuning.loop_genes import GENES
+from stickslip.tuning.loop_runs import GENES
 
 
 def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:

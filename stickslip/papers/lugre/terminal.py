@@ -8,7 +8,7 @@ import pandas as pd
 
 from stickslip.catalog.estimate import HIGH, LOW
 from stickslip.evaluation.motions import MOTIONS
-from stickslip.evaluation.scatter import PHASES
+from stickslip.evaluation.validation import PHASES
 from stickslip.papers.lugre.loop_tuning import LoopTuning, spread
 from stickslip.papers.lugre.published import PAPER_COST, PublishedStudy
 from stickslip.papers.lugre.steps import FILTERED, REDUCTION_WITH_FILTER

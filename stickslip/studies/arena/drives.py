@@ -15,8 +15,7 @@ from stickslip.compensators.entrants import SPEED
 from stickslip.errors import UsageError
 from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.learned.file import LearnedFile
-from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 from stickslip.studies.arena.drive_names import content
 from stickslip.trial.single_run import axis_values

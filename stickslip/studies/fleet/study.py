@@ -15,8 +15,7 @@ from stickslip.learned.writing import SCHEMA, versions
 from stickslip.storage import MANIFEST, UNFINISHED, complete, refuse_foreign, staged
 from stickslip.studies.fleet.job import learn_drive
 from stickslip.studies.fleet.table import Drive, LogSource
-from stickslip.work.execution import Execution, stopped
-from stickslip.work.jobs import Job, Outcome, run_jobs
+from stickslip.work.jobs import Execution, Job, Outcome, run_jobs, stopped
 
 TABLE = "fleet.csv"
 

@@ -26,9 +26,9 @@ from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.studies.learn import tables
 from stickslip.trial.candidates import AUTO
+from stickslip.trial.compensator_trial import Loops, SimulatedTrial
 from stickslip.trial.guards import Benefit
 from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
-from stickslip.trial.simulated import Loops, SimulatedTrial
 
 
 @dataclass(frozen=True)

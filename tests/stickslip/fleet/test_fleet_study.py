@@ -10,8 +10,7 @@ from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.studies.fleet.study import learn_fleet
 from stickslip.studies.fleet.writing import fleet_table, write_fleet
-from stickslip.work.execution import Execution
-from stickslip.work.jobs import DIED
+from stickslip.work.jobs import DIED, Execution
 
 pytestmark = pytest.mark.slow
 

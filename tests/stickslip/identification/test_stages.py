@@ -9,8 +9,8 @@ from stickslip.catalog.estimate import correlation_length, covariance
 from stickslip.catalog.parameters import PAPER
 from stickslip.errors import IdentificationError
 from stickslip.identification.stages import identify
-from stickslip.identification.stages.sliding import SPEEDS
-from stickslip.servo.datasheet import LOOP
+from stickslip.identification.stages.friction_map import SPEEDS
+from stickslip.servo.axis import LOOP
 
 DRIVES = [
     {},

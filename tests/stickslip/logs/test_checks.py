@@ -8,7 +8,7 @@ from rigid_drive import rigid_drive
 
 from stickslip.logs import Controller, Recording, check_recording, excitation
 from stickslip.planning import plan
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP
 from stickslip.servo.paper_commands import TRAINING
 
 DRIVE = rigid_drive(n=8000, step=4e-7)

@@ -12,8 +12,7 @@ from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.planning import LINEAR, ROTARY, Limits, arrange, plan
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP, Axis
 from stickslip.servo.paper_commands import TRAINING
 from stickslip.servo.systems import build_fmus, servo_loop
 from stickslip.servo.velocity_loop import design_velocity_loop

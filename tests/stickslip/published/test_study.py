@@ -19,8 +19,7 @@ from stickslip.papers.lugre.published import (
 )
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
-from stickslip.tuning.coarse_start import coarsened, draw_factors
-from stickslip.tuning.learning import VelocityCost
+from stickslip.tuning.learning import VelocityCost, coarsened, draw_factors
 
 pytestmark = pytest.mark.slow
 

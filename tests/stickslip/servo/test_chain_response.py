@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from stickslip import models
-from stickslip.servo.axis import Axis
+from stickslip.servo.axis import LOOP, Axis
 from stickslip.servo.chain_response import LOWEST, SAMPLES, ChainResponse
-from stickslip.servo.datasheet import LOOP
 from stickslip.servo.sensitivity import OpenLoop, peak_sensitivity
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter

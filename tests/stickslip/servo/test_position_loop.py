@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from stickslip import models
-from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP, Axis, ControlError
 from stickslip.servo.frequency import frequency_response
 from stickslip.servo.sensitivity import OpenLoop, peak_sensitivity
 from stickslip.servo.systems import build_loop

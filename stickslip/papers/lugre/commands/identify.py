@@ -26,7 +26,7 @@ def run(options: argparse.Namespace) -> Answer:
     from stickslip.identification.stages import identify
     from stickslip.papers.lugre.reproduction import drive_truth
     from stickslip.rigs.fmu import rig_of
-    from stickslip.servo.datasheet import LOOP
+    from stickslip.servo.axis import LOOP
 
     truth = drive_changes(options.set)
     drive_truth(truth)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 
-from stickslip.identification.stages import inertia, sliding
+from stickslip.identification.stages import friction_map, inertia
 from stickslip.papers.lugre.page.curves import draw_friction, draw_inertia, draw_presliding
 from stickslip.papers.lugre.reproduction import Reproduction
 from stickslip.presentation.markup import Html, element, paragraph, prose, table
@@ -20,7 +20,7 @@ from stickslip.presentation.quantity import (
     symbol,
     unit,
 )
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Datasheet
 
 
 def identification_section(reproduction: Reproduction) -> Section:
@@ -134,9 +134,9 @@ def _prior_knowledge(reproduction: Reproduction) -> list[Html]:
             "was calibrated (see Validation). Of Table 1 they use the peak force and the encoder’s "
             "step; the current, the winding and the force constant are not needed, because force "
             "is commanded and measured in N. The experiments are scaled for such a stage: "
-            f"constant velocities from {number(1e3 * sliding.SPEEDS[0])} to "
-            f"{number(1e3 * sliding.SPEEDS[-1])} mm/s along "
-            f"{number(1e3 * sliding.GUIDE)} mm of the guide, a force of "
+            f"constant velocities from {number(1e3 * friction_map.SPEEDS[0])} to "
+            f"{number(1e3 * friction_map.SPEEDS[-1])} mm/s along "
+            f"{number(1e3 * friction_map.GUIDE)} mm of the guide, a force of "
             f"{number(inertia.FREQUENCY)} Hz."
         ),
         table(

@@ -20,9 +20,8 @@ from stickslip.presentation.page import Illustration, Section
 from stickslip.presentation.quantity import number, percent, unit
 from stickslip.thresholds import kept
 from stickslip.tuning.drive_model import PROBES
-from stickslip.tuning.loop_genes import GENES
 from stickslip.tuning.loop_learning import LEVELS, NEAR, POWER, LearnedLoop
-from stickslip.tuning.loop_runs import training_motion
+from stickslip.tuning.loop_runs import GENES, training_motion
 
 MEANINGS = {
     "K_p": "proportional gain, of the tuned PI’s",

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 
 from stickslip.evaluation.motions import MOTIONS
-from stickslip.evaluation.scatter import PHASES
+from stickslip.evaluation.validation import PHASES
 from stickslip.papers.lugre.loop_tuning import FRICTION, STAGES, LoopTuning, spread
 from stickslip.papers.lugre.reproduction import Reproduction
 from stickslip.presentation import style

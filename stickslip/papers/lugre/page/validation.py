@@ -8,8 +8,7 @@ from functools import partial
 import pandas as pd
 
 from stickslip.evaluation.motions import SLOW_MOTIONS
-from stickslip.evaluation.scatter import PHASES
-from stickslip.evaluation.validation import Validation, reduction
+from stickslip.evaluation.validation import PHASES, Validation, reduction
 from stickslip.papers.lugre.page.curves import draw_motions, draw_steps, draw_tracking
 from stickslip.papers.lugre.reproduction import Extras, Reproduction
 from stickslip.papers.lugre.steps import (

@@ -9,8 +9,7 @@ from itertools import groupby
 
 import numpy as np
 
-from stickslip.identification.controller.initial_state import is_running
-from stickslip.identification.criteria.output_error import OutputError
+from stickslip.identification.criteria.known_loop import OutputError, is_running
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, LEVELS, NOT_IDENTIFIABLE
 from stickslip.logs import Finding

@@ -6,8 +6,7 @@ from functools import partial
 
 from matplotlib.figure import Figure
 
-from stickslip.catalog.parameters import unit_of
-from stickslip.catalog.space import Values
+from stickslip.catalog.parameters import Values, unit_of
 from stickslip.identification.criteria.motion import position_of
 from stickslip.presentation import style
 from stickslip.presentation.markup import element, join, paragraph, quiet, table, tile

@@ -22,8 +22,8 @@ from stickslip.compensators.entrants import Coarse, TunedEntrant, default_names,
 from stickslip.errors import UsageError
 from stickslip.models import UnknownLaw
 from stickslip.models.export.units import force_and_length
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.chain_response import ChainResponse
-from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import close_velocity_loop
@@ -39,7 +39,7 @@ from stickslip.studies.arena.table import ALL, COLUMNS, RELATIVE, arena_table, r
 from stickslip.studies.arena.tuning import Budget, tune
 from stickslip.studies.arena.validation import WORST, validate, validate_changed
 from stickslip.studies.arena.writing import write_arena
-from stickslip.work.execution import Execution
+from stickslip.work.jobs import Execution
 
 SMALL = Budget(12, 1000.0)
 KEPT = ("state", "memory")
