@@ -32,10 +32,6 @@ def correlation_length(residual: Array) -> float:
     """Return how many neighbouring samples say the same: 1 for white noise.
 
     The sum of the autocorrelation up to its first value below 0.05, both sides.
-
-    Parameters
-    ----------
-    residual : (n,)
     """
     centred = residual - residual.mean()
     power = np.abs(np.fft.rfft(centred, 2 * len(centred))) ** 2
@@ -51,10 +47,7 @@ def correlation_length(residual: Array) -> float:
 def covariance(jacobian: Array, residual: Array) -> Array:
     """Return the covariance (k, k) of a least-squares fit.
 
-    Parameters
-    ----------
-    jacobian : (n, k) of the residual
-    residual : (n,) at the fit
+    The Jacobian (n, k) is that of the residual (n,), both at the fit.
     """
     n, k = jacobian.shape
     variance = residual @ residual / max(n - k, 1) * correlation_length(residual)

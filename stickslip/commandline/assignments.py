@@ -69,11 +69,7 @@ def split_assignments(
     """Return name -> value as it was written.
 
     Raises UsageError when a text is not an assignment, or a name is unknown or comes twice.
-
-    Parameters
-    ----------
-    option : named in messages
-    known : names that are accepted; empty for any
+    Messages name the option. Where ``known`` is empty any name is accepted.
     """
     values: dict[str, str] = {}
     for text in texts:

@@ -70,11 +70,8 @@ def execution_of(options: argparse.Namespace, checkpoint: Path | None) -> Iterat
 
     At its end the checkpoint is deleted, unless the user named one. Where the block is interrupted,
     the message names what is kept. Raises UsageError when a checkpoint is there and is not to be
-    resumed, or StateError when it is to be resumed, but is not a checkpoint.
-
-    Parameters
-    ----------
-    checkpoint : the file unless another one is named; None writes none
+    resumed, or StateError when it is to be resumed, but is not a checkpoint. The checkpoint is that
+    file unless the user named another one; None writes none.
     """
     file = options.checkpoint or checkpoint
     execution = Execution(options.workers, options.where, file, options.resume)

@@ -33,12 +33,7 @@ def add_rig_option(parser: argparse.ArgumentParser, what: str) -> None:
 
 @contextmanager
 def rig_of(path: Path | None, out: Path | None, law: str) -> Iterator[tuple[Rig | None, Limits]]:
-    """Return the rig of a file, whose logs are kept in a folder of results, and its experiment.
-
-    Parameters
-    ----------
-    path : of the file; None for no rig
-    """
+    """Return the rig of a file, whose logs are kept in a folder of results, and its experiment."""
     if path is None:
         yield None, LINEAR
         return

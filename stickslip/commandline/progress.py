@@ -41,9 +41,7 @@ def add_live_option(parser: argparse.ArgumentParser) -> None:
 class TerminalProgress(Progress):
     """The progress that a command shows; close it, or use ``with``.
 
-    Parameters
-    ----------
-    live : whether to show how costs and parameters develop
+    With ``live`` it shows how costs and parameters develop.
     """
 
     def __init__(self, *, live: bool = False) -> None:

@@ -26,10 +26,8 @@ from stickslip.presentation.style import (
 def draw_plan(table: pd.DataFrame, stretches: tuple[Stretch, ...], length: Unit) -> bytes:
     """Return a PNG file of a plan: velocity, position, and the first two parts enlarged.
 
-    Parameters
-    ----------
-    table, stretches : of ``plan`` and ``arrange``
-    length : unit of the large moves; in m they are drawn in mm
+    The table and the stretches are those of ``plan`` and ``arrange``. Large moves are drawn in this
+    unit of length, mm for m.
     """
     unit = "mm" if length.name == "m" else length.name
     large = 1e3 if length.name == "m" else 1 / length.factor

@@ -111,12 +111,8 @@ def composite(genes: Mapping[str, float], loop: VelocityLoop) -> dict[str, float
     """Return gains of composite nonlinear feedback from the poles of its linear part.
 
     Proportional-integral control of the velocity and a position loop around it are a PID position
-    controller: stiffness m w_0^2 and damping 2 zeta w_0 m.
-
-    Parameters
-    ----------
-    genes : ``w_0`` relative to the crossover of the designed loop, K_p / m; ``gamma_v`` relative
-        to its K_p; ``K_x`` relative to its own
+    controller: stiffness m w_0^2 and damping 2 zeta w_0 m. Of the genes, ``w_0`` is relative to the
+    crossover K_p / m of the designed loop, ``gamma_v`` to its K_p, and ``K_x`` to its own.
     """
     w_0 = genes["w_0"] * loop.K_p / loop.axis.m
     gains = {
@@ -430,10 +426,7 @@ def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
     """Return an entrant by its name.
 
     Raises UsageError when one of its parts is unknown, or cannot follow the one before it.
-
-    Parameters
-    ----------
-    further : parts of the user
+    ``further`` are parts of the user.
     """
     known = {**parts(), **(further or {})}
     require_parts(name, further or ())
@@ -454,11 +447,7 @@ def own_part(fmu: Path, ports: Path | Mapping[str, Any]) -> Part:
     """Return a compensator of the user from its FMU and how it is connected.
 
     Raises UsageError when the file is not well formed, or names what the FMU has not, or CosimError
-    when the FMU cannot be read.
-
-    Parameters
-    ----------
-    ports : a TOML file, or its content
+    when the FMU cannot be read. The ports are a TOML file, or its content.
     """
     where = str(ports) if isinstance(ports, Path) else f"ports of {fmu.name}"
     try:

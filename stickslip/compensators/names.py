@@ -37,9 +37,7 @@ def part_names() -> tuple[str, ...]:
 def require_parts(name: str, further: Iterable[str] = ()) -> None:
     """Raise UsageError where a part of a compensator is unknown, such as ``ekbf`` of ``dahl+ekbf``.
 
-    Parameters
-    ----------
-    further : parts of the user
+    ``further`` are parts of the user.
     """
     known = {*part_names(), *further}
     for word in name.split("+"):

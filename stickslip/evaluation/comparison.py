@@ -113,9 +113,7 @@ def _runs(
 def motion_errors(run: Run, motion: Motion, top: float) -> dict[Key, float]:
     """Return the errors by the columns of ``KEYS``, in the unit that is stated.
 
-    Parameters
-    ----------
-    top : the largest velocity that is commanded in any motion [m/s]
+    ``top`` is the largest velocity that is commanded in any motion [m/s].
     """
     errors = {
         (motion.name, region, velocity, metric, "mm/s"): 1e3 * value

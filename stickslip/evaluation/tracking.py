@@ -103,11 +103,8 @@ def cutoff(T_s: float) -> float:
 def measured_errors(recording: Recording, v_cmd: Array, x_cmd: Array) -> tuple[Array, Array]:
     """Return the errors (n,) of velocity [m/s] and position [m] that a log shows.
 
-    Command and motion go through the same low-pass, which has no phase lag.
-
-    Parameters
-    ----------
-    v_cmd, x_cmd : (n,) commanded velocity [m/s] and position [m]
+    Command and motion go through the same low-pass, which has no phase lag. The command is v_cmd
+    (n,) [m/s] and x_cmd (n,) [m].
     """
     T_s, position = recording.T_s, position_of(recording)
     velocity = measured_velocity(position, T_s)

@@ -49,12 +49,9 @@ def repetitions(found: Iterable[Mapping[Key, float]], names: Sequence[str]) -> p
 def summary(repeated: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     """Return the median of figures that were found repeatedly, and behind all medians the ranges.
 
-    Where one of the repetitions is NaN, as the drive ran away, so is what is returned.
-
-    Parameters
-    ----------
-    repeated : by the name of a column, the figures with a column for each repetition; of a single
-        one there is no range
+    Where one of the repetitions is NaN, as the drive ran away, so is what is returned. The figures
+    are by the name of a column, with a column for each repetition; of a single one there is no
+    range.
     """
     found = {name: table.median(axis=1, skipna=False) for name, table in repeated.items()}
     for name, table in repeated.items():

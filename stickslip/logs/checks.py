@@ -65,10 +65,8 @@ def lost_rows(recording: Recording) -> Finding | None:
 def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
     """Yield forces at a limit, and such that are beyond the one that is stated.
 
-    Parameters
-    ----------
-    recording : on its even grid
-    limit : of the force, stated [N]; None where none is
+    The recording is on its even grid. The limit is that of the force [N], None where none is
+    stated.
     """
     for name in ("force", "force_command"):
         force = getattr(recording, name)

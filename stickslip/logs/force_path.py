@@ -26,9 +26,7 @@ OWN = (0.0, 0.5, 0.7, 0.85, 1.0)
 def force_path(recording: Recording) -> Iterator[Finding]:
     """Yield how the logged force differs from that which moves the drive.
 
-    Parameters
-    ----------
-    recording : without a delay of its force
+    The recording has no delay of its force.
     """
     force = recording.force
     if force is None:

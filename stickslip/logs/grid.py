@@ -25,9 +25,7 @@ WORDS = tuple(2.0**n for n in range(8, 33))  # counts after which a counter rest
 def jumps(t: Array, x: Array) -> tuple[NDArray[np.intp], Array, Array]:
     """Return after which samples (k,) a signal jumps, how far, and the tolerance of that (k,).
 
-    Parameters
-    ----------
-    t, x : (n,), times that rise, and the signal
+    The times t (n,) rise.
     """
     steps, times = np.diff(x), np.diff(t)
     near = steps / times

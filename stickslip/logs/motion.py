@@ -32,10 +32,7 @@ class Kinematics:
 def kinematics(recording: Recording, cutoff: float = CUTOFF) -> Kinematics:
     """Return what the position, or else the velocity, shows of the motion.
 
-    Parameters
-    ----------
-    recording : with a position or a velocity
-    cutoff : of the low-pass [Hz], less where the sampling is slow
+    The cut-off of the low-pass [Hz] is less where the sampling is slow.
     """
     T_s = recording.T_s
     cutoff = min(cutoff, FASTEST / T_s)
@@ -168,10 +165,8 @@ def force_delay(recording: Recording) -> Delay | None:
 def signal_delay(t: Array, early: Array, late: Array) -> Delay | None:
     """Return how much later a signal shows that is else proportional to another.
 
-    Parameters
-    ----------
-    t : (n,) even [s]
-    early, late : (n,) through the same low-pass; late(t + d) = gain * early(t) + offset
+    The time t (n,) is even [s]. Both signals (n,) went through the same low-pass; late(t + d) =
+    gain * early(t) + offset.
     """
     T_s = float(t[1] - t[0])
     used = np.ones(len(t), dtype=bool)

@@ -83,12 +83,7 @@ def better_method(t: Array, signal: Array) -> Method:
     """Return the method that predicts every other sample from its neighbours better.
 
     A cubic spline, nearly band-limited, for smooth signals; straight lines for commands with
-    corners and for signals that are mostly noise or steps.
-
-    Parameters
-    ----------
-    t : (n,) rising [s]
-    signal : (n,)
+    corners and for signals that are mostly noise or steps. The times t (n,) rise [s].
     """
     t, signal = t[:MOST], signal[:MOST]
     if len(t) < 9:
@@ -127,11 +122,7 @@ def regular_times(t: Array, period: float) -> Array | None:
     """Return the times (n,) of a regular clock whose rounding gives others, None if there is none.
 
     Rows may be missing where the clock's step is less than the period. The clock may drift slowly.
-
-    Parameters
-    ----------
-    t : (n,) that do not fall [s]
-    period : about that of the clock [s]
+    The times t (n,) do not fall, and the period is about that of the clock [s].
     """
     step = clock_step(t)
     if not step:

@@ -83,10 +83,8 @@ class Watch:
     def sample(self, x: float, F: float, v_cmd: float | None) -> str:
         """Take the next sample; return which limit it exceeds, or an empty text.
 
-        Parameters
-        ----------
-        x, F : measured position from where motions begin [m], and force [N]
-        v_cmd : the velocity that holds from this sample on [m/s]; None without a velocity loop
+        The position x [m] counts from where motions begin, F is the force [N], and the velocity
+        v_cmd [m/s] holds from this sample on; it is None without a velocity loop.
         """
         if not (math.isfinite(x) and math.isfinite(F)):
             return f"position {x} m and force {F} N; expected finite values"

@@ -126,9 +126,7 @@ class ChainResponse:
     ) -> list[Response]:
         """Return how a loop with the chain responds on several axes; none if it is unstable on one.
 
-        Parameters
-        ----------
-        axes : the loop opened on each of them, at ``frequencies``
+        Each axis is the loop opened on it, at ``frequencies``.
         """
         measured = self._impulses(axes[0].loop, values, friction) if self._simulation else {}
         found = [opened.response_with(measured) for opened in axes]

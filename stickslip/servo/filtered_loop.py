@@ -17,11 +17,8 @@ UNKNOWN_SHARE = 0.25
 def with_velocity_filter(loop: VelocityLoop, datasheet: Datasheet, F_c: float) -> VelocityLoop:
     """Return a loop with the same gains, its velocity from a filter of encoder and motor force.
 
-    Raises stickslip.servo.axis.ControlError when the loop is unstable with it.
-
-    Parameters
-    ----------
-    F_c : Coulomb friction [N], to which the assumed disturbance is proportional
+    Raises stickslip.servo.axis.ControlError when the loop is unstable with it. The disturbance that
+    it assumes is proportional to the Coulomb friction F_c [N].
     """
     specification = FilterSpecification(
         datasheet.encoder_step, datasheet.force_noise, UNKNOWN_SHARE * F_c

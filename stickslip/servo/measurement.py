@@ -20,10 +20,7 @@ CUTOFF = 117.0  # Low-pass of the measured velocity [Hz]
 def smoothed(signal: Array, T_s: float, cutoff: float = CUTOFF) -> Array:
     """Return a log through a second-order Butterworth low-pass, forward and back: no phase lag.
 
-    Parameters
-    ----------
-    signal : (n,), one value each T_s seconds
-    cutoff : of the single pass [Hz]
+    The signal (n,) has a value each T_s seconds. The cut-off is that of the single pass [Hz].
     """
     return scipy.signal.sosfiltfilt(_low_pass(cutoff, T_s), signal)
 
@@ -53,12 +50,8 @@ def blended_velocity(x_enc: Array, F_m: Array, m: float, T_s: float) -> Array:
     """Return the velocity (n,) [m/s] that the encoder shows below ``CUTOFF``, and the force above.
 
     Fast motion between two steps of an encoder, such as the response to one of them, shows in the
-    force alone: above the cut-off it is its integral over the mass.
-
-    Parameters
-    ----------
-    x_enc, F_m : position (n,) [m] and motor force (n,) [N], which acts in the period that ends
-    m : mass [kg]
+    force alone: above the cut-off it is its integral over the mass. The motor force F_m (n,) [N]
+    acts in the period that ends at the position x_enc (n,) [m]; m is the mass [kg].
     """
     by_force = np.cumsum(F_m - F_m.mean()) * T_s / m
     return measured_velocity(x_enc, T_s) + by_force - smoothed(by_force, T_s)
@@ -92,12 +85,8 @@ class Diverged(cosim.SimulationError):
 def require_bounded(v: Array, speed: float) -> None:
     """Raise where a simulated velocity is not finite, or far beyond what was commanded.
 
-    Raises Diverged when it has run away.
-
-    Parameters
-    ----------
-    v : (n,) of the drive [m/s]
-    speed : the largest one that is commanded, at any time of the trial [m/s]
+    Raises Diverged when it has run away. The velocity v (n,) is compared with the largest speed
+    [m/s] that is commanded at any time of the trial.
     """
     peak = float(np.max(np.abs(v)))
     if not peak <= loop_fit.RUNS_AWAY * speed:

@@ -220,10 +220,8 @@ def expected_errors(
 ) -> tuple[float, float]:
     """Return the expected RMS velocity error [m/s] at one mass, whole and that of reversals.
 
-    Parameters
-    ----------
-    response : of a loop with any observer, at the frequencies of ``opened``
-    encoder_step, friction, force_noise : as for ``design_observer``
+    The response is that of a loop with any observer, at the frequencies of ``opened``. Encoder
+    step, friction and noise are as for ``design_observer``.
     """
     f, T_s = opened.f, opened.T_s
     step = 2.0 * friction * np.sqrt(REVERSALS)

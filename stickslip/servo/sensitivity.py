@@ -171,10 +171,8 @@ def peak_sensitivity(
 ) -> float:
     """Return the peak sensitivity Ms of a loop up to half the sample rate; infinite if unstable.
 
-    Parameters
-    ----------
-    observer : what compensates beside the controller, None for the controller alone
-    m : true mass [kg], by default that of the loop's axis
+    The observer, if any, compensates beside the controller. The true mass m [kg] is by default that
+    of the loop's axis.
     """
     opened = OpenLoop(loop, m)
     return opened.response(observer).peak if opened.stable(observer) else float("inf")

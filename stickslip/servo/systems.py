@@ -103,10 +103,7 @@ def build_fmus(
 def for_all_platforms(system: cosim.System, folder: Path, truth: Changes, law: str) -> cosim.System:
     """Return a system of FMUs of ``build_fmus`` with the same FMUs, built for all platforms.
 
-    Parameters
-    ----------
-    folder : where they are built
-    truth, law : as for ``build_fmus``
+    They are built in the folder; truth and law are as for ``build_fmus``.
     """
     fmus = system.fmus("a loop")
     build_fmus(
@@ -308,10 +305,8 @@ _OF_THE_LOOP = ("hold", "T_s")
 def deployed(one: Compensator, loop: VelocityLoop | None, T_s: float) -> Compensator:
     """Return a feedforward with the loop without friction in it.
 
-    Parameters
-    ----------
-    loop : whose controller gives the commands; with None, friction is that of the velocity command
-    T_s : sample period of the controller where there is no loop [s]
+    The controller of the loop gives the commands; without a loop, friction is that of the velocity
+    command, and T_s the sample period of the controller [s].
     """
     values = {"T_s": T_s}
     if loop is not None:

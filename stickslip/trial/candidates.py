@@ -149,9 +149,7 @@ class CompensatorComparison:
 def offered(law: Law, absent: Sequence[str] = ()) -> dict[str, Part]:
     """Return the parts of compensators of a law by name, feedforward first.
 
-    Parameters
-    ----------
-    absent : signals of ``SIGNALS`` that the controller lacks
+    ``absent`` are the signals of ``SIGNALS`` that the controller lacks.
     """
     lacking = {SIGNALS[name] for name in absent}
     found = {

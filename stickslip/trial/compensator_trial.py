@@ -117,11 +117,8 @@ def try_compensator(
 ) -> SimulatedTrial:
     """Try a learned compensator at the log's own speed.
 
-    Parameters
-    ----------
-    loop : in which it runs
-    settings : of the compensator; without one the feedforward is tried, and a disturbance observer
-        beside it
+    Where the settings name no compensator the feedforward is tried, and a disturbance observer
+    beside it.
     """
     compensator, absent = settings.compensator, settings.absent
     top = float(np.quantile(np.abs(estimation.figures.velocity_recorded), 0.99))

@@ -82,10 +82,8 @@ def family(
 ) -> tuple[Drive, ...]:
     """Return the drives on which a compensator is tried.
 
-    Parameters
-    ----------
-    friction : parameters of the law, as the compensator takes them
-    command : the fastest one, whose travel gives the period of friction along the guide
+    Friction is given by parameters of the law, as the compensator takes them. The command is the
+    fastest one, whose travel gives the period of friction along the guide.
     """
     uneven = {
         f"friction {100 * UNEVEN:g} % higher in one direction": {

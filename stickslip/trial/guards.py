@@ -51,9 +51,7 @@ _BOUND = 1.96  # standard errors to a bound of the 95 % interval
 def tolerance(trial: Trial, standard_errors: Mapping[str, float]) -> list[Finding]:
     """Return findings on forces that are too large, and on parameters at their 95 % bounds.
 
-    Parameters
-    ----------
-    standard_errors : of the compensator's parameters, in their units; those missing count as known
+    Parameters without a standard error count as known.
     """
     with trial.runs(compensated=False) as run:
         without = run.error()

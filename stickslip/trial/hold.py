@@ -49,9 +49,7 @@ class Hold:
 def hold_time(loop: VelocityLoop, friction: Mapping[str, float], step: float) -> float:
     """Return for how long a drive is held: periods of the limit cycle to be expected [s].
 
-    Parameters
-    ----------
-    step : of the encoder [m], below which there is no position error
+    There is no position error below the step of the encoder [m].
     """
     integral, F_c = loop.K_i * loop.K_x, friction["F_c"]
     if not integral:

@@ -89,10 +89,7 @@ def try_observer(
     """Try observers, each weaker than the one before it, until one is acceptable.
 
     With a feedforward that is acceptable both together have to be, otherwise the observer alone.
-
-    Parameters
-    ----------
-    feedforward : what is written without an observer, at its share
+    The feedforward is what is written without an observer, at its share.
     """
     together = feedforward.acceptable
     try:
@@ -109,11 +106,8 @@ def strongest(
 ) -> tuple[ObserverDesign, Benefit]:
     """Return the first acceptable observer, or the one with the least worst ratio, as tried.
 
-    Raises ControlError when there is no observer.
-
-    Parameters
-    ----------
-    together : whether it is tried with the feedforward, at the share of that
+    Raises ControlError when there is no observer. With ``together`` each is tried with the
+    feedforward, at the share of that.
     """
     tried: list[tuple[TrialError, ObserverDesign, Benefit]] = []
     for designed in designs:

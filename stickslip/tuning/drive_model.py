@@ -85,12 +85,7 @@ def start_model(bench: LoopBench, law: str) -> DriveModel:
 class Mismatch:
     """How unlike those of the drive the errors of a model are: the cost of a search.
 
-    It pickles. Use it in a ``with`` block.
-
-    Parameters
-    ----------
-    law : friction law of the model
-    errors : of the drive, see ``errors_of``
+    It pickles. Use it in a ``with`` block. The errors are those of the drive, see ``errors_of``.
 
     Attributes
     ----------

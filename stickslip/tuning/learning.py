@@ -51,10 +51,7 @@ def coarsened(
     """Return the estimates of a law's parameters times factors, with standard errors of ``SPREAD``.
 
     Static friction below Coulomb friction, which no experiment would report, is exchanged with it.
-
-    Parameters
-    ----------
-    factors : by name; a missing one is 1
+    A factor that is missing is 1.
     """
     law = law or friction_law()
     spread = spread_of(law)

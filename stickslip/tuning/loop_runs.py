@@ -154,12 +154,9 @@ class LoopBench:
 class LoopRuns:
     """Runs of the training motion with the drive, or with a model of it.
 
-    It pickles, and each worker prepares the loop at its first run. Close it in the end.
-
-    Parameters
-    ----------
-    law : friction law of the model; None for the drive
-    names : parameters of the model that differ between runs
+    It pickles, and each worker prepares the loop at its first run. Close it in the end. The law is
+    that of the model, None for the drive; parameters of the model by these names differ between
+    runs.
     """
 
     def __init__(self, bench: LoopBench, law: str | None = None, names: tuple[str, ...] = ()):

@@ -68,13 +68,9 @@ def guard_motion(start: Mapping[str, Estimate]) -> Motion:
 def relative_errors(motion: Motion, v_cmd: Array, gaps: Array, T_s: float) -> dict[str, float]:
     """Return the RMS errors of velocity and position in each kind of motion and at each speed.
 
-    Each is relative to the command, so that slow and fast strokes of a kind count alike. At a
-    speed it is the geometric mean of both, as one of them alone can be that of the encoder.
-
-    Parameters
-    ----------
-    v_cmd : (n,) command [m/s]
-    gaps : (runs, n) v - v_r [m/s]
+    Each is relative to the command, so that slow and fast strokes of a kind count alike. At a speed
+    it is the geometric mean of both, as one of them alone can be that of the encoder. The command
+    v_cmd is (n,) [m/s], and the gaps v - v_r are (runs, n) [m/s].
     """
     t = np.asarray(np.arange(len(v_cmd)) * T_s)
     shares: dict[str, list[float]] = {}

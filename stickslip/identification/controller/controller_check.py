@@ -25,10 +25,8 @@ _FILTERS = ("", "low-pass by backward Euler", "low-pass by forward Euler")
 def forms(gains: Mapping[str, float], T_s: float) -> dict[str, dict[str, float]]:
     """Return gains of the FMU for each form that a controller may have, by a name for people.
 
-    Parameters
-    ----------
-    gains : as they were given, in any units that agree
-    T_s : sample period of the log [s], if the gains have none
+    The gains are in any units that agree. T_s is the sample period of the log [s], used where the
+    gains have none.
     """
     T_s = gains.get("T_s", T_s)
     found: dict[str, dict[str, float]] = {}

@@ -246,9 +246,8 @@ class OutputError(Closing):
     def unexplained(self, values: Values, explained: Array) -> float:
         """Return the standard deviation of the residual over that of what is explained.
 
-        Parameters
-        ----------
-        explained : (n,) residual [m] of these values' own recording, by encoder steps alone
+        What is explained is the residual (n,) [m] of these values' own recording, by encoder steps
+        alone.
         """
         expected = max(self.noise, float(np.std(explained[self.used])))
         return float(np.std(self.raw(values)[self.used])) / expected

@@ -58,10 +58,7 @@ R = TypeVar("R")
 class Runs(Closing):
     """Runs of a system, in any thread. Which thread runs what changes no result.
 
-    Parameters
-    ----------
-    specification : the system
-    workers : threads that ``each`` uses; a run leaves the interpreter lock
+    ``each`` uses ``workers`` threads; a run leaves the interpreter lock.
     """
 
     def __init__(self, specification: cosim.Specification, workers: int = 1) -> None:

@@ -101,10 +101,8 @@ def resimulated(
 ) -> Array:
     """Return the residual (k,) [N] of the drive with these values, simulated and recorded again.
 
-    Parameters
-    ----------
-    offset : displacement of the drive, and so of the encoder's steps [m]
-    noise : standard deviation of white noise on the position [m]
+    The drive, and so the encoder's steps, are displaced by an offset [m]; the position has white
+    noise of this standard deviation [m].
     """
     recording = inverse.recording
     start = position_of(recording)[0] + offset
@@ -155,9 +153,7 @@ class UnbiasedFit:
 class Resimulation(Closing):
     """Simulates a recording again with any values, encoder steps and noise included.
 
-    Parameters
-    ----------
-    criterion : gives the recorded commands' loop, and the number of parallel runs
+    The criterion gives the recorded commands' loop, and the number of parallel runs.
     """
 
     def __init__(

@@ -112,11 +112,8 @@ def fit(criterion: Criterion, starts: Iterable[Array], ftol: float = FTOL) -> Fi
     """Minimise residual and prior residual from each start (k,); return the least minimum.
 
     The residual is counted in its own standard deviation, so that each prior weighs as one more
-    measurement. When two starts have led to the same minimum, those that follow are left out.
-
-    Parameters
-    ----------
-    ftol : relative change of the sum of squares at which it ends
+    measurement. When two starts have led to the same minimum, those that follow are left out. It
+    ends at a relative change ``ftol`` of the sum of squares.
     """
     least: Fit | None = None
     for start in starts:

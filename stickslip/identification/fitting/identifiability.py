@@ -59,10 +59,7 @@ class Identifiability:
 def identifiability(name: str, fitted: Fit, errors: Values, degrees: int) -> Identifiability:
     """Return the identifiability of one parameter.
 
-    Parameters
-    ----------
-    errors : standard errors by name [SI]
-    degrees : of freedom behind them
+    Behind the standard errors [SI] by name are so many degrees of freedom.
     """
     value, error = fitted.parameters[name], errors[name]
     factor = float(student.ppf(0.975, degrees))
@@ -150,12 +147,8 @@ def profiles(
 
     Each point holds one parameter and lets the others follow by up to three Gauss steps with the
     Jacobian of the fit; where that is not enough the curve lies above the true profile. Where a
-    bound keeps the parameter from a value there is no point.
-
-    Parameters
-    ----------
-    residuals : returns the residual (n,) of each of several points, as the fit saw it
-    errors : standard errors by name [SI]
+    bound keeps the parameter from a value there is no point. ``residuals`` returns the residual
+    (n,) of each of several points, as the fit saw it; the standard errors by name are in SI units.
 
     Returns
     -------
@@ -283,11 +276,7 @@ def conservative(
 
     A value that is not identifiable is moved to the end of its interval at which the force is the
     weakest; static friction is then the Coulomb friction. Unless it is identifiable, static
-    friction is not above the largest one that the recording shows.
-
-    Parameters
-    ----------
-    largest : friction along the recording [N]
+    friction is not above the largest one that the recording shows. ``largest`` is that one [N].
     """
     taken = dict(known)
     for name, one in known.items():

@@ -114,10 +114,6 @@ def begin(model: InverseModel, recording: Recording, scale: Scale = SI) -> Start
 
     Raises IdentificationError when the drive hardly moves, or the force does not act in the
     direction of the motion.
-
-    Parameters
-    ----------
-    scale : of the recording
     """
     v = model.motion.v
     top = float(np.quantile(np.abs(v[model.used]), 0.999))

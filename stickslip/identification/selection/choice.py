@@ -49,10 +49,7 @@ def mismatch(
 ) -> Iterator[Finding]:
     """Yield the finding that a law does not explain a recording, with the figure of each cause.
 
-    Parameters
-    ----------
-    others : predictions of the other laws that were tried; the best is one of the causes
-    causes : further causes that were tested
+    The best of the predictions of other laws is a cause beside those that were tested.
     """
     unit = "N m" if rotary else "N"
     if found.fails and found.moving:

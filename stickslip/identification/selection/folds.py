@@ -75,12 +75,8 @@ def explained(inverse: InverseModel, residual: Array, encoder: Array) -> float:
     """Return it as a root mean square [N].
 
     In blocks of the recording the residual may have more at high frequencies, where a model's error
-    is small, than the encoder makes: the median excess is noise of the force.
-
-    Parameters
-    ----------
-    residual : what a fit leaves of the force (k,) [N]
-    encoder : what ``encoder_error`` returns for it (k,) [N]
+    is small, than the encoder makes: the median excess is noise of the force. The residual (k,) [N]
+    is what a fit leaves of the force, and ``encoder`` what ``encoder_error`` returns for it.
     """
     white = np.random.default_rng(1).standard_normal(len(inverse.t))
     white = smoothed(white, inverse.T_s, inverse.cutoff)
@@ -98,13 +94,9 @@ def encoder_error(
     """Return the error of the inverse model (k,) [N] in a recording of exactly this drive.
 
     The drive is simulated along the recording, with the encoder's steps and noise, and the force
-    that its values predict is compared with its own.
-
-    Parameters
-    ----------
-    values : of the drive by name
-    gains : of the known controller. Its loop is simulated beside one with a surrogate that follows
-        the motion: a loop with wrong values may oscillate, and the smaller error is returned
+    that its values predict is compared with its own. Where the gains of the controller are known,
+    its loop is simulated beside one with a surrogate that follows the motion: a loop with wrong
+    values may oscillate, and the smaller error is returned.
     """
     if inverse.measures_friction:
         return np.zeros_like(inverse.t[inverse.used])

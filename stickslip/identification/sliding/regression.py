@@ -43,10 +43,8 @@ def regress(
 ) -> Regression:
     """Fit y (n,) by fixed regressors (n, f) and groups of random ones (n, j).
 
-    Parameters
-    ----------
-    groups : scaled such that a standard deviation of 1 of their coefficients is large
-    classes : (n,) from 0 on; the noise has a variance of its own in each class
+    Groups are scaled such that a standard deviation of 1 of their coefficients is large. In each of
+    the classes (n,), from 0 on, the noise has a variance of its own.
     """
     x = np.column_stack([fixed, *groups.values()])
     edges = fixed.shape[1] + np.cumsum([0, *(group.shape[1] for group in groups.values())])

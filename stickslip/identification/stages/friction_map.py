@@ -135,11 +135,7 @@ def measure_friction(rig: Rig, loop: VelocityLoop, coarse_F_c: float) -> Frictio
     """Drive at constant velocities, break away from rest, and fit the Stribeck curve.
 
     Raises IdentificationError when the stage does not break away, or the loop holds too few speeds.
-
-    Parameters
-    ----------
-    loop : holds the velocity
-    coarse_F_c : Coulomb friction of stage 1, at which the first ramp ends [N]
+    The loop holds the velocity. The first ramp ends at the Coulomb friction of stage 1 [N].
     """
     sliding = measure_sliding(rig, loop)
     place = float(sliding.along[0])

@@ -120,12 +120,9 @@ def measure_presliding(rig: Rig, known: Mapping[str, float], force: float) -> Pr
     """Step the force below break-away and fit the stage FMU's position to the encoder's.
 
     Where the encoder does not show the deflection, or no parameters fit, the estimates are start
-    values with a wide standard error, and ``warning`` says so.
-
-    Parameters
-    ----------
-    known : m, b and parameters of the law from the stages before, in SI units
-    force : scale of the steps, at which the stage does not yet slide in its weaker direction [N]
+    values with a wide standard error, and ``warning`` says so. The values known are m, b and
+    parameters of the law from the stages before, in SI units. The force [N] scales the steps; at it
+    the stage does not yet slide in its weaker direction.
     """
     t = rig.samples(HOLD * len(LEVELS))
     level = np.minimum((t / HOLD + 1e-9).astype(int), len(LEVELS) - 1)
