@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from stickslip.cosim import Variable, read_ssp, variants
 from stickslip.cosim.display import html_table
 from stickslip.cosim.fmu.fmu import Fmu, described
-from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
 from stickslip.fmi.messages import printable, suggestion
+from stickslip.simulation import packed_input
 
 if TYPE_CHECKING:
     import pandas as pd

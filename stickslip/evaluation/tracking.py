@@ -1,4 +1,9 @@
-"""How a drive follows a command, with each compensation that is compared: errors over time."""
+"""How a drive follows a command, with each compensation that is compared: errors over time.
+
+For a learned drive in the loop of a log, the controller FMU with the gains of the log's controller,
+of any kind, runs the drive FMU with the learned values along the log's commands. The compensator's
+force depends on the command only, so it is computed first and added to the controller's.
+"""
 
 from __future__ import annotations
 

@@ -65,6 +65,10 @@ def lost_rows(recording: Recording) -> Finding | None:
 def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
     """Yield forces at a limit, and such that are beyond the one that is stated.
 
+    A force that stays at its extreme may be one that was commanded, or Coulomb friction of a drive
+    at constant speed. It is limited only where the force command is larger, or where the error of
+    the motion grows, by so much that the loop would command more.
+
     The recording is on its even grid. The limit is that of the force [N], None where none is
     stated.
     """

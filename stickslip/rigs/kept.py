@@ -18,7 +18,7 @@ import numpy as np
 from stickslip.errors import LimitError, RigError
 from stickslip.fmi.files import MOST_TEXT, atomic_write, parse_json, read_limited
 from stickslip.rigs.contract import Command, Log, Rig
-from stickslip.rigs.lines import LOOP
+from stickslip.rigs.remote import LOOP
 from stickslip.servo.velocity_loop import VelocityLoop
 
 _LOG = ("t", "x_enc", "F_m")

@@ -35,8 +35,7 @@ from stickslip.servo.measurement import require_bounded
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import harm, loop_fit
-from stickslip.trial.family import MOVES, Command, Drive
-from stickslip.trial.single_run import axis_values, in_loop
+from stickslip.trial.family import MOVES, Command, Drive, axis_values, in_loop
 
 SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.4, 0.3, 0.2, 0.1)
 LEVELS = tuple(np.linspace(0.99, 1.01, 8).tolist())

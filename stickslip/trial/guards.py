@@ -40,9 +40,8 @@ from stickslip.trial.benefit import (
     best_of,
     feedforward,
 )
-from stickslip.trial.family import Drive, Evidence, commands, family
+from stickslip.trial.family import Drive, Evidence, Finding, Run, Trial, commands, family
 from stickslip.trial.hold import Hold, holds, hunting_at_rest
-from stickslip.trial.single_run import Finding, Run, Trial
 
 MOST = 1.0  # share at which the search ends: twice the friction is as wrong as none
 _BOUND = 1.96  # standard errors to a bound of the 95 % interval
@@ -123,7 +122,17 @@ _SPEEDS = 60
 
 
 def stribeck(trial: Trial) -> list[Finding]:
-    """Return a finding when deviations grow too much while the command is at low speeds."""
+    """Return a finding when deviations grow too much while the command is at low speeds.
+
+    About a steady speed v the force F of a contact approaches the curve g(v), with g' = dg/dv < 0:
+
+        dF' = -a dF + a g' dv,   dF_f = dF + (sigma_1 / sigma_0) dF'
+
+    For the bristles of (2) to (4), a = sigma_0 v / g; for the elements of GMS, a = C / g.
+
+    Closed around the loop's compliance its fastest pole tells how a deviation grows at that speed.
+    That speeds are passed where it grows does not matter; that the command dwells there does.
+    """
     if trial.law.steady == "coulomb":
         return []
     speed = np.abs(trial.v_cmd)

@@ -21,8 +21,7 @@ from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import caution
 from stickslip.trial.benefit import Bench, Variant
-from stickslip.trial.family import Drive
-from stickslip.trial.single_run import Finding, axis_values, in_loop
+from stickslip.trial.family import Drive, Finding, axis_values, in_loop
 
 SHORTEST, LONGEST, PERIODS = 1.0, 20.0, 8.0
 """Of a hold [s], and how many periods of the limit cycle to be expected it has."""

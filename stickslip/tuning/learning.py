@@ -1,5 +1,13 @@
 """What learning the friction on a drive needs: the study, the cost (6), and the genes of Fig. 3.
 
+Least squares on recorded runs of the drive: which parameters would have left the smallest gap.
+
+The loop is linear in the compensator's force, so from recorded runs follows how the gap v - v_r
+would change with the parameters; the fit needs no further runs. Runs are repeated, because the
+encoder's steps pass through the loop differently each time, and the command is run mirrored too,
+because friction and force ripple vary along the guide: what fits one half of it can be wrong on the
+other. Runs of further commands enter alike.
+
 Cost is the sum in (6), of v - v_r over the training run: v as the encoder shows it, v_r from the
 nominal loop, both through the same low-pass.
 """
@@ -49,6 +57,10 @@ def coarsened(
     estimates: Mapping[str, Estimate], factors: Mapping[str, float], law: Law | None = None
 ) -> dict[str, Estimate]:
     """Return the estimates of a law's parameters times factors, with standard errors of ``SPREAD``.
+
+    The paper identifies its drive "coarsely" and does not say how coarsely. Here the three
+    experiments find Coulomb friction to 0.02 %, so there is nothing to learn. A coarse start
+    multiplies what they found by factors, which stand for experiments of a stated accuracy.
 
     Static friction below Coulomb friction, which no experiment would report, is exchanged with it.
     A factor that is missing is 1.

@@ -41,7 +41,17 @@ FEEDFORWARD = PLAIN | {"share": 1.0}  # the reference with the feedforward of fr
 
 @dataclass(frozen=True)
 class TunedLoop:
-    """A velocity loop with its compensators."""
+    """A velocity loop with its compensators.
+
+    ========  ====================================================================
+    K_p, K_i  gains of the controller, in units of those of the reference
+    tau_f     low-pass of its velocity estimate, in units of that of the reference
+    m_ff      feedforward of inertia, in units of the identified mass
+    share     of the feedforward of friction
+    rate      of the disturbance that the observer follows [F_c / s^0.5]
+    observed  share of the observer's estimate that is compensated
+    ========  ====================================================================
+    """
 
     loop: VelocityLoop  # with its gains and feedforward of inertia
     law: Law  # friction law of the feedforward

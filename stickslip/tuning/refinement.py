@@ -41,7 +41,12 @@ FIGURES: Mapping[str, Callable[[Array], Array]] = {
 
 
 def guard_motion(start: Mapping[str, Estimate]) -> Motion:
-    """Return the motion for a drive with these parameters; a law without v_s takes the paper's."""
+    """Return the motion for a drive with these parameters; a law without v_s takes the paper's.
+
+    The training command is fast: its cost (6) hardly shows F_s and v_s, by which friction rises
+    towards rest. This motion breaks away, reverses, creeps and moves by presliding deflections. Its
+    speeds are in v_s, so that they are slow on any drive.
+    """
     v_s = start["v_s"].value if "v_s" in start else PAPER["v_s"]
     fast = Stroke(FAST, UPTO, 0.0, 0.0, counted=0.5 * UPTO)
     kinds = [

@@ -23,7 +23,7 @@ from stickslip.ga.execution.evaluation import ALONE, DIED, received
 
 @dataclass(frozen=True)
 class Execution:
-    """Where and how safely learning runs."""
+    """Where and how safely learning runs; none of it changes a result."""
 
     # candidates side by side; also, in threads, the runs of an experiment while what a search found
     # is fitted

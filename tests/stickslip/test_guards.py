@@ -11,10 +11,10 @@ import pytest
 from stickslip import cosim
 from stickslip.catalog.parameters import friction_law
 from stickslip.servo.axis import LOOP, Axis, Datasheet
-from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.measurement import slope
 from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import build_fmus
+from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.trial.guards import (
     Trial,

@@ -25,6 +25,10 @@ _FILTERS = ("", "low-pass by backward Euler", "low-pass by forward Euler")
 def forms(gains: Mapping[str, float], T_s: float) -> dict[str, dict[str, float]]:
     """Return gains of the FMU for each form that a controller may have, by a name for people.
 
+    The FMU adds an error to its integral before it uses that, and its low-pass is exact for a held
+    input. Controllers that use the integral first, or the mean of both, are the same with less
+    proportional gain; those whose low-pass is a difference quotient, with another time constant.
+
     The gains are in any units that agree. T_s is the sample period of the log [s], used where the
     gains have none.
     """

@@ -29,7 +29,11 @@ HELD, FADING = "F_held", "F_fading"
 
 
 def initial_state(missing: Array, gains: Mapping[str, float], T_s: float) -> dict[str, float]:
-    """Return what suits best a force (n,) [N] that a controller with empty memory lacks."""
+    """Return what suits best a force (n,) [N] that a controller with empty memory lacks.
+
+    Its integrals held a force then, and its low-pass a velocity. Both add to what it commands along
+    the log: the one stays, the other fades with tau_f.
+    """
     columns = np.column_stack([np.ones_like(missing), _fading(len(missing), gains, T_s)])
     held, fading = np.linalg.lstsq(columns, missing, rcond=None)[0]
     return {HELD: float(held), FADING: float(fading)}

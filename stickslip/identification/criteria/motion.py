@@ -116,7 +116,11 @@ _MEMORY = {"F_held", "F_fading"}  # initial state of the controller [N]
 
 @dataclass(frozen=True)
 class Scale:
-    """Scaled = SI times these factors, which are powers of ten."""
+    """Scaled = SI times these factors, which are powers of ten.
+
+    The FMUs' integrators have absolute tolerances and their parameters ranges, made for linear
+    axes; a small rotary drive has a torque of 0.01 N m and a speed of 100 rad/s.
+    """
 
     # factors
     force: float = 1.0

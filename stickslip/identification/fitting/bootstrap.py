@@ -53,6 +53,11 @@ def coarse(inverse: InverseModel, recording: Recording) -> bool:
 def correct_inverse(inverse: InverseModel, fitted: Fit, seed: int) -> tuple[Fit, Array, bool]:
     """Return the fit without its bias, and the bias (k,) that was subtracted from its coordinates.
 
+    Encoder quantisation, the low-pass and sampling bias the fit of the inverse model. A simulated
+    drive with the fitted values follows the recorded motion under a surrogate controller, is
+    recorded with the same encoder, and is fitted by one Gauss step; the difference from the known
+    values is subtracted.
+
     The last value is whether the residuals of bootstrap samples are about as large as those of the
     recording. If not, the surrogate excites the drive differently from its real controller, and
     the bias is not valid.

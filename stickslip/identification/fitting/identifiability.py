@@ -274,6 +274,10 @@ def conservative(
 ) -> dict[str, Identifiability]:
     """Return the same with the values that the compensator takes.
 
+    Feedforward that is too weak leaves a part of the friction to the controller, as all of it is
+    left without a compensator. Feedforward that is too strong, or lasts too long, pushes where
+    there is no friction.
+
     A value that is not identifiable is moved to the end of its interval at which the force is the
     weakest; static friction is then the Coulomb friction. Unless it is identifiable, static
     friction is not above the largest one that the recording shows. ``largest`` is that one [N].

@@ -41,6 +41,10 @@ class Sliding:
 def measure_sliding(rig: Rig, loop: VelocityLoop) -> Sliding:
     """Drive at each of the speeds; friction is that of the mean of the guide.
 
+    What depends on the position alone, such as the motor's force ripple, cancels between the
+    directions. Friction varies along the guide in the same proportion at each speed; the fast runs,
+    which travel all of it, show how, so that the slow ones need not go far.
+
     Where the stage sticks and slips the mean force is not that of the mean speed: no such run
     counts. Raises IdentificationError when too few speeds are held.
     """

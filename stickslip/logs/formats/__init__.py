@@ -22,9 +22,8 @@ from types import ModuleType
 
 from stickslip.errors import RecordingError
 from stickslip.fmi.files import read_limited
-from stickslip.logs.isolated import read_isolated
 from stickslip.logs.recording import Finding
-from stickslip.logs.signals import table_of
+from stickslip.logs.signals import read_isolated, table_of
 from stickslip.logs.table import LogTable
 from stickslip.logs.text import is_text, read_text
 

@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 
 from stickslip import cosim, models
-from stickslip.default_input import pack_input
 from stickslip.fmi.process import temporary_folder
 from stickslip.papers.lugre.document import reproduction_document
 from stickslip.papers.lugre.fmpy_check import SecondOpinion, second_opinion
@@ -22,6 +21,7 @@ from stickslip.presentation.page import picture_files, write_page
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.systems import Compensator, deployed, for_all_platforms
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.simulation import pack_input
 from stickslip.storage import staged
 from stickslip.storage.writing import write_json, write_tables
 

@@ -20,7 +20,7 @@ from stickslip.papers.lugre.tables import table2_of_recording
 from stickslip.progress import Progress
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
-from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
 from stickslip.studies.learn.recorded import gains_of, record_drive

@@ -12,8 +12,7 @@ from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.validation import ranges_last, reduction, summary
 from stickslip.identification.stages import Identification
 from stickslip.servo.axis import ControlError, Datasheet
-from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
-from stickslip.servo.tuned_pi import tuned_pi
+from stickslip.servo.tuned_pi import tuned_pi, with_inertia, with_velocity_filter
 from stickslip.studies.learn.learned import Learned
 
 TRAPEZOID = MOTIONS[0]

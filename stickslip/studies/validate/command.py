@@ -171,8 +171,8 @@ def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> di
     from stickslip.papers.lugre.terminal import print_table4
     from stickslip.rigs.fmu import rig_of
     from stickslip.servo.axis import LOOP
-    from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
     from stickslip.servo.paper_commands import VALIDATION
+    from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 
     truth = drive_changes(options.set)
     drive_truth(truth)

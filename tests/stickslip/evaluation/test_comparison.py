@@ -10,8 +10,8 @@ from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS, Motion
 from stickslip.evaluation.validation import PHASES, run_command, validate
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.axis import LOOP
-from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 
 pytestmark = pytest.mark.slow
