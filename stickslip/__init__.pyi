@@ -41,9 +41,9 @@ from stickslip.rigs.ads_rig import AdsRig as AdsRig
 from stickslip.rigs.contract import Command as Command
 from stickslip.rigs.contract import Log as Log
 from stickslip.rigs.contract import Rig as Rig
+from stickslip.rigs.file import KeptRig as KeptRig
 from stickslip.rigs.file import open_rig as open_rig
 from stickslip.rigs.fmu import FmuRig as FmuRig
-from stickslip.rigs.kept import KeptRig as KeptRig
 from stickslip.rigs.limits import RigLimits as RigLimits
 from stickslip.rigs.socket_rig import SocketRig as SocketRig
 from stickslip.servo.axis import Axis as Axis

@@ -38,7 +38,7 @@ ROOMS_OF_COSIM = (
 )
 # The ground first. A room imports rooms before it only; a study or paper is a room of its own.
 ROOMS_OF_STICKSLIP = (
-    *("thresholds", "errors", "versions", "toml_files", "progress", "output"),
+    *("thresholds", "errors", "versions", "toml_files", "output"),
     *("storage", "catalog", "servo", "presentation", "work", "compensators", "planning"),
     *("logs", "rigs", "identification", "evaluation", "tuning", "trial", "learned"),
     *("default_input", "contents", "simulation", "laws", "blocks", "sweeping", "system"),

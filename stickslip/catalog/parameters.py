@@ -1,4 +1,4 @@
-"""Parameters of drives and friction laws, and the coordinates in which they are estimated."""
+"""Parameters of drives and laws, estimates of them, and the coordinates of an estimation."""
 
 from __future__ import annotations
 
@@ -12,6 +12,50 @@ from numpy.typing import NDArray
 from stickslip import models
 from stickslip.models import Law, LawParameter
 from stickslip.models.export.units import force_and_length, motion_unit
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value and its standard error, both in the parameter's unit."""
+
+    value: float
+    standard_error: float
+
+
+LOW, HIGH = "_low", "_high"
+"""What the columns of a range are called behind the name of their median."""
+UNKNOWN = 3.0  # relative standard error of a value that no experiment showed: a factor of e^3
+
+
+def unseen(value: float) -> Estimate:
+    """Return a start value that no experiment showed."""
+    return Estimate(value, UNKNOWN * value)
+
+
+def correlation_length(residual: Array) -> float:
+    """Return how many neighbouring samples say the same: 1 for white noise.
+
+    The sum of the autocorrelation up to its first value below 0.05, both sides.
+    """
+    centred = residual - residual.mean()
+    power = np.abs(np.fft.rfft(centred, 2 * len(centred))) ** 2
+    correlation = np.fft.irfft(power)[: len(centred)]
+    if correlation[0] <= 0.0:
+        return 1.0
+    correlation /= correlation[0]
+    below = np.flatnonzero(correlation < 0.05)
+    end = below[0] if len(below) else len(correlation)
+    return float(1.0 + 2.0 * correlation[1:end].sum())
+
+
+def covariance(jacobian: Array, residual: Array) -> Array:
+    """Return the covariance (k, k) of a least-squares fit.
+
+    The Jacobian (n, k) is that of the residual (n,), both at the fit.
+    """
+    n, k = jacobian.shape
+    variance = residual @ residual / max(n - k, 1) * correlation_length(residual)
+    return np.asarray(variance * np.linalg.pinv(jacobian.T @ jacobian))
 
 
 def _drive(name: str, unit: str, symbol: str, meaning: str, shown_by: str | None) -> LawParameter:

@@ -37,8 +37,7 @@ def rig_of(path: Path | None, out: Path | None, law: str) -> Iterator[tuple[Rig 
     if path is None:
         yield None, LINEAR
         return
-    from stickslip.rigs.file import open_rig
-    from stickslip.rigs.kept import KeptRig
+    from stickslip.rigs.file import KeptRig, open_rig
 
     rig, limits = open_rig(path, "lugre" if law == "auto" else law)
     with rig:

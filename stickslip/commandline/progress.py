@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from stickslip.commandline import FLAG, add_options, warn
-from stickslip.output import LOG, quiet
-from stickslip.progress import Factors, Progress, shown_by
+from stickslip.output import LOG, Factors, Progress, quiet, shown_by
 
 if TYPE_CHECKING:
     from tqdm import tqdm

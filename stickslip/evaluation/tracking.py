@@ -170,12 +170,6 @@ def commanded_position(recording: Recording) -> Array:
     return np.asarray(position_of(recording)[0] + travel)
 
 
-def scale_for(recording: Recording, values: Mapping[str, float]) -> Scale:
-    """Return units in which the FMUs simulate a drive well that has these values."""
-    force = np.full(1, values["F_c"]) if recording.force is None else recording.force
-    return scale_of(force, commanded_velocity(recording))
-
-
 def simulate(
     fmus: Path,
     recording: Recording,
@@ -192,7 +186,8 @@ def simulate(
     gains : of the controller FMU by name
     force_limit : of motor or amplifier [N]
     """
-    scale = scale_for(recording, drive.values)
+    force = np.full(1, drive.values["F_c"]) if recording.force is None else recording.force
+    scale = scale_of(force, commanded_velocity(recording))
     scaled, values = scale.recording(recording), scale.values(drive.values)
     force = feedforward(fmus, recording, drive, scale)
     further = {"candidate.noise_x": 0.0}

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from stickslip import cosim
-from stickslip.catalog.estimate import HIGH, LOW
+from stickslip.catalog.parameters import HIGH, LOW
 from stickslip.errors import RigError
 from stickslip.evaluation.motions import Regions, Span, regions_after, trapezoid, windows
 from stickslip.rigs.contract import Rig

@@ -190,7 +190,7 @@ def _fitted(
     ``slope`` gives the derivative (k,) of what the columns fit by time. It is the same smooth
     motion that the delay moves along, so noise in it weakens a step but not where the steps end.
     """
-    from stickslip.catalog.estimate import covariance  # late: loads the stages
+    from stickslip.catalog.parameters import covariance  # late: loads the stages
 
     T_s = float(t[1] - t[0])
     spline = scipy.interpolate.CubicSpline(t, signal)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Mapping
 
-from stickslip.catalog.estimate import HIGH, LOW, Estimate
-from stickslip.catalog.parameters import parameter
+from stickslip.catalog.parameters import HIGH, LOW, Estimate, parameter
 from stickslip.models import Law
 from stickslip.presentation.markup import Html, element, join
 

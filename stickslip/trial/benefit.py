@@ -29,7 +29,7 @@ from stickslip import cosim, models
 from stickslip.catalog.parameters import friction_law
 from stickslip.identification.criteria.runs import Runs
 from stickslip.models import Law
-from stickslip.progress import steps
+from stickslip.output import steps
 from stickslip.servo.axis import Datasheet
 from stickslip.servo.measurement import require_bounded
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop

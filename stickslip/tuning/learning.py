@@ -23,8 +23,13 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter, ss2tf
 
 from stickslip import ga
-from stickslip.catalog.estimate import correlation_length
-from stickslip.catalog.parameters import ParameterSpace, estimated, friction_law, unit_of
+from stickslip.catalog.parameters import (
+    ParameterSpace,
+    correlation_length,
+    estimated,
+    friction_law,
+    unit_of,
+)
 from stickslip.identification.stages import Estimate
 from stickslip.models import Law
 from stickslip.rigs.contract import Recorded, Rig
@@ -211,7 +216,7 @@ def fit(study: Study, runs: Runs) -> Fit:
     to_logs = np.array([space.direction(name)[: len(names)] for name in names])
     ratios = [space.index(name) for name in space.bounded]
     expected = np.log([study.start[name].value for name in names])
-    doubt = np.array([_relative_error(study, name) for name in names])
+    doubt = np.array([max(one.standard_error / one.value, FLOOR) for one in study.start.values()])
     power = [gap @ gap / len(gap) * correlation_length(gap) for gap in runs.means]
     scale = np.sqrt(np.mean(power))
     numerator, denominator = _transfer(study)
@@ -266,11 +271,6 @@ def fit(study: Study, runs: Runs) -> Fit:
         errors=study.parameters(_errors(jacobian)),
         alone=study.parameters(_errors(jacobian[:training])),
     )
-
-
-def _relative_error(study: Study, name: str) -> float:
-    known = study.start[name]
-    return max(known.standard_error / known.value, FLOOR)
 
 
 def _errors(jacobian: Array) -> Array:

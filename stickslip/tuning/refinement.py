@@ -14,8 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from stickslip.catalog.estimate import Estimate
-from stickslip.catalog.parameters import PAPER
+from stickslip.catalog.parameters import PAPER, Estimate
 from stickslip.evaluation.motions import Motion, Stroke, strokes
 from stickslip.evaluation.validation import covered
 from stickslip.servo.measurement import Array

@@ -9,12 +9,12 @@ import pytest
 
 from stickslip import cosim
 from stickslip.evaluation.validation import validate
+from stickslip.output import SILENT, Progress
 from stickslip.papers.lugre.folder import write_results
 from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, reproduce
 from stickslip.papers.lugre.studies import step_by_step, with_motions
 from stickslip.planning import LINEAR, plan
 from stickslip.presentation.page import Picture
-from stickslip.progress import SILENT, Progress
 from stickslip.rigs.contract import COMMISSIONING
 from stickslip.rigs.fmu import FmuRig, rig_of
 from stickslip.servo.axis import LOOP, Datasheet

@@ -11,10 +11,10 @@ from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.validation import PHASES
+from stickslip.output import Progress
 from stickslip.papers.lugre import loop_tuning, reproduction
 from stickslip.papers.lugre.loop_tuning import FRICTION, STAGES, motion_errors
 from stickslip.papers.lugre.reproduction import Options, drive_truth, with_law_found
-from stickslip.progress import Progress
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.systems import build_loop, feedforward, servo_loop
 from stickslip.servo.tuned_pi import tuned_pi

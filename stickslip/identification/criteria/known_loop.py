@@ -87,7 +87,9 @@ class KnownLoop(Closing):
         workers: int = 1,  # number of parallel runs
     ) -> None:
         position = position_of(recording)
-        start = {"x": position[0], "v": _first_velocity(position, recording.T_s)}
+        few = position[:FEW]
+        parabola = np.polyfit(np.arange(len(few)) * recording.T_s, few, 2)
+        start = {"x": position[0], "v": float(parabola[1])}
         limits = {"u_max": NO_LIMIT, "T_s": recording.T_s}
         system = cosim.System("known_loop")
         system.add("controller", fmus / "velocity_controller.fmu", {**limits, **fmu_gains(gains)})
@@ -177,12 +179,6 @@ def candidate(values: Values) -> dict[str, float]:
     parameters["candidate.b"] = max(values["b"], 0.0)
     parameters["candidate.tau_i"] = max(values["delay"], SHORTEST_LAG)
     return parameters
-
-
-def _first_velocity(position: Array, T_s: float) -> float:
-    """Return the slope of a parabola at its begin [m/s]."""
-    few = position[:FEW]
-    return float(np.polyfit(np.arange(len(few)) * T_s, few, 2)[1])
 
 
 ORDER = 30

@@ -61,7 +61,7 @@ from stickslip.identification.fitting.search import (
 )
 from stickslip.identification.fitting.start import Start, begin
 from stickslip.identification.sliding.friction_curve import VARYING, Interval
-from stickslip.progress import SILENT, Progress, step
+from stickslip.output import SILENT, Progress, step
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import control_match, curve_shown, law_choice, loop_fit
 

@@ -30,7 +30,7 @@ from stickslip.identification.criteria.motion import position_noise, position_of
 from stickslip.identification.criteria.runs import Closing
 from stickslip.identification.fitting.fit import Fit, linearised
 from stickslip.logs import Recording
-from stickslip.progress import steps
+from stickslip.output import steps
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import loop_fit
 

@@ -14,7 +14,7 @@ from stickslip.identification.criteria.inverse_model import ForceCost, InverseMo
 from stickslip.identification.fitting.fit import BLOCKS, FTOL, Criterion, Fit, fit
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, identifiability
 from stickslip.identification.fitting.start import Start
-from stickslip.progress import steps
+from stickslip.output import steps
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import law_choice
 from stickslip.work.jobs import Execution
@@ -58,19 +58,14 @@ def search(
 
     m, b and F_0 follow from each candidate by linear least squares.
 
-    Raises
-    ------
-    ga.NothingLearned
-        When no candidate could be run.
-    ga.StateError
-        When the checkpoint is of another run, or is there and not to be resumed.
-    ga.Interrupted
-        At Ctrl-C.
+    Raises ga.NothingLearned when no candidate could be run, ga.StateError when the checkpoint is of
+    another run, or is there and not to be resumed, and ga.Interrupted at Ctrl-C.
     """
     limits = ga.Limits(evaluations=how.evaluations, patience=PATIENCE)
     algorithm = ga.optimiser(how.algorithm, problem(start), limits, seed)
     names = [f"compensator.{name}" for name in start.space.friction]
     cost = ForceCost.of(model, start.line["delay"])
+    recorded = np.concatenate([model.t, model.force, model.motion.v]).tobytes()
     with (
         ga.SimulatedCost(model.specification, names, cost, model.inputs) as evaluate,
         how.execution.opened() as executor,
@@ -82,15 +77,9 @@ def search(
             on_generation,
             checkpoint=how.execution.checkpoint,
             resume=how.execution.resume,
-            about=fingerprint(model),
+            about=hashlib.sha256(recorded).hexdigest(),
         )
     return algorithm
-
-
-def fingerprint(model: InverseModel) -> str:
-    """Return a hash of the recording."""
-    content = np.concatenate([model.t, model.force, model.motion.v]).tobytes()
-    return hashlib.sha256(content).hexdigest()
 
 
 def solve_linear(model: InverseModel, start: Start, friction: Array) -> dict[str, float]:

@@ -32,7 +32,7 @@ from stickslip.identification.selection.folds import (
 )
 from stickslip.logs import Recording
 from stickslip.models import Law
-from stickslip.progress import steps
+from stickslip.output import steps
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import control_match, law_choice
 

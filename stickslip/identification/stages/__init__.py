@@ -10,8 +10,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from stickslip.catalog.estimate import Estimate, unseen
-from stickslip.catalog.parameters import estimated, friction_law, scaled_start, tabulated
+from stickslip.catalog.parameters import (
+    Estimate,
+    estimated,
+    friction_law,
+    scaled_start,
+    tabulated,
+    unseen,
+)
 from stickslip.identification.stages.friction_map import FrictionMap, measure_friction
 from stickslip.identification.stages.inertia import (
     Inertia,

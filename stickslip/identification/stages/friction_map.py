@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from stickslip.catalog.estimate import UNKNOWN, Estimate, covariance, unseen
+from stickslip.catalog.parameters import UNKNOWN, Estimate, covariance, unseen
 from stickslip.errors import IdentificationError
 from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, measured_velocity, smoothed

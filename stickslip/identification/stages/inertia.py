@@ -9,8 +9,7 @@ import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 
 from stickslip import cosim
-from stickslip.catalog.estimate import UNKNOWN, Estimate, covariance
-from stickslip.catalog.parameters import presliding
+from stickslip.catalog.parameters import UNKNOWN, Estimate, covariance, presliding
 from stickslip.errors import IdentificationError
 from stickslip.models import LawParameter
 from stickslip.rigs.contract import Log, Rig

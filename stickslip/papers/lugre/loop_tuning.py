@@ -13,8 +13,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from stickslip.catalog.estimate import HIGH, LOW
-from stickslip.catalog.parameters import friction_law
+from stickslip.catalog.parameters import HIGH, LOW, friction_law
 from stickslip.evaluation.motions import MOTIONS, Motion
 from stickslip.evaluation.validation import PHASES, beginnings, covered
 from stickslip.fmi.process import Threads

@@ -15,9 +15,9 @@ import pandas as pd
 
 from stickslip.identification.estimation import Estimation, LearnSettings, Search
 from stickslip.logs import check_recording
+from stickslip.output import Progress
 from stickslip.papers.lugre.reproduction import Options, Reproduced, build_rig, validated
 from stickslip.papers.lugre.tables import table2_of_recording
-from stickslip.progress import Progress
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter

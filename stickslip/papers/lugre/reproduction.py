@@ -18,12 +18,12 @@ from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.evaluation.comparison import Evaluation
 from stickslip.evaluation.validation import PHASES, Validation, validate
 from stickslip.identification.stages import Estimate, Identification
+from stickslip.output import Progress
 from stickslip.papers.lugre.fmpy_check import SecondOpinion
 from stickslip.papers.lugre.loop_tuning import LoopTuning, validate_loops
 from stickslip.papers.lugre.published import PublishedStudy
 from stickslip.papers.lugre.steps import with_steps
 from stickslip.papers.lugre.tables import table2
-from stickslip.progress import Progress
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.paper_commands import VALIDATION

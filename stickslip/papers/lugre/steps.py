@@ -6,7 +6,7 @@ from contextlib import suppress
 
 import pandas as pd
 
-from stickslip.catalog.estimate import HIGH, LOW
+from stickslip.catalog.parameters import HIGH, LOW
 from stickslip.evaluation.comparison import Entry, Evaluation
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.validation import ranges_last, reduction, summary

@@ -6,7 +6,7 @@ from collections.abc import Hashable, Mapping
 
 import pandas as pd
 
-from stickslip.catalog.estimate import HIGH, LOW
+from stickslip.catalog.parameters import HIGH, LOW
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.validation import PHASES
 from stickslip.papers.lugre.loop_tuning import LoopTuning, spread

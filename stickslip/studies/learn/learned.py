@@ -20,7 +20,7 @@ from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.identification.selection import choose, predictions
 from stickslip.logs import Finding, Recording
-from stickslip.progress import SILENT, Progress
+from stickslip.output import SILENT, Progress
 from stickslip.servo.axis import ControlError
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop

@@ -26,7 +26,7 @@ from stickslip.logs import (
     read_recording,
     samples_late,
 )
-from stickslip.progress import SILENT, Progress
+from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Rig
 from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording

@@ -10,7 +10,7 @@ from stickslip.errors import HarmfulError
 from stickslip.evaluation import validation
 from stickslip.evaluation.validation import Validation
 from stickslip.identification.stages import Estimate, Identification, identify
-from stickslip.progress import SILENT, Progress
+from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Rig
 from stickslip.servo.axis import LOOP, LoopSpecification
 from stickslip.servo.paper_commands import TRAINING, VALIDATION

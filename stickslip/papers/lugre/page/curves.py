@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 
-from stickslip.catalog.estimate import HIGH, LOW
+from stickslip.catalog.parameters import HIGH, LOW
 from stickslip.evaluation.motions import SLOW_MOTIONS, Motion
 from stickslip.evaluation.validation import PAPER_TABLE4, Run, Validation
 from stickslip.identification.stages import FrictionMap
