@@ -207,17 +207,15 @@ class ParameterSpace:
     """
 
     law: Law  # the friction law
-    # the estimated parameters, in the order of their coordinates
-    parameters: tuple[LawParameter, ...]
+    parameters: tuple[LawParameter, ...]  # the estimated ones, in the order of coordinates
     # the values of further parameters, by name, in SI units; those that start at 0 are switched off
     # and left out
     constants: Mapping[str, float]
     units: Array  # (k,) units of linear coordinates in SI; not used for logarithms
     prior_mean: Array  # (k,) expected coordinates before the recording is seen
     prior_deviation: Array  # (k,) their standard deviations; infinite without a prior
-    # (k,) bounds
-    lower: Array
-    upper: Array
+    lower: Array  # (k,)
+    upper: Array  # (k,)
 
     @classmethod
     def of(cls, law: Law) -> ParameterSpace:

@@ -184,14 +184,11 @@ class Part:
     values: Mapping[str, float] = field(default_factory=dict)  # parameters that are not tuned
     # lowest value, start and highest value of a gene, by name
     ranges: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
-    # of ``DESIGNS``, of a controller of ``REGULATORS``; empty where genes are parameters
-    design: str = ""
+    design: str = ""  # of ``DESIGNS`` or ``REGULATORS``; empty where genes are parameters
     controller: bool = False
-    # whether it controls the position, and is tuned on moves instead of a sweep
-    positions: bool = False
-    # how an FMU of the user is connected, and its file
-    own_ports: models.Ports | None = None
-    own_fmu: Path | None = None
+    positions: bool = False  # whether it controls the position, and is tuned on moves
+    own_ports: models.Ports | None = None  # how an FMU of the user is connected
+    own_fmu: Path | None = None  # its file
 
     @property
     def file(self) -> str:

@@ -35,8 +35,7 @@ class Entry:
     """One way to control the drive."""
 
     loop: VelocityLoop  # the velocity loop
-    # its parameters by name, None for no compensation
-    compensator: Mapping[str, float] | None = None
+    compensator: Mapping[str, float] | None = None  # by name, None for no compensation
     # of further seeds; of the errors with them and with ``compensator`` the median counts
     others: Sequence[Mapping[str, float]] = ()
 
@@ -46,8 +45,7 @@ class Evaluation:
     """All motions with all entries."""
 
     motions: tuple[Motion, ...]  # in the order in which they are shown
-    # by name of the motion, then of the entry: of its ``compensator``, at the first phase
-    runs: Mapping[str, Mapping[str, Run]]
+    runs: Mapping[str, Mapping[str, Run]]  # by motion, then entry: of its ``compensator``
     # by name of the entry, with the index ``KEYS`` and a column for each compensator and phase; NaN
     # where the drive runs away
     errors: Mapping[str, pd.DataFrame]

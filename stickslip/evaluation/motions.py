@@ -37,10 +37,9 @@ class Stroke:
     """A move with constant acceleration up to a speed and down to rest."""
 
     speed: float  # with sign [m/s]
-    # how long each ramp, the constant speed and the rest after it last [s]
-    ramp: float
-    hold: float
-    rest: float
+    ramp: float  # how long each ramp lasts [s]
+    hold: float  # how long the constant speed lasts [s]
+    rest: float  # how long the rest after it lasts [s]
     counted: float  # how long after its begin the errors are taken [s]
 
 

@@ -33,12 +33,10 @@ SHARE = 1.0 / 16.0
 class TrackingError:
     """Root mean square and largest absolute value of the errors of velocity and position."""
 
-    # [m/s]
-    velocity_rms: float
-    velocity_max: float
-    # [m]
-    position_rms: float
-    position_max: float
+    velocity_rms: float  # [m/s]
+    velocity_max: float  # [m/s]
+    position_rms: float  # [m]
+    position_max: float  # [m]
 
     @classmethod
     def of(cls, velocity: Array, position: Array) -> TrackingError:
@@ -67,9 +65,8 @@ class Tracking:
     velocity: Mapping[str, Array]  # (n,) true velocity by variant [m/s]
     position_error: Mapping[str, Array]  # (n,) true position less commanded position by variant [m]
     used: slice  # the samples that count; the first ones do not where the log began in motion
-    # the loop and the command, in words
-    loop: str
-    command: str
+    loop: str  # in words
+    command: str  # in words
     known: bool  # whether the loop is that of the log's controller
     # tracking error of the log itself, without compensation; None where the simulated loop or
     # command is another
@@ -126,17 +123,15 @@ class LearnedDrive:
     law: str  # name of its friction law
     values: Mapping[str, float]  # of the drive by name: those of the law, m, b, F_0 and delay
     compensator: Mapping[str, float]  # parameters of the compensator by name; none for no force
-    # the loop whose response the compensator takes; None where it takes the command
-    reference: VelocityLoop | None = None
+    reference: VelocityLoop | None = None  # whose response the compensator takes, not the command
 
 
 @dataclass(frozen=True)
 class Motion:
     """Motion of a drive in a loop."""
 
-    # (n,) true [m], [m/s]
-    position: Array
-    velocity: Array
+    position: Array  # (n,) true [m]
+    velocity: Array  # (n,) true [m/s]
     encoder: Array  # (n,) position that the encoder shows [m]
 
 

@@ -93,16 +93,13 @@ RECORD = (
 class Run:
     """One motion once."""
 
-    # (n,) [s], [m/s]
-    t: Array
-    v_cmd: Array
+    t: Array  # (n,) [s]
+    v_cmd: Array  # (n,) [m/s]
     x_enc: Array  # position (n,) [m] that the encoder shows
-    # velocity (n,) [m/s] by what shows it, ``measured`` and, of a simulated drive, ``true``
-    v: dict[str, Array]
+    v: dict[str, Array]  # (n,) [m/s] by what shows it, ``measured`` and, simulated, ``true``
     v_r: Array  # response of the nominal loop (n,) [m/s]
-    # the drive's true friction, and the force of the compensator (n,) [N]
-    F_f: Array
-    F_ff: Array
+    F_f: Array  # the drive's true friction (n,) [N]
+    F_ff: Array  # the force of the compensator (n,) [N]
     x: Array  # the drive's true position (n,) [m]; NaN where the truth is not known, as F_f
 
     @property

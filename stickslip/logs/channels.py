@@ -40,8 +40,7 @@ class Channel:
     role: str  # one of ``ROLES``
     source: str  # name of the column
     unit: Unit | None  # that of the description, else that of the header; None where none is stated
-    # SI units per unit; None where neither the description nor a rated value states it
-    scale: Product | None = None
+    scale: Product | None = None  # SI units per unit; None where nothing states it
     offset: Product = 0.0  # in SI units
 
     @classmethod

@@ -52,8 +52,7 @@ class Controller:
     I_x: float = 0.0  # [N/(m s)]
     K_p: float = 0.0  # [N s/m]
     K_i: float = 0.0  # [N/m]
-    # time constant of the low-pass behind v_est, which differentiates the position [s]
-    tau_f: float = 0.0
+    tau_f: float = 0.0  # time constant of the low-pass behind v_est, a derivative [s]
     T_s: float = 0.0  # its sample period [s]; 0: that of the log
     u_max: float = math.inf  # [N]
 

@@ -41,8 +41,7 @@ class Excitation:
     slow_samples: int  # as many samples
     speeds: tuple[float, float]  # 5 % and 95 % of the moving time are slower [m/s]
     reversals: int  # of the direction
-    # whether it slides in one direction only, with ``log_content.ONE_WAY`` in the other
-    one_way: bool
+    one_way: bool  # whether it slides in one direction only, by ``log_content.ONE_WAY``
     spacing: float  # median samples between two reversals; inf with fewer
     acceleration: float  # 99 % of the samples have less [m/s^2]
     mass: float  # of a rigid drive with Coulomb and viscous friction, fitted while sliding [kg]

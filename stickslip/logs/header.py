@@ -148,13 +148,11 @@ class Header:
 
     begin: int  # number of the first line of data
     width: int  # fields of a line of data
-    # of the columns; empty when the file names none
-    names: list[str]
+    names: list[str]  # of the columns; empty when the file names none
     units: list[str | None]
     paired: bool = False  # whether columns take turns: times, and a signal at these times
     titled: bool = False  # whether each row of the header has a title; times may then lack a unit
-    # sample periods [ms] of the columns by number, where such a header states them
-    periods: tuple[tuple[int, float], ...] = ()
+    periods: tuple[tuple[int, float], ...] = ()  # sample periods [ms] by column, where it has them
 
 
 def is_data(text: str) -> bool:

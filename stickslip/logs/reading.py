@@ -31,11 +31,9 @@ class Reading:
 
     recording: Recording  # its signals in SI units on an even grid
     controller: Controller  # that was in use; kind none when it is not known
-    # what was detected, filled in, cut off; ``check_recording`` adds what it can show
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[Finding, ...] = ()  # what was detected, filled in or cut off
     force_limit: float | None = None  # of motor or amplifier [N], None when it is not known
-    # time constant of the amplifier's current loop [s], None when it is not known
-    tau_i: float | None = None
+    tau_i: float | None = None  # time constant of the amplifier's current loop [s], if known
     channels: tuple[Channel, ...] = ()  # its columns in their roles, without those in error
     description: Description = field(default_factory=Description)  # by which it was read
 

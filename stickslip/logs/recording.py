@@ -22,12 +22,10 @@ class Recording:
     force: Array | None = None  # (n,) of the motor, at each sample [N]
     velocity: Array | None = None  # (n,) logged beside or instead of the position [m/s]
     friction: Array | None = None  # (n,) measured friction force [N], as a tribometer shows it
-    # (n,) [m], [m/s], [N]
-    position_command: Array | None = None
-    velocity_command: Array | None = None
-    force_command: Array | None = None
-    # (n,) that was added to the controller's output, such as pulses [N]
-    added_force: Array | None = None
+    position_command: Array | None = None  # (n,) [m]
+    velocity_command: Array | None = None  # (n,) [m/s]
+    force_command: Array | None = None  # (n,) [N]
+    added_force: Array | None = None  # (n,) added to the controller's output, as pulses [N]
     # (n,) that was added to the velocity command, such as dither [m/s]
     added_velocity: Array | None = None
     encoder_step: float = 0.0  # resolution of the position [m]; 0 when none shows

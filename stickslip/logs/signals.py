@@ -32,8 +32,7 @@ class Signal:
     name: str  # in the file
     values: Array | None  # numbers of any shape; None where there are none
     unit: str = ""  # as the file states it
-    # (n,) of its values [s]; None where the file keeps times as a variable
-    time: Array | None = None
+    time: Array | None = None  # (n,) of its values [s]; None where the file has it elsewhere
     instead: str = ""  # what there is instead of numbers
 
 

@@ -30,8 +30,7 @@ class LogTable:
     units: Mapping[str, str] = field(default_factory=dict)  # by name, where the file states one
     faults: Mapping[str, str] = field(default_factory=dict)  # by name, why a column cannot be used
     scalars: Mapping[str, float] = field(default_factory=dict)  # single numbers beside the columns
-    # (n,) number of the line or row of each value; None counts from 1
-    rows: NDArray[np.intp] | None = None
+    rows: NDArray[np.intp] | None = None  # (n,) line or row of each value; None counts from 1
     headed: bool = True  # whether the file itself names its columns
     findings: tuple[Finding, ...] = ()  # of reading
 

@@ -47,15 +47,13 @@ _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 class _Column:
     """A column as it is read."""
 
-    # its numbers, NaN for a field that is empty or holds none
-    parts: list[Array] = field(default_factory=list)
+    parts: list[Array] = field(default_factory=list)  # its numbers, NaN for a field that holds none
     first: str = ""  # its first text
     # all its texts if the first is a point in time, else none
     texts: list[str] = field(default_factory=list)
     wrong: int = 0  # texts that are not numbers
-    # number of the row and text of the first of them
-    row: int = 0
-    got: str = ""
+    row: int = 0  # number of the row of the first of them
+    got: str = ""  # its text
 
     @property
     def numbers(self) -> Array:

@@ -52,8 +52,7 @@ class Server:
         address: tuple[str, int],  # host and port to listen at; port 0 takes a free one
         name: str,
         *,
-        # time after which a motion is aborted when no request shows that somebody watches [s]
-        heartbeat: float = 0.5,
+        heartbeat: float = 0.5,  # a motion is aborted after so long without a request [s]
         fast: bool = False,  # whether the drive runs as fast as possible instead of in real time
     ) -> None:
         self._drive, self._name, self._heartbeat, self._fast = drive, name, heartbeat, fast

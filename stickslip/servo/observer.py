@@ -1,9 +1,8 @@
 """Design of a disturbance observer for a velocity loop: as fast as robustness and noise allow.
 
-The gains are those of a stationary Kalman filter, whose two weights, the noise of the force and
-the rate of the disturbance, are searched relative to the step of the encoder. Each candidate has
-a peak sensitivity, the largest over the given masses, and an expected velocity error, whose mean
-square is
+The gains are those of a stationary Kalman filter, whose two weights, the noise of the force and the
+rate of the disturbance, are searched relative to the step of the encoder. Each candidate has a peak
+sensitivity, the largest over the given masses, and an expected velocity error, whose mean square is
 
     integral of  r (2 F_c)^2 |G(f) / (2 pi f)|^2 + T_s step^2 / 12 |H(f)|^2 + T_s s_F^2 |K(f)|^2  df
 
@@ -53,12 +52,10 @@ class DesignedObserver:
     observer: Observer  # the design
     sensitivity: float  # largest peak sensitivity at any of the masses, with the observer
     without: float  # the same without it
-    # expected RMS of the velocity error [m/s]
-    error: float
-    error_without: float
-    # what reversals of friction leave of it [m/s]
-    reversal: float
-    reversal_without: float
+    error: float  # expected RMS of the velocity error [m/s]
+    error_without: float  # the same without it [m/s]
+    reversal: float  # what reversals of friction leave of it [m/s]
+    reversal_without: float  # the same without it [m/s]
     weights: FilterSpecification  # of the Kalman filter
 
     def slower(self, factor: float) -> Observer:

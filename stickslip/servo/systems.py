@@ -85,8 +85,7 @@ def drive_law(changes: Changes) -> tuple[dict[str, float], str]:
 def build_fmus(
     folder: Path,
     truth: Changes,  # goes into the drive
-    # friction law of the compensator, and of the stage that the identification simulates
-    law: str = "lugre",
+    law: str = "lugre",  # of the compensator, and of the identification's stage
     only: Iterable[str] | None = None,  # names of models, all by default
     platforms: Iterable[Platform] | None = None,  # what to build for; this machine by default
 ) -> None:
@@ -161,10 +160,8 @@ def paper_loop(
 def build_loop(
     fmus: Path,  # folder of the FMUs
     loop: VelocityLoop,  # controller, nominal loop and axis
-    # in the order in which their forces are added; none for a loop without
-    compensators: Sequence[Compensator],
-    # what gives the reference velocity, the nominal loop's response or the command
-    feed: Feed = "nominal",
+    compensators: Sequence[Compensator],  # in the order of their forces; none without
+    feed: Feed = "nominal",  # gives the velocity: the nominal loop, or the command
     *,
     connected: bool = True,  # whether the last one's force goes to the loop, or runs beside it only
     drive: str = "drive",  # name of the drive in the loop, and of its FMU

@@ -47,9 +47,8 @@ class FilterSpecification:
 class VelocityFilter:
     """A designed filter."""
 
-    # what it was designed for
-    axis: Axis
-    T_s: float
+    axis: Axis  # what it was designed for
+    T_s: float  # sample period [s]
     # gains from the innovation of the position [m] to position [1], velocity [1/s] and disturbing
     # force [N/m]
     L_x: float

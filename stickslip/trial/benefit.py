@@ -51,8 +51,7 @@ class Variant:
     """A way to compensate."""
 
     name: str  # for people, such as "feedforward"
-    # compensators in the order in which their forces are added; empty for none
-    chain: tuple[Compensator, ...] = ()
+    chain: tuple[Compensator, ...] = ()  # in the order of their forces; empty for none
 
     @property
     def has_feedforward(self) -> bool:

@@ -201,8 +201,7 @@ def compare(
     bench: Bench,
     own: Benefit,  # what feedforward of the bench's law does
     friction: Mapping[str, float],  # as fitted, with the Coulomb friction ``F_c`` [N]
-    # true masses, relative to that of the axis, at which the limit of Ms holds
-    masses: tuple[float, ...],
+    masses: tuple[float, ...],  # relative to that of the axis, at which the limit of Ms holds
     asked: str = AUTO,  # ``AUTO``, or a name for which ``law_of`` raises nothing
     absent: Sequence[str] = (),  # signals that the controller lacks
 ) -> CompensatorComparison:

@@ -52,8 +52,7 @@ class Loops(NamedTuple):
 
     plain: VelocityLoop  # without compensation
     compensated: VelocityLoop  # in which the compensator runs
-    # whether the drive runs in them; False where they only serve to try the compensator
-    known: bool = True
+    known: bool = True  # whether the drive runs in them, and not only the trial
 
 
 @dataclass(frozen=True)

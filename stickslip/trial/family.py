@@ -94,9 +94,8 @@ class Finding:
     """One warning."""
 
     guard: str  # name of the guard
-    # what was found and the largest acceptable value, in ``unit``
-    figure: float
-    limit: float
+    figure: float  # what was found, in ``unit``
+    limit: float  # the largest acceptable value
     unit: str
     message: str  # what, figure, limit and what to do, in a line
 
@@ -150,14 +149,12 @@ class Command:
 class Evidence:
     """What a log tells of a drive's friction besides the values that a compensator takes."""
 
-    # values that the log supports: the fit first, and draws from its covariance
-    plausible: Sequence[Values] = ()
+    plausible: Sequence[Values] = ()  # that the log supports: the fit first, then draws from it
     # interval by name for parameters that are poorly identified
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     # values by name for other laws fitted to the same log, by name of the law
     rivals: Mapping[str, Values] = field(default_factory=dict)
-    # names of those that predict the force better than the law of the compensator
-    better: frozenset[str] = frozenset()
+    better: frozenset[str] = frozenset()  # laws that predict better than the compensator's
 
 
 def family(

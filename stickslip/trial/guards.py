@@ -272,8 +272,7 @@ def benefits_on_drives(
     variants: Sequence[Variant],  # each is tried, in this order
     standard_errors: Mapping[str, float],  # of the friction, by name
     *,
-    # whether the guards take the whole force instead of the share that is acceptable
-    force: bool = False,
+    force: bool = False,  # whether the guards take the whole force, not the acceptable share
 ) -> tuple[tuple[Benefit, ...], list[Finding]]:
     """Try ways to compensate on the family of drives of a bench.
 

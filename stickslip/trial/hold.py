@@ -34,8 +34,7 @@ class Hold:
     """How far a drive swings at rest, at worst of several motions and drives."""
 
     swing: float  # of the true position in the second half of the hold, peak to peak [m]
-    # changes of direction there, by more than half of the swing and half an encoder step
-    reversals: int
+    reversals: int  # changes of direction there, by more than half of swing and encoder step
     duration: float  # of that half [s]
     drive: str = ""  # on which
     unit: str = "um"  # of a millionth of a position, for people

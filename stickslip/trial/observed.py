@@ -46,9 +46,8 @@ class ObserverTrial:
     feedforward: Benefit  # what the feedforward does there
     designed: ObserverDesign | None = None  # the observer, None where there is none
     reason: str = ""  # why there is none, empty otherwise
-    # what it does on the family of drives, and with the feedforward; None without it
-    alone: Benefit | None = None
-    both: Benefit | None = None
+    alone: Benefit | None = None  # on the family of drives; None without it
+    both: Benefit | None = None  # the same with the feedforward
 
     @property
     def parts(self) -> dict[Choice, Benefit]:

@@ -59,8 +59,7 @@ Ratios = dict[tuple[str, float], float]  # by kind of motion, or ``FORCE``, and 
 class LoopStudy(LoopBench):
     """What learning of the loop needs, and nothing of the drive but its rig."""
 
-    # of the drive, see ``fit_models``; by default of the friction that was identified
-    models: Sequence[DriveModel] = ()
+    models: Sequence[DriveModel] = ()  # see ``fit_models``; by default of the identified friction
     algorithm: str = "cma"  # one of ``ga.ALGORITHMS``
     seed: int = 0  # of the search
     limits: ga.Limits = field(default_factory=lambda: ga.Limits(evaluations=EVALUATIONS))
@@ -81,9 +80,8 @@ class LearnedLoop:
     # ``learned``, or where no candidate is as good as the reference in everything ``feedforward``,
     # the reference with the feedforward, or ``reference``
     chosen: str
-    # as they were measured when it was chosen
-    cost: float
-    ratios: Ratios
+    cost: float  # when it was chosen
+    ratios: Ratios  # when it was chosen
     Ms: float  # its peak sensitivity
     evaluations: int  # candidates
     runs: int  # of the drive, with those for its models

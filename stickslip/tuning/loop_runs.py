@@ -150,8 +150,7 @@ class LoopBench:
     """A drive in loops that differ from a reference by their genes."""
 
     rig: FmuRig
-    # the loop whose gains are tuned without a model, see ``servo/tuned_pi.py``
-    reference: VelocityLoop
+    reference: VelocityLoop  # whose gains are tuned without a model, see ``tuned_pi``
     friction: Mapping[str, float]  # parameters of the compensator's law, as identified, by name
     feed: Feed = "nominal"
 

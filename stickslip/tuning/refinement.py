@@ -103,8 +103,7 @@ class Refinement:
     """What is known in the end."""
 
     estimates: dict[str, Estimate]  # the tuned parameters with standard errors, in SI units
-    # relative standard error that the training runs alone would leave, by name
-    alone: dict[str, float]
+    alone: dict[str, float]  # relative standard errors that training runs alone would leave
     cost: float  # of a typical training run on the drive [m^2/s^2]
     chosen: Chosen  # the fit's parameters, or what it began with
     runs: int  # of the drive that it took

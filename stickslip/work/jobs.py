@@ -31,8 +31,7 @@ class Execution:
     # of candidates: ``threads``, ``processes``, ``local`` or the address of a Dask scheduler, see
     # ``ga.executor``
     where: str = "threads"
-    # file of what was learned so far, written after every generation; None for none
-    checkpoint: Path | None = None
+    checkpoint: Path | None = None  # what was learned so far, kept after every generation
     resume: bool = False  # go on from the checkpoint, if it exists
 
     def of_seed(self, seed: int) -> Execution:

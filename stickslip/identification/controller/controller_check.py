@@ -81,8 +81,7 @@ class ControllerCheck:
     # was running before the log began
     gains: Mapping[str, float]
     form: str = OWN  # how that differs from the FMU's own; empty if it does not
-    # of the logged force over the commanded one, where that alone makes them agree; else 1
-    factor: float = 1.0
+    factor: float = 1.0  # of the logged force over the commanded one, where only it differs; else 1
 
 
 def check_controller(

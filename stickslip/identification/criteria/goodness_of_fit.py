@@ -28,9 +28,8 @@ class GoodnessOfFit:
     velocity: float
     closed_loop_force: float
     t: Array  # (n,) [s]
-    # (n,) force, measured and predicted [N]; of the inverse model
-    measured: Array
-    predicted: Array
+    measured: Array  # (n,) force, measured [N]
+    predicted: Array  # (n,) force predicted by the inverse model [N]
     simulated: Array | None  # (n,) position of the closed loop [m]; None in the same cases
     velocity_recorded: Array  # (n,) of the recorded motion, low-passed [m/s]
 

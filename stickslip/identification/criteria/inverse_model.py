@@ -144,9 +144,8 @@ class InverseModel(Closing):
 class ForceCost:
     """Sum of squares [N^2] that the best m, b and F_0 leave of a candidate's friction."""
 
-    # of the low-pass [s], [Hz]
-    T_s: float
-    cutoff: float
+    T_s: float  # [s]
+    cutoff: float  # of the low-pass [Hz]
     target: Array  # (n,) recorded force, low-passed [N]
     basis: Array  # (n, k) orthonormal, of what is linear
     slides: NDArray[np.bool_]  # (n,) where friction follows from the motion

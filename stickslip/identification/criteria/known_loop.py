@@ -78,8 +78,7 @@ class KnownLoop(Closing):
         self,
         fmus: Path,  # folder of the FMUs
         recording: Recording,  # gives commands, start and encoder
-        # parameters of the controller FMU by name, and its initial state, if it was running
-        gains: Mapping[str, float],
+        gains: Mapping[str, float],  # of the controller FMU; its initial state, if it was running
         *,
         # whether the position is quantised; the trajectory is then not a smooth function of the
         # parameters
@@ -130,8 +129,7 @@ class KnownLoop(Closing):
     def run(
         self,
         values: Values,
-        # parameters of this run only, such as ``candidate.noise_x``
-        further: Mapping[str, float] | None = None,
+        further: Mapping[str, float] | None = None,  # of this run only, as ``candidate.noise_x``
         feedforward: Array | float = 0.0,  # (n,) force of a compensator from each sample on [N]
     ) -> cosim.Result:
         """Run the experiment with these values in the drive."""

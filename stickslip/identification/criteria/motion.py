@@ -122,7 +122,6 @@ class Scale:
     axes; a small rotary drive has a torque of 0.01 N m and a speed of 100 rad/s.
     """
 
-    # factors
     force: float = 1.0
     length: float = 1.0
 

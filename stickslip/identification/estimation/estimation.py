@@ -29,9 +29,8 @@ class FittedLaw:
 
     fit: Fit  # with coordinates, residual and covariance
     known: dict[str, Identifiability]  # identifiability by name: the law's parameters, m and b
-    # all values by name and their standard errors, SI
-    parameters: dict[str, float]
-    errors: dict[str, float]
+    parameters: dict[str, float]  # all values by name, SI
+    errors: dict[str, float]  # their standard errors, SI
     profiles: pd.DataFrame  # see ``identifiability.profiles``
     # all values by name that the recording supports: the fit's, and draws from its covariance
     plausible: tuple[Mapping[str, float], ...] = ()
@@ -61,8 +60,7 @@ class FittedLaw:
 class Searches:
     """The global searches, one for each seed."""
 
-    # a row for each: seed, evaluations, cost, the values of the local fit after it
-    table: pd.DataFrame
+    table: pd.DataFrame  # for each: seed, evaluations, cost, values of the local fit after it
     algorithm: ga.Optimiser  # the search that led to the result
 
     def restored(self, scale: Scale) -> Searches:
@@ -79,23 +77,18 @@ class Estimation:
     """The result of an estimation."""
 
     recording: Recording
-    # the criterion of the result, and why
-    criterion: str
-    reason: str
+    criterion: str  # that of the result
+    reason: str  # why it is that
     start: Start  # a straight line through the force, and the friction curve without a law
     fitted: FittedLaw  # the law with its values
     searches: Searches  # that came before the fit
-    # what the law predicts where it was not fitted, and the other laws where they were tried
-    held_out: HeldOut
+    held_out: HeldOut  # what the law, and others that were tried, predict there
     figures: GoodnessOfFit  # goodness of fit
     controller: ControllerCheck | None  # the check of the controller; None when it is not known
-    # residual of the loop over that from encoder and noise; NaN without the loop
-    model_error: float
-    # of the controller FMU by name; None when the controller is not known
-    gains: Mapping[str, float] | None = None
+    model_error: float  # residual of the loop over that from encoder and noise, or NaN
+    gains: Mapping[str, float] | None = None  # of the controller FMU by name; None if unknown
     remarks: tuple[str, ...] = ()  # changes made to the recording
-    # those of the task, and those that learning found; no parameter is identifiable then
-    faults: tuple[Finding, ...] = ()
+    faults: tuple[Finding, ...] = ()  # of the task, or found: no parameter is identifiable
     choice: Choice | None = None  # of the law among all; None where the law was given
 
     @property

@@ -127,8 +127,7 @@ def change_of_friction(inverse: InverseModel, values: Values) -> tuple[float, fl
 class HeldOut:
     """What was found where the law was not fitted."""
 
-    # of the law, and of all others where they were tried, in SI units
-    predictions: tuple[Prediction, ...]
+    predictions: tuple[Prediction, ...]  # of the law, and of all others that were tried [SI]
     findings: tuple[Finding, ...]  # that the law does not explain the recording
 
 

@@ -62,8 +62,7 @@ class Task:
 
     fmus: Path  # folder of the FMUs
     recording: Recording
-    # of the controller FMU by name; None when the controller is not known
-    gains: Mapping[str, float] | None = None
+    gains: Mapping[str, float] | None = None  # of the controller FMU by name; None if unknown
     settings: LearnSettings = field(default_factory=LearnSettings)  # the law is that of the FMUs
     faults: tuple[Finding, ...] = ()  # findings of the checks that invalidate intervals or values
     choice: Choice | None = None  # of the law among all; None where the law is given

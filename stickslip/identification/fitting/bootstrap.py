@@ -143,8 +143,7 @@ class UnbiasedFit:
     expected: float
     found: float  # the same of the recording
     noise: float  # standard deviation on the position, beside the encoder's steps [m]
-    # standard deviation of the whitened residual, over that of the position's own steps and noise
-    unexplained: float
+    unexplained: float  # deviation of the whitened residual, over that of steps and noise
 
     @property
     def model_error(self) -> float:

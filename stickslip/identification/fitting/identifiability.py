@@ -39,12 +39,10 @@ AT_BOUND = 1e-6  # distance from a bound below which a coordinate is held there
 class Identifiability:
     """Estimate of one parameter, in SI units."""
 
-    # of the fit
-    value: float
-    standard_error: float
-    # 95 % interval
-    low: float
-    high: float
+    value: float  # of the fit
+    standard_error: float  # of the fit
+    low: float  # 95 % interval
+    high: float  # 95 % interval
     identifiability: str  # one of ``LEVELS``
     # the same for display, with the experiment that shows the parameter, and ``VALUE`` for the
     # value, which may still be scaled
@@ -187,11 +185,9 @@ class _Information:
     """The fit around which profiles are computed."""
 
     fitted: Fit
-    # (k,) whether a coordinate stays where it is while others are profiled
-    loose: NDArray[np.bool_]
-    # (k, k) inverse information of all coordinates, and of those not loose
-    inverse: Array
-    frozen: Array
+    loose: NDArray[np.bool_]  # (k,) whether a coordinate stays while others are profiled
+    inverse: Array  # (k, k) inverse information of all coordinates
+    frozen: Array  # (k, k) of those not loose
     weight: Array  # (k,) information of the priors
     least: float  # loss of the fit
 

@@ -43,8 +43,7 @@ class Search:
 
     algorithm: str = "default"  # one of ``ga.ALGORITHMS``
     evaluations: int = EVALUATIONS  # at most
-    # where candidates run, and the checkpoint
-    execution: Execution = field(default_factory=Execution)
+    execution: Execution = field(default_factory=Execution)  # where, and the checkpoint
 
 
 def search(

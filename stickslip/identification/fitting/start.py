@@ -31,8 +31,7 @@ class Start:
 
     line: dict[str, float]  # values by name, in SI units; those of the law except F_c are guesses
     space: ParameterSpace  # with bounds and priors around them
-    # friction against speed without a law; None where the drive slides too little
-    curve: FrictionCurve | None = None
+    curve: FrictionCurve | None = None  # without a law; None where the drive slides too little
 
     def restored(self, scale: Scale) -> Start:
         """Return line and curve of a scaled recording in SI units; ``space`` stays scaled."""

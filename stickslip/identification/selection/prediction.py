@@ -42,8 +42,7 @@ class Candidate:
     """A friction law, or its case in which friction does not rise towards rest."""
 
     law: Law  # of the catalogue
-    # whether each parameter with a lower bound, as F_s, is held there, as at F_c
-    is_level: bool = False
+    is_level: bool = False  # whether parameters with a lower bound, as F_s, are held there
 
     @property
     def title(self) -> str:
@@ -86,10 +85,8 @@ class Prediction:
     relative: float  # the same over that of the measured force
     explained: float  # root mean square that noise and the steps of encoder and force make [N]
     squares: Array  # (blocks,) mean square of the held-out error of each block [N^2]
-    # names of the law's parameters beyond Coulomb friction that the recording identifies
-    shown: tuple[str, ...]
-    # beside a regression where the drive moves; None where that was not compared
-    moving: Moving | None = None
+    shown: tuple[str, ...]  # parameters beyond Coulomb friction that the recording identifies
+    moving: Moving | None = None  # beside a regression where the drive moves, if compared
 
     @property
     def fails(self) -> bool:
@@ -126,8 +123,7 @@ class Prediction:
 
 def predictions(
     recording: Recording,
-    # of the controller; not used unless it commands the logged force
-    gains: Mapping[str, float] | None = None,
+    gains: Mapping[str, float] | None = None,  # used if the controller commands the force
     among: Iterable[Candidate] | None = None,
     workers: int = 1,
 ) -> list[Prediction]:

@@ -187,9 +187,8 @@ class _Rows:
     v: Array
     a: Array
     force: Array
-    # (n,) travel since the begin, and since the last reversal [m]
-    path: Array
-    s: Array
+    path: Array  # (n,) travel since the begin [m]
+    s: Array  # (n,) travel since the last reversal [m]
     ahead: Array  # (n,) direction of the motion, -1 or 1
     slides: NDArray[np.bool_]  # (n,) whether the speed is above the noise
     top: float

@@ -27,15 +27,12 @@ class Sliding:
     """Friction at the n speeds that the loop holds."""
 
     speed: Array  # (n,) [m/s]
-    # (n,) motor force in either direction, with its sign [N]
-    forward: Array
-    back: Array
-    # (n,) half their difference, and its standard error [N]
-    friction: Array
-    error: Array
+    forward: Array  # (n,) motor force forward [N]
+    back: Array  # (n,) motor force backward [N]
+    friction: Array  # (n,) half their difference [N]
+    error: Array  # (n,) its standard error [N]
     along: Array  # (k,) friction in each block of the guide, relative to its mean
-    # most that the velocity can fluctuate about its mean, a standard deviation [m/s]
-    fluctuation: float
+    fluctuation: float  # largest standard deviation of the velocity about its mean [m/s]
 
 
 def measure_sliding(rig: Rig, loop: VelocityLoop) -> Sliding:

@@ -28,9 +28,8 @@ class Inertia:
     """Result of stage 1."""
 
     m: Estimate  # mass [kg]
-    # coarse values of viscous [N s/m] and Coulomb friction [N]
-    b: Estimate
-    F_c: Estimate
+    b: Estimate  # coarse viscous friction [N s/m]
+    F_c: Estimate  # coarse Coulomb friction [N]
     acceleration: Array  # (n,) [m/s^2]
     force: Array  # (n,) motor force without the friction fitted [N]
     speed: float  # mean of theirs [m/s]
