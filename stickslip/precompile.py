@@ -4,8 +4,6 @@ These are the kernel, the wrapper of FMI 1.0 and all models with all friction la
 3.0, for all platforms. Start values are written into them later.
 """
 
-from __future__ import annotations
-
 import io
 import os
 import zipfile

@@ -1,7 +1,5 @@
 """TOML files of the user: read with limits, keys and values checked with one line for a fault."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any

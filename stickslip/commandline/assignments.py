@@ -1,7 +1,5 @@
 """``--set``, ``--coarse``, ``--source`` and ``--law`` on the command line."""
 
-from __future__ import annotations
-
 import math
 from argparse import ArgumentParser
 from collections.abc import Collection, Iterable

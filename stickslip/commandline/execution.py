@@ -1,7 +1,5 @@
 """The options of every command that learns: algorithm, workers, checkpoint and seed."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager

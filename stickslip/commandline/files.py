@@ -1,7 +1,5 @@
 """Files of a command."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

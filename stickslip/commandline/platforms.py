@@ -1,7 +1,5 @@
 """The options of an FMU that is written: ``--platform``, ``--fmi`` and ``--out``."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from pathlib import Path

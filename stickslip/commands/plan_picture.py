@@ -1,7 +1,5 @@
 """What an experiment looks like."""
 
-from __future__ import annotations
-
 import io
 from itertools import pairwise
 

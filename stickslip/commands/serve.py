@@ -1,7 +1,5 @@
 """``stickslip serve``: run a drive FMU as a drive behind a socket."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

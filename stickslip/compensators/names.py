@@ -1,7 +1,5 @@
 """Names of what competes, known before anything is imported that designs or simulates it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files

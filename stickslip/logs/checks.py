@@ -1,7 +1,5 @@
 """Faults of a recording, and what it can show."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import fields
 

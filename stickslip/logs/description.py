@@ -1,7 +1,5 @@
 """The description of a log and its controller: given in Python, in a TOML file, or by options."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Collection, Mapping

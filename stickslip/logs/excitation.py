@@ -1,7 +1,5 @@
 """How a recording excites a drive."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 

@@ -4,8 +4,6 @@ Each change of the force that logs show is tried on a rigid drive with Coulomb a
 while it slides: a limit that the log lacks, a limit that only the log has, and a low-pass.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

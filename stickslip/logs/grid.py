@@ -1,7 +1,5 @@
 """Resampling to an even grid: gaps filled or cut off, jitter removed."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Figures of a log that hardly any drive has, and signals that contradict each other by units."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -5,8 +5,6 @@ file to standard output: arrays, and ``signals``, JSON with the name, the unit a
 signal and of its times. What holds no real numbers is a text that says what it holds.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """From a log's file to a recording."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace

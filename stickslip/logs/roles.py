@@ -1,7 +1,5 @@
 """The roles of a log's columns: from its description, or detected from common names."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """Where two logs were recorded with the same command, whenever it began and in whatever order."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

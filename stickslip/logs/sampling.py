@@ -1,7 +1,5 @@
 """When the rows of a log were sampled: repeated rows, rounded clocks, channels with own times."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Literal
 

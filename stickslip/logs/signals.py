@@ -1,7 +1,5 @@
 """From signals, each with times of its own or none, to one table."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

@@ -4,8 +4,6 @@ A file is decoded line by line, and its fields become numbers block by block, so
 memory grow with its size, whatever it holds.
 """
 
-from __future__ import annotations
-
 import codecs
 import io
 import re

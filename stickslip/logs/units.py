@@ -4,8 +4,6 @@ Rotary drives have angles for lengths and torques for forces. What is no mechani
 (currents, voltages, counts) needs a scale that says what it stands for.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Collection

@@ -1,7 +1,5 @@
 """Limits of an experiment, and the parts of its velocity command."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields

@@ -1,7 +1,5 @@
 """A rig behind a Beckhoff controller, over ADS; plc/StickslipRig.st runs the motions there."""
 
-from __future__ import annotations
-
 import math
 import re
 import secrets

@@ -1,7 +1,5 @@
 """A rig that a file describes, and one whose logs are kept."""
 
-from __future__ import annotations
-
 import hashlib
 import inspect
 import io

@@ -1,7 +1,5 @@
 """What aborts a motion, looked at sample by sample."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from dataclasses import dataclass

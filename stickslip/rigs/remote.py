@@ -1,7 +1,5 @@
 """A rig whose motions another program runs, which is asked for them."""
 
-from __future__ import annotations
-
 import json
 import math
 import time

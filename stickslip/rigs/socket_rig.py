@@ -1,7 +1,5 @@
 """A rig in another process, behind a socket: the protocol is in docs/rig.md."""
 
-from __future__ import annotations
-
 import secrets
 import socket
 import time

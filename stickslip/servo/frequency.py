@@ -5,8 +5,6 @@ sampled much faster than their bandwidth put these so close together that it war
 to an interpolation. Here the response itself is evaluated, and its crossings are refined.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

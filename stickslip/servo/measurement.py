@@ -1,7 +1,5 @@
 """Velocity from a log of encoder positions."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cache
 

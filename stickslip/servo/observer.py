@@ -15,8 +15,6 @@ quantisation by a coarse encoder hides friction in the error, the product with t
 decides, among the candidates that increase the error by ``QUIET`` at most.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product

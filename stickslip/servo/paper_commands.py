@@ -1,7 +1,5 @@
 """The velocity commands of the paper."""
 
-from __future__ import annotations
-
 from stickslip.cosim import SineSweep, Trapezoid
 
 TRAINING = SineSweep(frequency=(0.1, 5.0), amplitude=(0.030, 0.040), duration=10.0)

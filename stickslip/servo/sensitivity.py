@@ -10,8 +10,6 @@ delays; at the encoder it is that to the mass. Where the observer's axis is the 
 does not depend on the observer, and the second is 1 - Q times it where d_hat = Q d.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property

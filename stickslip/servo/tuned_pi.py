@@ -1,7 +1,5 @@
 """A PI controller tuned against friction, as the reference without any compensator."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 

@@ -10,8 +10,6 @@ throughout from its values at the samples. Then the prediction is exact, and wit
 and quantisation the estimate is the velocity itself.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import control

@@ -1,7 +1,5 @@
 """A learned compensator is tried on simulated drives before it is written."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace

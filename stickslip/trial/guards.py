@@ -11,8 +11,6 @@ the compensator assumes.
     hold          the same at rest in a cascade, after motions of several sizes
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Iterator, Mapping, Sequence

@@ -8,8 +8,6 @@ drive is held for ``PERIODS`` of that cycle after each motion. Targets lie betwe
 steps, where the integral never rests.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 

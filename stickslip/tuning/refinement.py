@@ -4,8 +4,6 @@ The cost sees some parameters well and others hardly. So the fit knows the start
 errors, and slow motions, and the drive decides whether it is kept.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The motion of a recording, and units of the recording in which values are of the order of 1."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

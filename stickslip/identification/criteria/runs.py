@@ -1,7 +1,5 @@
 """FMUs of candidates, their runs, and what closes them."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager

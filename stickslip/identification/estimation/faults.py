@@ -1,7 +1,5 @@
 """Faults that the estimation finds, and whether its law predicts what it was not fitted to."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The settings of learning, the task of an estimation, and the choice of its criterion."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -14,8 +14,6 @@ Source
 Gourieroux, Monfort, Renault, J. Applied Econometrics 8 (1993) S85 (indirect inference).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Least squares in a parameter space, with a covariance that allows for correlated noise."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Protocol, Self

@@ -1,7 +1,5 @@
 """The choice of a friction law by what it predicts, and the causes of what none explains."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

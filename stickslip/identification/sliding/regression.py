@@ -9,8 +9,6 @@ Patterson, Thompson, Biometrika 58 (1971) 545 (restricted likelihood);
 MacKay, Neural Computation 4 (1992) 415 (the fixed-point iteration used here).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

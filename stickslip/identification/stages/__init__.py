@@ -3,8 +3,6 @@
 They see a drive through its commands and measurements only (``stickslip/rigs/contract.py``).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

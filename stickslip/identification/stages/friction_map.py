@@ -1,7 +1,5 @@
 """Stage 2: friction over velocity in both directions, and the break-away force."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

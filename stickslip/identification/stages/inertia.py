@@ -1,7 +1,5 @@
 """Stage 1, which measures the mass, and stage 3, which measures presliding."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 

@@ -11,8 +11,6 @@ the format from the content; and one of
   content can crash. It raises RecordingError.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from importlib import import_module
 from importlib.util import find_spec

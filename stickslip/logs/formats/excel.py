@@ -1,7 +1,5 @@
 """Logs as sheets of Excel workbooks."""
 
-from __future__ import annotations
-
 import io
 import zipfile
 from typing import Any

@@ -1,7 +1,5 @@
 """Logs as Parquet files."""
 
-from __future__ import annotations
-
 from stickslip.errors import RecordingError
 from stickslip.fmi.messages import printable
 from stickslip.logs.header import split_unit

@@ -1,7 +1,5 @@
 """Logs as TDMS files of LabVIEW and its relatives."""
 
-from __future__ import annotations
-
 import io
 from typing import Any
 
