@@ -28,11 +28,7 @@ def precompile(
 ) -> Path:
     """Write an archive of compiled libraries and return its path.
 
-    Raises
-    ------
-    stickslip.fmi.toolchain.ToolchainError
-    OSError
-        When the file cannot be written.
+    Raises ToolchainError when the compiler fails, or OSError when the file cannot be written.
     """
     jobs = list(_jobs(list(platforms), models.model_names() if names is None else names))
     content = io.BytesIO()

@@ -20,8 +20,8 @@ from stickslip import cosim, ga, thresholds
 from stickslip.catalog.parameters import ParameterSpace, friction_law
 from stickslip.errors import IdentificationError, RecordingError, RigError, UsageError
 from stickslip.identification import estimation
-from stickslip.identification.controller import controller_check
-from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria import controller_check
+from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.fitting import bootstrap, identifiability, search
 from stickslip.identification.fitting.identifiability import (
     LEVELS,

@@ -34,12 +34,7 @@ def fmu_options(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def parse_platforms(names: Sequence[str]) -> list[Platform]:
-    """Return the platforms by name, each once.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Return the platforms by name, each once; raise UsageError when one is unknown."""
     if list(names) == ["all"]:
         return list(PLATFORMS.values())
     platforms = {}

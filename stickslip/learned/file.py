@@ -30,6 +30,7 @@ import numpy as np
 from stickslip.catalog.parameters import estimated, friction_law, unit_of
 from stickslip.cosim import SignalError, Simulation, Trapezoid
 from stickslip.errors import UsageError
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.fmi.files import MOST_TEXT, atomic_write, parse_json, read_limited
 from stickslip.learned.writing import (
     AXIS_KEYS,
@@ -45,7 +46,6 @@ from stickslip.learned.writing import (
 from stickslip.models import Law, Model, StartValueError, UnknownLaw, UnknownModel, load_model
 from stickslip.models.export.units import motion_unit
 from stickslip.servo.axis import LOOP, Axis, Datasheet
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed, deployed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop

@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 
 from stickslip.catalog.parameters import ParameterSpace
 from stickslip.cosim import Trapezoid
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.identification.criteria.motion import encoder_noise, position_of
 from stickslip.identification.estimation import Estimation, LearnSettings
 from stickslip.identification.fitting.identifiability import (
@@ -23,7 +24,6 @@ from stickslip.models import Law
 from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet, LoopSpecification
 from stickslip.servo.measurement import smoothed
 from stickslip.servo.observer import MASSES
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 from stickslip.thresholds import control_match, harm
 from stickslip.trial.candidates import CompensatorComparison, compare

@@ -6,14 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip import cosim, ga, models
-from stickslip.evaluation.motions import Motion, Stroke, strokes
+from stickslip.evaluation.motions import REGION, Motion, Stroke, strokes
 from stickslip.evaluation.validation import covered
 from stickslip.models import Law
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import ControlError, Datasheet
 from stickslip.servo.measurement import Array, blended_velocity
 from stickslip.servo.observer import FORCE_NOISE
-from stickslip.servo.paper_commands import REGION
 from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.systems import Compensator, Feed, build_loop, nominal_parameters
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter

@@ -93,12 +93,8 @@ def run_jobs(
     A process that dies takes down all that were running; these are then tried alone, one after the
     other, so that the one that kills is known and the others have their result.
 
-    Raises
-    ------
-    KeyboardInterrupt
-        At Ctrl-C, when all jobs have ended.
-    WorkersLost
-        When the cluster is gone.
+    Raises KeyboardInterrupt at Ctrl-C, when all jobs have ended, or WorkersLost when the cluster is
+    gone.
     """
     with threadpool_limits(limits=1, user_api="blas"), ga.executor(where, workers) as executor:
         if executor is None:

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from stickslip import cosim
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.evaluation.validation import validate
 from stickslip.output import SILENT, Progress
 from stickslip.papers.lugre.folder import write_results
@@ -18,7 +19,6 @@ from stickslip.presentation.page import Picture
 from stickslip.rigs.contract import COMMISSIONING
 from stickslip.rigs.fmu import FmuRig, rig_of
 from stickslip.servo.axis import LOOP, Datasheet
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.work.jobs import Execution

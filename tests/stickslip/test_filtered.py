@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.evaluation.validation import validate
 from stickslip.servo.axis import LOOP, Datasheet
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import paper_loop
 from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop

@@ -10,9 +10,9 @@ import pytest
 
 from stickslip import cosim
 from stickslip.catalog.parameters import friction_law
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.measurement import slope
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop

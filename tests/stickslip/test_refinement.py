@@ -6,9 +6,9 @@ import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.comparison import Entry, evaluate
+from stickslip.evaluation.motions import TRAINING
 from stickslip.identification.stages import Estimate, identify
 from stickslip.servo.axis import LOOP
-from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.learning import Study, coarsened, draw_factors
 from stickslip.tuning.refinement import refine
 

@@ -12,12 +12,11 @@ from scipy.signal import butter, sosfiltfilt
 from stickslip import cosim
 from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.cli import main
-from stickslip.evaluation.motions import MOTIONS
+from stickslip.evaluation.motions import MOTIONS, TRAINING, VALIDATION
 from stickslip.evaluation.validation import covered, run_command
 from stickslip.fmi.toolchain import PLATFORMS
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import Datasheet
-from stickslip.servo.paper_commands import TRAINING, VALIDATION
 
 FILES = {
     *("table2.csv", "table4.csv", "fitness.csv", "learned.json", "manifest.json", "report.html"),

@@ -6,7 +6,7 @@ import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.comparison import KEYS, Entry, evaluate
-from stickslip.evaluation.motions import MOTIONS
+from stickslip.evaluation.motions import MOTIONS, VALIDATION
 from stickslip.evaluation.validation import (
     PHASES,
     beginnings,
@@ -17,7 +17,6 @@ from stickslip.evaluation.validation import (
 )
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.axis import LOOP
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import paper_loop
 from stickslip.servo.velocity_loop import design_velocity_loop
 

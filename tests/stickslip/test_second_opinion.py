@@ -6,9 +6,9 @@ import pytest
 
 from stickslip import models
 from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.evaluation.motions import TRAINING, VALIDATION
 from stickslip.papers.lugre.fmpy_check import second_opinion
 from stickslip.servo.axis import LOOP, Datasheet
-from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.systems import FEEDS, Compensator, build_fmus, deployed, paper_loop
 from stickslip.servo.velocity_loop import design_velocity_loop
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip.catalog.parameters import Values
-from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import Scale, measured_force, position_of

@@ -10,7 +10,7 @@ import pandas as pd
 
 from stickslip import ga
 from stickslip.catalog.parameters import DRIVE
-from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
 from stickslip.identification.criteria.motion import SI, Scale
 from stickslip.identification.estimation.faults import HeldOut

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.catalog.parameters import Values
-from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import OutputError
 from stickslip.identification.criteria.motion import Scale

@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip import ga
 from stickslip.catalog.parameters import Values, friction_law, presliding
-from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import OutputError

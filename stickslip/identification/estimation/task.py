@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.catalog.parameters import friction_law
 from stickslip.errors import UsageError
-from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import OutputError, is_running
 from stickslip.identification.fitting.search import Search

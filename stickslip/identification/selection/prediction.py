@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip import models
 from stickslip.catalog.parameters import ParameterSpace, friction_law, presliding
-from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.inverse_model import EDGE, ForceCost, InverseModel
 from stickslip.identification.criteria.known_loop import fmu_gains
 from stickslip.identification.criteria.motion import Scale, against_motion, recording_scale

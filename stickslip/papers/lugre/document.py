@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from stickslip.catalog.parameters import start_unit, unit_of
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.learned.writing import (
     SCHEMA,
     component_entry,
@@ -17,7 +18,6 @@ from stickslip.learned.writing import (
 )
 from stickslip.papers.lugre.fmpy_check import SecondOpinion
 from stickslip.papers.lugre.reproduction import Reproduction
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.tuning.drive_model import DriveModel
 from stickslip.tuning.loop_runs import GENES
 

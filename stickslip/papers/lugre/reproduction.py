@@ -16,6 +16,7 @@ import pandas as pd
 from stickslip import cosim, models
 from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.evaluation.comparison import Evaluation
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.evaluation.validation import PHASES, Validation, validate
 from stickslip.identification.stages import Estimate, Identification
 from stickslip.output import Progress
@@ -26,7 +27,6 @@ from stickslip.papers.lugre.steps import with_steps
 from stickslip.papers.lugre.tables import table2
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import Changes, Feed, build_fmus, build_loop, drive_law, paper_loop
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.studies.learn.learned import Learned

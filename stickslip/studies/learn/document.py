@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from stickslip.catalog.parameters import start_unit, unit_of
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.evaluation.tracking import Tracking
 from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.learned.writing import (
@@ -21,7 +22,6 @@ from stickslip.learned.writing import (
     validation_document,
     versions,
 )
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.learned import LearnedFromRecording
 from stickslip.trial.guards import Hold

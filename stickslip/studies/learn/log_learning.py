@@ -10,7 +10,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.motion import against_motion, recording_scale
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.estimation import LearnSettings

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 from stickslip.cosim import SineSweep, Trapezoid
 from stickslip.errors import HarmfulError
 from stickslip.evaluation import validation
+from stickslip.evaluation.motions import TRAINING, VALIDATION
 from stickslip.evaluation.validation import Validation
 from stickslip.identification.stages import Estimate, Identification, identify
 from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Rig
 from stickslip.servo.axis import LOOP, LoopSpecification
-from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.systems import Feed
 from stickslip.studies.learn.learned import Learned
 from stickslip.trial.compensator_trial import Loops

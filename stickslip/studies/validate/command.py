@@ -11,7 +11,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.commandline import FLAG, add_options, require_files, warn
+from stickslip.commandline import FLAG, add_options, require_files, warn, write_files
 from stickslip.commandline.assignments import add_set_option, add_source_option, drive_changes
 from stickslip.commandline.log_options import (
     add_log_options,
@@ -135,7 +135,6 @@ def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str,
 
 def _on_rig(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
     """Run the trapezoid of the file without and with its compensator, in the loop of the rig."""
-    from stickslip.commandline.files import write_files
     from stickslip.evaluation.validation import validate
 
     document = learned.document
@@ -164,14 +163,13 @@ def _on_rig(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
 
 def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
     """Identify the axis for its loop, run the trapezoid without and with the compensator."""
-    from stickslip.commandline.files import write_files
+    from stickslip.evaluation.motions import VALIDATION
     from stickslip.evaluation.validation import PHASES, validate
     from stickslip.identification.stages import identify
     from stickslip.papers.lugre.reproduction import drive_truth
     from stickslip.papers.lugre.terminal import print_table4
     from stickslip.rigs.fmu import rig_of
     from stickslip.servo.axis import LOOP
-    from stickslip.servo.paper_commands import VALIDATION
     from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 
     truth = drive_changes(options.set)

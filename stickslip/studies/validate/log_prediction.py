@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip.catalog.parameters import Values, friction_law
 from stickslip.evaluation.tracking import LearnedDrive
-from stickslip.identification.controller.controller_check import ControllerCheck, check_controller
+from stickslip.identification.criteria.controller_check import ControllerCheck, check_controller
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit, goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip import cosim
 from stickslip.errors import UsageError
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE, LearnedDrive, simulate
-from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.motion import recording_scale
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.learned.file import LearnedFile

@@ -6,11 +6,10 @@ import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.comparison import KEYS, Entry, evaluate
-from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS, Motion
+from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS, VALIDATION, Motion
 from stickslip.evaluation.validation import PHASES, run_command, validate
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.axis import LOOP
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 

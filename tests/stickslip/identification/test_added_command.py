@@ -6,7 +6,7 @@ import drives
 import numpy as np
 import pytest
 
-from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import Scale
 from stickslip.logs import Recording

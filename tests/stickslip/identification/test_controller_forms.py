@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.known_loop import fmu_gains
 from stickslip.logs import Recording
 

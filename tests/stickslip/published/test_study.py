@@ -8,6 +8,7 @@ import pytest
 
 from stickslip import ga
 from stickslip.catalog.parameters import LUGRE
+from stickslip.evaluation.motions import TRAINING, VALIDATION
 from stickslip.evaluation.validation import validate
 from stickslip.identification.stages import Estimate
 from stickslip.papers.lugre.published import (
@@ -18,7 +19,6 @@ from stickslip.papers.lugre.published import (
     study_as_published,
 )
 from stickslip.rigs.fmu import rig_of
-from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.tuning.learning import VelocityCost, coarsened, draw_factors
 
 pytestmark = pytest.mark.slow

@@ -11,7 +11,7 @@ import pytest
 
 from stickslip import ga
 from stickslip.catalog.parameters import DRIVE, LUGRE, PAPER, ParameterSpace, friction_law
-from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
 from stickslip.identification.estimation import Estimation, Identifiability
 from stickslip.identification.estimation.estimation import FittedLaw, Searches

@@ -17,7 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from stickslip import cosim, ga
 from stickslip.catalog.parameters import LUGRE, PAPER, friction_law
 from stickslip.evaluation.comparison import KEYS, Evaluation, motion_errors
-from stickslip.evaluation.motions import MOTIONS
+from stickslip.evaluation.motions import MOTIONS, VALIDATION
 from stickslip.evaluation.validation import Run, Validation, repetitions
 from stickslip.identification.stages import (
     Estimate,
@@ -46,7 +46,6 @@ from stickslip.presentation.quantity import number, parameter_estimate, paramete
 from stickslip.presentation.style import house_style
 from stickslip.rigs.contract import Log
 from stickslip.servo.axis import LOOP, Datasheet
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import FEEDS
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.studies.learn.learned import Learned

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from stickslip import ga
 from stickslip.catalog.parameters import LUGRE
-from stickslip.evaluation.motions import MOTIONS
+from stickslip.evaluation.motions import MOTIONS, TRAINING
 from stickslip.evaluation.validation import PHASES
 from stickslip.papers.lugre.published import (
     LOGARITHMIC,
@@ -24,7 +24,6 @@ from stickslip.presentation.markup import Html, join, paragraph, quiet, table
 from stickslip.presentation.page import Illustration, Section
 from stickslip.presentation.quantity import SPACE, number, percent, ranged, symbol
 from stickslip.servo.axis import LOOP
-from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.learning import SPREAD
 
 FIG5 = "fig5_as_published"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from stickslip.catalog.parameters import PAPER
+from stickslip.evaluation.motions import TRAINING
 from stickslip.papers.lugre.published import PAPER_COST
 from stickslip.papers.lugre.reproduction import Reproduction
 from stickslip.presentation.markup import Html, element, join, paragraph, table
@@ -17,7 +18,6 @@ from stickslip.presentation.quantity import (
     percent,
     symbol,
 )
-from stickslip.servo.paper_commands import TRAINING
 
 
 def friction_section(reproduction: Reproduction) -> Section:

@@ -7,7 +7,7 @@ from functools import partial
 
 import pandas as pd
 
-from stickslip.evaluation.motions import SLOW_MOTIONS
+from stickslip.evaluation.motions import REGION, SLOW_MOTIONS, VALIDATION
 from stickslip.evaluation.validation import PHASES, Validation, reduction
 from stickslip.papers.lugre.page.curves import draw_motions, draw_steps, draw_tracking
 from stickslip.papers.lugre.reproduction import Extras, Reproduction
@@ -24,7 +24,6 @@ from stickslip.presentation.markup import Html, element, join, paragraph, quiet,
 from stickslip.presentation.page import Illustration, Section
 from stickslip.presentation.quantity import METRICS, number, percent, ranged
 from stickslip.servo.measurement import CUTOFF
-from stickslip.servo.paper_commands import REGION, VALIDATION
 from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.tuned_pi import tuned_pi
 
