@@ -226,8 +226,7 @@ def _commands() -> dict[str, Command]:
 
 
 COMMANDS = _commands()
-EXPECTED = (Fault, OSError, MemoryError)
-"""Errors that a user can cause; any other is a defect and shows its traceback."""
+EXPECTED = (Fault, OSError, MemoryError)  # that a user can cause; others are defects
 _LONGEST = 2000  # characters of a message, which may contain text from a file
 
 

@@ -22,8 +22,7 @@ class Estimate:
     standard_error: float
 
 
-LOW, HIGH = "_low", "_high"
-"""What the columns of a range are called behind the name of their median."""
+LOW, HIGH = "_low", "_high"  # suffixes of the columns of a range, to the name of the median
 UNKNOWN = 3.0  # relative standard error of a value that no experiment showed: a factor of e^3
 
 

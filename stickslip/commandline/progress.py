@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 
 LEVELS = "▁▂▃▄▅▆▇█"
 LATEST = 40  # generations of which the cost is drawn
-Row = tuple[float, str]
-"""A share from 0 to 1, which is drawn as a bar, and a text; a share that is NaN draws none."""
+Row = tuple[float, str]  # a share from 0 to 1, drawn as a bar unless it is NaN, and a text
 
 
 def add_live_option(parser: argparse.ArgumentParser) -> None:

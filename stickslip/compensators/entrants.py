@@ -31,8 +31,7 @@ FEEDFORWARD = "compensator"  # model that evaluates any law
 RANGE = 10.0  # bounds of a parameter of a friction law, as a factor on its coarse start
 SPEED = 0.04  # speed of the paper's commands [m/s], for which ``entrants.toml`` is written
 SPREAD = 0.5  # standard deviation of the logarithm of a start value where law.toml gives none
-DEFLECTION = 2e-5
-"""Presliding deflection that is assumed before anything is tuned, at that speed [m]."""
+DEFLECTION = 2e-5  # presliding deflection that is assumed before tuning, at that speed [m]
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,7 @@ SLOW = SineSweep(frequency=(0.1, 0.5), amplitude=(0.030, 0.040), duration=10.0)
 VALIDATION = Trapezoid(height=0.040, slope=0.055, plateau=0.5, begin=0.1)
 """The trapezoid of Fig. 6(a) [m/s]."""
 
-REGION = (0.030, 0.070)
-"""The evaluated windows: from when to when after motion starts or reverses [s]."""
+REGION = (0.030, 0.070)  # evaluated windows after motion starts or reverses, from when to when [s]
 
 
 Span = tuple[float, float]  # from when to when [s]
@@ -167,6 +166,5 @@ def _micrometre_moves() -> Motion:
     )
 
 
-SLOW_MOTIONS = (_reversals(), _creep(), _micrometre_moves())
-"""What the trapezoid is too fast and too long for."""
+SLOW_MOTIONS = (_reversals(), _creep(), _micrometre_moves())  # slower than the trapezoid
 MOTIONS = (trapezoid(VALIDATION), *SLOW_MOTIONS)  # all of them, the paper's first

@@ -25,8 +25,7 @@ from stickslip.servo.velocity_loop import VelocityLoop
 
 NONE, FEEDFORWARD, FRICTIONLESS = "without compensator", "with compensator", "without friction"
 """Variants: no compensation, the force of the compensator, and no friction at all."""
-SHARE = 1.0 / 16.0
-"""Cut-off of the low-pass of measured velocities at most, as share of the sample rate."""
+SHARE = 1.0 / 16.0  # largest cut-off of a measured velocity's low-pass, over the sample rate
 
 
 @dataclass(frozen=True)

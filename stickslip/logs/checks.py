@@ -27,8 +27,7 @@ from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import log_content, log_force
 
 WINDOW = 7  # number of differences of the position in the moving median
-ALIKE = 0.25
-"""Largest deviation of the neighbours of a jump from that median, relative: steady motion."""
+ALIKE = 0.25  # largest deviation of the neighbours of a jump from that median, relative
 STEPS = 5.0  # encoder steps per row from which one row can be distinguished from two
 
 

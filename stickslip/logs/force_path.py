@@ -17,8 +17,7 @@ from stickslip.thresholds import log_content, log_force
 LEVELS = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.925, 0.95, 0.97, 0.98, 0.99, 0.995)
 """Quantiles of the force that are tried as a limit."""
 LAGS = np.geomspace(0.5, 100.0, 20)  # time constants of a low-pass that are tried [samples]
-OWN = (0.0, 0.5, 0.7, 0.85, 1.0)
-"""Shares of the time constant by which a low-pass makes a delay, of those that are tried."""
+OWN = (0.0, 0.5, 0.7, 0.85, 1.0)  # shares of a low-pass's time constant that are tried as its delay
 
 
 def force_path(recording: Recording) -> Iterator[Finding]:

@@ -125,8 +125,7 @@ def unbracketed(field: str) -> str:
 _KEPT = 8  # lines of text that are looked at for names, at both ends of those right above the data
 _SCORED = 200  # fields of such a line of which it is counted how many name signals
 _LONGEST_KEY = 40
-LOOKED_AT = 100_000
-"""Most lines above the first that holds a number or a point in time; they take 1 s."""
+LOOKED_AT = 100_000  # most lines above the first that holds a number or a time; they take 1 s
 _NAMES = ("name", "signalname", "symbolname", "signal", "bezeichnung")
 _UNITS = ("unit", "units", "einheit")
 _PERIOD = ("sampletimems", "sampletime")

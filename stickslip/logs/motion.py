@@ -113,8 +113,7 @@ DELAY_CUTOFF = 50.0  # low-pass of what is compared [Hz]
 ROUNDS = 12
 FARTHEST = 0.1  # delays beyond are not looked for [s]
 TRIALS = 41  # delays that are tried at first
-NOTHING = 1e-7
-"""Share of a signal by which it changes in one sample, where nothing but rounding changes it."""
+NOTHING = 1e-7  # share of a signal by which rounding alone changes it in one sample
 AS_WELL = 3e-4
 """Share of the variance of a signal that may be left: the shortest of such delays is taken. A force
 that switches is that of Coulomb friction alone, 10 to 30 ms early, too: 5e-8 to 1e-5 are left."""

@@ -23,10 +23,8 @@ from stickslip.thresholds import log_content, log_unit
 
 RATE = "d(position)/dt"
 DELAYS = 9  # delays of the force that are tried
-LATE, FILTERED = 0.1, 0.01
-"""Share of the log by which a signal may be later than its command, and a velocity late."""
-CUTOFF = 0.02
-"""Of the low-pass before a comparison, in sampling frequencies because the time may be wrong."""
+LATE, FILTERED = 0.1, 0.01  # share of the log by which a signal, and a velocity, may be late
+CUTOFF = 0.02  # of the low-pass before a comparison, in sampling frequencies
 
 
 def contradictions(reading: Reading) -> Iterator[Finding]:

@@ -22,8 +22,7 @@ _FURTHER = {*_LABELS, *_UNITS, "time", "dimensions"}
 _TIMES = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0}
 _KINDS = {"c": "complex numbers", "U": "text", "S": "text", "V": "an array of structs"}
 
-_Signal = tuple[str, Any, str, Any]
-"""Name, values or what they are instead, unit, and times or None."""
+_Signal = tuple[str, Any, str, Any]  # name, values or what they are instead, unit, times or None
 
 
 def signals(prefix: str, found: Any, time: Any = None) -> Iterator[_Signal]:

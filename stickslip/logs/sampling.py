@@ -103,8 +103,7 @@ def interpolated(t: Array, signal: Array, at: Array, method: str) -> Array:
     return np.interp(at, t, signal)
 
 
-SPAN = 16
-"""Rows over which a period is averaged: rounding is divided by as much, and few rows are lost."""
+SPAN = 16  # rows over which a period is averaged: it divides rounding, and few rows are lost
 FOLLOWED = 4096  # most rows to which the period of a clock that drifts is fitted
 
 

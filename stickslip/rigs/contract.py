@@ -184,8 +184,7 @@ def _wrong_log(log: object, command: Command) -> str:
     return ""
 
 
-Trial = Callable[[Mapping[str, float]], Recorded]
-"""Runs a compensator, given by its parameters, on the drive."""
+Trial = Callable[[Mapping[str, float]], Recorded]  # runs compensator parameters on the drive
 
 
 class Rig(ABC):

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 from stickslip.errors import UsageError
 
-SPEED_OVER = 5e-3
-"""Time over which the measured speed is a mean, so that encoder steps do not count [s]."""
+SPEED_OVER = 5e-3  # time over which the measured speed is a mean, for the encoder's steps [s]
 
 
 @dataclass(frozen=True)

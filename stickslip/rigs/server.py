@@ -21,12 +21,9 @@ from stickslip.rigs.served_drive import ServedDrive
 
 BURST = 100  # most samples between two looks at the sockets
 MOST = 2_000_000  # most samples of a motion
-CONNECTIONS = 50
-"""Most connections at a time; a further one takes the place of the one silent for longest."""
-PENDING = 64
-"""Most requests that one connection may send before it reads an answer; a rig sends one."""
-SEND_BUFFER = 1 << 18
-"""Bytes of answers that the system keeps for a connection, several of the longest, 30 kB."""
+CONNECTIONS = 50  # most connections; a further one takes the place of the longest silent one
+PENDING = 64  # most requests of a connection before it reads an answer; a rig sends one
+SEND_BUFFER = 1 << 18  # bytes of answers kept for a connection, several of the longest
 SIGNALS = ("F", "F_ff", "a_cmd", "v_cmd", "x_cmd")
 
 

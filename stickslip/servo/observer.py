@@ -28,13 +28,11 @@ from stickslip.servo.velocity_filter import FilterSpecification, Observer, desig
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import offer
 
-MASSES = (0.9, 1.0, 1.1)
-"""True masses, relative to that of the loop's axis, at which the limit holds."""
+MASSES = (0.9, 1.0, 1.1)  # true masses, relative to that of the axis, at which the limit holds
 REVERSALS = 0.1
 """Reversals of Coulomb friction per second, r. A real one is spread over the presliding distance,
 so that it excites high frequencies less than a step does."""
-FORCE_NOISE = 0.01
-"""Standard deviation of the measured force where it is not given, relative to the friction."""
+FORCE_NOISE = 0.01  # default standard deviation of the measured force, relative to the friction
 QUIET = 0.02  # share by which the whole error may grow where the encoder hides friction in it
 LEAST_GAIN = 1e-3  # relative improvement below which the search ends
 Weights = tuple[float, float]

@@ -8,8 +8,7 @@ from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 
-FREQUENCIES = 2000
-"""Points at which the sensitivity is evaluated, evenly spaced in the logarithm of the frequency."""
+FREQUENCIES = 2000  # frequencies of the sensitivity, evenly spaced in the logarithm
 
 
 def tuned_pi(loop: VelocityLoop) -> VelocityLoop:
@@ -53,8 +52,7 @@ def _points(loop: VelocityLoop) -> Array:
     return np.asarray(np.exp(2j * np.pi * frequencies * loop.T_s))
 
 
-UNKNOWN_SHARE = 0.25
-"""Standard deviation of the change of friction in a second, as a share of Coulomb friction."""
+UNKNOWN_SHARE = 0.25  # deviation of the change of friction in 1 s, over Coulomb friction
 
 
 def with_velocity_filter(loop: VelocityLoop, datasheet: Datasheet, F_c: float) -> VelocityLoop:

@@ -240,8 +240,7 @@ def close_velocity_loop(
     )
 
 
-POSITION_LOOP = 75.4 / 849.0
-"""Gain of the position loop relative to K_p over the mass, the crossover of the velocity loop."""
+POSITION_LOOP = 75.4 / 849.0  # gain of the position loop, over the velocity loop's crossover
 
 
 def position_loop(loop: VelocityLoop) -> VelocityLoop:

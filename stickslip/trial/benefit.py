@@ -38,12 +38,10 @@ from stickslip.thresholds import harm, loop_fit
 from stickslip.trial.family import MOVES, Command, Drive, axis_values, in_loop
 
 SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.4, 0.3, 0.2, 0.1)
-LEVELS = tuple(np.linspace(0.99, 1.01, 8).tolist())
-"""Levels of friction at which a run is repeated where it sticks and slips."""
+LEVELS = tuple(np.linspace(0.99, 1.01, 8).tolist())  # of friction, where a run sticks and slips
 FIGURES = ("velocity", "position")  # what errors are of; that of the position counts in a cascade
 _LEAST = 1e-9  # ratio that counts as none
-FEEDFORWARD = "compensator"
-"""Component whose force a share reduces; also the model that evaluates any law."""
+FEEDFORWARD = "compensator"  # component that a share reduces, and the model of any law
 
 
 @dataclass(frozen=True)

@@ -41,20 +41,15 @@ from stickslip.trial.observed import (
     strongest,
 )
 
-AUTO = "auto"
-"""Name that stands for the compensator that does best, and for the law that a log shows."""
-QUICK = 3
-"""Drives of the family on which candidates are compared first: as fitted, less, more friction."""
+AUTO = "auto"  # stands for the compensator that does best, and for the law that a log shows
+QUICK = 3  # drives on which candidates are compared first: as fitted, less, more friction
 TRIED = 2  # Observers, and combinations, that are then tried on all drives
-COARSELY = (1.0, 0.8, 0.6, 0.4, 0.2)
-"""Shares of the force of a feedforward without a law that are tried."""
-SLOWER = (0.1, 1e-2, 1e-3, 1e-4)
-"""Rates of the disturbance, over that of the fastest Kalman filter, for slower ones."""
+COARSELY = (1.0, 0.8, 0.6, 0.4, 0.2)  # shares of a feedforward without a law that are tried
+SLOWER = (0.1, 1e-2, 1e-3, 1e-4)  # rates of the disturbance, over that of the fastest filter
 GRID = 8  # values of a gene that are compared by sensitivity and expected error
 RAMPS = (0.1, 0.3, 1.0, 3.0)
 """Velocities at which the ramp of a Coulomb force ends that are compared, over the start value."""
-SIGNALS = {"encoder": "x_enc", "motor_force": "F_motor"}
-"""Signals that a controller may lack, and their roles."""
+SIGNALS = {"encoder": "x_enc", "motor_force": "F_motor"}  # that a controller may lack, by role
 _RAMP = "v_t"
 _REFERENCE = {"v_ref", "F_added"}
 

@@ -21,8 +21,7 @@ from stickslip.servo.velocity_filter import Observer
 from stickslip.thresholds import offer
 from stickslip.trial.guards import Bench, Benefit, TrialError, Variant
 
-SLOWER = 0.3
-"""Share of the Coulomb friction for which an observer is designed that has to be slower."""
+SLOWER = 0.3  # share of the Coulomb friction for which a slower observer is designed
 SHARES = (0.7, 0.5, 0.35, 0.25, 0.15)  # shares of its estimate that are tried after that
 FEEDFORWARD: Final = "feedforward"
 OBSERVER: Final = "observer"

@@ -34,22 +34,18 @@ from stickslip.tuning.loop_runs import (
 )
 from stickslip.work.jobs import Execution
 
-LEVELS = (0.7, 1.3)
-"""Friction of the models, relative to the drive's own: what temperature and wear change."""
+LEVELS = (0.7, 1.3)  # friction of the models over the drive's own: temperature and wear
 POWER = 8
 """Exponent of the mean over the ratios: with 8, one that is a quarter smaller than the largest
 counts a tenth as much as it."""
-QUIET = 0.75
-"""Weight of the change of the force, which costs heat and noise, beside that of an error."""
+QUIET = 0.75  # weight of the change of the force, for heat and noise, beside an error
 NEAR, STEEP = 0.9, 3.0
 """From where on a ratio costs more, and how much. Without it, searches on drives of Armstrong and
 Coulomb-Stribeck friction ended where nothing could be taken."""
-EVALUATIONS = 300
-"""Candidates in a search: docs/measurements/loop-tuning.md shows what fewer and more give."""
+EVALUATIONS = 300  # candidates in a search; docs/measurements/loop-tuning.md shows others
 FINALISTS = 4  # best candidates that are run again
 REPEATS = 3
-JITTER = 1e-4
-"""How often, and by how much their genes change in between: as no drive runs twice alike."""
+JITTER = 1e-4  # how often, and how much, their genes change in between
 FORCE = "change of the force"
 
 Ratios = dict[tuple[str, float], float]  # by kind of motion, or ``FORCE``, and friction

@@ -19,13 +19,11 @@ from stickslip.servo.measurement import Array
 from stickslip.thresholds import kept
 from stickslip.tuning.learning import Bench, Study, fit
 
-FAST, UPTO = 20.0, 0.2
-"""Speed that starts and reversals reach, in v_s, and the time in which they do [s]."""
+FAST, UPTO = 20.0, 0.2  # speed that starts and reversals reach [v_s], and their time [s]
 CREEP, CREEPING, RAMP = (0.1, 0.3, 1.0, 3.0), 1.2, 5e-3
 """Speeds of creep in v_s, for how long it lasts and how soon it is reached [s]: below about v_s a
 contact sticks and slips."""
-REVERSALS, QUARTER = (1.0, 4.0), 0.25
-"""Peaks of slow reversals in v_s, and the time between zero and peak [s]."""
+REVERSALS, QUARTER = (1.0, 4.0), 0.25  # peaks of slow reversals [v_s], and time to a peak [s]
 MOVES, HALF, REST = (0.36, 1.4, 3.6), 0.025, 0.1
 """Peaks of short moves in v_s, how soon they are reached, and the rest after each [s]: on the
 paper's drive 5, 20 and 50 um, where the contact breaks away after 23 um."""

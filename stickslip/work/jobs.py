@@ -71,8 +71,7 @@ class Outcome:
     reason: str = ""  # why it failed; else empty
 
 
-Job = Callable[..., Outcome]
-"""Works on one item, as ``learn_drive`` does on a drive; must be picklable."""
+Job = Callable[..., Outcome]  # works on one item, as ``learn_drive`` on a drive; is picklable
 
 
 class _Stop(StickslipError):

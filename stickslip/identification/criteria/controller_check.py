@@ -60,8 +60,7 @@ def _time_constant(low_pass: str, tau_f: float, T_s: float) -> float:
     return tau_f
 
 
-SHARE = 1.0 / 50.0
-"""Cut-off of the low-pass, as a share of the sample rate: noise of the force is no disagreement."""
+SHARE = 1.0 / 50.0  # cut-off of the low-pass over the sample rate: noise is no disagreement
 SHIFTS = range(5)  # samples by which the logged force may be older than the command
 LIMITED = "limit of the force as the log shows it"
 LEVELS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999, 1.0)

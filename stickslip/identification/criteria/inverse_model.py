@@ -36,10 +36,8 @@ from stickslip.servo.measurement import Array, smoothed
 
 SHARE = 1.0 / 16.0  # cut-off of the low-pass, as a share of the sample rate
 EDGE = 4.0  # periods of the cut-off that the filter needs at either end
-GUARD = 1.0
-"""Time before and after rest in which the low-pass mixes both, in periods of the cut-off."""
-REST = 3.0
-"""Speed up to which a drive may be at rest, in standard deviations of the velocity's noise."""
+GUARD = 1.0  # time around rest in which the low-pass mixes both, in periods of the cut-off
+REST = 3.0  # speed up to which a drive may be at rest, in deviations of its noise
 
 
 def friction_run(fmus: Path, v: Array, T_s: float) -> cosim.Specification:

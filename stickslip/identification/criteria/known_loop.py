@@ -22,8 +22,7 @@ from stickslip.logs import Recording
 from stickslip.models import Law
 from stickslip.servo.measurement import Array, require_bounded
 
-HELD, FADING = "F_held", "F_fading"
-"""What the log began with, beside the gains of the controller FMU [N]."""
+HELD, FADING = "F_held", "F_fading"  # forces that the log began with, beside the gains [N]
 
 
 def initial_state(missing: Array, gains: Mapping[str, float], T_s: float) -> dict[str, float]:
@@ -178,8 +177,7 @@ def candidate(values: Values) -> dict[str, float]:
 
 
 ORDER = 30
-BURN_IN = 0.005
-"""Share at the start of the recording that is not used: the controller's state is unknown."""
+BURN_IN = 0.005  # share at the start that is not used: the controller's state is unknown
 
 
 class OutputError(Closing):

@@ -65,13 +65,10 @@ from stickslip.output import SILENT, Progress, step
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import control_match, curve_shown, law_choice, loop_fit
 
-UNEXPLAINED = 4.0
-"""Residual of the loop, over encoder steps and noise, above which another minimum is looked for."""
-BASIN = 1e-2
-"""Relative change of the sum of squares at which the fit ends that only finds another minimum."""
+UNEXPLAINED = 4.0  # residual of the loop, over steps and noise, above which it is fitted again
+BASIN = 1e-2  # relative change of the squares at which a fit to find a minimum ends
 LAG = 0.2  # initial lag of the force behind its command, in samples
-F_0_DEVIATION = 0.01
-"""Least prior standard deviation of the constant force from the inverse model, in F_c."""
+F_0_DEVIATION = 0.01  # least prior standard deviation of the inverse model's constant force, in F_c
 DRAWS = 3  # number of draws from the covariance of the fit, on which the compensator is tried
 SLOWER = 0.5  # cut-off of a second low-pass, as share of the first
 BIAS_ERROR = 0.12  # standard error of the bias that is subtracted, as share of it

@@ -29,8 +29,7 @@ LEVELS = (IDENTIFIABLE, WEAKLY_IDENTIFIABLE, NOT_IDENTIFIABLE)
 VALUE = "{value}"  # place of the value in a template
 POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
 PASSES = 3
-SETTLED = 0.01
-"""Length of a Gauss step, in deviance, below which a point of a profile is not moved again."""
+SETTLED = 0.01  # length of a Gauss step, in deviance, below which a point is not moved again
 LOOSE = 0.5  # standard error of a coordinate above which it is held while others are profiled
 AT_BOUND = 1e-6  # distance from a bound below which a coordinate is held there
 

@@ -95,8 +95,7 @@ def solve_linear(model: InverseModel, start: Start, friction: Array) -> dict[str
 
 STEEPER = 0.5
 WIDER = 1.5  # ratio of v_s with the exponent 2 to that with 1, for the same friction
-AMBIGUITY = 0.6
-"""Standard error, as share of the distance between two fits, where neither is better."""
+AMBIGUITY = 0.6  # standard error, as share of the distance of two fits, where neither is better
 
 
 def best_fit(inverse: InverseModel, start: Start, values: Values) -> Fit:

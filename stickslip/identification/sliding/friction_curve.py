@@ -30,18 +30,15 @@ from stickslip.servo.measurement import Array, derivative, smoothed
 from stickslip.thresholds import curve_shown
 
 SHARE = 1.0 / 16.0  # cut-off of the low-pass, as a share of the rate of the rows
-NOISE = 1e-4
-"""Largest variance of the acceleration by encoder noise, as share of that of the motion."""
-DISTANCES = (0.004, 0.02)
-"""Travel since a reversal from which on the drive slides, as a share of the whole travel."""
+NOISE = 1e-4  # largest variance of the acceleration by encoder noise, over that of the motion
+DISTANCES = (0.004, 0.02)  # travel from a reversal to sliding, as a share of the whole travel
 SLOWEST = 0.01  # speed from which on the drive slides, as a share of its top speed
 NOISY = 4.0  # the same in standard deviations of the velocity's noise
 STEADY = 4.0
 """Largest ratio of speeds within such a distance: friction follows a change of speed over a path,
 so that it is not that of a steady speed while a drive sticks and slips."""
 GUARDS = (0.32, 0.64)  # distances from rows that are not used, in periods of the cut-off
-HARMONICS, KNOTS, STEPS = 40, 10, 6
-"""Size of the bases along the guide, over speed, and over the travel since a reversal."""
+HARMONICS, KNOTS, STEPS = 40, 10, 6  # bases along the guide, over speed, and since a reversal
 LONGEST = 1 << 6  # largest number of samples in a row
 SPEEDS = 12
 SPAN = (0.03, 0.97)  # quantiles of the speeds between which the curve is given
