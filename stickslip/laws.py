@@ -1,5 +1,7 @@
 """A friction law by itself, under an imposed motion or force."""
 
+from __future__ import annotations
+
 import math
 import tempfile
 from collections.abc import Mapping

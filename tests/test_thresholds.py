@@ -22,6 +22,8 @@ from stickslip.errors import IdentificationError, RecordingError, RigError, Usag
 from stickslip.identification import estimation
 from stickslip.identification.criteria import controller_check
 from stickslip.identification.criteria.controller_check import ControllerCheck
+from stickslip.identification.criteria.runs import Diverged, require_bounded
+from stickslip.identification.estimation import task as estimation_task
 from stickslip.identification.fitting import bootstrap, identifiability, search
 from stickslip.identification.fitting.identifiability import (
     LEVELS,
@@ -54,7 +56,6 @@ from stickslip.rigs.contract import Command, Log
 from stickslip.rigs.limits import RigLimits
 from stickslip.servo import observer
 from stickslip.servo.axis import LOOP, Axis, ControlError
-from stickslip.servo.measurement import Diverged, require_bounded
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.studies.learn import log_learning
 from stickslip.studies.validate import compared_logs, log_prediction, log_verdict
@@ -199,7 +200,7 @@ def criterion(error):
         settings=namespace(criterion="auto", law="lugre"),
         recording=namespace(friction=None, force=True),
     )
-    return task.choose(task, checked(error))[0]
+    return estimation_task.choose(task, checked(error))[0]
 
 
 def is_foreign(error):

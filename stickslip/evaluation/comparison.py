@@ -20,8 +20,9 @@ from stickslip.evaluation.validation import (
     velocity_errors,
 )
 from stickslip.fmi.process import Threads
+from stickslip.identification.criteria.runs import Diverged, require_bounded
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.measurement import Array, Diverged, require_bounded
+from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 

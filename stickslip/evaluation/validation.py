@@ -6,6 +6,8 @@ parameter by 1e-10, as another processor makes, draws again. Published figures a
 over ``PHASES``, with their range. Noise is drawn anew with each phase.
 """
 
+from __future__ import annotations
+
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar, cast
@@ -19,9 +21,10 @@ from stickslip import cosim
 from stickslip.catalog.parameters import HIGH, LOW
 from stickslip.errors import RigError
 from stickslip.evaluation.motions import Regions, Span, regions_after, trapezoid, windows
+from stickslip.identification.criteria.runs import require_bounded
 from stickslip.rigs.contract import Rig
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.measurement import Array, measured_velocity, require_bounded
+from stickslip.servo.measurement import Array, measured_velocity
 from stickslip.servo.systems import Compensator, Feed, paper_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 

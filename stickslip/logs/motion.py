@@ -1,5 +1,7 @@
 """Motion of a rigid drive from its log, and how much later one signal shows than another."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any

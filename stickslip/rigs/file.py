@@ -20,7 +20,7 @@ from stickslip.fmi.files import MOST_TEXT, atomic_write, parse_json, read_limite
 from stickslip.planning import Limits
 from stickslip.rigs.contract import Command, Log, Rig
 from stickslip.rigs.limits import RigLimits
-from stickslip.rigs.remote import LOOP
+from stickslip.rigs.lines import LOOP
 from stickslip.servo.axis import Datasheet
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.toml_files import NUMBER, PAIR, TABLE, TEXT, WHOLE, Kind, checked, read_toml

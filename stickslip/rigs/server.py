@@ -16,7 +16,7 @@ import numpy as np
 from stickslip.cosim import CosimError
 from stickslip.errors import UsageError
 from stickslip.fmi.process import check_interruption
-from stickslip.rigs.remote import CHUNK, LOOP, PROTOCOL, Lines, crc_of, line_of, received_limits
+from stickslip.rigs.lines import CHUNK, LOOP, PROTOCOL, Lines, crc_of, line_of, received_limits
 from stickslip.rigs.served_drive import ServedDrive
 
 BURST = 100  # most samples between two looks at the sockets

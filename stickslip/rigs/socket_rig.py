@@ -7,7 +7,8 @@ from typing import Any
 
 from stickslip.errors import RigError, UsageError
 from stickslip.rigs.limits import RigLimits
-from stickslip.rigs.remote import Lines, Refused, RemoteRig, line_of, sent_limits
+from stickslip.rigs.lines import Lines, line_of, sent_limits
+from stickslip.rigs.remote import Refused, RemoteRig
 from stickslip.servo.axis import Datasheet
 
 

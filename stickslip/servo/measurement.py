@@ -7,9 +7,6 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip import cosim
-from stickslip.thresholds import loop_fit
-
 Array = NDArray[np.float64]
 
 CUTOFF = 117.0  # Low-pass of the measured velocity [Hz]
@@ -74,22 +71,3 @@ def slope(p: Mapping[str, float], v: Array | float) -> Array:
 
 def _rest(p: Mapping[str, float], v: Array | float) -> Array:
     return np.asarray(np.exp(-((np.asarray(v) / p["v_s"]) ** p.get("delta", 1.0))))
-
-
-class Diverged(cosim.SimulationError):
-    """A simulated drive ran away from its command."""
-
-
-def require_bounded(v: Array, speed: float) -> None:
-    """Raise where a simulated velocity is not finite, or far beyond what was commanded.
-
-    Raises Diverged when it has run away. The velocity v (n,) is compared with the largest speed
-    [m/s] that is commanded at any time of the trial.
-    """
-    peak = float(np.max(np.abs(v)))
-    if not peak <= loop_fit.RUNS_AWAY * speed:
-        raise Diverged(
-            f"the simulated loop runs away: its velocity exceeds {loop_fit.RUNS_AWAY:g} times the "
-            "largest commanded one; expected a loop that is stable with these gains; check their "
-            "units and signs, the delay and the mass"
-        )

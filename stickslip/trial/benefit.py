@@ -27,11 +27,10 @@ import numpy as np
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import friction_law
-from stickslip.identification.criteria.runs import Runs
+from stickslip.identification.criteria.runs import Runs, require_bounded
 from stickslip.models import Law
 from stickslip.output import steps
 from stickslip.servo.axis import Datasheet
-from stickslip.servo.measurement import require_bounded
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import harm, loop_fit

@@ -13,10 +13,11 @@ import numpy as np
 from stickslip import cosim
 from stickslip.catalog.parameters import ParameterSpace, friction_law
 from stickslip.cosim import Trapezoid
+from stickslip.identification.criteria.runs import require_bounded
 from stickslip.models import Law
 from stickslip.models.export.units import motion_unit
 from stickslip.servo.axis import Datasheet
-from stickslip.servo.measurement import Array, require_bounded
+from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Feed, paper_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import harm

@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip import cosim
-from stickslip.servo.measurement import Array, require_bounded
+from stickslip.identification.criteria.runs import require_bounded
+from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import caution

@@ -14,10 +14,10 @@ from stickslip.evaluation.validation import validate
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.runs import Diverged, require_bounded
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.logs import Recording
 from stickslip.servo.axis import LOOP, Axis, Datasheet
-from stickslip.servo.measurement import Diverged, require_bounded
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.thresholds.loop_fit import RUNS_AWAY
 from stickslip.trial.guards import Bench, Drive, commands, feedforward

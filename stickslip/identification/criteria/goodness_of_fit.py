@@ -13,7 +13,8 @@ from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import Scale, measured_force, position_of
-from stickslip.servo.measurement import Array, Diverged
+from stickslip.identification.criteria.runs import Diverged
+from stickslip.servo.measurement import Array
 
 
 @dataclass(frozen=True)

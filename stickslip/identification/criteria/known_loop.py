@@ -4,6 +4,8 @@ The drive FMU represents the candidate: each estimated parameter is set, and its
 encoder are off unless the recording is simulated again with them.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from functools import lru_cache
@@ -17,10 +19,10 @@ from scipy.signal import lfilter
 from stickslip import cosim
 from stickslip.catalog.parameters import ParameterSpace, Values, friction_law
 from stickslip.identification.criteria.motion import position_noise, position_of
-from stickslip.identification.criteria.runs import RECENT, Closing, Runs
+from stickslip.identification.criteria.runs import RECENT, Closing, Runs, require_bounded
 from stickslip.logs import Recording
 from stickslip.models import Law
-from stickslip.servo.measurement import Array, require_bounded
+from stickslip.servo.measurement import Array
 
 HELD, FADING = "F_held", "F_fading"  # forces that the log began with, beside the gains [N]
 

@@ -1,5 +1,7 @@
 """FMUs of candidates, their runs, and what closes them."""
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -7,9 +9,13 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self, TypeVar
 
+import numpy as np
+
 from stickslip import cosim, models
 from stickslip.cosim.signals.signals import Input
 from stickslip.fmi.process import Threads, temporary_folder
+from stickslip.servo.measurement import Array
+from stickslip.thresholds import loop_fit
 
 
 class Closing(ABC):
@@ -92,3 +98,22 @@ class Runs(Closing):
             self._threads.shutdown(cancel_futures=True)
         for simulation in self._all:
             simulation.close()
+
+
+class Diverged(cosim.SimulationError):
+    """A simulated drive ran away from its command."""
+
+
+def require_bounded(v: Array, speed: float) -> None:
+    """Raise where a simulated velocity is not finite, or far beyond what was commanded.
+
+    Raises Diverged when it has run away. The velocity v (n,) is compared with the largest speed
+    [m/s] that is commanded at any time of the trial.
+    """
+    peak = float(np.max(np.abs(v)))
+    if not peak <= loop_fit.RUNS_AWAY * speed:
+        raise Diverged(
+            f"the simulated loop runs away: its velocity exceeds {loop_fit.RUNS_AWAY:g} times the "
+            "largest commanded one; expected a loop that is stable with these gains; check their "
+            "units and signs, the delay and the mass"
+        )

@@ -1,5 +1,7 @@
 """The global search of friction parameters, and least squares from several starts."""
 
+from __future__ import annotations
+
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

@@ -29,10 +29,11 @@ from stickslip.identification.criteria.motion import (
     position_of,
     recording_scale,
 )
+from stickslip.identification.criteria.runs import Diverged
 from stickslip.identification.estimation.faults import change_of_friction
 from stickslip.identification.selection.folds import encoder_error, explained
 from stickslip.logs import Recording
-from stickslip.servo.measurement import Array, Diverged, smoothed
+from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import transfer
 
 SPANS = 10

@@ -18,7 +18,7 @@ import pytest
 import stickslip
 from stickslip import Command, Datasheet, FmuRig, RigLimits, SocketRig
 from stickslip.errors import LimitError, RigError
-from stickslip.rigs.remote import LOOP, Lines, crc_of, line_of
+from stickslip.rigs.lines import LOOP, Lines, crc_of, line_of
 from stickslip.rigs.served_drive import Ports, ServedDrive
 from stickslip.rigs.server import Server
 from stickslip.servo import axis
