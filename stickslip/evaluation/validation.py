@@ -119,7 +119,7 @@ class Validation:
     without: Run
     compensated: Run
     instants: dict[str, float]
-    repeated: Sequence[tuple[Run, Run]] = ()  # both runs of further phases, see ``scatter.py``
+    repeated: Sequence[tuple[Run, Run]] = ()  # both runs of further phases
 
     def errors(self) -> pd.DataFrame:
         """Return velocity errors [mm/s] without and with compensation, and reductions (9).
@@ -206,7 +206,7 @@ def validate(
     plain : the loop of the run without compensation, by default ``loop``. A velocity filter that
         counts on a compensator follows worse without: compare it with the loop it replaces.
     behind : further compensators, behind this one; only on a simulated drive
-    phases : where a simulated drive begins, see ``scatter.py``
+    phases : where a simulated drive begins
 
     Raises
     ------
