@@ -20,6 +20,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip import cosim, ga, models
 from stickslip.catalog.parameters import PAPER, friction_law, scaled_start
+from stickslip.identification.criteria.runs import Closing
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import kept
 from stickslip.tuning.loop_runs import FEEDFORWARD, PLAIN, LoopBench, LoopRuns
@@ -82,7 +83,7 @@ def start_model(bench: LoopBench, law: str) -> DriveModel:
     return DriveModel(law, friction)
 
 
-class Mismatch:
+class Mismatch(Closing):
     """How unlike those of the drive the errors of a model are: the cost of a search.
 
     It pickles. Use it in a ``with`` block. The errors are those of the drive, see ``errors_of``.
@@ -149,10 +150,8 @@ class Mismatch:
             return replace(start, noise=float(found.x) * step, mismatch=float(found.fun))
         return replace(start, mismatch=quiet)
 
-    def __enter__(self) -> Mismatch:
-        return self
-
-    def __exit__(self, *_: object) -> None:
+    def close(self) -> None:
+        """Free the FMUs."""
         self._runs.close()
 
 

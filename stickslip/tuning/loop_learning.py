@@ -19,6 +19,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stickslip import cosim, ga
+from stickslip.identification.criteria.runs import Closing
 from stickslip.servo.axis import ControlError
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import kept
@@ -94,7 +95,7 @@ class _Case:
     values: Mapping[str, float] = field(default_factory=dict)
 
 
-class LoopCost:
+class LoopCost(Closing):
     """The cost of a candidate: the mean of its ratios to the reference, with the power ``POWER``.
 
     It pickles; each worker prepares the loops of the drive and of the models when it runs its
@@ -162,12 +163,6 @@ class LoopCost:
         """Free the FMUs."""
         for case in self._cases:
             case.runs.close()
-
-    def __enter__(self) -> LoopCost:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def mean_of(ratios: Ratios) -> float:
