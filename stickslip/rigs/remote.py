@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, replace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -78,9 +78,6 @@ class RemoteRig(Rig):
         """Close the connection; the drive is at rest."""
         super().close()
         self._disconnect()
-
-    def __enter__(self) -> Self:
-        return self
 
     def _greet(self) -> float:
         """Say hello, and return the drive's sample period [s]."""
