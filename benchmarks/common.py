@@ -7,8 +7,8 @@ from pathlib import Path
 
 from stickslip import cosim
 from stickslip.catalog.parameters import LUGRE, PAPER
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.paper_commands import TRAINING
+from stickslip.evaluation.motions import TRAINING
+from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.systems import build_fmus, paper_loop
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 

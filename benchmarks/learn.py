@@ -14,13 +14,13 @@ import pandas as pd
 import stickslip as ss
 from stickslip.identification.estimation import Search
 from stickslip.logs import Column, Description
+from stickslip.output import Progress
 from stickslip.planning import plan
-from stickslip.progress import Progress
 from stickslip.rigs.contract import commissioning_loop
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.systems import build_fmus, servo_loop
 from stickslip.studies.learn.recorded import gains_of
-from stickslip.work.execution import Execution
+from stickslip.work.jobs import Execution
 
 RUNS = 20
 

@@ -53,7 +53,7 @@ from stickslip.presentation.style import (
     new_figure,
 )
 from stickslip.rigs.contract import COMMISSIONING
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 from stickslip.studies.learn.recorded import gains_of

@@ -20,11 +20,11 @@ import pandas as pd
 
 import stickslip as ss
 from stickslip.errors import StickslipError
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import Column, Description
 from stickslip.planning import plan
 from stickslip.servo.axis import Axis
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import build_fmus, feedforward
 from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
 from stickslip.studies.learn.learned import LearnedFromRecording

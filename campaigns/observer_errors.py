@@ -17,13 +17,11 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from stickslip.catalog.parameters import PAPER, friction_law
-from stickslip.evaluation.motions import regions_after, trapezoid, windows
+from stickslip.evaluation.motions import VALIDATION, regions_after, trapezoid, windows
 from stickslip.evaluation.validation import tracking_errors
 from stickslip.rigs.fmu import rig_of
-from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet
 from stickslip.servo.observer import design_observer
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.systems import Changes, Compensator, build_loop
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop

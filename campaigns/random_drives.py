@@ -20,8 +20,8 @@ from stickslip.fmi.process import temporary_folder
 from stickslip.logs import Recording
 from stickslip.planning import Limits, plan
 from stickslip.rigs.contract import COMMISSIONING
-from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.stribeck_curve import level
+from stickslip.servo.axis import Datasheet
+from stickslip.servo.measurement import level
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.studies.learn.recorded import gains_of

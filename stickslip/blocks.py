@@ -31,8 +31,7 @@ from stickslip.fmi.toolchain.platforms import cache_directory
 __all__ = ["delay", "function", "gain", "linear", "lookup", "saturation", "sum"]
 
 Units = Mapping[str, str]
-_MOST = 300
-"""Samples of a delay: each costs as much as a state."""
+_MOST = 300  # samples of a delay: each costs as much as a state
 
 
 def linear(system: Any, **options: Any) -> cosim.Fmu:

@@ -10,31 +10,26 @@ from typing import TYPE_CHECKING, Any
 from stickslip.cosim import Variable, read_ssp, variants
 from stickslip.cosim.display import html_table
 from stickslip.cosim.fmu.fmu import Fmu, described
-from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
 from stickslip.fmi.messages import printable, suggestion
+from stickslip.simulation import packed_input
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Row = dict[str, Any]
-"""A line of a table, by column."""
+Row = dict[str, Any]  # a line of a table, by column
 
 
 @dataclass(frozen=True, repr=False)
 class Info:
-    """What a file contains; shows itself as text and, in a notebook, as tables.
-
-    Attributes
-    ----------
-    facts : name, version of FMI, interfaces, platforms and the like, by name; the default
-        experiment has times in s, and None where the file proposes nothing
-    tables : by name: ``variables`` and, of an .ssp file, ``components``, ``connections``,
-        ``inputs`` and ``outputs``; each a list of rows. Start values are in the unit of the row
-    """
+    """What a file contains; shows itself as text and, in a notebook, as tables."""
 
     path: Path
+    # name, version of FMI, interfaces, platforms and the like, by name; the default experiment has
+    # times in s, and None where the file proposes nothing
     facts: Mapping[str, Any]
+    # by name: ``variables`` and, of an .ssp file, ``components``, ``connections``, ``inputs`` and
+    # ``outputs``; each a list of rows. Start values are in the unit of the row
     tables: Mapping[str, list[Row]]
 
     def __getitem__(self, name: str) -> pd.DataFrame:

@@ -103,13 +103,7 @@ class LimitError(RigError):
 
 
 def number(what: str, value: Any) -> float:
-    """Return a value as a number.
-
-    Raises
-    ------
-    UsageError
-        When it is none.
-    """
+    """Return a value as a number; raise UsageError when it is none."""
     try:
         return float(value)
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""What a command prints: text or JSON on standard output, messages on standard error."""
+"""Text, JSON or nothing on standard output, and who shows the progress of what is long."""
 
 from __future__ import annotations
 
@@ -8,29 +8,29 @@ import logging
 import math
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TextIO, cast
+from typing import TYPE_CHECKING, Any, Protocol, TextIO, TypeVar, cast
 
 from stickslip.fmi.messages import harmless
+
+if TYPE_CHECKING:
+    from stickslip import ga
+
 
 LOG = logging.getLogger("stickslip")
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command returns.
+    """What a command returns."""
 
-    Attributes
-    ----------
-    document : what ``--json`` prints: mappings and lists, also of paths, numpy values and tables
-    status : exit status
-    """
-
+    # what ``--json`` prints: mappings and lists, also of paths, numpy values and tables
     document: Mapping[str, Any] = field(default_factory=dict)
-    status: int = 0
+    status: int = 0  # exit status
 
 
 class _Lines(logging.Handler):
@@ -101,3 +101,55 @@ def plain(value: Any) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value if value is None or isinstance(value, (bool, int, str)) else str(value)
+
+
+T = TypeVar("T")
+Show = Callable[[int, int], object]  # takes how many steps are done, and of how many
+
+_show: ContextVar[Show] = ContextVar("show", default=lambda *_: None)
+
+
+class Factors(Protocol):
+    """Factors by which the values of a search differ from SI units, as ``Scale``."""
+
+    def of(self, name: str) -> float:
+        """Return the factor of a parameter."""
+
+
+class Progress:
+    """Receives the progress of what takes long. This one shows nothing, others derive from it."""
+
+    def stage(self, name: str) -> None:
+        """Begin a stage."""
+
+    def generation(self, algorithm: ga.Optimiser, scale: Factors | None = None) -> None:
+        """Take a search after another generation; its values have a scale, or are in SI units."""
+
+    def findings(self, findings: Iterable[object]) -> None:
+        """Take findings of the checks of a log; as text each is one line."""
+
+
+SILENT = Progress()
+
+
+@contextmanager
+def shown_by(show: Show) -> Iterator[None]:
+    """Call ``show`` for each step that is done inside, in this thread."""
+    token = _show.set(show)
+    try:
+        yield
+    finally:
+        _show.reset(token)
+
+
+def step(done: int, of: int) -> None:
+    """Tell how many steps of a stage are done."""
+    _show.get()(done, of)
+
+
+def steps(items: Sequence[T]) -> Iterator[T]:
+    """Yield items, each a step that is done when the next one is taken."""
+    for done, item in enumerate(items):
+        step(done, len(items))
+        yield item
+    step(len(items), len(items))

@@ -4,8 +4,6 @@ These are the kernel, the wrapper of FMI 1.0 and all models with all friction la
 3.0, for all platforms. Start values are written into them later.
 """
 
-from __future__ import annotations
-
 import io
 import os
 import zipfile
@@ -24,23 +22,13 @@ from stickslip.fmi.toolchain.compiler import ARCHIVE
 
 
 def precompile(
-    archive: Path = ARCHIVE,
-    platforms: Iterable[Platform] = PLATFORMS.values(),
-    names: Iterable[str] | None = None,
+    archive: Path = ARCHIVE,  # the one that ``fmi.toolchain`` looks into by default
+    platforms: Iterable[Platform] = PLATFORMS.values(),  # what to compile for
+    names: Iterable[str] | None = None,  # models; all by default
 ) -> Path:
     """Write an archive of compiled libraries and return its path.
 
-    Parameters
-    ----------
-    archive : the one that ``fmi.toolchain`` looks into by default
-    platforms : what to compile for
-    names : models; all by default
-
-    Raises
-    ------
-    stickslip.fmi.toolchain.ToolchainError
-    OSError
-        When the file cannot be written.
+    Raises ToolchainError when the compiler fails, or OSError when the file cannot be written.
     """
     jobs = list(_jobs(list(platforms), models.model_names() if names is None else names))
     content = io.BytesIO()

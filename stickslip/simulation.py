@@ -2,18 +2,52 @@
 
 from __future__ import annotations
 
+import io
 import math
+import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip import cosim
+from stickslip.cosim import Table
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import Inputs
-from stickslip.default_input import packed_input
+from stickslip.cosim.ssp.structure import Package
 from stickslip.errors import UsageError
 from stickslip.fmi.by_name import by_name
+from stickslip.fmi.files import atomic_write
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+MEMBER = "extra/stickslip/input.csv"
+
+
+def pack_input(package: Path, table: pd.DataFrame) -> None:
+    """Add a table with a column ``time`` [s] and one per exposed input to an .ssp file.
+
+    It lies in the package as ``extra/stickslip/input.csv``: a place that SSP 1.0 leaves to tools,
+    so others open the package as before.
+    """
+    stream = io.BytesIO(package.read_bytes())
+    with zipfile.ZipFile(stream, "a", zipfile.ZIP_DEFLATED) as archive:
+        info = zipfile.ZipInfo(MEMBER, (1980, 1, 1, 0, 0, 0))
+        info.compress_type = zipfile.ZIP_DEFLATED
+        archive.writestr(info, table.to_csv(index=False, lineterminator="\n"))
+    atomic_write(package, stream.getvalue())
+
+
+def packed_input(package: Path) -> dict[str, Table]:
+    """Return the signals of a package by exposed input; empty when it has none.
+
+    Raises SignalError when they cannot be read, or SspError when the package cannot be.
+    """
+    file = Package.open(package).folder / MEMBER
+    return Table.all_from_csv(file) if file.is_file() else {}
+
 
 _STEPS = 500  # of a run for which no step is proposed
 
@@ -65,17 +99,12 @@ def simulate(
 
 @dataclass
 class Model:
-    """A system that was read from a file.
-
-    Attributes
-    ----------
-    experiment : times that the file proposes
-    inputs : signals that are packed with it, by exposed input
-    """
+    """A system that was read from a file."""
 
     path: Path
     system: cosim.System
-    experiment: cosim.DefaultExperiment
+    experiment: cosim.DefaultExperiment  # times that the file proposes
+    # signals that are packed with it, by exposed input
     inputs: Mapping[str, cosim.Table] = field(default_factory=dict)
 
     @classmethod
@@ -116,10 +145,7 @@ class Model:
     ) -> cosim.Simulation:
         """Instantiate the FMUs for the times that are given or else proposed [s].
 
-        Raises
-        ------
-        UsageError
-            When they make no run.
+        Raises UsageError when they make no run.
         """
         start = (self.experiment.start or 0.0) if start is None else start
         stop = self.experiment.stop if stop is None else stop

@@ -30,29 +30,20 @@ from stickslip.work.jobs import Outcome, run_jobs
 
 _log = logging.getLogger(__name__)
 
-Progress = Callable[[int, int], object]
-"""Takes how many runs are done and how many there are."""
-Figure = Callable[[cosim.Result], float]
-"""Evaluates a run to a number."""
+Progress = Callable[[int, int], object]  # takes how many runs are done and how many there are
+Figure = Callable[[cosim.Result], float]  # evaluates a run to a number
 
 
 @dataclass(frozen=True)
 class Optimised:
-    """What a search found.
+    """What a search found."""
 
-    Attributes
-    ----------
-    parameters : the best values by name, in the unit of each variable
-    cost : of these
-    table : a row for each run, in order: generation, the parameters, cost, and the reason where a
-        run failed
-    stopped : why the search ended
-    """
-
-    parameters: dict[str, float]
-    cost: float
+    parameters: dict[str, float]  # the best values by name, in the unit of each variable
+    cost: float  # of these
+    # a row for each run, in order: generation, the parameters, cost, and the reason where a run
+    # failed
     table: pd.DataFrame
-    stopped: str
+    stopped: str  # why the search ended
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name} = {value:.6g}" for name, value in self.parameters.items())
@@ -249,10 +240,7 @@ def _evaluated(run: _Run, _seed: int, _stage: object = None) -> Outcome:
 def _figure(what: str, of: Figure, result: cosim.Result) -> float:
     """Return what a function of the user makes of a run.
 
-    Raises
-    ------
-    CandidateFailed
-        When it raises, or returns no number.
+    Raises CandidateFailed when it raises, or returns no number.
     """
     try:
         value = of(result)

@@ -1,7 +1,5 @@
 """TOML files of the user: read with limits, keys and values checked with one line for a fault."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -21,8 +19,7 @@ def list_of(value: object, is_element: Callable[[object], bool]) -> bool:
     return isinstance(value, list) and all(map(is_element, value))
 
 
-Kind = tuple[Callable[[Any], bool], str]
-"""Tells whether a value fits, and what is expected."""
+Kind = tuple[Callable[[Any], bool], str]  # tells whether a value fits, and what is expected
 TEXT: Kind = (lambda value: isinstance(value, str), "a text")
 NUMBER: Kind = (is_number, "a number")
 WHOLE: Kind = (lambda value: type(value) is int, "a whole number")
@@ -31,13 +28,7 @@ TABLE: Kind = (lambda value: isinstance(value, dict), "a table")
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Return the content of a file.
-
-    Raises
-    ------
-    UsageError
-        When it cannot be read, or is not TOML.
-    """
+    """Return the content of a file; raise UsageError when it cannot be read, or is not TOML."""
     try:
         return parse_toml(read_limited(path, MOST_TEXT))
     except OSError as error:
@@ -49,10 +40,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 def checked(table: Mapping[str, Any], kinds: Mapping[str, Kind], place: str = "") -> dict[str, Any]:
     """Return a table whose keys and values are of these kinds; lists become tuples.
 
-    Raises
-    ------
-    UsageError
-        When a key is not known, or a value does not fit.
+    Raises UsageError when a key is not known, or a value does not fit.
     """
     for key, value in table.items():
         if key not in kinds:

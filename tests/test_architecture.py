@@ -38,10 +38,10 @@ ROOMS_OF_COSIM = (
 )
 # The ground first. A room imports rooms before it only; a study or paper is a room of its own.
 ROOMS_OF_STICKSLIP = (
-    *("thresholds", "errors", "versions", "toml_files", "progress", "output", "parser"),
+    *("thresholds", "errors", "versions", "toml_files", "output"),
     *("storage", "catalog", "servo", "presentation", "work", "compensators", "planning"),
     *("logs", "rigs", "identification", "evaluation", "tuning", "trial", "learned"),
-    *("default_input", "contents", "simulation", "laws", "blocks", "sweeping", "system"),
+    *("simulation", "contents", "laws", "blocks", "sweeping", "system"),
     *("commandline", "studies.arena", "studies.survey", "studies.learn", "papers.lugre"),
     *("studies.compare", "studies.fleet", "studies.validate"),
     *("precompile", "commands", "cli", "__main__"),

@@ -17,40 +17,35 @@ import pytest
 import scipy.signal
 
 from stickslip import cosim, ga, thresholds
-from stickslip.catalog.parameters import friction_law
-from stickslip.catalog.space import ParameterSpace
+from stickslip.catalog.parameters import ParameterSpace, friction_law
 from stickslip.errors import IdentificationError, RecordingError, RigError, UsageError
 from stickslip.identification import estimation
-from stickslip.identification.controller import controller_check, criterion_choice
-from stickslip.identification.controller.controller_check import ControllerCheck
-from stickslip.identification.criteria import surrogate_controller
-from stickslip.identification.fitting import identifiability, multistart
-from stickslip.identification.fitting.conservative import conservative
+from stickslip.identification.criteria import controller_check
+from stickslip.identification.criteria.controller_check import ControllerCheck
+from stickslip.identification.criteria.runs import Diverged, require_bounded
+from stickslip.identification.estimation import task as estimation_task
+from stickslip.identification.fitting import bootstrap, identifiability, search
 from stickslip.identification.fitting.identifiability import (
     LEVELS,
     NOT_IDENTIFIABLE,
     Identifiability,
+    conservative,
 )
-from stickslip.identification.selection import choose, folds, mismatch, prediction
+from stickslip.identification.selection import choice, choose, folds, prediction
 from stickslip.identification.sliding import friction_curve
-from stickslip.identification.stages import friction_map, presliding, sliding
-from stickslip.identification.stages.inertia import measure_inertia
+from stickslip.identification.stages import friction_map
+from stickslip.identification.stages.inertia import _evaluated, measure_inertia
 from stickslip.logs import (
     Controller,
     Recording,
     checks,
-    contradictions,
-    delay,
     force_path,
     grid,
-    jumps,
-    lost_rows,
     motion,
     plausibility,
     same_command,
     sampling,
-    saturation,
-    unit_factors,
+    units,
 )
 from stickslip.logs import reading as log_reading
 from stickslip.logs.excitation import Excitation, TurnAround, _one_way
@@ -60,13 +55,11 @@ from stickslip.rigs.ads_rig import AdsRig
 from stickslip.rigs.contract import Command, Log
 from stickslip.rigs.limits import RigLimits
 from stickslip.servo import observer
-from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.datasheet import LOOP
-from stickslip.servo.divergence import Diverged, require_bounded
+from stickslip.servo.axis import LOOP, Axis, ControlError
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.studies.learn import log_learning
 from stickslip.studies.validate import compared_logs, log_prediction, log_verdict
-from stickslip.trial import compensator_trial, tolerance
+from stickslip.trial import compensator_trial, guards
 from stickslip.trial.benefit import NONE, TrialError, _repeated
 from stickslip.trial.candidates import CompensatorComparison, Row
 from stickslip.trial.guards import Hold, Trial, hunting, hunting_at_rest, stribeck
@@ -164,7 +157,7 @@ def is_too_large(most):
     """Return whether a loop is warned of that forces up to ``most`` too large make better."""
     trial = namespace(law=friction_law(), compensator=FRICTION, loop=namespace(axis=AXIS))
     scaled = lambda values=FRICTION: 0.5 if values["F_c"] < (1.0 + most) * 6.0 else 2.0  # noqa: E731
-    return bool(tolerance._too_large(namespace(trial=trial, error=scaled), 1.0))
+    return bool(guards._too_large(namespace(trial=trial, error=scaled), 1.0))
 
 
 def is_at_rest(swing, reversals):
@@ -207,7 +200,7 @@ def criterion(error):
         settings=namespace(criterion="auto", law="lugre"),
         recording=namespace(friction=None, force=True),
     )
-    return criterion_choice.choose(task, checked(error))[0]
+    return estimation_task.choose(task, checked(error))[0]
 
 
 def is_foreign(error):
@@ -295,7 +288,7 @@ def faults(delay=5.0, change=(0.0, 0.1)):
 def is_coarse(step):
     """Return whether an encoder whose step is a share of the motion in a sample is coarse."""
     inverse = namespace(motion=namespace(v=np.ones(9)), T_s=T_S)
-    return surrogate_controller.coarse(inverse, namespace(encoder_step=step * T_S))
+    return bootstrap.coarse(inverse, namespace(encoder_step=step * T_S))
 
 
 def curve():
@@ -355,9 +348,9 @@ def flat(noise):
     found = namespace(errors=dict, space=SPACE, noise=1.0, q=np.ones(len(SPACE.names)))
     hidden = namespace(identifiability=NOT_IDENTIFIABLE)
     with patch.multiple(
-        multistart, identifiability=lambda *_: hidden, fit=lambda *_: namespace(noise=noise)
+        search, identifiability=lambda *_: hidden, fit=lambda *_: namespace(noise=noise)
     ):
-        return multistart.without_stribeck(namespace(over=id), found) is not found
+        return search.without_stribeck(namespace(over=id), found) is not found
 
 
 def unexplained(error, explained, **changes):
@@ -367,7 +360,7 @@ def unexplained(error, explained, **changes):
 
 def warning(found, *causes):
     """Return the finding that a law does not explain a log."""
-    (one,) = mismatch.mismatch(found, [], causes, rotary=False)
+    (one,) = choice.mismatch(found, [], causes, rotary=False)
     return one
 
 
@@ -424,8 +417,8 @@ def held(speeds):
     """Return whether so many speeds that are held give friction against speed."""
     force = np.ones(40)
     runs = [(np.array([force, -force]), 0.1)] * speeds + [None] * (12 - speeds)
-    with patch.object(sliding, "_forth_and_back", side_effect=runs):
-        return not raises(lambda: sliding.measure_sliding(None, None), IdentificationError)
+    with patch.object(friction_map, "_forth_and_back", side_effect=runs):
+        return not raises(lambda: friction_map.measure_sliding(None, None), IdentificationError)
 
 
 def fluctuates(share):
@@ -433,14 +426,14 @@ def fluctuates(share):
     v = np.where((np.arange(12000) < 500) | (np.arange(12000) >= 6500), -0.04, 0.04)
     wave = 1.0 + np.sqrt(2.0) * share * np.sin(2.0 * np.pi * 5.0 * T_S * np.arange(12000))
     loop = namespace(axis=AXIS)
-    return sliding._forth_and_back(rig(None, v * wave), loop, 0.04) is None
+    return friction_map._forth_and_back(rig(None, v * wave), loop, 0.04) is None
 
 
 def rises(share):
     """Return whether friction that rises towards rest by a share gives v_s."""
     speed = np.geomspace(1e-3, 0.04, 12)
     force = 6.0 * (1.0 + share * np.exp(-speed / 4e-3))
-    shown = sliding.Sliding(speed, force, -force, force, 1e-4 * force, np.ones(9), 1e-9)
+    shown = friction_map.Sliding(speed, force, -force, force, 1e-4 * force, np.ones(9), 1e-9)
     with (
         patch.object(friction_map, "measure_sliding", lambda *_: shown),
         patch.object(friction_map, "_break_away", lambda *_: (6.0 * (1.0 + share), 1.0)),
@@ -456,7 +449,7 @@ def breaks_away(speed, samples):
 
 def presliding_warning(left):
     fit = namespace(jac=np.eye(3)[:, :1], fun=np.ones(3), x=np.ones(1))
-    return presliding._evaluated(fit, np.ones(1), left)[2]
+    return _evaluated(fit, np.ones(1), left)[2]
 
 
 def rigid_log(**changes):
@@ -570,7 +563,7 @@ def saturates(level, samples, asked=None, limit=10.0):
     force[1000 : 1000 + samples] = level
     command = np.where(force == level, asked, force) if asked else None
     log = Recording(np.arange(4000) * 1e-3, np.zeros(4000), force, force_command=command)
-    found = saturation.saturation(log, limit)
+    found = checks.saturation(log, limit)
     return {one.what.split()[1] for one in found if one.what.startswith("force ")}
 
 
@@ -578,19 +571,19 @@ def lost(events):
     """Return whether rows are lost where the position goes twice as far in one step."""
     steps = 1.0 + 1e-3 * np.sin(np.arange(1000.0))
     steps[20 : 20 + 40 * events : 40] *= 2.0
-    return lost_rows.lost_rows(namespace(position=np.cumsum(steps), encoder_step=0.0)) is not None
+    return checks.lost_rows(namespace(position=np.cumsum(steps), encoder_step=0.0)) is not None
 
 
 def jump(size, noise):
     """Return whether a jump in a signal whose steps are 1, and deviate by a noise, is found."""
     steps = 1.0 + noise * np.sin(np.arange(200.0) ** 2)
     steps[100] += size
-    return bool(jumps.jumps(np.arange(201.0), np.cumsum(np.append(0.0, steps)))[0].size)
+    return bool(grid.jumps(np.arange(201.0), np.cumsum(np.append(0.0, steps)))[0].size)
 
 
 def restart(*sizes):
     """Return the size of jumps after which a counter restarts, which is that of no turn or word."""
-    return jumps._restart("position", np.linspace(0.0, 3.0, 90), np.array(sizes), np.zeros(1))
+    return grid._restart("position", np.linspace(0.0, 3.0, 90), np.array(sizes), np.zeros(1))
 
 
 def contradicting(ratio=1.0, high=0.9, other="position_command", **given):
@@ -603,19 +596,19 @@ def contradicting(ratio=1.0, high=0.9, other="position_command", **given):
         controller=namespace(T_s=given.get("T_s", 0.0)),
     )
     with patch.multiple(
-        contradictions,
+        plausibility,
         _likeness=lambda *_: (ratio, high, 0.0),
         _shared=lambda *_: given.get("shared", 1.0),
         _corrections=lambda *_: "",
     ):
-        return [one.severity for one in contradictions.contradictions(reading)]
+        return [one.severity for one in plausibility.contradictions(reading)]
 
 
 def shared(share):
     """Return whether the share of a force like that of a motion is known, for a time in motion."""
     v = np.where(np.arange(4000) < 4000 * share, np.sin(np.arange(4000.0)), 0.0)
     motion = namespace(v=v, a=v, floor=1e-3, cutoff=100.0)
-    return contradictions._shared(DRIVE, DRIVE.force, motion) < 1.0
+    return plausibility._shared(DRIVE, DRIVE.force, motion) < 1.0
 
 
 def is_slow(T_s):
@@ -816,7 +809,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "loop_fit.CHANGE": (lambda: len(faults(change=(0.05, 0.001))), 1, 0),
     "loop_fit.CHANGE_CERTAIN": (lambda: len(faults(change=(0.05, 0.008))), 1, 0),
     "loop_fit.COARSE": (lambda: is_coarse(0.007), True, False),
-    "loop_fit.ALIKE": (lambda: surrogate_controller.is_alike(3.0), False, True),
+    "loop_fit.ALIKE": (lambda: bootstrap.is_alike(3.0), False, True),
     "curve_shown.ROWS": (curve, {"ripple"}, None),
     "curve_shown.CERTAIN": (curve, {"ripple"}, set()),
     "curve_shown.VARIES": (lambda: not_explained(varying=0.007), True, False),
@@ -826,18 +819,18 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "law_choice.UNIDENTIFIED": (lambda: law(0.5), "gms", "coulomb_stribeck"),
     "law_choice.RISES": (lambda: seen(3.0), True, False),
     "law_choice.RISE_WORTH": (lambda: flat(1.5), False, True),
-    "law_choice.EXPONENT": (lambda: multistart.select(fits(0.9)).fit.noise, 0.9, 1.0),
-    "misfit.NOTED": (lambda: mismatch.is_mismatch(unexplained(0.25, 0.1)), True, False),
+    "law_choice.EXPONENT": (lambda: search.select(fits(0.9)).fit.noise, 0.9, 1.0),
+    "misfit.NOTED": (lambda: choice.is_mismatch(unexplained(0.25, 0.1)), True, False),
     "misfit.SPOILED": (lambda: warning(unexplained(0.3, 0.1)).spoils, "intervals", ""),
-    "misfit.SMALLEST": (lambda: mismatch.is_mismatch(unexplained(0.2, 0.1)), True, False),
+    "misfit.SMALLEST": (lambda: choice.is_mismatch(unexplained(0.2, 0.1)), True, False),
     "misfit.BEATEN": (
-        lambda: mismatch.is_beaten(unexplained(1.0, 1.0), [predicted("gms", 0.5)]),
+        lambda: choice.is_beaten(unexplained(1.0, 1.0), [predicted("gms", 0.5)]),
         True,
         False,
     ),
-    "misfit.LARGE": (lambda: mismatch.is_large(unexplained(0.9, 0.9)), True, False),
+    "misfit.LARGE": (lambda: choice.is_large(unexplained(0.9, 0.9)), True, False),
     "misfit.LIKELY": (
-        lambda: warning(unexplained(1.0, 0.1), mismatch.Cause("", 0.6, "advice")).advice,
+        lambda: warning(unexplained(1.0, 0.1), choice.Cause("", 0.6, "advice")).advice,
         "advice",
         "take the values as coarse",
     ),
@@ -871,9 +864,9 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "log_content.SPACING": (lambda: shows(spacing=30), 0, 1),
     "log_content.TURN": (lambda: shows(turn_around=TurnAround(1.0, 4.0, 4.0, 99)), 0, 1),
     "log_content.TURNS": (lambda: shows(turn_around=TurnAround(1.0, 9.0, 30.0, 5)), 0, 1),
-    "log_delay.REPORTED": (lambda: delay.samples_late(rigid_drive(delay=3.0)), 3, 0),
-    "log_delay.EXPLAINS": (lambda: delay.samples_late(rigid_log(delay=6.0)), 6, 0),
-    "log_delay.KNOWN": (lambda: delay.Delay(0.0, 0.3).known(1.0), False, True),
+    "log_delay.REPORTED": (lambda: motion.samples_late(rigid_drive(delay=3.0)), 3, 0),
+    "log_delay.EXPLAINS": (lambda: motion.samples_late(rigid_log(delay=6.0)), 6, 0),
+    "log_delay.KNOWN": (lambda: motion.Delay(0.0, 0.3).known(1.0), False, True),
     "log_force.LIMITED": (is_limited, True, False),
     "log_force.AT_LIMIT": (lambda: is_cut_off(0.008, spread=0.04), False, True),
     "log_force.PILED": (lambda: is_cut_off(0.008), True, False),
@@ -891,7 +884,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "log_jump.FAR": (lambda: jump(1.5, 0.05), True, False),
     "log_jump.STANDS_OUT": (lambda: jump(3.0, 0.2), True, False),
     "log_jump.BACK": (
-        lambda: jumps._lost(np.array([5, 7]), np.array([1.0, -0.85]), np.zeros(2))[0].size,
+        lambda: grid._lost(np.array([5, 7]), np.array([1.0, -0.85]), np.zeros(2))[0].size,
         0,
         2,
     ),
@@ -905,8 +898,8 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "log_unit.MOVING": (lambda: shared(0.15), True, False),
     "log_unit.FOLLOWS": (lambda: contradicting(ratio=3.0), ["warning"], []),
     "log_unit.EQUALS": (lambda: contradicting(2.0, other="velocity"), ["warning"], []),
-    "log_unit.NEAR": (lambda: unit_factors.near_factor(25.4 * 1.05) is None, True, False),
-    "log_unit.ROUGHLY": (lambda: unit_factors.near_factor(1.45e6) is None, True, False),
+    "log_unit.NEAR": (lambda: units.near_factor(25.4 * 1.05) is None, True, False),
+    "log_unit.ROUGHLY": (lambda: units.near_factor(1.45e6) is None, True, False),
     "log_unit.FASTER": (lambda: contradicting(T_s=1e-3 / 300.0), ["error"], []),
     "log_unit.SLOWER": (lambda: contradicting(T_s=0.03), ["error"], []),
     "log_unit.SLOWEST": (lambda: is_slow(0.08), True, False),

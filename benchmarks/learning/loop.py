@@ -19,8 +19,8 @@ from stickslip import ga
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.studies.learn.rig_learning import learn_on_rig
-from stickslip.tuning.loop_genes import GENES
 from stickslip.tuning.loop_learning import LoopCost, LoopStudy
+from stickslip.tuning.loop_runs import GENES
 
 GRID = (2, 2, 2, 2, 3, 2, 2)
 """Values of each gene in the grid, evenly spaced in the logarithm within its bounds."""

@@ -11,7 +11,7 @@ from benchmarks.common import design
 from stickslip import cosim, ga
 from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
 from stickslip.cosim import SineSweep
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP
 from stickslip.servo.systems import build_fmus, paper_loop
 from stickslip.tuning.learning import VelocityCost
 

@@ -8,7 +8,7 @@ import numpy as np
 
 import stickslip as ss
 from stickslip.rigs.contract import COMMISSIONING
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 LEVELS = ("F_c", "F_s")

@@ -13,9 +13,9 @@ import numpy as np
 import stickslip as ss
 from campaigns.fault_matrix.drives import Drive, steady
 from stickslip.errors import StickslipError
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.logs import Description, Finding, raise_errors
 from stickslip.models import build_fmu
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import Compensator, build_loop
 from stickslip.studies.learn.learned import LearnedFromRecording
 from stickslip.studies.learn.log_learning import read_and_check

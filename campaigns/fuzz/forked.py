@@ -17,7 +17,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 from campaigns.fuzz.parser import Parse
-from stickslip.logs import isolated
+from stickslip.logs import signals
 
 _SERVER = """
 import os, signal, sys, traceback
@@ -57,7 +57,7 @@ def _server() -> subprocess.Popen[str]:
 
 @dataclass
 class _Reader:
-    """What `isolated` needs of ``subprocess.Popen``."""
+    """What `signals` needs of ``subprocess.Popen``."""
 
     module: str
     returncode: int = 0
@@ -84,7 +84,7 @@ def forked(parse: Parse) -> Parse:
     """Let a parser that reads in a process of its own fork it."""
 
     def parsed(data: bytes, folder: Path) -> object:
-        with patch.object(isolated, "child_process", _forked):
+        with patch.object(signals, "child_process", _forked):
             return parse(data, folder)
 
     return parsed if hasattr(os, "fork") else parse

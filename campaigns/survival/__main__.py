@@ -15,9 +15,9 @@ from campaigns.survival.trials import (
     remove_at_random,
     small_disk,
 )
+from stickslip.output import SILENT
 from stickslip.papers.lugre.folder import write_results
 from stickslip.papers.lugre.reproduction import Options, Reproduction, reproduce
-from stickslip.progress import SILENT
 from stickslip.servo.systems import build_fmus
 
 KILLS = 50

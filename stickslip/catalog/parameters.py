@@ -1,12 +1,60 @@
-"""The parameters of a drive: those of its friction law, from ``law.toml``, and its own."""
+"""Parameters of drives and laws, estimates of them, and the coordinates of an estimation."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
 
 from stickslip import models
 from stickslip.models import Law, LawParameter
 from stickslip.models.export.units import force_and_length, motion_unit
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value and its standard error, both in the parameter's unit."""
+
+    value: float
+    standard_error: float
+
+
+LOW, HIGH = "_low", "_high"  # suffixes of the columns of a range, to the name of the median
+UNKNOWN = 3.0  # relative standard error of a value that no experiment showed: a factor of e^3
+
+
+def unseen(value: float) -> Estimate:
+    """Return a start value that no experiment showed."""
+    return Estimate(value, UNKNOWN * value)
+
+
+def correlation_length(residual: Array) -> float:
+    """Return how many neighbouring samples say the same: 1 for white noise.
+
+    The sum of the autocorrelation up to its first value below 0.05, both sides.
+    """
+    centred = residual - residual.mean()
+    power = np.abs(np.fft.rfft(centred, 2 * len(centred))) ** 2
+    correlation = np.fft.irfft(power)[: len(centred)]
+    if correlation[0] <= 0.0:
+        return 1.0
+    correlation /= correlation[0]
+    below = np.flatnonzero(correlation < 0.05)
+    end = below[0] if len(below) else len(correlation)
+    return float(1.0 + 2.0 * correlation[1:end].sum())
+
+
+def covariance(jacobian: Array, residual: Array) -> Array:
+    """Return the covariance (k, k) of a least-squares fit.
+
+    The Jacobian (n, k) is that of the residual (n,), both at the fit.
+    """
+    n, k = jacobian.shape
+    variance = residual @ residual / max(n - k, 1) * correlation_length(residual)
+    return np.asarray(variance * np.linalg.pinv(jacobian.T @ jacobian))
 
 
 def _drive(name: str, unit: str, symbol: str, meaning: str, shown_by: str | None) -> LawParameter:
@@ -59,10 +107,7 @@ PAPER = {
 def friction_law(name: str = "lugre") -> Law:
     """Return a friction law of ``models/laws``, LuGre by default.
 
-    Raises
-    ------
-    models.UnknownLaw
-        When there is no such law.
+    Raises models.UnknownLaw when there is no such law.
     """
     return models.load_law(name)
 
@@ -98,10 +143,7 @@ def scaled_start(one: LawParameter, F_c: float, deflection: float) -> float:
 def parameter(name: str) -> LawParameter:
     """Return a parameter of a drive or of any friction law.
 
-    Raises
-    ------
-    KeyError
-        When there is none of this name.
+    Raises KeyError when there is none of this name.
     """
     if name in DRIVE:
         return DRIVE[name]
@@ -140,8 +182,169 @@ def force_and_length_of(name: str) -> tuple[int, int]:
         return force_and_length(gains.get(name) or "1")
 
 
-LUGRE = estimated(friction_law())
-"""The parameters of the paper's compensator."""
+LUGRE = estimated(friction_law())  # the parameters of the paper's compensator
 
-UNITS = {name: unit_of(name) for name in PAPER}
-"""Units of Table 2."""
+UNITS = {name: unit_of(name) for name in PAPER}  # units of Table 2
+
+
+Array = NDArray[np.float64]
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class ParameterSpace:
+    """The k estimated parameters of a drive with one friction law, and the values held constant.
+
+    A positive parameter has its logarithm as its coordinate, so that decades count alike. Where a
+    parameter must not fall below another one, the coordinate is the logarithm of their ratio,
+    with a lower bound of 0. Any other coordinate is the value in units of ``units``. All
+    coordinates are of the order of 1.
+    """
+
+    law: Law  # the friction law
+    parameters: tuple[LawParameter, ...]  # the estimated ones, in the order of coordinates
+    # the values of further parameters, by name, in SI units; those that start at 0 are switched off
+    # and left out
+    constants: Mapping[str, float]
+    units: Array  # (k,) units of linear coordinates in SI; not used for logarithms
+    prior_mean: Array  # (k,) expected coordinates before the recording is seen
+    prior_deviation: Array  # (k,) their standard deviations; infinite without a prior
+    lower: Array  # (k,)
+    upper: Array  # (k,)
+
+    @classmethod
+    def of(cls, law: Law) -> ParameterSpace:
+        """Return the space of a law's and a drive's parameters, without prior and bounds."""
+        names = estimated(law)
+        parameters = (*(law.parameters[name] for name in names), *DRIVE.values())
+        constants = {
+            name: parameter.start[0]
+            for name, parameter in law.parameters.items()
+            if name not in names and len(parameter.start) == 1 and parameter.start[0] != 0.0
+        }
+        k = len(parameters)
+        infinite = np.full(k, np.inf)
+        lower = np.array([0.0 if one.at_least else -np.inf for one in parameters])
+        return cls(
+            law,
+            parameters,
+            constants,
+            np.ones(k),
+            prior_mean=np.zeros(k),
+            prior_deviation=infinite,
+            lower=lower,
+            upper=infinite,
+        )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the estimated parameters."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    @property
+    def friction(self) -> tuple[str, ...]:
+        """Names of the estimated parameters of the law."""
+        return tuple(name for name in self.names if name in self.law.parameters)
+
+    @property
+    def reported(self) -> tuple[str, ...]:
+        """Names of the parameters that an experiment shows: the law's, and those of the drive."""
+        return tuple(parameter.name for parameter in self.parameters if parameter.shown_by)
+
+    @property
+    def bounded(self) -> dict[str, str]:
+        """Parameters that must not fall below another one, and the name of that one."""
+        return {one.name: one.at_least for one in self.parameters if one.at_least}
+
+    @property
+    def rise(self) -> tuple[str, ...]:
+        """Names of the parameters without effect where each bounded one is at its bound."""
+        return tuple(one.name for one in self.parameters if one.at_least or one.requires)
+
+    @property
+    def is_level(self) -> bool:
+        """Whether each bounded parameter is held at its bound."""
+        return all(self.upper[self.index(name)] <= 0.0 for name in self.bounded)
+
+    @property
+    def is_log(self) -> NDArray[np.bool_]:
+        """Whether each coordinate is a logarithm, (k,)."""
+        return np.array([one.coordinate == "log" for one in self.parameters])
+
+    def index(self, name: str) -> int:
+        """Return the place of a parameter among the coordinates."""
+        return self.names.index(name)
+
+    def encode(self, values: Values) -> Array:
+        """Return the coordinates (k,) of values by name, within the bounds."""
+        log, bounded = self.is_log, self.bounded
+        q = np.array([values[name] for name in self.names])
+        bounds = np.array([values[bounded[n]] if n in bounded else 1.0 for n in self.names])
+        q[log] = np.log(q[log] / bounds[log])
+        q[~log] = q[~log] / self.units[~log]
+        return np.asarray(np.clip(q, self.lower, self.upper), dtype=float)
+
+    def decode(self, q: Array) -> dict[str, float]:
+        """Return the values by name, in SI units, with the constants."""
+        log = self.is_log
+        numbers = np.empty(len(q))
+        numbers[log] = np.exp(q[log])
+        numbers[~log] = q[~log] * self.units[~log]
+        values = dict(zip(self.names, numbers.tolist(), strict=True)) | dict(self.constants)
+        for name, bound in self.bounded.items():
+            values[name] *= values[bound]
+        return values
+
+    def jacobian(self, q: Array) -> Array:
+        """Return d value / d coordinate (k, k)."""
+        values, log = self.decode(q), self.is_log
+        diagonal = [values[name] for name in self.names]
+        slopes = np.diag(np.where(log, diagonal, self.units))
+        for name, bound in self.bounded.items():
+            if bound in self.names:
+                slopes[self.index(name), self.index(bound)] = values[name]
+        return slopes
+
+    def direction(self, name: str) -> Array:
+        """Return the gradient (k,) of the logarithm of a positive value by the coordinates."""
+        direction = np.zeros(len(self.parameters))
+        direction[self.index(name)] = 1.0
+        bound = self.bounded.get(name)
+        if bound in self.names:
+            direction[self.index(bound)] = 1.0
+        return direction
+
+    def prior_residual(self, q: Array) -> Array:
+        """Return (q - prior mean) / prior standard deviation where there is a prior, (j,)."""
+        known = np.isfinite(self.prior_deviation)
+        return np.asarray(((q - self.prior_mean) / self.prior_deviation)[known])
+
+    def inside(self, q: Array) -> Array:
+        """Return coordinates (k,) moved inside the bounds."""
+        return np.asarray(np.clip(q, self.lower, self.upper))
+
+    def level(self) -> ParameterSpace:
+        """Return the space in which each bounded parameter is held at its bound."""
+        upper = self.upper.copy()
+        upper[[self.index(name) for name in self.bounded]] = 0.0
+        return replace(self, upper=upper)
+
+    def fixed(self, **values: float) -> ParameterSpace:
+        """Return the space in which these parameters have these values, in SI units.
+
+        Raises KeyError when there is no parameter of one of the names.
+        """
+        for name in values:
+            if name not in self.names and name not in self.constants:
+                raise KeyError(name)
+        kept = [k for k, name in enumerate(self.names) if name not in values]
+        return ParameterSpace(
+            self.law,
+            tuple(self.parameters[k] for k in kept),
+            {**self.constants, **values},
+            self.units[kept],
+            prior_mean=self.prior_mean[kept],
+            prior_deviation=self.prior_deviation[kept],
+            lower=self.lower[kept],
+            upper=self.upper[kept],
+        )

@@ -80,3 +80,16 @@ def or_(names: Iterable[str]) -> str:
     """Return names as ``a, b or c``."""
     *most, last = names
     return f"{', '.join(most)} or {last}" if most else last
+
+
+def write_files(out: Path | None, command: Mapping[str, object], files: Mapping[str, str]) -> None:
+    """Write texts by file name into a folder of results, if there is one, and print their paths."""
+    from stickslip.fmi.files import atomic_write  # late: they load more than the command line needs
+    from stickslip.storage import staged
+
+    if out is None:
+        return
+    with staged(out, command) as staging:
+        for name, text in files.items():
+            atomic_write(staging / name, text)
+    print(*(out / name for name in files), sep="\n")

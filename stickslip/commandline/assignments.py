@@ -1,7 +1,5 @@
 """``--set``, ``--coarse``, ``--source`` and ``--law`` on the command line."""
 
-from __future__ import annotations
-
 import math
 from argparse import ArgumentParser
 from collections.abc import Collection, Iterable
@@ -46,10 +44,8 @@ def add_law_option(parser: ArgumentParser, *further: str, more: str = "") -> Non
 def coarse_factors(texts: Iterable[str], law: str = "lugre") -> dict[str, float]:
     """Return factors on identified parameters by name.
 
-    Raises
-    ------
-    UsageError
-        When a name is not one of the law's, or a factor is not a positive finite number.
+    Raises UsageError when a name is not one of the law's, or a factor is not a positive finite
+    number.
     """
     from stickslip.catalog.parameters import estimated, friction_law
 
@@ -70,15 +66,8 @@ def split_assignments(
 ) -> dict[str, str]:
     """Return name -> value as it was written.
 
-    Parameters
-    ----------
-    option : named in messages
-    known : names that are accepted; empty for any
-
-    Raises
-    ------
-    UsageError
-        When a text is not an assignment, or a name is unknown or comes twice.
+    Raises UsageError when a text is not an assignment, or a name is unknown or comes twice.
+    Messages name the option. Where ``known`` is empty any name is accepted.
     """
     values: dict[str, str] = {}
     for text in texts:
@@ -96,12 +85,8 @@ def split_assignments(
 def drive_changes(texts: Iterable[str]) -> dict[str, float | str]:
     """Return the assignments to ``drive.NAME`` without their prefix.
 
-    All are numbers but ``law``, the name of the drive's friction law.
-
-    Raises
-    ------
-    UsageError
-        When another component is named, or a value is not a number.
+    All are numbers but ``law``, the name of the drive's friction law. Raises UsageError when
+    another component is named, or a value is not a number.
     """
     changes: dict[str, float | str] = {}
     for name, value in split_assignments(texts).items():

@@ -1,7 +1,5 @@
 """The options of every command that learns: algorithm, workers, checkpoint and seed."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,7 +9,7 @@ from stickslip import ga
 from stickslip.commandline import FLAG, add_options, at_least
 from stickslip.errors import UsageError
 from stickslip.ga.execution.checkpoint import check
-from stickslip.work.execution import Execution, processors, stopped
+from stickslip.work.jobs import Execution, processors, stopped
 
 
 def add_algorithm_option(
@@ -69,18 +67,9 @@ def execution_of(options: argparse.Namespace, checkpoint: Path | None) -> Iterat
     """Give what the options choose to a block that learns and writes the results.
 
     At its end the checkpoint is deleted, unless the user named one. Where the block is interrupted,
-    the message names what is kept.
-
-    Parameters
-    ----------
-    checkpoint : the file unless another one is named; None writes none
-
-    Raises
-    ------
-    UsageError
-        When a checkpoint is there and is not to be resumed.
-    StateError
-        When it is to be resumed, but is not a checkpoint.
+    the message names what is kept. Raises UsageError when a checkpoint is there and is not to be
+    resumed, or StateError when it is to be resumed, but is not a checkpoint. The checkpoint is that
+    file unless the user named another one; None writes none.
     """
     file = options.checkpoint or checkpoint
     execution = Execution(options.workers, options.where, file, options.resume)

@@ -4,18 +4,45 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from stickslip.commandline import SEVERAL, add_options, require_files
 from stickslip.commandline.assignments import split_assignments
 from stickslip.errors import UsageError
 from stickslip.logs import ROLES, Column, Description, Finding, Kind, load_description
-from stickslip.logs.controller import GAINS
-from stickslip.logs.description import CONFIRMED
+from stickslip.logs.description import CONFIRMED, GAINS
 from stickslip.logs.units import parse_quantity
+from stickslip.planning import LINEAR, Limits
+
+if TYPE_CHECKING:
+    from stickslip.rigs.contract import Rig
+
+
+MOTIONS = "motions"  # Folder, within that of the results, of the logs of a rig
+
+
+def add_rig_option(parser: argparse.ArgumentParser, what: str) -> None:
+    """Declare ``--rig``."""
+    text = f"{what}; --out keeps its logs, and the same command goes on there (docs/rig.md)"
+    add_options(parser, {"--rig FILE.toml": text}, type=Path)
+
+
+@contextmanager
+def rig_of(path: Path | None, out: Path | None, law: str) -> Iterator[tuple[Rig | None, Limits]]:
+    """Return the rig of a file, whose logs are kept in a folder of results, and its experiment."""
+    if path is None:
+        yield None, LINEAR
+        return
+    from stickslip.rigs.file import KeptRig, open_rig
+
+    rig, limits = open_rig(path, "lugre" if law == "auto" else law)
+    with rig:
+        yield (KeptRig(rig, out / MOTIONS) if out else rig), limits
+
 
 _PARTS = {"column": "name", "unit": "unit", "scale": "scale", "offset": "offset"}
 """Options of several ROLE=VALUE, and the attribute of a column that each one sets."""
@@ -45,25 +72,14 @@ def add_log_argument(parser: argparse.ArgumentParser) -> None:
 
 
 def log_of(options: argparse.Namespace) -> Path:
-    """Return the log's file.
-
-    Raises
-    ------
-    UsageError
-        When none, or two, are given.
-    """
+    """Return the log's file; raise UsageError when none, or two, are given."""
     return one_of("a log", options.log, options.log_option)
 
 
 def one_of(what: str, *given: Path | None) -> Path:
     """Return the one path that is given.
 
-    Raises
-    ------
-    UsageError
-        When there is none, or more than one.
-    OSError
-        When the file is not there.
+    Raises UsageError when there is none, or more than one, or OSError when the file is not there.
     """
     paths = [path for path in given if path is not None]
     if len(paths) != 1:
@@ -120,10 +136,7 @@ def add_log_options(parser: argparse.ArgumentParser) -> None:
 def description_of(options: argparse.Namespace) -> Description:
     """Return the description that options and their file give together.
 
-    Raises
-    ------
-    UsageError
-        When an option or the file is not valid.
+    Raises UsageError when an option or the file is not valid.
     """
     base = load_description(options.config) if options.config else Description()
     columns = dict(base.columns)

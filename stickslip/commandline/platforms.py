@@ -1,7 +1,5 @@
 """The options of an FMU that is written: ``--platform``, ``--fmi`` and ``--out``."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
@@ -36,12 +34,7 @@ def fmu_options(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def parse_platforms(names: Sequence[str]) -> list[Platform]:
-    """Return the platforms by name, each once.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Return the platforms by name, each once; raise UsageError when one is unknown."""
     if list(names) == ["all"]:
         return list(PLATFORMS.values())
     platforms = {}

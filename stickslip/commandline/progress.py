@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from stickslip.commandline import FLAG, add_options, warn
-from stickslip.output import LOG, quiet
-from stickslip.progress import Factors, Progress, shown_by
+from stickslip.output import LOG, Factors, Progress, quiet, shown_by
 
 if TYPE_CHECKING:
     from tqdm import tqdm
@@ -27,10 +26,8 @@ if TYPE_CHECKING:
 
 
 LEVELS = "▁▂▃▄▅▆▇█"
-LATEST = 40
-"""Generations of which the cost is drawn."""
-Row = tuple[float, str]
-"""A share from 0 to 1, which is drawn as a bar, and a text; a share that is NaN draws none."""
+LATEST = 40  # generations of which the cost is drawn
+Row = tuple[float, str]  # a share from 0 to 1, drawn as a bar unless it is NaN, and a text
 
 
 def add_live_option(parser: argparse.ArgumentParser) -> None:
@@ -42,9 +39,7 @@ def add_live_option(parser: argparse.ArgumentParser) -> None:
 class TerminalProgress(Progress):
     """The progress that a command shows; close it, or use ``with``.
 
-    Parameters
-    ----------
-    live : whether to show how costs and parameters develop
+    With ``live`` it shows how costs and parameters develop.
     """
 
     def __init__(self, *, live: bool = False) -> None:

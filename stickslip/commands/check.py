@@ -23,10 +23,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.epilog = "status 0: no errors; 1: errors (with --strict also warnings); 2: usage"
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE.fmu|FILE.ssp")
-    flags = {
-        "--strict": "warnings count as errors",
-        "--no-run": "do not load the binary",
-    }
+    flags = {"--strict": "warnings count as errors", "--no-run": "do not load the binary"}
     add_options(parser, flags, **FLAG)
     limit = {"--timeout S": "time limit of the binary for one rule"}
     add_options(parser, limit, type=seconds, default=20.0)

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip.catalog.parameters import PAPER
+from stickslip.commandline import write_files
 from stickslip.output import Answer
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.specification import LoopSpecification
+from stickslip.servo.axis import LOOP, Datasheet, LoopSpecification
 
 if TYPE_CHECKING:
     from stickslip.servo.velocity_loop import VelocityLoop
@@ -37,7 +37,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Design, print gains and margins, and write them with the nominal loop's matrices."""
-    from stickslip.commandline.files import write_files
     from stickslip.servo.axis import Axis
     from stickslip.servo.systems import nominal_parameters
     from stickslip.servo.velocity_loop import design_velocity_loop

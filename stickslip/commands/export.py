@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
-from stickslip.commands import (
-    export_compensator,
-    export_components,
-    export_lti,
-    export_observer,
-    export_rig,
-    export_system,
-)
+from stickslip.commandline import FLAG, add_options
+from stickslip.commandline.assignments import add_set_option, split_assignments
+from stickslip.commandline.platforms import add_fmu_options, fmu_options
+from stickslip.commands.export_compensator import add_compensator, add_components, add_observer
+from stickslip.errors import UsageError
+from stickslip.output import Answer
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -20,20 +21,123 @@ def declare(parser: argparse.ArgumentParser) -> None:
         dest="what", metavar="compensator|observer|components|lti|rig|FILE.ssp", required=True
     )
     exports.choices = exports._name_parser_map = _Parsers()  # noqa: SLF001 - no public way
-    export_compensator.add_to(exports)
-    export_observer.add_to(exports)
-    export_components.add_to(exports)
-    export_lti.add_to(exports)
-    export_rig.add_to(exports)
-    export_system.add_to(exports)
+    for add in (add_compensator, add_observer, add_components, add_lti, add_rig, add_system):
+        add(exports)
 
 
 class _Parsers(dict[str, argparse.ArgumentParser]):
     """Parsers by what they export: a file stands for the one of its kind."""
 
     def __contains__(self, name: object) -> bool:
-        is_file = str(name).endswith(".ssp") and name != export_system.NAME
+        is_file = str(name).endswith(".ssp") and name != SYSTEM
         return super().__contains__(name) or is_file
 
     def __missing__(self, name: str) -> argparse.ArgumentParser:
-        return self[export_system.NAME]
+        return self[SYSTEM]
+
+
+def add_lti(exports: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = exports.add_parser("lti", help="a state space or transfer function as an FMU")
+    parser.add_argument(
+        "file", type=Path, metavar="FILE.toml|FILE.json", help="see models/lti/README.md"
+    )
+    times = dict.fromkeys(("--step S", "--stop S"), "proposed by the FMU (default: from the poles)")
+    add_options(parser, times, type=float)
+    held = "outputs with direct gain hold the last sample, for controllers in discrete time"
+    add_options(parser, {"--held": held}, **FLAG)
+    add_fmu_options(parser)
+    parser.set_defaults(run=export_lti)
+
+
+def export_lti(options: argparse.Namespace) -> Answer:
+    """Write DIR/NAME.fmu and print its path."""
+    from stickslip import models
+
+    described = models.read_lti(options.file)
+    path = models.export_lti(
+        described.system,
+        options.out,
+        step=described.step if options.step is None else options.step,
+        stop=described.stop if options.stop is None else options.stop,
+        held=options.held,
+        **fmu_options(options),
+    )
+    print(path)
+    return Answer({"written": [path]})
+
+
+def add_rig(exports: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = exports.add_parser("rig", help="what runs motions in a Beckhoff controller: PLC code")
+    parser.description = (
+        "Write the function block StickslipRig in structured text. A Beckhoff controller that "
+        "calls it runs the motions that ss.AdsRig asks for; docs/rig.md says how."
+    )
+    out = {"--out DIR": "folder to write into (default .)"}
+    add_options(parser, out, type=Path, default=Path())
+    parser.set_defaults(run=export_rig)
+
+
+def export_rig(options: argparse.Namespace) -> Answer:
+    """Write the function block and print its path."""
+    from stickslip.fmi.files import atomic_write  # late: loads more than the command line needs
+    from stickslip.rigs.ads_rig import CODE
+
+    options.out.mkdir(parents=True, exist_ok=True)
+    path = options.out / CODE.name
+    atomic_write(path, CODE.read_text(encoding="utf-8"))
+    print(path)
+    return Answer({"written": [path]})
+
+
+SYSTEM = "FILE.ssp"
+
+
+def add_system(exports: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = exports.add_parser(SYSTEM, help="a whole system of FMUs as one FMU")
+    parser.add_argument("--as", dest="form", choices=["fmu"], required=True)
+    step = {"--step S": "communication step, instead of that of the file"}
+    add_options(parser, step, type=float)
+    add_options(parser, {"--variant NAME": "variant of the .ssp to export, if it has several"})
+    parser.add_argument(
+        "--coupling",
+        choices=["gauss_seidel", "jacobi"],
+        default="gauss_seidel",
+        help="(default gauss_seidel)",
+    )
+    add_set_option(parser, "start values: component.variable=VALUE")
+    names = "names or patterns (drive.*) of the FMU's variables (default: "
+    variables = {
+        "--outputs NAME": f"{names}those of the system, or of all components)",
+        "--parameters NAME": f"{names}all)",
+    }
+    add_options(parser, variables, nargs="*")
+    add_fmu_options(parser)
+    parser.set_defaults(run=export_system)
+
+
+def export_system(options: argparse.Namespace) -> Answer:
+    """Write DIR/NAME.fmu, named like the package, and print its path."""
+    from stickslip import cosim
+
+    file = Path(options.what)
+    system, experiment = cosim.read_ssp(file, options.variant)
+    step = experiment.step if options.step is None else options.step
+    if step is None:
+        raise UsageError(f"{file}: the file proposes no step; give --step")
+    for name, value in split_assignments(options.set).items():
+        system.set(name, value)
+    path = cosim.write_fmu(
+        system,
+        options.out / f"{file.stem}.fmu",
+        step=step,
+        coupling=options.coupling,
+        outputs=options.outputs,
+        parameters=options.parameters,
+        experiment=replace(experiment, step=step),
+        **fmu_options(options),
+    )
+    print(path)
+    return Answer({"written": [path]})

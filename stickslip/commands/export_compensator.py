@@ -1,4 +1,4 @@
-"""``stickslip export compensator``: the tuned compensator as FMU, C or structured text."""
+"""``stickslip export compensator``, ``observer``, ``components``: as FMU, C or structured text."""
 
 from __future__ import annotations
 
@@ -10,20 +10,21 @@ from typing import TYPE_CHECKING, Any
 from stickslip.commandline import FLAG, add_options, warn
 from stickslip.commandline.platforms import add_fmu_options, fmu_options
 from stickslip.errors import HarmfulError, UsageError
+from stickslip.fmi.process import temporary_folder
 from stickslip.output import Answer
+from stickslip.thresholds import offer
 
 if TYPE_CHECKING:
     from stickslip.learned.file import LearnedFile
     from stickslip.servo.systems import Compensator
+    from stickslip.servo.velocity_loop import VelocityLoop
 
 
-NAME = "compensator"
-"""Of the command, of what it writes, and of the model that evaluates any law."""
-MOST_SAMPLES = 10_000_000
-"""Of a validation command."""
+NAME = "compensator"  # of the command, of what it writes, and of the model that evaluates any law
+MOST_SAMPLES = 10_000_000  # of a validation command
 
 
-def add_to(exports: argparse._SubParsersAction[Any]) -> None:
+def add_compensator(exports: argparse._SubParsersAction[Any]) -> None:
     """Declare the command."""
     parser = exports.add_parser(NAME, help="the tuned compensator: FMU, C or PLC code")
     parameters = {"--parameters FILE.json": "parameters of the compensator: a learned.json"}
@@ -32,7 +33,7 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     force = "export the whole force, even if it makes the loop worse"
     add_options(parser, {"--force": force}, **FLAG)
     add_fmu_options(parser)
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=export_compensator)
 
 
 def add_form_option(parser: argparse.ArgumentParser) -> None:
@@ -46,7 +47,7 @@ def add_form_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(options: argparse.Namespace) -> Answer:
+def export_compensator(options: argparse.Namespace) -> Answer:
     """Write the compensator with its learned start values and print the paths.
 
     What the guards find goes to standard error. The force is reduced to the largest share that
@@ -72,11 +73,8 @@ def run(options: argparse.Namespace) -> Answer:
 def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> float:
     """Try a compensator, print what is found, and return the share of the whole force to export.
 
-    Raises
-    ------
-    HarmfulError
-        When it makes the loop worse at every share, was never tried, or learning refused it, and is
-        not forced.
+    Raises HarmfulError when it makes the loop worse at every share, was never tried, or learning
+    refused it, and is not forced.
     """
     from stickslip.studies.learn.terminal import print_benefit
     from stickslip.trial.guards import bench_of, benefits_on_drives, feedforward
@@ -140,3 +138,101 @@ def write_as(options: argparse.Namespace, model: str, **given: Any) -> list[Path
     if options.form != "fmu":
         return write_compensator(options.out, options.form, model=model, **given)
     return [models.build_fmu(model, options.out, **given, **fmu_options(options))]
+
+
+def add_observer(exports: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = exports.add_parser("observer", help="the disturbance observer: FMU, C or PLC code")
+    parameters = {"--parameters FILE.json": "a learned.json with an observer"}
+    add_options(parser, parameters, type=Path, required=True)
+    add_form_option(parser)
+    force = "export it even if learn refused it or the loop is not robust with it"
+    add_options(parser, {"--force": force}, **FLAG)
+    add_fmu_options(parser)
+    parser.set_defaults(run=export_observer)
+
+
+def export_observer(options: argparse.Namespace) -> Answer:
+    """Write the observer with its designed gains and print the paths.
+
+    Raises HarmfulError when learning refused it, or the peak sensitivity of the loop is too large
+    with it.
+    """
+    from stickslip import models
+    from stickslip.learned.file import LearnedFile
+
+    learned = LearnedFile(options.parameters)
+    observer = learned.observer
+    model, start = observer.model, observer.values
+    try:
+        models.load_model(model).with_start(start)
+        for refusal in _refusals(learned, observer):
+            if not options.force:
+                raise HarmfulError(f"{options.parameters}: {refusal}; --force exports it anyway")
+            warn(refusal)
+        paths = write_as(options, model, start=start, called="observer", rotary=learned.rotary)
+    except models.StartValueError as error:
+        raise UsageError(f"{options.parameters}: observer: {error}") from None
+    print(*paths, sep="\n")
+    return Answer({"written": paths})
+
+
+def _refusals(learned: LearnedFile, observer: Compensator) -> list[str]:
+
+    found = []
+    if learned.observer_refusal:
+        found.append(f"learn does not recommend the observer: {learned.observer_refusal}")
+    if learned.loop is not None:
+        peak = _peak(learned.loop, observer, learned.validation.height)
+        if not peak <= offer.SENSITIVITY:
+            found.append(
+                f"with the observer the loop has a peak sensitivity of {peak:.3g}; expected at "
+                f"most {offer.SENSITIVITY:g}"
+            )
+    return found
+
+
+def _peak(loop: VelocityLoop, observer: Compensator, speed: float) -> float:
+    """Return the peak sensitivity of a loop with an observer, measured on its FMU."""
+    from stickslip import models
+    from stickslip.servo.chain_response import ChainResponse
+
+    with temporary_folder() as folder:
+        models.build_fmu(observer.model, folder)
+        with ChainResponse(folder, loop, [observer], abs(speed)) as response:
+            return response.of(loop, {}, friction=0.0).peak
+
+
+def add_components(exports: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = exports.add_parser("components", help="compensators that learn: FMU, C or PLC code")
+    parameters = {"--parameters FILE.json": "a learned.json or winner.json with components"}
+    add_options(parser, parameters, type=Path, required=True)
+    add_form_option(parser)
+    add_fmu_options(parser)
+    parser.set_defaults(run=export_components)
+
+
+def export_components(options: argparse.Namespace) -> Answer:
+    """Write each component under its name and print the paths.
+
+    Raises UsageError when there is none, or it is not available in the form that is wanted.
+    """
+    from stickslip.learned.file import LearnedFile
+
+    learned = LearnedFile(options.parameters)
+    components = learned.components
+    if not components:
+        raise UsageError(f"{options.parameters}: contains no components")
+    written: list[Path] = []
+    for name, model in components.items():
+        given: dict[str, Any] = {
+            "start": {v.name: v.start for v in model.variables if v.role == "parameter"},
+            "law": model.law.name if model.law else None,
+            "called": name,
+            "rotary": learned.rotary,
+        }
+        paths = write_as(options, model.name, **given)
+        print(*paths, sep="\n")
+        written += paths
+    return Answer({"written": written})

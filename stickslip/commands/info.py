@@ -1,7 +1,5 @@
 """``stickslip info``: what an FMU or a system of FMUs contains."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

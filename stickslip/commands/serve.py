@@ -1,7 +1,5 @@
 """``stickslip serve``: run a drive FMU as a drive behind a socket."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -55,11 +53,7 @@ def run(options: argparse.Namespace) -> Answer:
         try:
             address = (options.host, options.port)
             server = Server(
-                drive,
-                address,
-                options.drive.name,
-                heartbeat=options.heartbeat,
-                fast=options.fast,
+                drive, address, options.drive.name, heartbeat=options.heartbeat, fast=options.fast
             )
         except OSError as fault:
             raise UsageError(f"--port {options.port}: {fault.strerror}") from None

@@ -5,15 +5,15 @@ from __future__ import annotations
 import argparse
 import io
 import json
+import sys
 from collections.abc import Mapping
 from contextlib import ExitStack
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from stickslip.commandline import FLAG, SEVERAL, add_options, or_, warn
 from stickslip.commandline.assignments import add_set_option, split_assignments
-from stickslip.commandline.isolation import add_isolation, isolation_of
 from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write, require_regular_file
 from stickslip.output import LOG, Answer
@@ -22,6 +22,43 @@ from stickslip.storage import writable
 if TYPE_CHECKING:
     from stickslip import cosim
     from stickslip.simulation import Model
+
+
+def add_isolation(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--isolate`` and its limits."""
+    parser.add_argument(
+        "--isolate",
+        action=argparse.BooleanOptionalAction,
+        help="run the FMUs in a child process, so that a crash does not end the command (default "
+        "on Linux, unless this installation compiled all of them)",
+    )
+    limits = {
+        "--timeout S": "with isolation: time limit of the run (default: 30 s for each step)",
+        "--memory MB": "with isolation: memory limit (Linux, default 4096)",
+    }
+    add_options(parser, limits, type=float)
+    allow = {
+        "--allow network|exec|files=DIR|env=NAME": "with isolation: what the sandbox lets the FMUs "
+        "do; may be repeated (Linux)"
+    }
+    add_options(parser, allow, action="append")
+
+
+def isolation_of(options: argparse.Namespace) -> cosim.Isolated:
+    """Return what the options ask for; raise UsageError when a limit is given without isolation."""
+    from stickslip import cosim
+
+    given = {"timeout": options.timeout, "memory": options.memory}
+    limits: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+    if options.allow:
+        limits["allow"] = tuple(options.allow)
+    limited = options.isolate or (options.isolate is None and sys.platform == "linux")
+    if limits and not limited:
+        raise UsageError(f"--{next(iter(limits))} needs --isolate, which it limits")
+    if limits or options.isolate:
+        return cosim.Isolation(**limits)
+    return "foreign" if options.isolate is None else None
+
 
 PICTURES = (".png", ".svg", ".pdf")
 WRITERS = {".csv": "to_csv", ".parquet": "to_parquet", ".xlsx": "to_excel"}

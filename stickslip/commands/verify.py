@@ -1,7 +1,5 @@
 """``stickslip verify``: check folders of results against their manifests."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

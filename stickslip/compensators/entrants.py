@@ -23,38 +23,26 @@ from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.fmi.messages import suggestion
 from stickslip.models.export.description import AXIS, ROLES, Variable
 from stickslip.models.export.units import force_and_length
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.chain_response import ChainResponse, Robustness
-from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import COMPONENTS, Compensator
 from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop, position_loop
 
-FEEDFORWARD = "compensator"
-"""Model that evaluates any law."""
-RANGE = 10.0
-"""Bounds of a parameter of a friction law, as a factor on its coarse start."""
-SPEED = 0.04
-"""Speed of the paper's commands [m/s], for which ``entrants.toml`` is written."""
-SPREAD = 0.5
-"""Standard deviation of the logarithm of a start value where law.toml gives none."""
-DEFLECTION = 2e-5
-"""Presliding deflection that is assumed before anything is tuned, at that speed [m]."""
+FEEDFORWARD = "compensator"  # model that evaluates any law
+RANGE = 10.0  # bounds of a parameter of a friction law, as a factor on its coarse start
+SPEED = 0.04  # speed of the paper's commands [m/s], for which ``entrants.toml`` is written
+SPREAD = 0.5  # standard deviation of the logarithm of a start value where law.toml gives none
+DEFLECTION = 2e-5  # presliding deflection that is assumed before tuning, at that speed [m]
 
 
 @dataclass(frozen=True)
 class Coarse:
-    """What is known of a drive before it is tuned.
+    """What is known of a drive before it is tuned."""
 
-    Attributes
-    ----------
-    friction : measured force of sliding [N]
-    speed : largest speed of the training command [m/s]
-    seed : of the errors of the coarse start values
-    """
-
-    friction: float
-    speed: float
-    seed: int = 0
+    friction: float  # measured force of sliding [N]
+    speed: float  # largest speed of the training command [m/s]
+    seed: int = 0  # of the errors of the coarse start values
 
     def start(self, name: str, law: models.Law | None = None) -> float:
         """Return a start value of a friction parameter, with an error as of a data sheet."""
@@ -71,27 +59,18 @@ class Coarse:
 
 @dataclass(frozen=True)
 class TunedEntrant:
-    """An entrant with values for its genes, ready to run in a loop.
+    """An entrant with values for its genes, ready to run in a loop."""
 
-    Attributes
-    ----------
-    loop : with the gains that it chooses
-    parameters : start values of the FMUs of its chain, ``component.variable``
-    damping : parameters of the controller's nonlinear damping; empty for none
-    """
-
-    loop: VelocityLoop
-    parameters: Mapping[str, float]
+    loop: VelocityLoop  # with the gains that it chooses
+    parameters: Mapping[str, float]  # start values of the FMUs of its chain, ``component.variable``
+    # parameters of the controller's nonlinear damping; empty for none
     damping: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def linear_loops(self) -> list[VelocityLoop]:
         """The loops between which nonlinear damping moves, undamped first.
 
-        Raises
-        ------
-        ControlError
-            When one is unstable.
+        Raises ControlError when one is unstable.
         """
         if not self.damping:
             return [self.loop]
@@ -116,11 +95,7 @@ Design = Callable[[Mapping[str, float], VelocityLoop, Coarse, Datasheet], dict[s
 
 
 def kalman(
-    genes: Mapping[str, float],
-    loop: VelocityLoop,
-    coarse: Coarse,
-    sheet: Datasheet,
-    order: int = 1,
+    genes: Mapping[str, float], loop: VelocityLoop, coarse: Coarse, sheet: Datasheet, order: int = 1
 ) -> dict[str, float]:
     """Return the gains of a stationary Kalman filter; rate and noise are in units of friction."""
     rate, noise = genes["rate"] * coarse.friction, genes["noise"] * coarse.friction
@@ -135,12 +110,8 @@ def composite(genes: Mapping[str, float], loop: VelocityLoop) -> dict[str, float
     """Return gains of composite nonlinear feedback from the poles of its linear part.
 
     Proportional-integral control of the velocity and a position loop around it are a PID position
-    controller: stiffness m w_0^2 and damping 2 zeta w_0 m.
-
-    Parameters
-    ----------
-    genes : ``w_0`` relative to the crossover of the designed loop, K_p / m; ``gamma_v`` relative
-        to its K_p; ``K_x`` relative to its own
+    controller: stiffness m w_0^2 and damping 2 zeta w_0 m. Of the genes, ``w_0`` is relative to the
+    crossover K_p / m of the designed loop, ``gamma_v`` to its K_p, and ``K_x`` to its own.
     """
     w_0 = genes["w_0"] * loop.K_p / loop.axis.m
     gains = {
@@ -154,10 +125,7 @@ def composite(genes: Mapping[str, float], loop: VelocityLoop) -> dict[str, float
 def regulated(loop: VelocityLoop, **gains: float) -> VelocityLoop:
     """Return a loop with other gains of its controller: K_p [N s/m], K_i [N/m], K_x [1/s].
 
-    Raises
-    ------
-    ControlError
-        When it is unstable.
+    Raises ControlError when it is unstable.
     """
     return loop.changed(velocity_filter=None, velocity_feedforward=1.0, **gains)
 
@@ -190,8 +158,7 @@ _EXPECTED: dict[str, tuple[Callable[[object], bool], str]] = {
 }
 """What a file of ports may contain."""
 DESIGNS: dict[str, Design] = {"kalman": kalman, "kalman_2": partial(kalman, order=2)}
-DAMPING = ("gamma_v", "alpha")
-"""Parameters of the controller's nonlinear damping."""
+DAMPING = ("gamma_v", "alpha")  # parameters of the controller's nonlinear damping
 
 
 def factors(genes: Mapping[str, float], loop: VelocityLoop) -> dict[str, float]:
@@ -207,28 +174,20 @@ REGULATORS: dict[str, Callable[[Mapping[str, float], VelocityLoop], dict[str, fl
 
 @dataclass(frozen=True)
 class Part:
-    """One entry: a compensator, or other gains of the controller.
-
-    Attributes
-    ----------
-    ranges : lowest value, start and highest value of a gene, by name
-    values : parameters that are not tuned
-    design : of ``DESIGNS``, of a controller of ``REGULATORS``; empty where genes are parameters
-    positions : whether it controls the position, and is tuned on moves instead of a sweep
-    own_ports, own_fmu : how an FMU of the user is connected, and its file
-    """
+    """One entry: a compensator, or other gains of the controller."""
 
     name: str
     title: str
     model: str = ""
     law: models.Law | None = None
-    values: Mapping[str, float] = field(default_factory=dict)
+    values: Mapping[str, float] = field(default_factory=dict)  # parameters that are not tuned
+    # lowest value, start and highest value of a gene, by name
     ranges: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
-    design: str = ""
+    design: str = ""  # of ``DESIGNS`` or ``REGULATORS``; empty where genes are parameters
     controller: bool = False
-    positions: bool = False
-    own_ports: models.Ports | None = None
-    own_fmu: Path | None = None
+    positions: bool = False  # whether it controls the position, and is tuned on moves
+    own_ports: models.Ports | None = None  # how an FMU of the user is connected
+    own_fmu: Path | None = None  # its file
 
     @property
     def file(self) -> str:
@@ -405,10 +364,7 @@ class Entrant:
     ) -> TunedEntrant:
         """Return the loop and the parameters of the chain for values of the genes.
 
-        Raises
-        ------
-        ControlError
-            When the gains leave the loop unstable.
+        Raises ControlError when the gains leave the loop unstable.
         """
         values, damping = dict[str, float](), dict[str, float]()
         loop = self.base(loop)
@@ -465,14 +421,8 @@ def default_names() -> list[str]:
 def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
     """Return an entrant by its name.
 
-    Parameters
-    ----------
-    further : parts of the user
-
-    Raises
-    ------
-    UsageError
-        When one of its parts is unknown, or cannot follow the one before it.
+    Raises UsageError when one of its parts is unknown, or cannot follow the one before it.
+    ``further`` are parts of the user.
     """
     known = {**parts(), **(further or {})}
     require_parts(name, further or ())
@@ -492,16 +442,8 @@ def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
 def own_part(fmu: Path, ports: Path | Mapping[str, Any]) -> Part:
     """Return a compensator of the user from its FMU and how it is connected.
 
-    Parameters
-    ----------
-    ports : a TOML file, or its content
-
-    Raises
-    ------
-    UsageError
-        When the file is not well formed, or names what the FMU has not.
-    CosimError
-        When the FMU cannot be read.
+    Raises UsageError when the file is not well formed, or names what the FMU has not, or CosimError
+    when the FMU cannot be read. The ports are a TOML file, or its content.
     """
     where = str(ports) if isinstance(ports, Path) else f"ports of {fmu.name}"
     try:

@@ -1,7 +1,5 @@
 """Names of what competes, known before anything is imported that designs or simulates it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files
@@ -37,9 +35,7 @@ def part_names() -> tuple[str, ...]:
 def require_parts(name: str, further: Iterable[str] = ()) -> None:
     """Raise UsageError where a part of a compensator is unknown, such as ``ekbf`` of ``dahl+ekbf``.
 
-    Parameters
-    ----------
-    further : parts of the user
+    ``further`` are parts of the user.
     """
     known = {*part_names(), *further}
     for word in name.split("+"):

@@ -10,51 +10,45 @@ import numpy as np
 import pandas as pd
 
 from stickslip.evaluation.motions import MOTIONS, Motion
-from stickslip.evaluation.scatter import ONCE, repetitions, summary
-from stickslip.evaluation.validation import Run, covered, runs_of, velocity_errors
+from stickslip.evaluation.validation import (
+    ONCE,
+    Run,
+    covered,
+    repetitions,
+    runs_of,
+    summary,
+    velocity_errors,
+)
 from stickslip.fmi.process import Threads
+from stickslip.identification.criteria.runs import Diverged, require_bounded
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.divergence import Diverged, require_bounded
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 
-Key = tuple[str, str, str, str, str]
-"""An error, by the columns of ``KEYS``."""
+Key = tuple[str, str, str, str, str]  # an error, by the columns of ``KEYS``
 KEYS = ["motion", "region", "velocity", "metric", "unit"]
 """The columns of ``Evaluation.table`` before those of the entries."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One way to control the drive.
+    """One way to control the drive."""
 
-    Attributes
-    ----------
-    loop : the velocity loop
-    compensator : its parameters by name, None for no compensation
-    others : of further seeds; of the errors with them and with ``compensator`` the median counts
-    """
-
-    loop: VelocityLoop
-    compensator: Mapping[str, float] | None = None
+    loop: VelocityLoop  # the velocity loop
+    compensator: Mapping[str, float] | None = None  # by name, None for no compensation
+    # of further seeds; of the errors with them and with ``compensator`` the median counts
     others: Sequence[Mapping[str, float]] = ()
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """All motions with all entries.
+    """All motions with all entries."""
 
-    Attributes
-    ----------
-    motions : in the order in which they are shown
-    runs : by name of the motion, then of the entry: of its ``compensator``, at the first phase
-    errors : by name of the entry, with the index ``KEYS`` and a column for each compensator and
-        phase; NaN where the drive runs away
-    """
-
-    motions: tuple[Motion, ...]
-    runs: Mapping[str, Mapping[str, Run]]
+    motions: tuple[Motion, ...]  # in the order in which they are shown
+    runs: Mapping[str, Mapping[str, Run]]  # by motion, then entry: of its ``compensator``
+    # by name of the entry, with the index ``KEYS`` and a column for each compensator and phase; NaN
+    # where the drive runs away
     errors: Mapping[str, pd.DataFrame]
 
     def table(self) -> pd.DataFrame:
@@ -99,11 +93,7 @@ def evaluate(
 
 
 def _runs(
-    rig: FmuRig,
-    entries: Mapping[str, Entry],
-    feed: Feed,
-    v_cmd: Array,
-    phases: Sequence[float],
+    rig: FmuRig, entries: Mapping[str, Entry], feed: Feed, v_cmd: Array, phases: Sequence[float]
 ) -> Iterator[tuple[str, list[Run]]]:
     """Run one motion; the FMUs are prepared once for all compensators in the same loop."""
     alike: dict[int, list[str]] = {}
@@ -122,9 +112,7 @@ def _runs(
 def motion_errors(run: Run, motion: Motion, top: float) -> dict[Key, float]:
     """Return the errors by the columns of ``KEYS``, in the unit that is stated.
 
-    Parameters
-    ----------
-    top : the largest velocity that is commanded in any motion [m/s]
+    ``top`` is the largest velocity that is commanded in any motion [m/s].
     """
     errors = {
         (motion.name, region, velocity, metric, "mm/s"): 1e3 * value

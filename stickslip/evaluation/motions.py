@@ -14,56 +14,48 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip import cosim
-from stickslip.servo.paper_commands import REGION, VALIDATION
+from stickslip.cosim import SineSweep, Trapezoid
 
-Span = tuple[float, float]
-"""From when to when [s]."""
-Regions = Mapping[str, tuple[Span, ...]]
-"""By name, the spans of time over which errors are taken."""
+TRAINING = SineSweep(frequency=(0.1, 5.0), amplitude=(0.030, 0.040), duration=10.0)
+"""The training command of section 4.2 [m/s]."""
+
+SLOW = SineSweep(frequency=(0.1, 0.5), amplitude=(0.030, 0.040), duration=10.0)
+"""Reversals slower than nearly all of the training command, to compare results of it on [m/s]."""
+
+VALIDATION = Trapezoid(height=0.040, slope=0.055, plateau=0.5, begin=0.1)
+"""The trapezoid of Fig. 6(a) [m/s]."""
+
+REGION = (0.030, 0.070)  # evaluated windows after motion starts or reverses, from when to when [s]
+
+
+Span = tuple[float, float]  # from when to when [s]
+Regions = Mapping[str, tuple[Span, ...]]  # by name, the spans of time over which errors are taken
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A velocity command, and where the errors of following it are taken.
+    """A velocity command, and where the errors of following it are taken."""
 
-    Attributes
-    ----------
-    name : such as ``creep``
-    purpose : one sentence on what it tests and which samples count
-    command : [m/s]
-    duration : [s]
-    regions : the spans that count
-    positioned : whether the position error counts as well
-    """
-
-    name: str
-    purpose: str
-    command: cosim.Signal
-    duration: float
-    regions: Regions
-    positioned: bool = False
+    name: str  # such as ``creep``
+    purpose: str  # one sentence on what it tests and which samples count
+    command: cosim.Signal  # [m/s]
+    duration: float  # [s]
+    regions: Regions  # the spans that count
+    positioned: bool = False  # whether the position error counts as well
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """A move with constant acceleration up to a speed and down to rest.
+    """A move with constant acceleration up to a speed and down to rest."""
 
-    Attributes
-    ----------
-    speed : with sign [m/s]
-    ramp, hold, rest : how long each ramp, the constant speed and the rest after it last [s]
-    counted : how long after its begin the errors are taken [s]
-    """
-
-    speed: float
-    ramp: float
-    hold: float
-    rest: float
-    counted: float
+    speed: float  # with sign [m/s]
+    ramp: float  # how long each ramp lasts [s]
+    hold: float  # how long the constant speed lasts [s]
+    rest: float  # how long the rest after it lasts [s]
+    counted: float  # how long after its begin the errors are taken [s]
 
 
-BEGIN = 0.1
-"""Rest before the first stroke [s]."""
+BEGIN = 0.1  # rest before the first stroke [s]
 
 
 def windows(command: cosim.Trapezoid) -> dict[str, float]:
@@ -176,7 +168,5 @@ def _micrometre_moves() -> Motion:
     )
 
 
-SLOW_MOTIONS = (_reversals(), _creep(), _micrometre_moves())
-"""What the trapezoid is too fast and too long for."""
-MOTIONS = (trapezoid(VALIDATION), *SLOW_MOTIONS)
-"""All of them, the paper's first."""
+SLOW_MOTIONS = (_reversals(), _creep(), _micrometre_moves())  # slower than the trapezoid
+MOTIONS = (trapezoid(VALIDATION), *SLOW_MOTIONS)  # all of them, the paper's first

@@ -1,36 +1,41 @@
-"""How a drive follows a command, with each compensation that is compared: errors over time."""
+"""How a drive follows a command, with each compensation that is compared: errors over time.
+
+For a learned drive in the loop of a log, the controller FMU with the gains of the log's controller,
+of any kind, runs the drive FMU with the learned values along the log's commands. The compensator's
+force depends on the command only, so it is computed first and added to the controller's.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from pathlib import Path
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
-from stickslip.identification.criteria.motion import position_of
+from stickslip import cosim
+from stickslip.catalog.parameters import DRIVE, friction_law
+from stickslip.errors import UsageError
+from stickslip.identification.criteria.known_loop import KnownLoop
+from stickslip.identification.criteria.motion import Scale, position_of, scale_of
 from stickslip.logs import Recording
 from stickslip.servo.measurement import CUTOFF, Array, derivative, smoothed
+from stickslip.servo.velocity_loop import VelocityLoop
 
 NONE, FEEDFORWARD, FRICTIONLESS = "without compensator", "with compensator", "without friction"
 """Variants: no compensation, the force of the compensator, and no friction at all."""
-SHARE = 1.0 / 16.0
-"""Cut-off of the low-pass of measured velocities at most, as share of the sample rate."""
+SHARE = 1.0 / 16.0  # largest cut-off of a measured velocity's low-pass, over the sample rate
 
 
 @dataclass(frozen=True)
 class TrackingError:
-    """Root mean square and largest absolute value of the errors of velocity and position.
+    """Root mean square and largest absolute value of the errors of velocity and position."""
 
-    Attributes
-    ----------
-    velocity_rms, velocity_max : [m/s]
-    position_rms, position_max : [m]
-    """
-
-    velocity_rms: float
-    velocity_max: float
-    position_rms: float
-    position_max: float
+    velocity_rms: float  # [m/s]
+    velocity_max: float  # [m/s]
+    position_rms: float  # [m]
+    position_max: float  # [m]
 
     @classmethod
     def of(cls, velocity: Array, position: Array) -> TrackingError:
@@ -52,29 +57,18 @@ def _size(error: Array) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Tracking:
-    """Simulated motion of a drive along one command.
+    """Simulated motion of a drive along one command."""
 
-    Attributes
-    ----------
-    t : (n,) [s]
-    v_cmd : (n,) commanded velocity [m/s]
-    velocity : (n,) true velocity by variant [m/s]
-    position_error : (n,) true position less commanded position by variant [m]
-    used : the samples that count; the first ones do not where the log began in motion
-    loop, command : the loop and the command, in words
-    known : whether the loop is that of the log's controller
-    measured : tracking error of the log itself, without compensation; None where the simulated loop
-        or command is another
-    """
-
-    t: Array
-    v_cmd: Array
-    velocity: Mapping[str, Array]
-    position_error: Mapping[str, Array]
-    used: slice
-    loop: str
-    command: str
-    known: bool
+    t: Array  # (n,) [s]
+    v_cmd: Array  # (n,) commanded velocity [m/s]
+    velocity: Mapping[str, Array]  # (n,) true velocity by variant [m/s]
+    position_error: Mapping[str, Array]  # (n,) true position less commanded position by variant [m]
+    used: slice  # the samples that count; the first ones do not where the log began in motion
+    loop: str  # in words
+    command: str  # in words
+    known: bool  # whether the loop is that of the log's controller
+    # tracking error of the log itself, without compensation; None where the simulated loop or
+    # command is another
     measured: TrackingError | None = None
 
     def velocity_error(self, variant: str) -> Array:
@@ -110,12 +104,129 @@ def cutoff(T_s: float) -> float:
 def measured_errors(recording: Recording, v_cmd: Array, x_cmd: Array) -> tuple[Array, Array]:
     """Return the errors (n,) of velocity [m/s] and position [m] that a log shows.
 
-    Command and motion go through the same low-pass, which has no phase lag.
-
-    Parameters
-    ----------
-    v_cmd, x_cmd : (n,) commanded velocity [m/s] and position [m]
+    Command and motion go through the same low-pass, which has no phase lag. The command is v_cmd
+    (n,) [m/s] and x_cmd (n,) [m].
     """
     T_s, position = recording.T_s, position_of(recording)
     velocity = measured_velocity(position, T_s)
     return velocity - smoothed(v_cmd, T_s, cutoff(T_s)), position - x_cmd
+
+
+NEGLIGIBLE = 1e-6  # share of the friction that counts as none
+
+
+@dataclass(frozen=True)
+class LearnedDrive:
+    """A drive as it was learned, in SI units."""
+
+    law: str  # name of its friction law
+    values: Mapping[str, float]  # of the drive by name: those of the law, m, b, F_0 and delay
+    compensator: Mapping[str, float]  # parameters of the compensator by name; none for no force
+    reference: VelocityLoop | None = None  # whose response the compensator takes, not the command
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motion of a drive in a loop."""
+
+    position: Array  # (n,) true [m]
+    velocity: Array  # (n,) true [m/s]
+    encoder: Array  # (n,) position that the encoder shows [m]
+
+
+def commanded_velocity(recording: Recording) -> Array:
+    """Return the velocity command (n,) [m/s], or the derivative of the position command.
+
+    Raises UsageError when neither was logged.
+    """
+    received = recording.controller_inputs.get("v_cmd")
+    if received is not None:
+        return received
+    if recording.position_command is None:
+        raise UsageError(
+            f"{recording.source}: no command; log the velocity or position command, or name its "
+            "column with --column velocity_command=NAME"
+        )
+    T_s = recording.T_s
+    velocity: Array = derivative(smoothed(recording.position_command, T_s, SHARE / T_s), T_s)
+    return velocity
+
+
+def commanded_position(recording: Recording) -> Array:
+    """Return the position command (n,) [m], or the integral of the velocity's from the start on.
+
+    The integral is that of straight lines between the samples: a log may have fewer of them than
+    the controller.
+    """
+    if recording.position_command is not None:
+        return recording.position_command
+    travel = cumulative_trapezoid(commanded_velocity(recording), dx=recording.T_s, initial=0)
+    return np.asarray(position_of(recording)[0] + travel)
+
+
+def simulate(
+    fmus: Path,
+    recording: Recording,
+    gains: Mapping[str, float],
+    drive: LearnedDrive,
+    force_limit: float | None = None,
+) -> dict[str, Motion]:
+    """Return the motion of the drive by variant: without and with compensator, without friction.
+
+    Parameters
+    ----------
+    fmus : folder of the candidate's FMUs, see ``candidate_fmus``
+    recording : gives commands, start and the encoder's steps
+    gains : of the controller FMU by name
+    force_limit : of motor or amplifier [N]
+    """
+    force = np.full(1, drive.values["F_c"]) if recording.force is None else recording.force
+    scale = scale_of(force, commanded_velocity(recording))
+    scaled, values = scale.recording(recording), scale.values(drive.values)
+    force = feedforward(fmus, recording, drive, scale)
+    further = {"candidate.noise_x": 0.0}
+    if force_limit is not None:
+        further |= dict.fromkeys(("candidate.u_max", "controller.u_max"), scale.force * force_limit)
+    law = friction_law(drive.law)
+    friction = {name: value for name, value in values.items() if name in law.parameters}
+    variants: dict[str, tuple[Mapping[str, float], Array | float]] = {
+        NONE: (values, 0.0),
+        FEEDFORWARD: (values, force),
+        FRICTIONLESS: ({**values, **law.share(friction, NEGLIGIBLE)}, 0.0),
+    }
+    with KnownLoop(fmus, scaled, scale.values(gains), encoder=True) as loop:
+        runs = {name: loop.bounded(of, further, added) for name, (of, added) in variants.items()}
+    signals = ("candidate.x", "candidate.v", "candidate.x_enc")
+    return {
+        name: Motion(*(run[signal] / scale.length for signal in signals))
+        for name, run in runs.items()
+    }
+
+
+def feedforward(fmus: Path, recording: Recording, drive: LearnedDrive, scale: Scale) -> Array:
+    """Return the compensator's force (n,) from each sample of a recording on, scaled."""
+    if not drive.compensator:
+        return np.zeros_like(recording.t)
+    v = commanded_velocity(recording)
+    lead = 0.0
+    if drive.reference is not None:
+        lead = drive.reference.axis.tau_i
+        v = _response(drive.reference, recording.t, v)
+        v = np.append(v[1:], v[-1])  # of the end of the step
+    values = {n: x for n, x in scale.values(drive.compensator).items() if n not in DRIVE}
+    system = cosim.System("feedforward")
+    start = {"hold": False, "lead": lead, **values}
+    system.add("compensator", fmus / "compensator.fmu", start)
+    system.expose("v", "compensator.v")
+    stop = (len(v) - 1) * recording.T_s
+    record = ("compensator.F_mean",)
+    with system.prepare(step=recording.T_s, stop=stop, record=record) as simulation:
+        shown = simulation.run({}, {"v": scale.length * v})[record[0]]
+    return np.append(shown[1:], shown[-1])  # row n + 1 shows the force from sample n on
+
+
+def _response(loop: VelocityLoop, t: Array, v_cmd: Array) -> Array:
+    """Return the velocity (n,) [m/s] of a loop without friction; it may sample at other times."""
+    own = np.arange(round(t[-1] / loop.T_s) + 1) * loop.T_s
+    inputs = np.interp(own, t, v_cmd)
+    return np.interp(t, own, loop.response(inputs)[0])

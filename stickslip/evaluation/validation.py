@@ -1,10 +1,16 @@
-"""Section 4.2: the trapezoid with and without compensation, evaluated by (8a), (8b) and (9)."""
+"""Section 4.2: the trapezoid with and without compensation, evaluated by (8a), (8b) and (9).
+
+The figures of a run depend on where within an encoder step the drive begins. One run is one draw:
+how the encoder's steps fall changes the largest errors by some ten percent, and a change of a
+parameter by 1e-10, as another processor makes, draws again. Published figures are therefore medians
+over ``PHASES``, with their range. Noise is drawn anew with each phase.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import numpy as np
 import pandas as pd
@@ -12,15 +18,60 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from stickslip import cosim
+from stickslip.catalog.parameters import HIGH, LOW
 from stickslip.errors import RigError
 from stickslip.evaluation.motions import Regions, Span, regions_after, trapezoid, windows
-from stickslip.evaluation.scatter import ONCE, beginnings, ranges_last, repetitions, summary
+from stickslip.identification.criteria.runs import require_bounded
 from stickslip.rigs.contract import Rig
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.divergence import require_bounded
 from stickslip.servo.measurement import Array, measured_velocity
 from stickslip.servo.systems import Compensator, Feed, paper_loop
 from stickslip.servo.velocity_loop import VelocityLoop
+
+Key = TypeVar("Key", bound=Hashable)
+
+ONCE = (0.0,)  # the drive begins where its FMU does
+PHASES = tuple(sorted((k / 9.0 for k in range(-4, 5)), key=abs))
+"""Where the drive begins, in steps of the encoder from where its FMU does; at each of them the
+encoder shows the same position at first."""
+
+
+def beginnings(system: cosim.System, phases: Sequence[float]) -> list[dict[str, float]]:
+    """Return for each phase the values with which the drive of a system begins a run."""
+    variables = system.components["drive"].variables
+    x, step = (cast(float, variables[name].start) for name in ("x", "encoder_step"))
+    seed, seeds = cast(int, variables["seed"].start), 1 + int(variables["seed"].maximum or 0)
+    return [
+        {"drive.x": x + phase * step, "drive.seed": (seed + k) % seeds}
+        for k, phase in enumerate(phases)
+    ]
+
+
+def repetitions(found: Iterable[Mapping[Key, float]], names: Sequence[str]) -> pd.DataFrame:
+    """Tabulate figures by keys (an index with these names), with a column for each repetition."""
+    columns = {k: pd.Series(one) for k, one in enumerate(found)}
+    return pd.DataFrame(columns).rename_axis(index=names)
+
+
+def summary(repeated: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return the median of figures that were found repeatedly, and behind all medians the ranges.
+
+    Where one of the repetitions is NaN, as the drive ran away, so is what is returned. The figures
+    are by the name of a column, with a column for each repetition; of a single one there is no
+    range.
+    """
+    found = {name: table.median(axis=1, skipna=False) for name, table in repeated.items()}
+    for name, table in repeated.items():
+        if table.shape[1] > 1:
+            found[f"{name}{LOW}"] = table.min(axis=1, skipna=False)
+            found[f"{name}{HIGH}"] = table.max(axis=1, skipna=False)
+    return pd.DataFrame(found)
+
+
+def ranges_last(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a table with the columns of ranges behind all others."""
+    return table[sorted(table, key=lambda name: str(name).endswith((LOW, HIGH)))]
+
 
 PAPER_TABLE4 = {
     ("start", "E_max"): (0.98, 0.76),
@@ -41,26 +92,16 @@ RECORD = (
 
 @dataclass(frozen=True)
 class Run:
-    """One motion once.
+    """One motion once."""
 
-    Attributes
-    ----------
-    t, v_cmd : (n,) [s], [m/s]
-    x_enc : position (n,) [m] that the encoder shows
-    v : velocity (n,) [m/s] by what shows it, ``measured`` and, of a simulated drive, ``true``
-    v_r : response of the nominal loop (n,) [m/s]
-    F_f, F_ff : the drive's true friction, and the force of the compensator (n,) [N]
-    x : the drive's true position (n,) [m]; NaN where the truth is not known, as F_f
-    """
-
-    t: Array
-    v_cmd: Array
-    x_enc: Array
-    v: dict[str, Array]
-    v_r: Array
-    F_f: Array
-    F_ff: Array
-    x: Array
+    t: Array  # (n,) [s]
+    v_cmd: Array  # (n,) [m/s]
+    x_enc: Array  # position (n,) [m] that the encoder shows
+    v: dict[str, Array]  # (n,) [m/s] by what shows it, ``measured`` and, simulated, ``true``
+    v_r: Array  # response of the nominal loop (n,) [m/s]
+    F_f: Array  # the drive's true friction (n,) [N]
+    F_ff: Array  # the force of the compensator (n,) [N]
+    x: Array  # the drive's true position (n,) [m]; NaN where the truth is not known, as F_f
 
     @property
     def x_cmd(self) -> Array:
@@ -73,16 +114,12 @@ class Validation:
     """Both runs, and the instants at which motion starts and reverses [s].
 
     It shows itself as the table of its errors.
-
-    Attributes
-    ----------
-    repeated : both runs of further phases, see ``scatter.py``
     """
 
     without: Run
     compensated: Run
     instants: dict[str, float]
-    repeated: Sequence[tuple[Run, Run]] = ()
+    repeated: Sequence[tuple[Run, Run]] = ()  # both runs of further phases
 
     def errors(self) -> pd.DataFrame:
         """Return velocity errors [mm/s] without and with compensation, and reductions (9).
@@ -133,10 +170,7 @@ def tracking_errors(t: Array, error: Array, spans: Iterable[Span]) -> dict[str, 
     The unit is that of the error.
     """
     counted = error[covered(t, spans)]
-    return {
-        "E_max": float(np.abs(counted).max()),
-        "E_rms": float(np.sqrt(np.mean(counted**2))),
-    }
+    return {"E_max": float(np.abs(counted).max()), "E_rms": float(np.sqrt(np.mean(counted**2)))}
 
 
 def covered(t: Array, spans: Iterable[Span]) -> NDArray[np.bool_]:
@@ -172,7 +206,7 @@ def validate(
     plain : the loop of the run without compensation, by default ``loop``. A velocity filter that
         counts on a compensator follows worse without: compare it with the loop it replaces.
     behind : further compensators, behind this one; only on a simulated drive
-    phases : where a simulated drive begins, see ``scatter.py``
+    phases : where a simulated drive begins
 
     Raises
     ------
@@ -231,18 +265,13 @@ def run_command(
 def runs_of(
     rig: FmuRig,
     loop: VelocityLoop,
-    compensators: Sequence[Mapping[str, float] | None],
+    compensators: Sequence[Mapping[str, float] | None],  # one that is None, for none, stands alone
     v_cmd: Array,
     feed: Feed = "nominal",
     phases: Sequence[float] = ONCE,
     behind: Sequence[Compensator] = (),
 ) -> Iterator[list[Run]]:
-    """Do what ``run_command`` does, with several compensators at every phase; prepare once.
-
-    Parameters
-    ----------
-    compensators : one that is None, for none, stands alone
-    """
+    """Do what ``run_command`` does, with several compensators at every phase; prepare once."""
     connected: dict[str, float] | None = None if compensators[0] is None else {}
     system = paper_loop(rig.fmus, loop, connected, feed, behind=behind)
     stop, commands = (len(v_cmd) - 1) * rig.T_s, loop.commands(v_cmd)

@@ -29,6 +29,7 @@ import numpy as np
 from stickslip.catalog.parameters import estimated, friction_law, unit_of
 from stickslip.cosim import SignalError, Simulation, Trapezoid
 from stickslip.errors import UsageError
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
 from stickslip.learned.writing import (
     AXIS_KEYS,
@@ -43,11 +44,8 @@ from stickslip.learned.writing import (
 )
 from stickslip.models import Law, Model, StartValueError, UnknownLaw, UnknownModel, load_model
 from stickslip.models.export.units import motion_unit
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.deployment import deployed
-from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed
+from stickslip.servo.axis import LOOP, Axis, Datasheet
+from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed, deployed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 from stickslip.storage.writing import write_json
@@ -347,7 +345,7 @@ class LearnedFile:
             raise UsageError(f"{self.path}: loop: {error}") from None
 
     def deployed(self, share: float) -> Compensator:
-        """Return a share of the feedforward as a controller takes it; see ``servo.deployment``."""
+        """Return a share of the feedforward as a controller takes it; see ``servo.systems``."""
         loop = self.loop if self.feed == "nominal" else None
         entry = self.document.get("T_s", {"value": loop.T_s if loop else LOOP.T_s})
         return deployed(self.at(share), loop, self._values("T_s", {"T_s": entry})["T_s"])

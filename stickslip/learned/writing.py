@@ -9,7 +9,7 @@ from typing import Any
 from stickslip.cosim import Trapezoid
 from stickslip.models import Law, load_model
 from stickslip.models.export.units import motion_unit
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.storage.codec import state, units

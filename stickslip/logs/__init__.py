@@ -1,14 +1,19 @@
 """Logs of drives: read, checked, put on an even grid."""
 
 from stickslip.logs.checks import check_recording
-from stickslip.logs.controller import Controller, Kind
-from stickslip.logs.delay import Delay, aligned, force_delay, samples_late, signal_delay
-from stickslip.logs.description import ROLES, Column, Description, load_description
+from stickslip.logs.description import (
+    ROLES,
+    Column,
+    Controller,
+    Description,
+    Kind,
+    load_description,
+)
 from stickslip.logs.excitation import Excitation, TurnAround, excitation
-from stickslip.logs.finding import Finding, Severity
+from stickslip.logs.motion import Delay, aligned, force_delay, samples_late, signal_delay
 from stickslip.logs.plausibility import check_units, implausible_mass
 from stickslip.logs.reading import Reading, raise_errors, read_recording
-from stickslip.logs.recording import Motion, Recording
+from stickslip.logs.recording import Finding, Motion, Recording, Severity
 
 __all__ = [
     "ROLES",

@@ -9,12 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.errors import RecordingError, UsageError
-from stickslip.logs.clock import clock_seconds, is_clock
 from stickslip.logs.description import Description, Product
-from stickslip.logs.finding import Finding
-from stickslip.logs.recording import Motion
+from stickslip.logs.recording import Finding, Motion
 from stickslip.logs.roles import named_quantity, suffix_unit
-from stickslip.logs.table import LogTable
+from stickslip.logs.table import LogTable, clock_seconds, is_clock
 from stickslip.logs.units import (
     Unit,
     expected_units,
@@ -28,33 +26,22 @@ from stickslip.logs.units import (
 )
 from stickslip.servo.measurement import Array
 
-LARGEST = 1e30
-"""Larger numbers indicate a misread file."""
+LARGEST = 1e30  # larger numbers indicate a misread file
 _COUNTED = (("position", "number"), ("velocity", "number per time"))
 _EPOCHS = ((1e18, "ns"), (1e17, "100 ns"), (1e14, "us"), (1e11, "ms"))
 """Times from which on they count this: any since 1970, 100 ns since 1601."""
-FEW = 10
-"""Distinct whole numbers up to which a column is a command in levels, and not counts."""
+FEW = 10  # distinct whole numbers up to which a column is a command in levels, and not counts
 
 
 @dataclass(frozen=True)
 class Channel:
-    """A column of a log in its role: SI value = unit * scale * logged value + offset.
+    """A column of a log in its role: SI value = unit * scale * logged value + offset."""
 
-    Attributes
-    ----------
-    role : one of ``ROLES``
-    source : name of the column
-    unit : that of the description, else that of the header; None where none is stated
-    scale : SI units per unit; None where neither the description nor a rated value states it
-    offset : in SI units
-    """
-
-    role: str
-    source: str
-    unit: Unit | None
-    scale: Product | None = None
-    offset: Product = 0.0
+    role: str  # one of ``ROLES``
+    source: str  # name of the column
+    unit: Unit | None  # that of the description, else that of the header; None where none is stated
+    scale: Product | None = None  # SI units per unit; None where nothing states it
+    offset: Product = 0.0  # in SI units
 
     @classmethod
     def of(cls, table: LogTable, description: Description, role: str, source: str) -> Channel:
@@ -176,14 +163,9 @@ def motion_from(
 def signal_of(table: LogTable, channel: Channel) -> Array:
     """Return a column (n,) in SI units.
 
-    A unit that does not fit the role needs a scale, see ``unit_fault``.
-
-    Raises
-    ------
-    UsageError
-        When the scale is 0.
-    RecordingError
-        When the column holds no numbers, or larger ones than any drive has.
+    A unit that does not fit the role needs a scale, see ``unit_fault``. Raises UsageError when the
+    scale is 0, or RecordingError when the column holds no numbers, or larger ones than any drive
+    has.
     """
     role, name = channel.role, channel.source
     scale = table.value(1.0 if channel.scale is None else channel.scale, f"scale of {role}")

@@ -1,30 +1,143 @@
 """Faults of a recording, and what it can show."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import fields
 
 import numpy as np
+import scipy
+from numpy.typing import NDArray
 
 from stickslip.fmi.messages import quantity, scaled_unit
-from stickslip.logs.controller import Controller
-from stickslip.logs.delay import (
+from stickslip.logs.description import Controller
+from stickslip.logs.excitation import Excitation, excitation
+from stickslip.logs.force_path import force_path
+from stickslip.logs.grid import runs
+from stickslip.logs.motion import (
     Delay,
     aligned,
     force_delay,
+    kinematics,
     late_beyond,
     samples_late,
     signal_delay,
 )
-from stickslip.logs.excitation import Excitation, excitation
-from stickslip.logs.finding import Finding, Severity
-from stickslip.logs.force_path import force_path
-from stickslip.logs.lost_rows import lost_rows
-from stickslip.logs.motion import kinematics
-from stickslip.logs.recording import Recording
-from stickslip.logs.saturation import saturation
-from stickslip.thresholds import log_content
+from stickslip.logs.recording import Finding, Recording, Severity
+from stickslip.logs.sampling import step_of
+from stickslip.servo.measurement import Array, smoothed
+from stickslip.thresholds import log_content, log_force
+
+WINDOW = 7  # number of differences of the position in the moving median
+ALIKE = 0.25  # largest deviation of the neighbours of a jump from that median, relative
+STEPS = 5.0  # encoder steps per row from which one row can be distinguished from two
+
+
+def lost_rows(recording: Recording) -> Finding | None:
+    """Return a finding where single steps of the position are whole multiples of their neighbours.
+
+    A mass cannot move twice as far in one sample as in those before and after; a row is missing
+    there, though the clock is even.
+    """
+    x = recording.position
+    if x is None or len(x) < 10 * WINDOW:
+        return None
+    steps = np.diff(x)
+    usual = scipy.ndimage.median_filter(steps, WINDOW)
+    noise = 1.4826 * float(np.median(np.abs(np.diff(x, 3)))) / np.sqrt(20.0)
+    fast = np.abs(usual) > max(STEPS * recording.encoder_step, 10.0 * noise)
+    off = np.abs(steps - usual)
+    beside = np.maximum(np.roll(off, 1), np.roll(off, -1))
+    fast[[0, -1]] = False
+    fast &= beside < ALIKE * np.abs(usual)
+    ratio = steps[fast] / usual[fast]
+    missing = np.round(ratio) - 1.0
+    found = (missing >= 1.0) & (np.abs(ratio - np.round(ratio)) < 0.3 * missing)
+    if np.sum(found) < log_force.LOST_ROWS:
+        return None
+    share = float(np.sum(missing[found]) / (len(ratio) + np.sum(missing[found])))
+    figure = f"{share:.2%}, the position jumps {np.sum(found)} times by a multiple of its step"
+    advice = "log without gaps, or with the true times"
+    return Finding("warning", "rows are lost under an even clock", figure, advice, spoils="values")
+
+
+def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
+    """Yield forces at a limit, and such that are beyond the one that is stated.
+
+    A force that stays at its extreme may be one that was commanded, or Coulomb friction of a drive
+    at constant speed. It is limited only where the force command is larger, or where the error of
+    the motion grows, by so much that the loop would command more.
+
+    The recording is on its even grid. The limit is that of the force [N], None where none is
+    stated.
+    """
+    for name in ("force", "force_command"):
+        force = getattr(recording, name)
+        if force is None:
+            continue
+        marked, step = np.zeros(len(force), dtype=bool), step_of(force)
+        for sign in (1.0, -1.0):
+            one = sign * force
+            most = float(np.quantile(one, 0.999))
+            level = log_force.AT_STATED * limit if limit else (1.0 - log_force.AT_LIMIT) * most
+            if level > 0.0:
+                demand = _demand(recording, name, sign, one < level, level=level)
+                least = log_force.DEMANDED * level + step
+                for begin, end in runs(one >= level):
+                    part = slice(begin, end)
+                    more = _more(demand, part, level) > least if demand else bool(limit)
+                    marked[part] |= more and end - begin >= log_force.PLATEAU
+        most, share = float(np.max(np.abs(force))), float(np.mean(marked))
+        if share > (0.0 if limit else log_force.SELDOM):
+            advice = "there it does not follow its command; log a gentler motion"
+            what = f"{name} saturates at {float(np.max(np.abs(force[marked]))):.4g}"
+            yield Finding("warning", what, f"{share:.2%}", advice, spoils="intervals")
+        if limit and most > log_force.EXCEEDED * limit:
+            figure = f"{most:.4g} against {limit:.4g}"
+            advice = "check unit and scale, and that it was logged behind the limit"
+            what = f"{name} exceeds the force limit"
+            yield Finding("warning", what, figure, advice, spoils="values")
+
+
+def _more(demand: tuple[Array, bool], samples: slice, level: float) -> float:
+    """Return how much more [N] is asked for in some samples than the force there."""
+    signal, changes = demand
+    part = signal[samples]
+    return float(np.max(part) - part[0] if changes else np.mean(part) - level)
+
+
+def _demand(
+    recording: Recording, name: str, sign: float, free: NDArray[np.bool_], level: float
+) -> tuple[Array, bool] | None:
+    """Return the force (n,) that is asked for in one direction [N], None if no command is known.
+
+    Without a force command it is that of a velocity loop, or of a cascade where the position was
+    commanded, whose gains the rest of the log shows. Only its changes are known then: the second
+    value.
+    """
+    force = sign * getattr(recording, name)
+    command = recording.force_command
+    if name == "force" and command is not None:
+        large = free & (np.abs(force) > 0.3 * level)
+        ratio = float(np.median(sign * command[large] / force[large])) if large.any() else 1.0
+        return np.asarray(sign * command / (ratio if ratio > 0.0 else 1.0)), False
+    motion = kinematics(recording)
+    if recording.velocity_command is not None:
+        wanted, shown, more = recording.velocity_command, motion.v, []
+    elif recording.position_command is not None:
+        wanted, shown, more = recording.position_command, motion.x, [motion.v]
+    else:
+        return None
+    error = smoothed(wanted, recording.T_s, motion.cutoff) - shown
+    terms = sign * np.column_stack([error, *more])
+    reach = max(1, round(0.5 / (motion.cutoff * recording.T_s)))
+    smooth = smoothed(force, recording.T_s, motion.cutoff)
+    used = free[reach:] & free[:-reach]
+    changes = terms[reach:] - terms[:-reach]
+    rise = (smooth[reach:] - smooth[:-reach])[used]
+    gains = np.linalg.lstsq(changes[used], rise, rcond=None)[0]
+    if gains[0] <= 0.0 or np.any(gains[1:] > 0.0):  # those of no loop
+        return np.zeros_like(force), True
+    return np.asarray(terms @ gains), True
+
 
 SIGNALS = tuple(
     field.name for field in fields(Recording) if field.type == "Array | None"
@@ -34,9 +147,7 @@ ONE_WAY = "F_c and the constant force cannot be told apart"
 
 
 def check_recording(
-    recording: Recording,
-    controller: Controller | None = None,
-    force_limit: float | None = None,
+    recording: Recording, controller: Controller | None = None, force_limit: float | None = None
 ) -> tuple[Finding, ...]:
     """Return the findings on a recording before learning.
 

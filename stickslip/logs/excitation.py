@@ -1,7 +1,5 @@
 """How a recording excites a drive."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -13,10 +11,8 @@ from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import log_content
 
-SLOW = 0.01
-"""Share of the top speed below which motion counts as slow."""
-TURNED = 0.63
-"""Share of its swing that friction covers during a reversal."""
+SLOW = 0.01  # share of the top speed below which motion counts as slow
+TURNED = 0.63  # share of its swing that friction covers during a reversal
 
 
 @dataclass(frozen=True)
@@ -24,58 +20,34 @@ class TurnAround:
     """Reversal of friction after velocity reversals, as medians over these.
 
     The low-pass makes quick reversals longer than they are.
-
-    Attributes
-    ----------
-    distance : of motion until friction made 63 % of its swing [m]
-    counts : steps of the encoder in it; inf where no step shows
-    samples : in it
-    times : how often
     """
 
-    distance: float
-    counts: float
-    samples: float
-    times: int
+    distance: float  # of motion until friction made 63 % of its swing [m]
+    counts: float  # steps of the encoder in it; inf where no step shows
+    samples: float  # in it
+    times: int  # how often
 
 
 @dataclass(frozen=True)
 class Excitation:
-    """Figures of a recording.
+    """Figures of a recording."""
 
-    Attributes
-    ----------
-    top_speed : [m/s]
-    moving : share of the time faster than the encoder's floor
-    slow_speed : a hundredth of the top speed, or three times the encoder's floor [m/s]
-    slow : share of the moving time that is slower
-    slow_samples : as many samples
-    speeds : 5 % and 95 % of the moving time are slower [m/s]
-    reversals : of the direction
-    one_way : whether it slides in one direction only, with ``log_content.ONE_WAY`` in the other
-    spacing : median samples between two reversals; inf with fewer
-    acceleration : 99 % of the samples have less [m/s^2]
-    mass : of a rigid drive with Coulomb and viscous friction, fitted while sliding [kg]
-    coulomb : the same drive's Coulomb friction [N]
-    inertial : share of the force's standard deviation, while sliding, that acceleration causes;
-        nan, as both, where too little slides or no force is known
-    turn_around : reversal of friction; None where it cannot be measured
-    """
-
-    top_speed: float
-    moving: float
-    slow_speed: float
-    slow: float
-    slow_samples: int
-    speeds: tuple[float, float]
-    reversals: int
-    one_way: bool
-    spacing: float
-    acceleration: float
-    mass: float
-    coulomb: float
+    top_speed: float  # [m/s]
+    moving: float  # share of the time faster than the encoder's floor
+    slow_speed: float  # a hundredth of the top speed, or three times the encoder's floor [m/s]
+    slow: float  # share of the moving time that is slower
+    slow_samples: int  # as many samples
+    speeds: tuple[float, float]  # 5 % and 95 % of the moving time are slower [m/s]
+    reversals: int  # of the direction
+    one_way: bool  # whether it slides in one direction only, by ``log_content.ONE_WAY``
+    spacing: float  # median samples between two reversals; inf with fewer
+    acceleration: float  # 99 % of the samples have less [m/s^2]
+    mass: float  # of a rigid drive with Coulomb and viscous friction, fitted while sliding [kg]
+    coulomb: float  # the same drive's Coulomb friction [N]
+    # share of the force's standard deviation, while sliding, that acceleration causes; nan, as
+    # both, where too little slides or no force is known
     inertial: float
-    turn_around: TurnAround | None
+    turn_around: TurnAround | None  # reversal of friction; None where it cannot be measured
 
 
 def excitation(recording: Recording) -> Excitation:

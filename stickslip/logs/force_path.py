@@ -4,34 +4,26 @@ Each change of the force that logs show is tried on a rigid drive with Coulomb a
 while it slides: a limit that the log lacks, a limit that only the log has, and a low-pass.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
 import scipy
 
-from stickslip.logs.delay import force_delay
-from stickslip.logs.finding import Finding
-from stickslip.logs.motion import kinematics, left, rigid, rigid_columns
-from stickslip.logs.recording import Recording
+from stickslip.logs.motion import force_delay, kinematics, left, rigid, rigid_columns
+from stickslip.logs.recording import Finding, Recording
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import log_content, log_force
 
 LEVELS = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.925, 0.95, 0.97, 0.98, 0.99, 0.995)
 """Quantiles of the force that are tried as a limit."""
-LAGS = np.geomspace(0.5, 100.0, 20)
-"""Time constants of a low-pass that are tried [samples]."""
-OWN = (0.0, 0.5, 0.7, 0.85, 1.0)
-"""Shares of the time constant by which a low-pass makes a delay, of those that are tried."""
+LAGS = np.geomspace(0.5, 100.0, 20)  # time constants of a low-pass that are tried [samples]
+OWN = (0.0, 0.5, 0.7, 0.85, 1.0)  # shares of a low-pass's time constant that are tried as its delay
 
 
 def force_path(recording: Recording) -> Iterator[Finding]:
     """Yield how the logged force differs from that which moves the drive.
 
-    Parameters
-    ----------
-    recording : without a delay of its force
+    The recording has no delay of its force.
     """
     force = recording.force
     if force is None:

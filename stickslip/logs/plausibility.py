@@ -1,19 +1,183 @@
-"""Figures of a log that hardly any drive has: units that are missing or wrong."""
-
-from __future__ import annotations
+"""Figures of a log that hardly any drive has, and signals that contradict each other by units."""
 
 import math
 from collections.abc import Iterator
 
 import numpy as np
+import scipy
 
-from stickslip.logs.contradictions import contradictions
 from stickslip.logs.excitation import excitation
-from stickslip.logs.finding import Finding
-from stickslip.logs.motion import kinematics
+from stickslip.logs.motion import FARTHEST, Kinematics, basis, kinematics
 from stickslip.logs.reading import Reading
-from stickslip.logs.recording import Motion
+from stickslip.logs.recording import Finding, Motion, Recording
+from stickslip.logs.units import (
+    QUANTITIES,
+    Unit,
+    described_ratio,
+    near_factor,
+    quantity_key,
+    sized_unit,
+)
+from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import log_content, log_unit
+
+RATE = "d(position)/dt"
+DELAYS = 9  # delays of the force that are tried
+LATE, FILTERED = 0.1, 0.01  # share of the log by which a signal, and a velocity, may be late
+CUTOFF = 0.02  # of the low-pass before a comparison, in sampling frequencies
+
+
+def contradictions(reading: Reading) -> Iterator[Finding]:
+    """Yield pairs of signals, and a controller, that contradict each other by their scale."""
+    recording, units = reading.recording, reading.units
+    motion = kinematics(recording, CUTOFF / recording.T_s)
+    signals: dict[str, Array] = {
+        role: smoothed(signal, recording.T_s, motion.cutoff)
+        for role in units
+        if role != "time" and (signal := getattr(recording, role)) is not None
+    }
+    if "position" in signals and reading.timed:
+        signals[RATE] = motion.v
+    speed = "velocity" if "velocity" in signals else RATE
+    for a, b, most, late in (
+        (RATE, "velocity", log_unit.EQUALS, FILTERED),
+        ("position", "position_command", log_unit.FOLLOWS, LATE),
+        (speed, "velocity_command", log_unit.FOLLOWS, LATE),
+        ("force", "force_command", log_unit.FOLLOWS, LATE),
+    ):
+        if a not in signals or b not in signals:
+            continue
+        if (best := _unlike(signals, a, b, late)) is not None:
+            figure = f"a correlation of {best:.2f}; expected at least {log_unit.UNLIKE:g}"
+            yield _unrelated(b, a, figure)
+        ratio, high, low = _likeness(signals[a], signals[b], late)
+        if high >= log_unit.IMAGE:
+            yield from _contradiction(reading, a, b, (ratio, high), most=most)
+        elif low <= -log_unit.SURE_IMAGE and high < log_unit.IMAGE / 2:
+            yield from _contradiction(reading, a, b, (-ratio, -low), most=most)
+    share = _shared(recording, signals["force"], motion) if "force" in signals else 1.0
+    if share < log_unit.SHARED:
+        figure = f"{share:.1%} of it is like inertia, viscous and Coulomb friction of that motion"
+        figure += f"; expected at least {log_unit.SHARED:.0%}"
+        yield _unrelated("force", "the motion", figure)
+    if T_s := reading.controller.T_s:
+        ratio = recording.T_s / T_s
+        if not 1 / log_unit.SLOWER <= ratio <= log_unit.FASTER:
+            what = "the log's time and the controller's T_s contradict each other"
+            figure = f"{recording.T_s:.4g} s and {T_s:.4g} s, a factor of {described_ratio(ratio)}"
+            advice = "the gain T_s is in s; a unit of the log's time is set by <unit time=ms>"
+            yield Finding("error", what, figure, advice)
+
+
+def _unrelated(b: str, a: str, figure: str) -> Finding:
+    """Return the error of a signal that has nothing in common with another."""
+    advice = f"choose the column of the same axis with <column {b}=NAME>"
+    if b != "force":
+        advice = f"{advice}; <column {b}=none> leaves it out"
+    return Finding("error", f"{b} is unrelated to {a}", figure, advice)
+
+
+def _shared(recording: Recording, force: Array, motion: Kinematics) -> float:
+    """Return the share of a force (n,) like that of a rigid drive, 1 where it hardly moves.
+
+    The force may be late; most of a chance likeness is that of slow motions.
+    """
+    moving = np.abs(motion.v) > motion.floor
+    if np.mean(moving) < log_unit.MOVING:
+        return 1.0
+    way = smoothed(np.sign(motion.v) * moving, recording.T_s, motion.cutoff)
+    columns, _ = basis(np.column_stack([np.ones_like(way), motion.v, motion.a, way]))
+    varying = force - force.mean()
+    varying = varying / max(float(np.max(np.abs(varying))), 1e-300)
+    delays = np.linspace(-FARTHEST, FARTHEST, DELAYS) / recording.T_s
+    found = (columns.T @ np.roll(varying, -round(delay)) for delay in delays)
+    return max(float(one @ one) for one in found) / max(float(varying @ varying), 1e-300)
+
+
+def _likeness(a: Array, b: Array, late: float) -> tuple[float, float, float]:
+    """Return how many times larger b (n,) is than a (n,), and their extreme correlations.
+
+    The ratio of standard deviations is that of regression both ways, and needs no alignment; the
+    correlations are those at the best lag, and at the best lag of one inverted. The farthest
+    thousandths of the samples are cut off.
+    """
+    a, b = (np.clip(s, *np.quantile(s, (0.001, 0.999))) for s in (a, b))
+    a, b = a - a.mean(), b - b.mean()
+    sizes = float(np.std(a)), float(np.std(b))
+    if min(sizes) == 0:
+        return np.nan, np.nan, np.nan
+    lags = scipy.signal.correlate(b / sizes[1], a / sizes[0], mode="full", method="fft") / len(a)
+    reach = int(late * len(a))
+    lags = lags[len(a) - 1 - reach : len(a) + reach]
+    return sizes[1] / sizes[0], float(lags.max()), float(lags.min())
+
+
+def _unlike(signals: dict[str, Array], a: str, b: str, late: float) -> float | None:
+    """Return the correlation of a signal b with a, if none shows that both are of one axis.
+
+    The command of a drive that sticks is unlike its motion, but not unlike the force.
+    """
+    others = [a, "force"] if a != "force" and "command" in b and "force" in signals else [a]
+    found = [_likeness(signals[one], signals[b], late)[1:] for one in others]
+    best = max(max(high, -low) for high, low in found)
+    return best if best < log_unit.UNLIKE else None
+
+
+def _contradiction(
+    reading: Reading, a: str, b: str, image: tuple[float, float], most: float
+) -> Iterator[Finding]:
+    """Yield the findings of two signals if b, an image of a, is not as large."""
+    ratio, likeness = image
+    what = f"{a} and {b} contradict each other"
+    leave = f"<column {b}=none> leaves {b} out"
+    if ratio < 0:
+        figure = f"they have opposite signs, {b} is {ratio:.4g} times {a}"
+        yield Finding("error", what, figure, f"give {_scaled(reading, b, -1)}; {leave}")
+    figure = f"{b} is {abs(ratio):.4g} times {a}"
+    factor, name = near_factor(abs(ratio)) or (0.0, "")
+    is_small = 1 / log_unit.SMALL < factor < log_unit.SMALL
+    if factor and (likeness > log_unit.SURE_IMAGE or not is_small):
+        ends = {b: 1 / factor, a: factor}
+        if a == RATE:
+            ends = {b: 1 / factor, "position": factor, "time": 1 / factor}
+        advice = _corrections(reading, ends)
+        yield Finding("error", what, f"{figure}, near {name}", f"{advice}; {leave}")
+    elif not 1 / most <= abs(ratio) <= most:
+        advice = f"a gear or the pitch of a screw is set by {_scaled(reading, b, 1 / abs(ratio))}"
+        what = f"{a} and {b} differ in scale"
+        yield Finding("warning", what, figure, f"{advice}; {leave}", spoils="values")
+
+
+def _corrections(reading: Reading, ends: dict[str, float]) -> str:
+    """Return settings that multiply one of several signals, by role, by its factor."""
+    units = reading.units
+    options = []
+    known = [role for role in ends if role in units]
+    for role in sorted(known, key=lambda role: units[role] is not None):  # unstated ones first
+        if reading.description.column(role).scale is not None:
+            options.append(_scaled(reading, role, ends[role]))
+        elif unit := _unit_for(reading, role, ends[role]):
+            options.append(f"<unit {role}={unit.name}>")
+    if not options:
+        names = " ".join(f"{role}=UNIT" for role in known)
+        return f"give their units with <unit {names}>"
+    return f"give {' or '.join(options)}" + (", whichever is wrong" if len(options) > 1 else "")
+
+
+def _scaled(reading: Reading, role: str, factor: float) -> str:
+    """Return the setting that multiplies a signal by a factor."""
+    scale = reading.description.column(role).scale
+    before = "" if scale is None else f"{scale}*"
+    return f"<scale {role}={before}{factor:.4g}>"
+
+
+def _unit_for(reading: Reading, role: str, factor: float) -> Unit | None:
+    """Return the unit that is ``factor`` times as large as that in which a signal was read."""
+    key, unit = quantity_key(role), reading.units[role]
+    motions = [reading.recording.motion] if any(reading.units.values()) else list(QUANTITIES)
+    quantities = ["time"] if key == "time" else [QUANTITIES[motion][key] for motion in motions]
+    return sized_unit(quantities, factor * (unit.factor if unit else 1.0))
+
 
 _Limits = dict[str, tuple[float, float]]
 

@@ -5,8 +5,6 @@ file to standard output: arrays, and ``signals``, JSON with the name, the unit a
 signal and of its times. What holds no real numbers is a text that says what it holds.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Iterator, Mapping
@@ -15,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-MEMORY = 1 << 32
-"""Bytes of address space, so that a small compressed file cannot fill the memory."""
+MEMORY = 1 << 32  # bytes of address space, so that a small compressed file cannot fill the memory
 _VALUES = ("values", "data", "value")
 _LABELS = ("label", "name")
 _UNITS = ("unit", "units")
@@ -25,8 +22,7 @@ _FURTHER = {*_LABELS, *_UNITS, "time", "dimensions"}
 _TIMES = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0}
 _KINDS = {"c": "complex numbers", "U": "text", "S": "text", "V": "an array of structs"}
 
-_Signal = tuple[str, Any, str, Any]
-"""Name, values or what they are instead, unit, and times or None."""
+_Signal = tuple[str, Any, str, Any]  # name, values or what they are instead, unit, times or None
 
 
 def signals(prefix: str, found: Any, time: Any = None) -> Iterator[_Signal]:

@@ -1,7 +1,5 @@
 """From a log's file to a recording."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
@@ -11,48 +9,31 @@ import numpy as np
 
 from stickslip.errors import RecordingError, UsageError
 from stickslip.logs.channels import Channel, assumed_units, motion_from, signal_of, unit_fault
-from stickslip.logs.clock import with_joined_times
-from stickslip.logs.controller import Controller
-from stickslip.logs.description import ROLES, Description, Product
-from stickslip.logs.finding import Finding
+from stickslip.logs.description import ROLES, Controller, Description, Product
 from stickslip.logs.formats import read_table
 from stickslip.logs.grid import even_grid
-from stickslip.logs.recording import Motion, Recording
+from stickslip.logs.recording import Finding, Motion, Recording
 from stickslip.logs.roles import assign_roles, named_quantity
-from stickslip.logs.sampling import even_rows, on_one_clock
-from stickslip.logs.steps import step_of
-from stickslip.logs.table import LogTable
-from stickslip.logs.unit_factors import described_ratio, near_factor
-from stickslip.logs.units import Unit, sized_unit
+from stickslip.logs.sampling import even_rows, on_one_clock, step_of
+from stickslip.logs.table import LogTable, with_joined_times
+from stickslip.logs.units import Unit, described_ratio, near_factor, sized_unit
 from stickslip.servo.measurement import Array, derivative
 from stickslip.thresholds import log_unit
 
-MOST_FEEDFORWARD = 2.0
-"""Largest velocity feedforward of a cascade, a share of the velocity command."""
+MOST_FEEDFORWARD = 2.0  # largest velocity feedforward of a cascade, a share of the velocity command
 
 
 @dataclass(frozen=True)
 class Reading:
-    """A log, read and converted to SI units.
+    """A log, read and converted to SI units."""
 
-    Attributes
-    ----------
-    recording : its signals in SI units on an even grid
-    controller : that was in use; kind none when it is not known
-    findings : what was detected, filled in, cut off; ``check_recording`` adds what it can show
-    force_limit : of motor or amplifier [N], None when it is not known
-    tau_i : time constant of the amplifier's current loop [s], None when it is not known
-    channels : its columns in their roles, without those in error
-    description : by which it was read
-    """
-
-    recording: Recording
-    controller: Controller
-    findings: tuple[Finding, ...] = ()
-    force_limit: float | None = None
-    tau_i: float | None = None
-    channels: tuple[Channel, ...] = ()
-    description: Description = field(default_factory=Description)
+    recording: Recording  # its signals in SI units on an even grid
+    controller: Controller  # that was in use; kind none when it is not known
+    findings: tuple[Finding, ...] = ()  # what was detected, filled in or cut off
+    force_limit: float | None = None  # of motor or amplifier [N], None when it is not known
+    tau_i: float | None = None  # time constant of the amplifier's current loop [s], if known
+    channels: tuple[Channel, ...] = ()  # its columns in their roles, without those in error
+    description: Description = field(default_factory=Description)  # by which it was read
 
     @property
     def units(self) -> dict[str, Unit | None]:
@@ -71,13 +52,7 @@ class Reading:
 
 
 def raise_errors(path: str | os.PathLike[str], findings: Iterable[Finding]) -> None:
-    """Raise the first finding that is an error.
-
-    Raises
-    ------
-    RecordingError
-        When there is one.
-    """
+    """Raise the first finding that is an error; raise RecordingError when there is one."""
     for finding in findings:
         if finding.severity == "error":
             raise RecordingError(f"{path}: {finding}")
@@ -88,19 +63,15 @@ def read_recording(
 ) -> Reading:
     """Read a log: CSV and its relatives, or one of ``formats``.
 
+    Raises RecordingError when the file cannot become a recording; names row or column, or
+    UsageError when the description does not suit it.
+
     Parameters
     ----------
     path : of the file
     description : what its columns mean; what it leaves open is detected and reported
     strict : whether a column whose unit is wrong or missing is raised; else it is an error among
         the findings, and its numbers are kept as they are
-
-    Raises
-    ------
-    RecordingError
-        When the file cannot become a recording; names row or column.
-    UsageError
-        When the description does not suit it.
     """
     given = description or Description()
     table = with_joined_times(read_table(Path(path), given.delimiter, given.decimal))

@@ -1,10 +1,11 @@
-"""One log of a drive, on an even grid, in SI units."""
+"""One log of a drive, on an even grid, in SI units, and findings of its checks."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
+from stickslip.errors import with_settings
 from stickslip.servo.measurement import Array
 
 Motion = Literal["linear", "rotary"]
@@ -15,35 +16,22 @@ class Recording:
     """What a drive showed; a signal that was not logged is None.
 
     For a rotary drive read rad for m, N m for N and kg m^2 for kg throughout.
-
-    Attributes
-    ----------
-    t : (n,) even, from 0 on [s]
-    position : (n,) shown by the encoder [m]
-    force : (n,) of the motor, at each sample [N]
-    velocity : (n,) logged beside or instead of the position [m/s]
-    friction : (n,) measured friction force [N], as a tribometer shows it
-    position_command, velocity_command, force_command : (n,) [m], [m/s], [N]
-    added_force : (n,) that was added to the controller's output, such as pulses [N]
-    added_velocity : (n,) that was added to the velocity command, such as dither [m/s]
-    encoder_step : resolution of the position [m]; 0 when none shows
-    motion : linear or rotary
-    source : where it comes from, for people
     """
 
-    t: Array
-    position: Array | None = None
-    force: Array | None = None
-    velocity: Array | None = None
-    friction: Array | None = None
-    position_command: Array | None = None
-    velocity_command: Array | None = None
-    force_command: Array | None = None
-    added_force: Array | None = None
+    t: Array  # (n,) even, from 0 on [s]
+    position: Array | None = None  # (n,) shown by the encoder [m]
+    force: Array | None = None  # (n,) of the motor, at each sample [N]
+    velocity: Array | None = None  # (n,) logged beside or instead of the position [m/s]
+    friction: Array | None = None  # (n,) measured friction force [N], as a tribometer shows it
+    position_command: Array | None = None  # (n,) [m]
+    velocity_command: Array | None = None  # (n,) [m/s]
+    force_command: Array | None = None  # (n,) [N]
+    added_force: Array | None = None  # (n,) added to the controller's output, as pulses [N]
+    # (n,) that was added to the velocity command, such as dither [m/s]
     added_velocity: Array | None = None
-    encoder_step: float = 0.0
-    motion: Motion = "linear"
-    source: str = "recording"
+    encoder_step: float = 0.0  # resolution of the position [m]; 0 when none shows
+    motion: Motion = "linear"  # linear or rotary
+    source: str = "recording"  # where it comes from, for people
 
     @property
     def rotary(self) -> bool:
@@ -67,3 +55,35 @@ class Recording:
     def T_s(self) -> float:  # noqa: N802 - the symbol of the paper
         """Sample period [s]."""
         return float(self.t[-1] / (len(self.t) - 1))
+
+
+Severity = Literal["error", "warning", "note"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One finding of a check of a recording; as text it is one line."""
+
+    severity: Severity  # error (nothing can be learned), warning (something will suffer), note
+    what: str  # was found
+    figure: str = ""  # the number behind it, with its unit
+    advice: str = ""  # what to do; empty when nothing need be done
+    # "intervals" where the learned intervals are too narrow, "values" where the learned values are
+    # wrong
+    spoils: Literal["", "intervals", "values"] = ""
+    hides: tuple[str, ...] = ()  # parameters that cannot be identified therefore
+
+    @classmethod
+    def either(cls, fine: bool, words: tuple[str, str], figure: str, advice: str) -> Finding:
+        """Return a note without advice, or a warning."""
+        note, warning = words
+        return cls("note", note, figure) if fine else cls("warning", warning, figure, advice)
+
+    def __post_init__(self) -> None:
+        for name in ("what", "advice"):
+            object.__setattr__(self, name, with_settings(getattr(self, name)))
+
+    def __str__(self) -> str:
+        figure = f": {self.figure}" if self.figure else ""
+        advice = f"; {self.advice}" if self.advice else ""
+        return f"{self.severity}: {self.what}{figure}{advice}"

@@ -1,21 +1,13 @@
 """The roles of a log's columns: from its description, or detected from common names."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 
 from stickslip.errors import RecordingError
 from stickslip.logs.description import ROLES, Description
-from stickslip.logs.finding import Finding
+from stickslip.logs.recording import Finding
 from stickslip.logs.table import LogTable
-from stickslip.logs.units import (
-    QUANTITIES,
-    quantities_of,
-    quantity_key,
-    unit_fitting,
-    unit_named,
-)
+from stickslip.logs.units import QUANTITIES, quantities_of, quantity_key, unit_fitting, unit_named
 
 _EXACT = {
     "time": "t time timestamp zeitstempel time_stamp x_value",
@@ -59,8 +51,7 @@ _BASES = {
     "current": "current cur curr strom courant corrente",
     "friction": "friction reibung",
 }
-_SENSORS = "encoder enc"
-"""Words of a position, unless another quantity is named beside them."""
+_SENSORS = "encoder enc"  # words of a position, unless another quantity is named beside them
 _COMMANDS = (
     "cmd command commanded ref reference setpoint set target desired demand soll sollwert goal "
     "input des dem demanded tgt sp setp nominal planned traj trajectory profile request requested "
@@ -79,8 +70,7 @@ _OTHER_CURRENTS = "d in bus dc supply battery phase field feldbildend"
 """Words of currents that make no torque."""
 _LESSER = "load last raw modulo mean average avg secondary uncorrected without"
 """Words of signals that are taken where no other is as good."""
-_COMPONENTS = "x y z q d"
-"""Components of a vector whose name says what it measures, such as current.q."""
+_COMPONENTS = "x y z q d"  # components of a vector whose name says what it measures: current.q
 _ADDED = "added additive injected injection dither pulse pulses excitation anregung aufschaltung"
 _FEEDFORWARD = "ff feedforward vorsteuerung"
 """Words of a signal that is added to what the controller commands, or to its velocity command."""
@@ -140,8 +130,7 @@ _KINDS = _sets(
 _MEANT = frozenset().union(*_BASE_WORDS.values(), *_KINDS.values()) - _KINDS["filler"]
 """Words in front of a component of a vector that say what it is."""
 _LONGEST_NAME = 200
-_PATH = r"[.:/](?=\s*[^\W\d_])"
-"""What separates the components of a name."""
+_PATH = r"[.:/](?=\s*[^\W\d_])"  # what separates the components of a name
 _SHOWN = 8
 _NO_SUFFIXES = ("in", "min", "mil", "pulse", "pulses", "second", "sample", "turn", "rot", "lu")
 """Units that are other words at the end of a name."""
@@ -150,10 +139,8 @@ _NO_SUFFIXES = ("in", "min", "mil", "pulse", "pulses", "second", "sample", "turn
 def assign_roles(table: LogTable, description: Description) -> tuple[dict[str, str], list[Finding]]:
     """Return column names by role, and remarks on what was detected.
 
-    Raises
-    ------
-    RecordingError
-        When a named column is missing, one has two roles, or a guess is not clear.
+    Raises RecordingError when a named column is missing, one has two roles, or a guess is not
+    clear.
     """
     found: dict[str, str] = {}
     for role, column in description.columns.items():

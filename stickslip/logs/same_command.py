@@ -1,7 +1,5 @@
 """Where two logs were recorded with the same command, whenever it began and in whatever order."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -13,12 +11,9 @@ from scipy.signal import correlate, correlation_lags, find_peaks
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import transfer
 
-ROUNDING = 1e-4
-"""The same as a share of the largest speed in the log."""
-NEAR = 0.1
-"""How far the largest speed near by is looked for [s]."""
-LAGS = 20
-"""Lags of the second log that are tried, of each kind."""
+ROUNDING = 1e-4  # the same as a share of the largest speed in the log
+NEAR = 0.1  # how far the largest speed near by is looked for [s]
+LAGS = 20  # lags of the second log that are tried, of each kind
 
 
 @dataclass(frozen=True)

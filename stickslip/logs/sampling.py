@@ -1,24 +1,110 @@
 """When the rows of a log were sampled: repeated rows, rounded clocks, channels with own times."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from stickslip.errors import RecordingError
-from stickslip.logs.finding import Finding
-from stickslip.logs.interpolation import better_method, interpolated
-from stickslip.logs.steps import clock_step
+from stickslip.logs.recording import Finding
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import log_clock
 
-SPAN = 16
-"""Rows over which a period is averaged: rounding is divided by as much, and few rows are lost."""
-FOLLOWED = 4096
-"""Most rows to which the period of a clock that drifts is fitted."""
+DIVISORS = 12  # most encoder steps that the smallest difference of a signal may have
+SHARE = 0.98  # share of the differences that must be whole steps
+
+
+def step_of(signal: Array) -> float:
+    """Return the step of which all differences of a signal (n,) are multiples; 0 if there is none.
+
+    Differences within the rounding of doubles at the size of the signal are ignored. A filtered
+    signal, or one with all its digits, has no step.
+    """
+    differences = np.abs(np.diff(signal[np.isfinite(signal)]))
+    if not len(differences):
+        return 0.0
+    floor = 256 * np.finfo(float).eps * float(np.max(np.abs(signal[np.isfinite(signal)])))
+    differences = np.sort(differences[differences > floor])
+    if len(differences) < 10:
+        return 0.0
+    smallest = float(differences[len(differences) // 100])
+    near = differences[differences < 1.02 * smallest]
+    for divisor in range(1, DIVISORS + 1):
+        step = _refined(differences, float(np.median(near)) / divisor)
+        counts = differences / step
+        whole = np.abs(counts - np.round(counts)) < 0.05 + floor / step
+        if step > 4 * floor and np.mean(whole & (counts > 0.5)) >= SHARE:
+            return step
+    return 0.0
+
+
+def _refined(differences: Array, step: float) -> float:
+    """Return a step fitted to larger and larger differences."""
+    for most in (3, 30, 300):
+        counts = np.round(differences / step)
+        some = (counts > 0) & (counts <= most)
+        if some.any():
+            step = float(differences[some] @ counts[some] / (counts[some] @ counts[some]))
+    return step
+
+
+def clock_step(t: Array) -> float:
+    """Return the step of which all differences of times (n,) are multiples; 0 if there is none.
+
+    The step of times in single precision is at least the spacing of the largest.
+    """
+    single = t.astype(np.float32)
+    spacing = np.spacing(np.abs(single)).astype(np.float64)
+    least = float(spacing.max()) if np.all(np.abs(t - single) < 0.05 * spacing) else 0.0
+    floor = 8 * np.finfo(float).eps * float(np.max(np.abs(t)))
+    differences = np.unique(np.abs(np.diff(t)))
+    differences = differences[differences > floor]
+    step = float(differences.min(initial=np.inf))
+    while 100.0 * floor < step < np.inf:  # Euclid's algorithm
+        rest = np.abs(differences - step * np.round(differences / step))
+        rest = rest[rest > floor * (1.0 + differences / step)]
+        if not rest.size:
+            return max(step, least)
+        step = float(rest.min())
+    return least
+
+
+MOST = 20_000  # number of samples on which the choice of an interpolation is based
+
+Method = Literal["linear", "cubic"]
+
+
+def better_method(t: Array, signal: Array) -> Method:
+    """Return the method that predicts every other sample from its neighbours better.
+
+    A cubic spline, nearly band-limited, for smooth signals; straight lines for commands with
+    corners and for signals that are mostly noise or steps. The times t (n,) rise [s].
+    """
+    t, signal = t[:MOST], signal[:MOST]
+    if len(t) < 9:
+        return "linear"
+    known, asked = slice(0, None, 2), slice(3, len(t) - 3, 2)
+    errors = {
+        method: np.sum(
+            (interpolated(t[known], signal[known], t[asked], method) - signal[asked]) ** 2
+        )
+        for method in ("linear", "cubic")
+    }
+    return "cubic" if errors["cubic"] < errors["linear"] else "linear"
+
+
+def interpolated(t: Array, signal: Array, at: Array, method: str) -> Array:
+    """Return a signal (n,) given at t (n,) at other times (k,) [s]."""
+    if method == "cubic":
+        return np.asarray(scipy.interpolate.CubicSpline(t, signal)(at))
+    return np.interp(at, t, signal)
+
+
+SPAN = 16  # rows over which a period is averaged: it divides rounding, and few rows are lost
+FOLLOWED = 4096  # most rows to which the period of a clock that drifts is fitted
 
 
 def mean_period(t: Array) -> float:
@@ -33,11 +119,7 @@ def regular_times(t: Array, period: float) -> Array | None:
     """Return the times (n,) of a regular clock whose rounding gives others, None if there is none.
 
     Rows may be missing where the clock's step is less than the period. The clock may drift slowly.
-
-    Parameters
-    ----------
-    t : (n,) that do not fall [s]
-    period : about that of the clock [s]
+    The times t (n,) do not fall, and the period is about that of the clock [s].
     """
     step = clock_step(t)
     if not step:
@@ -69,12 +151,8 @@ def without_repeats(
 ) -> NDArray[np.intp]:
     """Return the rows (k,) of a log that are not copies of others, if time rises without them.
 
-    A rounded clock gives rows with equal times, too, and those at rest may be alike.
-
-    Raises
-    ------
-    RecordingError
-        When time falls, or a time is not finite; names the row.
+    A rounded clock gives rows with equal times, too, and those at rest may be alike. Raises
+    RecordingError when time falls, or a time is not finite; names the row.
     """
     if (wrong := np.flatnonzero(~np.isfinite(t))).size:
         row = table.row(int(wrong[0]))
@@ -116,10 +194,7 @@ def even_rows(
 ) -> NDArray[np.intp]:
     """Return the rows (k,) of a log whose samples are even, whatever its column of time says.
 
-    Raises
-    ------
-    RecordingError
-        When its rows hold one channel each.
+    Raises RecordingError when its rows hold one channel each.
     """
     if own := _in_turn(signals):
         raise RecordingError(
@@ -141,10 +216,7 @@ def _in_turn(signals: Mapping[str, Array]) -> str:
 def _check_instants(table: LogTable, t: Array, signals: Mapping[str, Array]) -> None:
     """Check that the drive moves on between rows with equal times, as with a rounded clock.
 
-    Raises
-    ------
-    RecordingError
-        When it does not; names the row.
+    Raises RecordingError when it does not; names the row.
     """
     steps = np.abs(np.diff(signals.get("position", t)))
     equal = np.flatnonzero(np.diff(t)[1:-1] == 0) + 1
@@ -160,10 +232,7 @@ def _check_instants(table: LogTable, t: Array, signals: Mapping[str, Array]) -> 
 def even_clock(table: LogTable, t: Array, period: float, findings: list[Finding]) -> Array:
     """Return times (n,) that rise: those of a regular clock if their rounding explains others.
 
-    Raises
-    ------
-    RecordingError
-        When times are equal and no regular clock explains it; names the row.
+    Raises RecordingError when times are equal and no regular clock explains it; names the row.
     """
     found = regular_times(t, period)
     if found is not None:
@@ -187,14 +256,9 @@ def on_one_clock(
 ) -> tuple[NDArray[np.intp], Array, dict[str, Array]]:
     """Return rows (k,) of a log, their times (k,) and signals (k,) at these.
 
-    A channel whose numbers and blanks alternate was sampled at times of its own. It is
-    interpolated to those of the position, or else of the velocity: one that is interpolated
-    between its samples shows false accelerations.
-
-    Raises
-    ------
-    RecordingError
-        When a channel was sampled too slowly for that.
+    A channel whose numbers and blanks alternate was sampled at times of its own. It is interpolated
+    to those of the position, or else of the velocity: one that is interpolated between its samples
+    shows false accelerations. Raises RecordingError when a channel was sampled too slowly for that.
     """
     if not _in_turn(signals):
         rows = without_repeats(table, t, signals, findings)

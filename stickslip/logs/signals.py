@@ -1,16 +1,23 @@
 """From signals, each with times of its own or none, to one table."""
 
-from __future__ import annotations
-
+import io
+import json
+import os
+import subprocess
+import sys
+import zipfile
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from stickslip.errors import RecordingError
 from stickslip.fmi.messages import printable
-from stickslip.logs.dialect import split_unit
-from stickslip.logs.finding import Finding
+from stickslip.fmi.process import child_process
+from stickslip.logs import reader_process
+from stickslip.logs.header import split_unit
+from stickslip.logs.recording import Finding
 from stickslip.logs.roles import role_named
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
@@ -18,47 +25,27 @@ from stickslip.servo.measurement import Array
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """A variable of a file.
+    """A variable of a file."""
 
-    Attributes
-    ----------
-    name : in the file
-    values : numbers of any shape; None where there are none
-    unit : as the file states it
-    time : (n,) of its values [s]; None where the file keeps times as a variable
-    instead : what there is instead of numbers
-    """
-
-    name: str
-    values: Array | None
-    unit: str = ""
-    time: Array | None = None
-    instead: str = ""
+    name: str  # in the file
+    values: Array | None  # numbers of any shape; None where there are none
+    unit: str = ""  # as the file states it
+    time: Array | None = None  # (n,) of its values [s]; None where the file has it elsewhere
+    instead: str = ""  # what there is instead of numbers
 
 
 def table_of(
-    path: str,
-    signals: Iterable[Signal],
-    findings: tuple[Finding, ...] = (),
-    timed: str | None = "s",
+    path: str,  # for messages
+    signals: Iterable[Signal],  # in the file's order
+    findings: tuple[Finding, ...] = (),  # of reading
+    timed: str | None = "s",  # unit of their times
 ) -> LogTable:
     """Return one table of signals; what has other times is interpolated.
 
     Columns of a matrix are called ``name(1)`` and so on. The common times are those of the
     position, because one that is interpolated between its samples shows false accelerations;
-    without a position those of the velocity, of the force, or of most samples.
-
-    Parameters
-    ----------
-    path : for messages
-    signals : in the file's order
-    findings : of reading
-    timed : unit of their times
-
-    Raises
-    ------
-    RecordingError
-        When there is no vector of numbers.
+    without a position those of the velocity, of the force, or of most samples. Raises
+    RecordingError when there is no vector of numbers.
     """
     numbers: dict[str, Array] = {}
     times: dict[str, Array] = {}
@@ -160,3 +147,48 @@ def _aligned(
     shown = ", ".join(moved[:6]) + (", ..." if len(moved) > 6 else "")
     what = f"signals with other times, interpolated to those of {common[0]}"
     return base, (Finding("note", what, shown),)
+
+
+TIMEOUT = 60.0  # time limit of the reader [s]
+
+
+def read_isolated(path: str, data: bytes, module: str, title: str) -> list[Signal] | str:
+    """Return the signals of a file, or its table as text.
+
+    Raises RecordingError when the file is damaged, takes too long or too much memory.
+
+    Parameters
+    ----------
+    path : for messages
+    data : content of the file
+    module : path of the module whose ``contents`` reads it
+    title : of the format, for messages
+    """
+    search = {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p), "OPENBLAS_NUM_THREADS": "1"}
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    command = [sys.executable, "-P", str(Path(reader_process.__file__)), module]
+    with child_process(command, env=os.environ | search, **pipes) as process:
+        try:
+            output, errors = process.communicate(data, TIMEOUT)
+            begin = output.find(b"PK\x03\x04")  # Python may print as it starts
+            with np.load(io.BytesIO(output[begin:]), allow_pickle=False) as found:
+                described = json.loads(found["signals"].item())
+                if described is None:
+                    return bytes(found["arr_0"]).decode()
+                arrays = [found[f"arr_{k}"] for k in range(len(found.files) - 1)]
+                return [
+                    Signal(
+                        name,
+                        None if place is None else arrays[place],
+                        unit=unit,
+                        time=None if time is None else arrays[time],
+                        instead=instead,
+                    )
+                    for name, unit, place, instead, time in described
+                ]
+        except subprocess.TimeoutExpired:
+            reason = f"not read within {TIMEOUT:g} s"
+        except (ValueError, OSError, KeyError, EOFError, zipfile.BadZipFile):
+            last = errors.decode("utf-8", "replace").strip().splitlines()[-1:]
+            reason = last[0][:80] if last else f"its reader ended with {process.returncode}"
+    raise RecordingError(f"{path}: cannot be read as {title}, perhaps it is damaged ({reason})")

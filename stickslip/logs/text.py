@@ -4,8 +4,6 @@ A file is decoded line by line, and its fields become numbers block by block, so
 memory grow with its size, whatever it holds.
 """
 
-from __future__ import annotations
-
 import codecs
 import io
 import re
@@ -17,20 +15,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import RecordingError
-from stickslip.logs.clock import FILETIME, clock_seconds, filetime_seconds, is_clock
-from stickslip.logs.dialect import MISSING, SAMPLE, SAMPLED, Dialect, find_dialect
-from stickslip.logs.finding import Finding
-from stickslip.logs.header import LOOKED_AT, Header, Line, find_header, is_data
+from stickslip.logs.header import (
+    LOOKED_AT,
+    MISSING,
+    SAMPLE,
+    SAMPLED,
+    Dialect,
+    Header,
+    Line,
+    find_dialect,
+    find_header,
+    is_data,
+)
+from stickslip.logs.recording import Finding
 from stickslip.logs.signals import Signal, table_of
-from stickslip.logs.table import LogTable
+from stickslip.logs.table import FILETIME, LogTable, clock_seconds, filetime_seconds, is_clock
 from stickslip.servo.measurement import Array
 
 MOST_BYTES = 1 << 28
 MOST_LINES = 4_000_000
-LONGEST = 1 << 17
-"""Characters of a line."""
-_BLOCK = 1 << 20
-"""Characters of the lines that are texts at a time; their fields take about 40 MB."""
+LONGEST = 1 << 17  # characters of a line
+_BLOCK = 1 << 20  # characters of the lines that are texts at a time; their fields take about 40 MB
 _BEGIN = 1 << 16
 _BINARY = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
@@ -38,23 +43,15 @@ _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 @dataclass
 class _Column:
-    """A column as it is read.
+    """A column as it is read."""
 
-    Attributes
-    ----------
-    parts : its numbers, NaN for a field that is empty or holds none
-    first : its first text
-    texts : all its texts if the first is a point in time, else none
-    wrong : texts that are not numbers
-    row, got : number of the row and text of the first of them
-    """
-
-    parts: list[Array] = field(default_factory=list)
-    first: str = ""
+    parts: list[Array] = field(default_factory=list)  # its numbers, NaN for a field that holds none
+    first: str = ""  # its first text
+    # all its texts if the first is a point in time, else none
     texts: list[str] = field(default_factory=list)
-    wrong: int = 0
-    row: int = 0
-    got: str = ""
+    wrong: int = 0  # texts that are not numbers
+    row: int = 0  # number of the row of the first of them
+    got: str = ""  # its text
 
     @property
     def numbers(self) -> Array:
@@ -77,18 +74,15 @@ class _Column:
 def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None) -> LogTable:
     """Read a text file.
 
+    Raises RecordingError when it is not text, holds no rows of numbers, or its rows differ in
+    length, or UsageError when delimiter and decimal sign are the same, and no quotes tell them
+    apart.
+
     Parameters
     ----------
     path : for messages
     data : content of the file
     delimiter, decimal : where known; detected otherwise
-
-    Raises
-    ------
-    RecordingError
-        When it is not text, holds no rows of numbers, or its rows differ in length.
-    UsageError
-        When delimiter and decimal sign are the same, and no quotes tell them apart.
     """
     if len(data) > MOST_BYTES:
         raise RecordingError(f"{path}: {len(data)} bytes; at most {MOST_BYTES} are read as text")
@@ -152,15 +146,7 @@ def is_text(data: bytes) -> bool:
 class _Lines:
     """The lines of a text that are not empty, and their numbers.
 
-    Parameters
-    ----------
-    path : for messages
-    data : content of the file
-
-    Raises
-    ------
-    RecordingError
-        When it is binary, or has too many lines.
+    Raises RecordingError when it is binary, or has too many lines. Messages name the path.
     """
 
     def __init__(self, path: str, data: bytes) -> None:
@@ -228,10 +214,7 @@ def _columns(
 ) -> tuple[list[_Column], NDArray[np.intp]]:
     """Return the columns below a header, and the numbers (n,) of their rows.
 
-    Raises
-    ------
-    RecordingError
-        When a row has a wrong length and is not the last.
+    Raises RecordingError when a row has a wrong length and is not the last.
     """
     columns = [_Column() for _ in range(head.width)]
     numbered = [np.empty(0, dtype=np.intp)]

@@ -4,8 +4,6 @@ Rotary drives have angles for lengths and torques for forces. What is no mechani
 (currents, voltages, counts) needs a scale that says what it stands for.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Collection
@@ -13,6 +11,7 @@ from dataclasses import dataclass
 
 from stickslip.errors import UsageError
 from stickslip.logs.recording import Motion
+from stickslip.thresholds import log_unit
 
 _TURN = 2 * math.pi
 _INCH = 0.0254
@@ -104,16 +103,10 @@ _CASE_COUNTS = frozenset({"force", "torque", "current", "voltage"})
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit: value in SI units = factor * value.
+    """A unit: value in SI units = factor * value."""
 
-    Attributes
-    ----------
-    name : as it is written here
-    quantity : what it measures
-    """
-
-    name: str
-    quantity: str
+    name: str  # as it is written here
+    quantity: str  # what it measures
     factor: float
 
 
@@ -129,8 +122,7 @@ for _name in (*_UNITS, *_SPELT):
     if (_spelt := _SPELT.get(_name, _name)) in _UNITS:
         _ALIKE.setdefault(_name.lower(), set()).add(_UNITS[_spelt])
 _PER_TIME = {"length": "speed", "angle": "angular speed", "number": "number per time"}
-_WEIGHTS = {"kg": "kgf", "g": "gf"}
-"""Forces of torques in kg.cm."""
+_WEIGHTS = {"kg": "kgf", "g": "gf"}  # forces of torques in kg.cm
 
 
 def unit_named(text: str) -> Unit | None:
@@ -181,16 +173,13 @@ def unit_fitting(text: str, quantities: Collection[str]) -> Unit | None:
 def parse_quantity(text: str, what: str, quantities: Collection[str]) -> tuple[float, Unit | None]:
     """Return the SI value of a text such as 100mm or 2.5 rev/s, and its unit; None is SI.
 
+    Raises UsageError when there is no number, or the unit measures something else.
+
     Parameters
     ----------
     text : number and unit
     what : is given, for messages
     quantities : that its unit may measure, such as length and angle
-
-    Raises
-    ------
-    UsageError
-        When there is no number, or the unit measures something else.
     """
     match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*", text)
     unit = unit_named(match[2]) if match and match[2] else None
@@ -246,3 +235,25 @@ def expected_units(role: str, motion: Motion | None = None) -> str:
     motions = [motion] if motion else list(QUANTITIES)
     names = [name for m in motions for name in unit_names(quantity_of(role, m))[:4]]
     return ", ".join(dict.fromkeys(names))
+
+
+FACTORS = {
+    "2 pi": _TURN, "60/2 pi": 60 / _TURN, "25.4": 25.4, "39.37": 1 / 0.0254, "60": 60.0,
+    "360/2 pi": 360 / _TURN, "360": 360.0, "10^3": 1e3, "60*10^3": 6e4, "10^6": 1e6, "10^9": 1e9,
+}  # fmt: skip
+"""Between units that are often confused: m, mm, inch; rad, deg, turns; s, min, ms."""
+
+
+def near_factor(ratio: float) -> tuple[float, str] | None:
+    """Return the factor of units, or its inverse, that a ratio > 0 is near, and how to write it."""
+    size = abs(math.log(ratio))
+    name, value = min(FACTORS.items(), key=lambda item: abs(math.log(item[1]) - size))
+    if abs(math.log(value) - size) > (log_unit.ROUGHLY if value > 100 else log_unit.NEAR):
+        return None
+    return (value, name) if ratio > 1 else (1 / value, f"1/({name})")
+
+
+def described_ratio(ratio: float) -> str:
+    """Return a ratio, and the factor of units that it is near."""
+    factor = near_factor(ratio)
+    return f"{ratio:.4g}" + (f", near {factor[1]}" if factor else "")

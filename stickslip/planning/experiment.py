@@ -11,35 +11,25 @@ import numpy as np
 from stickslip.catalog.parameters import PAPER
 from stickslip.errors import UsageError
 from stickslip.planning import parts
-from stickslip.planning.limits import LINEAR, Limits
+from stickslip.planning.parts import LINEAR, Limits
 from stickslip.servo.measurement import Array
 
 if TYPE_CHECKING:
     import pandas as pd
 
-REST = 0.01
-"""Share of the whole in which the drive rests, before and after."""
+REST = 0.01  # share of the whole in which the drive rests, before and after
 ROUNDS = 4
-FAVOUR = 4.0
-"""How much more time a part gets that shows what is asked for."""
+FAVOUR = 4.0  # how much more time a part gets that shows what is asked for
 
 
 @dataclass(frozen=True)
 class Part:
-    """A kind of motion.
+    """A kind of motion."""
 
-    Attributes
-    ----------
-    name : for people
-    shows : parameters, by the paper's symbols
-    weight : share of the time, relative to the others
-    velocity : function (limits, n) -> (n,) [m/s]
-    """
-
-    name: str
-    shows: tuple[str, ...]
-    weight: float
-    velocity: Callable[[Limits, int], Array]
+    name: str  # for people
+    shows: tuple[str, ...]  # parameters, by the paper's symbols
+    weight: float  # share of the time, relative to the others
+    velocity: Callable[[Limits, int], Array]  # function (limits, n) -> (n,) [m/s]
 
 
 PARTS = (
@@ -64,10 +54,7 @@ class Stretch:
 def arrange(limits: Limits = LINEAR, show: Collection[str] = ()) -> tuple[Stretch, ...]:
     """Return when which part runs; ``show`` names parameters whose parts get more time.
 
-    Raises
-    ------
-    UsageError
-        When ``show`` names no parameter.
+    Raises UsageError when ``show`` names no parameter.
     """
     return _laid_out(limits, show)[0]
 

@@ -8,8 +8,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from stickslip.catalog.estimate import HIGH, LOW, Estimate
-from stickslip.catalog.parameters import parameter
+from stickslip.catalog.parameters import HIGH, LOW, Estimate, parameter
 from stickslip.models import Law
 
 SPACE = "\u00a0"

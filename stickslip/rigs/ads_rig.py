@@ -1,7 +1,5 @@
 """A rig behind a Beckhoff controller, over ADS; plc/StickslipRig.st runs the motions there."""
 
-from __future__ import annotations
-
 import math
 import re
 import secrets
@@ -17,12 +15,11 @@ from stickslip.errors import RigError, UsageError
 from stickslip.rigs.contract import Command, Log
 from stickslip.rigs.limits import RigLimits, Watch
 from stickslip.rigs.remote import Refused, RemoteRig
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 from stickslip.thresholds import rig_motion
 
 CODE = Path(__file__).with_name("plc") / "StickslipRig.st"
-BLOCK = 400
-"""Samples in one array of the function block."""
+BLOCK = 400  # samples in one array of the function block
 SIGNALS = ("v_cmd", "a_cmd", "x_cmd", "F_ff")
 WHOLE = (
     *("session", "asker", "asked", "stop", "n", "span", "protocol", "most"),
@@ -35,10 +32,8 @@ REFUSALS = {
     4: "the request is older than the heartbeat time",
     5: "the motion is longer than the arrays of StickslipRig",
 }
-TCP = 48898
-"""Port of an ADS router."""
-ANSWER = 1.0
-"""Within which a controller that runs the function block answers a start [s]."""
+TCP = 48898  # port of an ADS router
+ANSWER = 1.0  # within which a controller that runs the function block answers a start [s]
 
 
 class AdsRig(RemoteRig):

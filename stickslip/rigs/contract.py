@@ -23,9 +23,8 @@ from stickslip.errors import LimitError, RigError, UsageError
 from stickslip.fmi.process import temporary_folder
 from stickslip.ga import CandidateFailed
 from stickslip.rigs.limits import RigLimits, Watch
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet, LoopSpecification
 from stickslip.servo.measurement import Array
-from stickslip.servo.specification import LoopSpecification
 from stickslip.servo.systems import Feed, build_fmus, feedforward
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 from stickslip.thresholds import rig_motion
@@ -136,10 +135,7 @@ def commissioning_loop(sheet: Datasheet, T_s: float = COMMISSIONING.T_s) -> Velo
 def refuse(limits: RigLimits, command: Command) -> None:
     """Check a command before anything moves.
 
-    Raises
-    ------
-    LimitError
-        When the command itself exceeds a limit.
+    Raises LimitError when the command itself exceeds a limit.
     """
     watch = Watch(limits, command.T_s)
     driven = command.added_force if command.force is None else command.force
@@ -188,8 +184,7 @@ def _wrong_log(log: object, command: Command) -> str:
     return ""
 
 
-Trial = Callable[[Mapping[str, float]], Recorded]
-"""Runs a compensator, given by its parameters, on the drive."""
+Trial = Callable[[Mapping[str, float]], Recorded]  # runs compensator parameters on the drive
 
 
 class Rig(ABC):

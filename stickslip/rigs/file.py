@@ -1,20 +1,160 @@
-"""A rig described by a TOML file: where the drive is, its datasheet, limits, and the experiment."""
+"""A rig that a file describes, and one whose logs are kept."""
 
-from __future__ import annotations
-
+import hashlib
 import inspect
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import fields
+import io
+import json
+import logging
+import zipfile
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, fields
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
-from stickslip.errors import UsageError
+import numpy as np
+
+from stickslip.errors import LimitError, RigError, UsageError
+from stickslip.fmi.files import MOST_TEXT, atomic_write, parse_json, read_limited
 from stickslip.planning import Limits
-from stickslip.rigs.contract import Rig
+from stickslip.rigs.contract import Command, Log, Rig
 from stickslip.rigs.limits import RigLimits
-from stickslip.servo.datasheet import Datasheet
+from stickslip.rigs.lines import LOOP
+from stickslip.servo.axis import Datasheet
+from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.toml_files import NUMBER, PAIR, TABLE, TEXT, WHOLE, Kind, checked, read_toml
+
+_LOG = ("t", "x_enc", "F_m")
+_LOGGER = logging.getLogger("stickslip")
+
+
+class KeptRig(Rig):
+    """Runs motions on another rig and keeps each log in a folder; a motion that is kept is not run.
+
+    What learns is deterministic: from the same logs follow the same commands. So the same program
+    started again with the same folder goes through what was done without moving the drive, and on
+    from there. A motion that was begun and whose log is missing is never repeated by itself.
+
+    The folder has ``motion-0001.npz`` and so on, with t, x_enc, F_m and the signals of the command.
+    It is of one rig: its name, datasheet and limits are kept with each log, and others are refused.
+    The logger ``stickslip`` reports each motion that is not run, as a warning.
+
+    Parameters
+    ----------
+    rig : runs the motions, within its limits
+    folder : for the logs; is made where it is missing
+    """
+
+    def __init__(self, rig: Rig, folder: Path | str) -> None:
+        super().__init__(rig.datasheet, rig.T_s, None, rig.law.name)
+        self.name, self._rig, self._folder = rig.name, rig, Path(folder)
+        self._folder.mkdir(parents=True, exist_ok=True)
+        self._motion = 0
+        limits = asdict(rig.limits) if rig.limits else None
+        own = {"name": rig.name, "datasheet": asdict(rig.datasheet), "limits": limits}
+        self._own = json.dumps(own, default=float)
+
+    @property
+    def loop(self) -> VelocityLoop:
+        """The loop of the rig that runs the motions."""
+        return self._rig.loop
+
+    def move(self, command: Command) -> Log:
+        """Return the log that is kept of this motion, or run it and keep its log.
+
+        Raises
+        ------
+        RigError
+            When the folder is of another run or rig, a file in it is damaged, or the motion was
+            begun before and has no log.
+        """
+        self._motion += 1
+        kept = self._folder / f"motion-{self._motion:04d}.npz"
+        begun = kept.with_suffix(".json")
+        key = _key_of(command)
+        if kept.exists():
+            with _readable(kept), np.load(kept, allow_pickle=False) as content:
+                asked, log = str(content["command"]), Log(*(content[name] for name in _LOG))
+                of = str(content["rig"]) if "rig" in content else ""
+            self._compare(kept, of, asked, key)
+            self._report(f"is taken from {self._folder}")
+            return log
+        if begun.exists():
+            with _readable(begun):
+                state = parse_json(read_limited(begun, MOST_TEXT))
+                asked, limit = str(state["command"]), str(state["limit"])
+                of = str(state.get("rig", ""))
+            self._compare(begun, of, asked, key)
+            if limit:
+                self._report(f"was aborted by a limit before, as kept in {self._folder}")
+                raise LimitError(limit)
+            raise RigError(
+                f"{begun}: motion {self._motion} of {len(command) * self.T_s:.4g} s was begun and "
+                "has no log; it is not repeated by itself. Look at the drive, then delete this "
+                "file to run it again"
+            )
+        state = {"command": key, "rig": self._own, "limit": ""}
+        atomic_write(begun, json.dumps(state))
+        try:
+            log = self._rig.run(command)
+        except LimitError as fault:
+            atomic_write(begun, json.dumps(state | {"limit": str(fault)}))
+            raise
+        stream = io.BytesIO()
+        own = {"command": key, "rig": self._own}
+        content = {**own, **{name: getattr(log, name) for name in _LOG}}
+        np.savez(stream, **cast("Any", content | command.signals))
+        atomic_write(kept, stream.getvalue())
+        begun.unlink()
+        return log
+
+    def _report(self, what: str) -> None:
+        _LOGGER.warning("motion %d %s; the drive was not moved", self._motion, what)
+
+    def _compare(self, file: Path, of: str, kept: str, asked: str) -> None:
+        if of and of != self._own:
+            with _readable(file):
+                other, own = json.loads(of), json.loads(self._own)
+            name = next((n for n in own if other.get(n) != own[n]), "rig")
+            raise RigError(
+                f"{file}: is of another rig: {name} {other.get(name)}; expected {own.get(name)}. "
+                "Give another folder"
+            )
+        if kept != asked:
+            raise RigError(
+                f"{file}: is of another command than motion {self._motion} of this run; expected "
+                "the same program, settings and version. Use another folder for another run"
+            )
+        if not of:
+            raise RigError(
+                f"{file}: does not say of which rig it is; expected name, datasheet and limits, "
+                "which an older version did not keep. Give another folder"
+            )
+
+
+@contextmanager
+def _readable(file: Path) -> Iterator[None]:
+    """Raise a RigError where a file is damaged."""
+    try:
+        yield
+    except (OSError, LookupError, TypeError, ValueError, EOFError, zipfile.BadZipFile) as fault:
+        raise RigError(
+            f"{file}: is damaged ({' '.join(str(fault).split())}); a motion is not repeated by "
+            "itself. Look at the drive, then delete this file to run the motion again"
+        ) from None
+
+
+def _key_of(command: Command) -> str:
+    """Return a hash of all that a command says."""
+    loop, filtered = command.loop, command.loop.velocity_filter
+    gains = {name: getattr(loop, name) for name in LOOP}
+    said = {"T_s": command.T_s, **gains, "filter": filtered.parameters() if filtered else None}
+    key = hashlib.sha256(json.dumps(said, default=float).encode())
+    for name, values in sorted(command.signals.items()):
+        key.update(name.encode() + np.asarray(values, dtype="<f8").tobytes())
+    return key.hexdigest()
+
 
 KINDS: dict[type, Kind] = {float: NUMBER, int: WHOLE, str: TEXT, type(None): TEXT}
 """What a key of the file has to be, by the type of the argument's default."""

@@ -12,7 +12,7 @@ from stickslip.fmi.process import temporary_folder
 from stickslip.ga import SimulatedCost
 from stickslip.rigs.contract import Command, Log, Recorded, Rig, Trial
 from stickslip.rigs.limits import RigLimits
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Changes, Feed, build_fmus, paper_loop, servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop

@@ -1,15 +1,12 @@
 """What aborts a motion, looked at sample by sample."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from dataclasses import dataclass
 
 from stickslip.errors import UsageError
 
-SPEED_OVER = 5e-3
-"""Time over which the measured speed is a mean, so that encoder steps do not count [s]."""
+SPEED_OVER = 5e-3  # time over which the measured speed is a mean, for the encoder's steps [s]
 
 
 @dataclass(frozen=True)
@@ -83,10 +80,8 @@ class Watch:
     def sample(self, x: float, F: float, v_cmd: float | None) -> str:
         """Take the next sample; return which limit it exceeds, or an empty text.
 
-        Parameters
-        ----------
-        x, F : measured position from where motions begin [m], and force [N]
-        v_cmd : the velocity that holds from this sample on [m/s]; None without a velocity loop
+        The position x [m] counts from where motions begin, F is the force [N], and the velocity
+        v_cmd [m/s] holds from this sample on; it is None without a velocity loop.
         """
         if not (math.isfinite(x) and math.isfinite(F)):
             return f"position {x} m and force {F} N; expected finite values"

@@ -1,7 +1,5 @@
 """JSON objects, one a line, as rig and server exchange them (docs/rig.md)."""
 
-from __future__ import annotations
-
 import json
 import math
 import zlib
@@ -18,10 +16,8 @@ from stickslip.rigs.limits import RigLimits
 PROTOCOL = 1
 LOOP = ("K_p", "K_i", "tau_f", "m_ff", "K_x", "velocity_feedforward")
 """What a motion says of its velocity loop; units as in ``VelocityLoop``."""
-CHUNK = 500
-"""Most samples of a signal in one message."""
-LONGEST = 2**20
-"""Most bytes of a line."""
+CHUNK = 500  # most samples of a signal in one message
+LONGEST = 2**20  # most bytes of a line
 
 
 def line_of(message: Mapping[str, Any]) -> bytes:
@@ -42,13 +38,7 @@ def sent_limits(limits: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def received_limits(given: Mapping[str, Any]) -> RigLimits:
-    """Return the limits of a message.
-
-    Raises
-    ------
-    UsageError
-        When one is not a limit.
-    """
+    """Return the limits of a message; raise UsageError when one is not a limit."""
     low, high = given["travel"]
     names = [one.name for one in fields(RigLimits) if one.name != "travel"]
     values = {name: math.inf if given[name] is None else float(given[name]) for name in names}
@@ -73,10 +63,7 @@ class Lines:
     def messages(self, received: bytes) -> Iterator[dict[str, Any]]:
         """Yield the messages that are complete.
 
-        Raises
-        ------
-        ValueError
-            When a line is too long or is not a JSON object, or is nested too deeply.
+        Raises ValueError when a line is too long or is not a JSON object, or is nested too deeply.
         """
         *lines, self._rest = (self._rest + received).split(b"\n")
         if len(self._rest) > LONGEST:

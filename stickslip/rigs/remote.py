@@ -1,14 +1,12 @@
 """A rig whose motions another program runs, which is asked for them."""
 
-from __future__ import annotations
-
 import math
 import time
 from abc import abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, replace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -18,14 +16,12 @@ from stickslip.planning.parts import approach
 from stickslip.rigs.contract import Command, Log, Rig
 from stickslip.rigs.limits import RigLimits
 from stickslip.rigs.lines import CHUNK, LOOP, PROTOCOL, crc_of
-from stickslip.servo.axis import ControlError
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import ControlError, Datasheet
 from stickslip.thresholds import rig_motion
 
 RETURNS, RETURN_SPEED, DWELL, K_X = 5, 0.02, 0.5, 20.0
 """Most moves back to 0, their speed [m/s], rest at their end [s] and position gain [1/s]."""
-MARGIN = 1e-3
-"""By how much a move back may overshoot where it begins [m]."""
+MARGIN = 1e-3  # by how much a move back may overshoot where it begins [m]
 
 
 class Refused(RigError):
@@ -35,7 +31,8 @@ class Refused(RigError):
 class RemoteRig(Rig):
     """A drive behind a connection, asked as in the protocol of docs/rig.md.
 
-    A kind of connection implements ``_request`` and ``_disconnect``.
+    A kind of connection implements ``_request`` and ``_disconnect``. Raises RigError when nobody
+    answers, or not with this protocol.
 
     Parameters
     ----------
@@ -44,11 +41,6 @@ class RemoteRig(Rig):
     limits : that abort a motion, there and here
     law : friction law of the compensator
     patience : how long a lost connection is tried again [s]
-
-    Raises
-    ------
-    RigError
-        When nobody answers, or not with this protocol.
     """
 
     chunk = CHUNK
@@ -68,10 +60,7 @@ class RemoteRig(Rig):
     def _request(self, what: str, **fields: Any) -> dict[str, Any]:
         """Send a request until it is answered, over a new connection if need be.
 
-        Raises
-        ------
-        RigError
-            When it is refused, or not answered for ``patience``.
+        Raises RigError when it is refused, or not answered for ``patience``.
         """
 
     @abstractmethod
@@ -89,9 +78,6 @@ class RemoteRig(Rig):
         """Close the connection; the drive is at rest."""
         super().close()
         self._disconnect()
-
-    def __enter__(self) -> Self:
-        return self
 
     def _greet(self) -> float:
         """Say hello, and return the drive's sample period [s]."""

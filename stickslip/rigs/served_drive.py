@@ -14,12 +14,9 @@ from stickslip.errors import UsageError
 from stickslip.rigs.limits import RigLimits, Watch
 from stickslip.thresholds import rig_motion
 
-DECELERATION = 2.0
-"""With which the drive is stopped [m/s^2]."""
-MOST_SAMPLES = 10**9
-"""Of all motions until the server is started again; a week at 2 kHz is more."""
-COMPONENT = "fmu"
-"""Its name in the system of one FMU."""
+DECELERATION = 2.0  # with which the drive is stopped [m/s^2]
+MOST_SAMPLES = 10**9  # of all motions until the server is started again; a week at 2 kHz is more
+COMPONENT = "fmu"  # its name in the system of one FMU
 
 
 def stepped(
@@ -27,10 +24,7 @@ def stepped(
 ) -> cosim.Simulation:
     """Return a simulation of one FMU for Co-Simulation, to be stepped a sample at a time.
 
-    Raises
-    ------
-    UsageError
-        When it has no such inputs or outputs.
+    Raises UsageError when it has no such inputs or outputs.
     """
     fmu = cosim.Fmu(path, interface="co_simulation")
     for name, kind in (*((n, "input") for n in inputs), *((n, "output") for n in outputs)):
@@ -93,10 +87,7 @@ class ServedDrive:
     ) -> None:
         """Begin a motion, with signals of a ``Command`` and parameters of the controller.
 
-        Raises
-        ------
-        CosimError
-            When the controller does not take its parameters; then nothing has begun.
+        Raises CosimError when the controller does not take its parameters; then nothing has begun.
         """
         self._start_controller(loop)
         self._signals = {name: values.tolist() for name, values in signals.items()}

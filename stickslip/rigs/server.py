@@ -19,16 +19,11 @@ from stickslip.fmi.process import check_interruption
 from stickslip.rigs.lines import CHUNK, LOOP, PROTOCOL, Lines, crc_of, line_of, received_limits
 from stickslip.rigs.served_drive import ServedDrive
 
-BURST = 100
-"""Most samples between two looks at the sockets."""
-MOST = 2_000_000
-"""Most samples of a motion."""
-CONNECTIONS = 50
-"""Most connections at a time; a further one takes the place of the one silent for longest."""
-PENDING = 64
-"""Most requests that one connection may send before it reads an answer; a rig sends one."""
-SEND_BUFFER = 1 << 18
-"""Bytes of answers that the system keeps for a connection, several of the longest, 30 kB."""
+BURST = 100  # most samples between two looks at the sockets
+MOST = 2_000_000  # most samples of a motion
+CONNECTIONS = 50  # most connections; a further one takes the place of the longest silent one
+PENDING = 64  # most requests of a connection before it reads an answer; a rig sends one
+SEND_BUFFER = 1 << 18  # bytes of answers kept for a connection, several of the longest
 SIGNALS = ("F", "F_ff", "a_cmd", "v_cmd", "x_cmd")
 
 
@@ -46,23 +41,16 @@ class Client:
 
 
 class Server:
-    """Listens, answers requests, and runs the drive meanwhile.
-
-    Parameters
-    ----------
-    address : host and port to listen at; port 0 takes a free one
-    heartbeat : time after which a motion is aborted when no request shows that somebody watches [s]
-    fast : whether the drive runs as fast as possible instead of in real time
-    """
+    """Listens, answers requests, and runs the drive meanwhile."""
 
     def __init__(
         self,
         drive: ServedDrive,
-        address: tuple[str, int],
+        address: tuple[str, int],  # host and port to listen at; port 0 takes a free one
         name: str,
         *,
-        heartbeat: float = 0.5,
-        fast: bool = False,
+        heartbeat: float = 0.5,  # a motion is aborted after so long without a request [s]
+        fast: bool = False,  # whether the drive runs as fast as possible instead of in real time
     ) -> None:
         self._drive, self._name, self._heartbeat, self._fast = drive, name, heartbeat, fast
         self._session, self._lease = "", 0.0

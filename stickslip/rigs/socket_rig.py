@@ -1,7 +1,5 @@
 """A rig in another process, behind a socket: the protocol is in docs/rig.md."""
 
-from __future__ import annotations
-
 import secrets
 import socket
 import time
@@ -11,7 +9,7 @@ from stickslip.errors import RigError, UsageError
 from stickslip.rigs.limits import RigLimits
 from stickslip.rigs.lines import Lines, line_of, sent_limits
 from stickslip.rigs.remote import Refused, RemoteRig
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 
 
 class SocketRig(RemoteRig):

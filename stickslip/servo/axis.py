@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+import math
+from dataclasses import dataclass, field, fields
 from functools import lru_cache
 from numbers import Real
 from typing import TYPE_CHECKING, Any
@@ -10,11 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import UsageError
 from stickslip.fmi.errors import Fault
 from stickslip.models.export.units import motion_unit
+from stickslip.storage.codec import entry
 
 if TYPE_CHECKING:
     import control
+
 
 Array = NDArray[np.float64]
 
@@ -113,3 +117,81 @@ def check(name: str, value: float, unit: str, holds: bool, expected: str) -> Non
     """Raise a ControlError unless a value is finite and a condition holds."""
     if not (holds and np.isfinite(value)):
         raise ControlError(f"{name} is {value:g} {unit}; expected {expected}")
+
+
+_SLOWEST = 1e-5  # of the sample rate; below, poles in z differ from 1 by too few digits
+
+
+@dataclass(frozen=True)
+class LoopSpecification:
+    """Requirements on the loop, and its sampling.
+
+    Attributes
+    ----------
+    bandwidth : gain crossover of the open loop [Hz]
+    phase_margin : at that crossover [deg]
+    T_s : sample period [s]
+    tau_f : time constant of the low-pass in the velocity estimate [s], 0 for none
+
+    Raises
+    ------
+    ControlError
+        When a number is out of its range.
+    """
+
+    bandwidth: float
+    phase_margin: float
+    T_s: float = 5e-4
+    tau_f: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_numbers(self)
+        check("T_s", self.T_s, "s", self.T_s > 0.0, expected="above 0")
+        check("tau_f", self.tau_f, "s", self.tau_f >= 0.0, expected="0 or above")
+        inside = 0.0 < self.phase_margin < 180.0
+        check("phase margin", self.phase_margin, "deg", inside, expected="between 0 and 180")
+        rate = 1.0 / self.T_s
+        inside = _SLOWEST * rate < self.bandwidth < 0.5 * rate
+        limits = f"between {_SLOWEST * rate:g} and {0.5 * rate:g} Hz, half the sample rate"
+        check("bandwidth", self.bandwidth, "Hz", inside, expected=limits)
+
+
+@dataclass(frozen=True)
+class Datasheet:
+    """From the data sheets of motor, amplifier, encoder and controller.
+
+    Attributes
+    ----------
+    mass : moving mass, approximate [kg]
+    peak_force : of the motor [N], Table 1
+    tau_i : time constant of the amplifier's current loop [s]
+    encoder_step : resolution of the encoder [m]
+    force_noise : standard deviation of the measured motor force [N]
+    encoder_noise : that of the position beside the steps [m]
+
+    Raises
+    ------
+    UsageError
+        When mass, peak_force or encoder_step is not a finite number above 0.
+    """
+
+    mass: float = field(default=5.5, metadata=entry(stored=False))
+    peak_force: float = field(default=205.0, metadata=entry("N"))
+    tau_i: float = field(default=1e-4, metadata=entry("s"))
+    encoder_step: float = field(default=4e-7, metadata=entry("m"))
+    force_noise: float = field(default=0.05, metadata=entry(stored=False))
+    encoder_noise: float = field(default=0.0, metadata=entry("m"))
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "peak_force", "encoder_step"):
+            value = getattr(self, name)
+            if not (isinstance(value, Real) and 0.0 < float(value) < math.inf):
+                raise UsageError(f"datasheet.{name} = {value}: expected a finite number above 0")
+
+    def axis(self, m: float, b: float) -> Axis:
+        """Return the axis without friction, for a mass [kg] and viscous friction [N s/m]."""
+        return Axis(m, b, self.tau_i)
+
+
+LOOP = LoopSpecification(bandwidth=125.0, phase_margin=50.0, T_s=5e-4, tau_f=5e-4)
+"""The velocity loop. How it was calibrated to Table 4: docs/decisions/0003-calibration.md."""

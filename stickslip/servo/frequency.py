@@ -5,8 +5,6 @@ sampled much faster than their bandwidth put these so close together that it war
 to an interpolation. Here the response itself is evaluated, and its crossings are refined.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -23,9 +21,7 @@ _SHARES = np.geomspace(1e-5, 1.0, 4001)[:-1]  # of half the sample rate
 def frequency_response(system: control.StateSpace, f: Array | float) -> NDArray[np.complex128]:
     """Return the response of a discrete system with one input and one output.
 
-    Parameters
-    ----------
-    f : (n,) frequencies [Hz], or one
+    The frequencies f (n,), or one, are in Hz.
 
     Returns
     -------

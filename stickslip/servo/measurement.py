@@ -1,7 +1,6 @@
 """Velocity from a log of encoder positions."""
 
-from __future__ import annotations
-
+from collections.abc import Mapping
 from functools import cache
 
 import numpy as np
@@ -10,17 +9,13 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-CUTOFF = 117.0
-"""Low-pass of the measured velocity [Hz]."""
+CUTOFF = 117.0  # Low-pass of the measured velocity [Hz]
 
 
 def smoothed(signal: Array, T_s: float, cutoff: float = CUTOFF) -> Array:
     """Return a log through a second-order Butterworth low-pass, forward and back: no phase lag.
 
-    Parameters
-    ----------
-    signal : (n,), one value each T_s seconds
-    cutoff : of the single pass [Hz]
+    The signal (n,) has a value each T_s seconds. The cut-off is that of the single pass [Hz].
     """
     return scipy.signal.sosfiltfilt(_low_pass(cutoff, T_s), signal)
 
@@ -50,12 +45,29 @@ def blended_velocity(x_enc: Array, F_m: Array, m: float, T_s: float) -> Array:
     """Return the velocity (n,) [m/s] that the encoder shows below ``CUTOFF``, and the force above.
 
     Fast motion between two steps of an encoder, such as the response to one of them, shows in the
-    force alone: above the cut-off it is its integral over the mass.
-
-    Parameters
-    ----------
-    x_enc, F_m : position (n,) [m] and motor force (n,) [N], which acts in the period that ends
-    m : mass [kg]
+    force alone: above the cut-off it is its integral over the mass. The motor force F_m (n,) [N]
+    acts in the period that ends at the position x_enc (n,) [m]; m is the mass [kg].
     """
     by_force = np.cumsum(F_m - F_m.mean()) * T_s / m
     return measured_velocity(x_enc, T_s) + by_force - smoothed(by_force, T_s)
+
+
+def level(p: Mapping[str, float], v: Array | float) -> Array:
+    """Return g (k,) [N] at velocities (k,) [m/s]; ``delta`` is the paper's 1 if not given.
+
+    Without F_s, friction is F_c at each speed.
+    """
+    if "F_s" not in p:
+        return np.full(np.shape(v), p["F_c"])
+    return p["F_c"] + (p["F_s"] - p["F_c"]) * _rest(p, np.abs(v))
+
+
+def slope(p: Mapping[str, float], v: Array | float) -> Array:
+    """Return dg/dv (k,) [N s/m] at speeds (k,) [m/s] above 0."""
+    delta = p.get("delta", 1.0)
+    steep = delta / p["v_s"] * (np.asarray(v) / p["v_s"]) ** (delta - 1.0)
+    return -(p["F_s"] - p["F_c"]) * steep * _rest(p, v)
+
+
+def _rest(p: Mapping[str, float], v: Array | float) -> Array:
+    return np.asarray(np.exp(-((np.asarray(v) / p["v_s"]) ** p.get("delta", 1.0))))

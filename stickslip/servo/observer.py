@@ -1,9 +1,8 @@
 """Design of a disturbance observer for a velocity loop: as fast as robustness and noise allow.
 
-The gains are those of a stationary Kalman filter, whose two weights, the noise of the force and
-the rate of the disturbance, are searched relative to the step of the encoder. Each candidate has
-a peak sensitivity, the largest over the given masses, and an expected velocity error, whose mean
-square is
+The gains are those of a stationary Kalman filter, whose two weights, the noise of the force and the
+rate of the disturbance, are searched relative to the step of the encoder. Each candidate has a peak
+sensitivity, the largest over the given masses, and an expected velocity error, whose mean square is
 
     integral of  r (2 F_c)^2 |G(f) / (2 pi f)|^2 + T_s step^2 / 12 |H(f)|^2 + T_s s_F^2 |K(f)|^2  df
 
@@ -15,8 +14,6 @@ sensitivity and expected error is least: 1 % less error at 2 % more sensitivity 
 quantisation by a coarse encoder hides friction in the error, the product with the first term alone
 decides, among the candidates that increase the error by ``QUIET`` at most.
 """
-
-from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -31,17 +28,13 @@ from stickslip.servo.velocity_filter import FilterSpecification, Observer, desig
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import offer
 
-MASSES = (0.9, 1.0, 1.1)
-"""True masses, relative to that of the loop's axis, at which the limit holds."""
+MASSES = (0.9, 1.0, 1.1)  # true masses, relative to that of the axis, at which the limit holds
 REVERSALS = 0.1
 """Reversals of Coulomb friction per second, r. A real one is spread over the presliding distance,
 so that it excites high frequencies less than a step does."""
-FORCE_NOISE = 0.01
-"""Standard deviation of the measured force where it is not given, relative to the friction."""
-QUIET = 0.02
-"""Share by which the whole error may grow where the encoder hides friction in it."""
-LEAST_GAIN = 1e-3
-"""Relative improvement below which the search ends."""
+FORCE_NOISE = 0.01  # default standard deviation of the measured force, relative to the friction
+QUIET = 0.02  # share by which the whole error may grow where the encoder hides friction in it
+LEAST_GAIN = 1e-3  # relative improvement below which the search ends
 Weights = tuple[float, float]
 _RATES = np.geomspace(1e-10, 10.0, 12)
 _NOISES = np.geomspace(1e-6, 30.0, 8)
@@ -50,26 +43,16 @@ _STEPS = (2.0, 1.4, 1.15)  # factors of the search around the best of these
 
 @dataclass(frozen=True)
 class DesignedObserver:
-    """An observer with what it was designed for.
+    """An observer with what it was designed for."""
 
-    Attributes
-    ----------
-    observer : the design
-    sensitivity : largest peak sensitivity at any of the masses, with the observer
-    without : the same without it
-    error, error_without : expected RMS of the velocity error [m/s]
-    reversal, reversal_without : what reversals of friction leave of it [m/s]
-    weights : of the Kalman filter
-    """
-
-    observer: Observer
-    sensitivity: float
-    without: float
-    error: float
-    error_without: float
-    reversal: float
-    reversal_without: float
-    weights: FilterSpecification
+    observer: Observer  # the design
+    sensitivity: float  # largest peak sensitivity at any of the masses, with the observer
+    without: float  # the same without it
+    error: float  # expected RMS of the velocity error [m/s]
+    error_without: float  # the same without it [m/s]
+    reversal: float  # what reversals of friction leave of it [m/s]
+    reversal_without: float  # the same without it [m/s]
+    weights: FilterSpecification  # of the Kalman filter
 
     def slower(self, factor: float) -> Observer:
         """Return an observer with a rate of the disturbance that is smaller by a factor."""
@@ -230,10 +213,8 @@ def expected_errors(
 ) -> tuple[float, float]:
     """Return the expected RMS velocity error [m/s] at one mass, whole and that of reversals.
 
-    Parameters
-    ----------
-    response : of a loop with any observer, at the frequencies of ``opened``
-    encoder_step, friction, force_noise : as for ``design_observer``
+    The response is that of a loop with any observer, at the frequencies of ``opened``. Encoder
+    step, friction and noise are as for ``design_observer``.
     """
     f, T_s = opened.f, opened.T_s
     step = 2.0 * friction * np.sqrt(REVERSALS)

@@ -10,8 +10,6 @@ delays; at the encoder it is that to the mass. Where the observer's axis is the 
 does not depend on the observer, and the second is 1 - Q times it where d_hat = Q d.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -27,29 +25,20 @@ from stickslip.servo.velocity_loop import VelocityLoop, known_force, plant_and_e
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-LOWEST = 1e-5
-"""Lowest frequency that is evaluated, as a share of the sample rate."""
-FREQUENCIES = 600
-"""Frequencies that are evaluated, evenly spaced in the logarithm."""
+LOWEST = 1e-5  # lowest frequency that is evaluated, as a share of the sample rate
+FREQUENCIES = 600  # frequencies that are evaluated, evenly spaced in the logarithm
 
 
 @dataclass(frozen=True)
 class Response:
-    """How a loop with an observer responds at each frequency of its ``OpenLoop`` loop.
+    """How a loop with an observer responds at each frequency of its ``OpenLoop`` loop."""
 
-    Attributes
-    ----------
-    at_command, at_encoder : (n,) sensitivity 1 / (1 + L) where the loop is opened there
-    disturbed : (n,) from a force on the mass to the velocity [m/(N s)]
-    noisy : (n,) from an error of the encoder to the velocity [1/s]
-    driven : (n,) from an error of the measured motor force to the velocity [m/(N s)]
-    """
-
+    # (n,) sensitivity 1 / (1 + L) where the loop is opened there
     at_command: ComplexArray
     at_encoder: ComplexArray
-    disturbed: ComplexArray
-    noisy: ComplexArray
-    driven: ComplexArray
+    disturbed: ComplexArray  # (n,) from a force on the mass to the velocity [m/(N s)]
+    noisy: ComplexArray  # (n,) from an error of the encoder to the velocity [1/s]
+    driven: ComplexArray  # (n,) from an error of the measured motor force to the velocity [m/(N s)]
 
     @property
     def peak(self) -> float:
@@ -180,10 +169,8 @@ def peak_sensitivity(
 ) -> float:
     """Return the peak sensitivity Ms of a loop up to half the sample rate; infinite if unstable.
 
-    Parameters
-    ----------
-    observer : what compensates beside the controller, None for the controller alone
-    m : true mass [kg], by default that of the loop's axis
+    The observer, if any, compensates beside the controller. The true mass m [kg] is by default that
+    of the loop's axis.
     """
     opened = OpenLoop(loop, m)
     return opened.response(observer).peak if opened.stable(observer) else float("inf")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -14,8 +14,7 @@ from stickslip.fmi.toolchain import PLATFORMS, Platform
 from stickslip.servo.velocity_loop import VelocityLoop
 
 Feed = Literal["nominal", "command"]
-NOMINAL_ORDER = 8
-"""States that the nominal-loop FMU has room for."""
+NOMINAL_ORDER = 8  # states that the nominal-loop FMU has room for
 FEEDS: tuple[Feed, ...] = ("nominal", "command")
 COMPONENTS = ("controller", "drive", "filter", "nominal")
 """Names in a loop beside those of the compensators."""
@@ -85,20 +84,12 @@ def drive_law(changes: Changes) -> tuple[dict[str, float], str]:
 
 def build_fmus(
     folder: Path,
-    truth: Changes,
-    law: str = "lugre",
-    only: Iterable[str] | None = None,
-    platforms: Iterable[Platform] | None = None,
+    truth: Changes,  # goes into the drive
+    law: str = "lugre",  # of the compensator, and of the identification's stage
+    only: Iterable[str] | None = None,  # names of models, all by default
+    platforms: Iterable[Platform] | None = None,  # what to build for; this machine by default
 ) -> None:
-    """Build the FMUs of the loop into a folder.
-
-    Parameters
-    ----------
-    truth : goes into the drive
-    law : friction law of the compensator, and of the stage that the identification simulates
-    only : names of models, all by default
-    platforms : what to build for; this machine by default
-    """
+    """Build the FMUs of the loop into a folder."""
     start, own = drive_law(truth)
     for name in models.model_names() if only is None else only:
         if name == "drive":
@@ -111,10 +102,7 @@ def build_fmus(
 def for_all_platforms(system: cosim.System, folder: Path, truth: Changes, law: str) -> cosim.System:
     """Return a system of FMUs of ``build_fmus`` with the same FMUs, built for all platforms.
 
-    Parameters
-    ----------
-    folder : where they are built
-    truth, law : as for ``build_fmus``
+    They are built in the folder; truth and law are as for ``build_fmus``.
     """
     fmus = system.fmus("a loop")
     build_fmus(
@@ -170,32 +158,19 @@ def paper_loop(
 
 
 def build_loop(
-    fmus: Path,
-    loop: VelocityLoop,
-    compensators: Sequence[Compensator],
-    feed: Feed = "nominal",
+    fmus: Path,  # folder of the FMUs
+    loop: VelocityLoop,  # controller, nominal loop and axis
+    compensators: Sequence[Compensator],  # in the order of their forces; none without
+    feed: Feed = "nominal",  # gives the velocity: the nominal loop, or the command
     *,
-    connected: bool = True,
-    drive: str = "drive",
+    connected: bool = True,  # whether the last one's force goes to the loop, or runs beside it only
+    drive: str = "drive",  # name of the drive in the loop, and of its FMU
 ) -> cosim.System:
     """Return a servo loop with any chain of compensators, connected by the roles of their ports.
 
     Each one adds its force to that of the one before it, if it has an input for it. The last one's
-    force goes to the controller and, as known friction, to a velocity filter.
-
-    Parameters
-    ----------
-    fmus : folder of the FMUs
-    loop : controller, nominal loop and axis
-    compensators : in the order in which their forces are added; none for a loop without
-    feed : what gives the reference velocity, the nominal loop's response or the command
-    connected : whether the last one's force goes to the loop, or runs beside it only
-    drive : name of the drive in the loop, and of its FMU
-
-    Raises
-    ------
-    ValueError
-        When a model is not a compensator, or cannot take the force of the one before it.
+    force goes to the controller and, as known friction, to a velocity filter. Raises ValueError
+    when a model is not a compensator, or cannot take the force of the one before it.
     """
     system = cosim.System("loop")
     system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
@@ -308,9 +283,7 @@ def _add_servo(system: cosim.System, fmus: Path, loop: VelocityLoop, drive: str 
     if filtered is not None:
         system.add("filter", fmus / "velocity_filter.fmu", filtered.parameters())
     system.add(
-        "controller",
-        fmus / "velocity_controller.fmu",
-        {**gains, "use_v_hat": filtered is not None},
+        "controller", fmus / "velocity_controller.fmu", {**gains, "use_v_hat": filtered is not None}
     )
     system.add(drive, fmus / f"{drive}.fmu")
     system.connect("controller.u", f"{drive}.u")
@@ -319,3 +292,35 @@ def _add_servo(system: cosim.System, fmus: Path, loop: VelocityLoop, drive: str 
         system.connect(f"{drive}.x_enc", "filter.x_enc")
         system.connect(f"{drive}.F_m", "filter.F_m")
         system.connect("filter.v_hat", "controller.v_hat")
+
+
+BLOCKS = {"compensator": "command_feedforward", "static_feedforward": "command_static"}
+"""Compensator behind a nominal loop -> the model that contains this loop as well."""
+_OF_THE_LOOP = ("hold", "T_s")
+
+
+def deployed(one: Compensator, loop: VelocityLoop | None, T_s: float) -> Compensator:
+    """Return a feedforward with the loop without friction in it.
+
+    The controller of the loop gives the commands; without a loop, friction is that of the velocity
+    command, and T_s the sample period of the controller [s].
+    """
+    values = {"T_s": T_s}
+    if loop is not None:
+        values = {**loop_values(loop), "lead": loop.axis.tau_i}
+    values |= {name: value for name, value in one.values.items() if name not in _OF_THE_LOOP}
+    return replace(one, model=BLOCKS[one.model], values=values)
+
+
+def loop_values(loop: VelocityLoop) -> dict[str, float]:
+    """Return the parameters of the loop without friction in a block of ``BLOCKS``.
+
+    The position error of a cascade is the last state. The nominal loop adds T_s v_cmd to it in each
+    period; here the change of x_cmd is added instead.
+    """
+    nominal = nominal_parameters(loop)
+    values = {name if name == "T_s" else f"loop_{name}": v for name, v in nominal.items()}
+    if loop.K_x:
+        values[f"loop_B[{loop.nominal.nstates}]"] -= loop.T_s
+        values[f"loop_G[{loop.nominal.nstates}]"] = 1.0
+    return values

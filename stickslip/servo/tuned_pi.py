@@ -1,15 +1,14 @@
 """A PI controller tuned against friction, as the reference without any compensator."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.measurement import Array
+from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 
-FREQUENCIES = 2000
-"""Points at which the sensitivity is evaluated, evenly spaced in the logarithm of the frequency."""
+FREQUENCIES = 2000  # frequencies of the sensitivity, evenly spaced in the logarithm
 
 
 def tuned_pi(loop: VelocityLoop) -> VelocityLoop:
@@ -19,9 +18,8 @@ def tuned_pi(loop: VelocityLoop) -> VelocityLoop:
     a step leaves is 1 / K_i. So K_i is the largest for which no frequency is amplified more than
     in ``loop``.
 
-    Source
-    ------
-    Astrom and Hagglund, Advanced PID Control, ISA 2006, section 6.2 (integral gain optimisation).
+    Source: Astrom and Hagglund, Advanced PID Control, ISA 2006, section 6.2 (integral gain
+    optimisation).
     """
     z = _points(loop)
     limit = float(np.abs(1.0 / (1.0 + loop.open_loop(z))).max())
@@ -52,3 +50,26 @@ def _points(loop: VelocityLoop) -> Array:
     half = 0.5 / loop.T_s
     frequencies = np.geomspace(0.1, 0.999 * half, FREQUENCIES)
     return np.asarray(np.exp(2j * np.pi * frequencies * loop.T_s))
+
+
+UNKNOWN_SHARE = 0.25  # deviation of the change of friction in 1 s, over Coulomb friction
+
+
+def with_velocity_filter(loop: VelocityLoop, datasheet: Datasheet, F_c: float) -> VelocityLoop:
+    """Return a loop with the same gains, its velocity from a filter of encoder and motor force.
+
+    The gains stay; the velocity comes from a Kalman filter, and the loop need not lag behind the
+    command. Figures: docs/decisions/0022-velocity-filter.md.
+
+    Raises stickslip.servo.axis.ControlError when the loop is unstable with it. The disturbance that
+    it assumes is proportional to the Coulomb friction F_c [N].
+    """
+    specification = FilterSpecification(
+        datasheet.encoder_step, datasheet.force_noise, UNKNOWN_SHARE * F_c
+    )
+    return loop.changed(velocity_filter=design_velocity_filter(loop.axis, loop.T_s, specification))
+
+
+def with_inertia(loop: VelocityLoop) -> VelocityLoop:
+    """Return a loop with feedforward of the force that accelerates its mass."""
+    return loop.changed(m_ff=loop.axis.m)

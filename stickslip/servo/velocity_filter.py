@@ -10,8 +10,6 @@ throughout from its values at the samples. Then the prediction is exact, and wit
 and quantisation the estimate is the velocity itself.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import control
@@ -25,24 +23,15 @@ from stickslip.servo.axis import Axis, check
 class FilterSpecification:
     """Noise and disturbance that the filter assumes.
 
-    Attributes
-    ----------
-    encoder_step : resolution of the encoder [m]
-    force_noise : standard deviation of the force from sample to sample [N]
-    disturbance_rate : standard deviation of the change of the unknown force in a second, which
-        grows with the square root of the time [N/s^0.5]; of its rate if the order is 2 [N/s^1.5]
-    order : of the random walk of the unknown force, 1 or 2
-
-    Raises
-    ------
-    ControlError
-        When a number is out of its range.
+    Raises ControlError when a number is out of its range.
     """
 
-    encoder_step: float
-    force_noise: float
+    encoder_step: float  # resolution of the encoder [m]
+    force_noise: float  # standard deviation of the force from sample to sample [N]
+    # standard deviation of the change of the unknown force in a second, which grows with the square
+    # root of the time [N/s^0.5]; of its rate if the order is 2 [N/s^1.5]
     disturbance_rate: float
-    order: int = 1
+    order: int = 1  # of the random walk of the unknown force, 1 or 2
 
     def __post_init__(self) -> None:
         check("encoder_step", self.encoder_step, "m", self.encoder_step > 0.0, expected="above 0")
@@ -54,22 +43,16 @@ class FilterSpecification:
 
 @dataclass(frozen=True)
 class VelocityFilter:
-    """A designed filter.
+    """A designed filter."""
 
-    Attributes
-    ----------
-    axis, T_s : what it was designed for
-    L_x, L_v, L_d : gains from the innovation of the position [m] to position [1],
-        velocity [1/s] and disturbing force [N/m]
-    L_1 : gain to the rate of the disturbing force [N/(m s)]; 0 if the order is 1
-    """
-
-    axis: Axis
-    T_s: float
+    axis: Axis  # what it was designed for
+    T_s: float  # sample period [s]
+    # gains from the innovation of the position [m] to position [1], velocity [1/s] and disturbing
+    # force [N/m]
     L_x: float
     L_v: float
     L_d: float
-    L_1: float = 0.0
+    L_1: float = 0.0  # gain to the rate of the disturbing force [N/(m s)]; 0 if the order is 1
 
     def parameters(self) -> dict[str, float]:
         """Return the parameters of the velocity-filter FMU."""
@@ -113,16 +96,10 @@ class VelocityFilter:
 
 @dataclass(frozen=True)
 class Observer:
-    """A disturbance observer whose estimate is compensated: the parameters of the dob FMU.
+    """A disturbance observer whose estimate is compensated: the parameters of the dob FMU."""
 
-    Attributes
-    ----------
-    filter : estimates the disturbing force
-    share : of the estimate that is compensated
-    """
-
-    filter: VelocityFilter
-    share: float = 1.0
+    filter: VelocityFilter  # estimates the disturbing force
+    share: float = 1.0  # of the estimate that is compensated
 
     def parameters(self) -> dict[str, float]:
         """Return the parameters of the FMU."""

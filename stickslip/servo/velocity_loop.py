@@ -21,8 +21,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from stickslip.servo import frequency
-from stickslip.servo.axis import Array, Axis, ControlError, check
-from stickslip.servo.specification import LoopSpecification
+from stickslip.servo.axis import Array, Axis, ControlError, LoopSpecification, check
 from stickslip.servo.velocity_filter import VelocityFilter
 
 GIVEN = (
@@ -241,8 +240,7 @@ def close_velocity_loop(
     )
 
 
-POSITION_LOOP = 75.4 / 849.0
-"""Gain of the position loop relative to K_p over the mass, the crossover of the velocity loop."""
+POSITION_LOOP = 75.4 / 849.0  # gain of the position loop, over the velocity loop's crossover
 
 
 def position_loop(loop: VelocityLoop) -> VelocityLoop:
@@ -275,10 +273,7 @@ def plant_and_estimator(
 ) -> tuple[control.StateSpace, control.StateSpace]:
     """Return the axis, whose first output is v, and what estimates v from the others.
 
-    Raises
-    ------
-    ControlError
-        When the filter has another sample period.
+    Raises ControlError when the filter has another sample period.
     """
     if velocity_filter is None:
         return _plant(axis, T_s), _estimator(T_s, tau_f)

@@ -27,39 +27,28 @@ import numpy as np
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import friction_law
-from stickslip.identification.criteria.runs import Runs
+from stickslip.identification.criteria.runs import Runs, require_bounded
 from stickslip.models import Law
-from stickslip.progress import steps
-from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.divergence import require_bounded
+from stickslip.output import steps
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import harm, loop_fit
-from stickslip.trial.family import MOVES, Command, Drive
-from stickslip.trial.single_run import axis_values, in_loop
+from stickslip.trial.family import MOVES, Command, Drive, axis_values, in_loop
 
 SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.4, 0.3, 0.2, 0.1)
-LEVELS = tuple(np.linspace(0.99, 1.01, 8).tolist())
-"""Levels of friction at which a run is repeated where it sticks and slips."""
-FIGURES = ("velocity", "position")
-"""What errors are of; that of the position counts in a cascade."""
+LEVELS = tuple(np.linspace(0.99, 1.01, 8).tolist())  # of friction, where a run sticks and slips
+FIGURES = ("velocity", "position")  # what errors are of; that of the position counts in a cascade
 _LEAST = 1e-9  # ratio that counts as none
-FEEDFORWARD = "compensator"
-"""Component whose force a share reduces; also the model that evaluates any law."""
+FEEDFORWARD = "compensator"  # component that a share reduces, and the model of any law
 
 
 @dataclass(frozen=True)
 class Variant:
-    """A way to compensate.
+    """A way to compensate."""
 
-    Attributes
-    ----------
-    name : for people, such as "feedforward"
-    chain : compensators in the order in which their forces are added; empty for none
-    """
-
-    name: str
-    chain: tuple[Compensator, ...] = ()
+    name: str  # for people, such as "feedforward"
+    chain: tuple[Compensator, ...] = ()  # in the order of their forces; empty for none
 
     @property
     def has_feedforward(self) -> bool:
@@ -106,22 +95,14 @@ def feedforward(
 
 @dataclass(frozen=True)
 class TrialError:
-    """RMS error [m/s] or [m] on one simulated drive, without and with compensation.
+    """RMS error [m/s] or [m] on one simulated drive, without and with compensation."""
 
-    Attributes
-    ----------
-    speed : largest of the command [m/s]
-    drive : how its friction differs from the fitted one
-    command : its name
-    figure : of ``FIGURES``
-    """
-
-    speed: float
-    drive: str
+    speed: float  # largest of the command [m/s]
+    drive: str  # how its friction differs from the fitted one
     without: float
     compensated: float
-    command: str = ""
-    figure: str = "velocity"
+    command: str = ""  # its name
+    figure: str = "velocity"  # of ``FIGURES``
 
     @property
     def ratio(self) -> float:
@@ -137,28 +118,18 @@ class TrialError:
 
 
 Rows = tuple[TrialError, ...]
-Errors = tuple[float, ...]
-"""Root mean squares, one for each figure that counts."""
+Errors = tuple[float, ...]  # root mean squares, one for each figure that counts
 
 
 @dataclass(frozen=True)
 class Benefit:
-    """What one variant does to the tracking error.
+    """What one variant does to the tracking error."""
 
-    Attributes
-    ----------
-    share : of the feedforward's force; the largest of ``SHARES`` that is acceptable, or 1
-    rows : at that share, one for each drive, command and figure
-    full : the same at the whole force
-    unit : of a thousandth of a speed, for people
-    variant : at its whole force
-    """
-
-    share: float
-    rows: tuple[TrialError, ...]
-    full: tuple[TrialError, ...]
-    unit: str = "mm/s"
-    variant: Variant = NONE
+    share: float  # of the feedforward's force; the largest of ``SHARES`` that is acceptable, or 1
+    rows: tuple[TrialError, ...]  # at that share, one for each drive, command and figure
+    full: tuple[TrialError, ...]  # the same at the whole force
+    unit: str = "mm/s"  # of a thousandth of a speed, for people
+    variant: Variant = NONE  # at its whole force
 
     def whole(self) -> Benefit:
         """Return the same with the whole force."""
@@ -237,24 +208,17 @@ def best_of(benefits: Sequence[Benefit]) -> Benefit:
 
 @dataclass(frozen=True)
 class Bench:
-    """The loop in which variants are tried, on drives of any law.
+    """The loop in which variants are tried, on drives of any law."""
 
-    Attributes
-    ----------
-    folder : empty; FMUs are built into it
-    law : of the feedforward
-    drives, commands : every drive is tried on every command
-    workers : number of runs in parallel
-    """
-
-    folder: Path
-    law: Law
+    folder: Path  # empty; FMUs are built into it
+    law: Law  # of the feedforward
     loop: VelocityLoop
+    # every drive is tried on every command
     drives: Sequence[Drive]
     commands: Sequence[Command]
     feed: Feed = "nominal"
     datasheet: Datasheet = field(default_factory=Datasheet)
-    workers: int = 1
+    workers: int = 1  # number of runs in parallel
 
     def __post_init__(self) -> None:
         own, *others = self.laws

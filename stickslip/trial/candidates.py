@@ -41,44 +41,28 @@ from stickslip.trial.observed import (
     strongest,
 )
 
-AUTO = "auto"
-"""Name that stands for the compensator that does best, and for the law that a log shows."""
-QUICK = 3
-"""Drives of the family on which candidates are compared first: as fitted, less, more friction."""
-TRIED = 2
-"""Observers, and combinations, that are then tried on all drives."""
-COARSELY = (1.0, 0.8, 0.6, 0.4, 0.2)
-"""Shares of the force of a feedforward without a law that are tried."""
-SLOWER = (0.1, 1e-2, 1e-3, 1e-4)
-"""Rates of the disturbance, over that of the fastest Kalman filter, for slower ones."""
-GRID = 8
-"""Values of a gene that are compared by sensitivity and expected error."""
+AUTO = "auto"  # stands for the compensator that does best, and for the law that a log shows
+QUICK = 3  # drives on which candidates are compared first: as fitted, less, more friction
+TRIED = 2  # Observers, and combinations, that are then tried on all drives
+COARSELY = (1.0, 0.8, 0.6, 0.4, 0.2)  # shares of a feedforward without a law that are tried
+SLOWER = (0.1, 1e-2, 1e-3, 1e-4)  # rates of the disturbance, over that of the fastest filter
+GRID = 8  # values of a gene that are compared by sensitivity and expected error
 RAMPS = (0.1, 0.3, 1.0, 3.0)
 """Velocities at which the ramp of a Coulomb force ends that are compared, over the start value."""
-SIGNALS = {"encoder": "x_enc", "motor_force": "F_motor"}
-"""Signals that a controller may lack, and their roles."""
+SIGNALS = {"encoder": "x_enc", "motor_force": "F_motor"}  # that a controller may lack, by role
 _RAMP = "v_t"
 _REFERENCE = {"v_ref", "F_added"}
 
 
 @dataclass(frozen=True)
 class Row:
-    """A compensator that was tried.
+    """A compensator that was tried."""
 
-    Attributes
-    ----------
-    name : of its parts, with a plus between them
-    simplicity : 0 for no compensator; more for one that is less simple
-    sensitivity : largest peak sensitivity for the masses that the log allows
-    benefit : what it does on the family of drives; None for no compensator
-    observed : its parts
-    """
-
-    name: str
-    simplicity: int
-    sensitivity: float
-    benefit: Benefit | None = None
-    observed: ObserverTrial | None = None
+    name: str  # of its parts, with a plus between them
+    simplicity: int  # 0 for no compensator; more for one that is less simple
+    sensitivity: float  # largest peak sensitivity for the masses that the log allows
+    benefit: Benefit | None = None  # what it does on the family of drives; None for no compensator
+    observed: ObserverTrial | None = None  # its parts
 
     @property
     def mean(self) -> float:
@@ -103,16 +87,10 @@ class Row:
 
 @dataclass(frozen=True)
 class CompensatorComparison:
-    """Compensators that were tried on the same drives.
+    """Compensators that were tried on the same drives."""
 
-    Attributes
-    ----------
-    rows : no compensator first, then by simplicity
-    asked : name of what was to be tried, or ``AUTO``
-    """
-
-    rows: tuple[Row, ...]
-    asked: str = AUTO
+    rows: tuple[Row, ...]  # no compensator first, then by simplicity
+    asked: str = AUTO  # name of what was to be tried, or ``AUTO``
 
     @property
     def chosen(self) -> Row:
@@ -166,9 +144,7 @@ class CompensatorComparison:
 def offered(law: Law, absent: Sequence[str] = ()) -> dict[str, Part]:
     """Return the parts of compensators of a law by name, feedforward first.
 
-    Parameters
-    ----------
-    absent : signals of ``SIGNALS`` that the controller lacks
+    ``absent`` are the signals of ``SIGNALS`` that the controller lacks.
     """
     lacking = {SIGNALS[name] for name in absent}
     found = {
@@ -186,10 +162,8 @@ def offered(law: Law, absent: Sequence[str] = ()) -> dict[str, Part]:
 def law_of(compensator: str, law: str, absent: Sequence[str] = ()) -> str:
     """Return the law that is learned for a compensator: with ``auto``, that of its feedforward.
 
-    Raises
-    ------
-    UsageError
-        When the compensator is unknown, or needs what the controller lacks, or training.
+    Raises UsageError when the compensator is unknown, or needs what the controller lacks, or
+    training.
     """
     words = compensator.split("+")
     if law == AUTO and words[0] in learnable_laws():
@@ -220,22 +194,13 @@ def law_of(compensator: str, law: str, absent: Sequence[str] = ()) -> str:
 
 def compare(
     bench: Bench,
-    own: Benefit,
-    friction: Mapping[str, float],
-    masses: tuple[float, ...],
-    asked: str = AUTO,
-    absent: Sequence[str] = (),
+    own: Benefit,  # what feedforward of the bench's law does
+    friction: Mapping[str, float],  # as fitted, with the Coulomb friction ``F_c`` [N]
+    masses: tuple[float, ...],  # relative to that of the axis, at which the limit of Ms holds
+    asked: str = AUTO,  # ``AUTO``, or a name for which ``law_of`` raises nothing
+    absent: Sequence[str] = (),  # signals that the controller lacks
 ) -> CompensatorComparison:
-    """Try compensators on the family of drives of a bench.
-
-    Parameters
-    ----------
-    own : what feedforward of the bench's law does
-    friction : as fitted, with the Coulomb friction ``F_c`` [N]
-    masses : true masses, relative to that of the axis, at which the limit of Ms holds
-    asked : ``AUTO``, or a name for which ``law_of`` raises nothing
-    absent : signals that the controller lacks
-    """
+    """Try compensators on the family of drives of a bench."""
     with _Candidates(
         bench, own, friction, masses, offered=offered(bench.law, absent)
     ) as candidates:
@@ -369,13 +334,7 @@ class _Candidates(ExitStack):
             yield from self._within(part, {**whole, **shared})
 
     def _kalman(self, order: int) -> DesignedObserver:
-        """Return a disturbance observer of an order.
-
-        Raises
-        ------
-        ControlError
-            When there is none.
-        """
+        """Return a disturbance observer of an order; raise ControlError when there is none."""
         if order not in self._designed:
             step, masses = self.bench.datasheet.encoder_step, self.masses
             designed = design_observer(self.bench.loop, step, self.F_c, masses=masses, order=order)

@@ -1,37 +1,36 @@
 """A learned compensator is tried on simulated drives before it is written."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 from scipy.signal import lfilter
 
-from stickslip.catalog.space import ParameterSpace
+from stickslip.catalog.parameters import ParameterSpace
+from stickslip.cosim import Trapezoid
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.identification.criteria.motion import encoder_noise, position_of
 from stickslip.identification.estimation import Estimation, LearnSettings
-from stickslip.identification.fitting.conservative import bounded_by
-from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
+from stickslip.identification.fitting.identifiability import (
+    IDENTIFIABLE,
+    NOT_IDENTIFIABLE,
+    bounded_by,
+)
 from stickslip.logs import Reading, Recording
 from stickslip.models import Law
-from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet, LoopSpecification
 from stickslip.servo.measurement import smoothed
 from stickslip.servo.observer import MASSES
-from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.specification import LoopSpecification
-from stickslip.servo.velocity_loop import (
-    VelocityLoop,
-    close_velocity_loop,
-    design_velocity_loop,
-)
+from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 from stickslip.thresholds import control_match, harm
-from stickslip.trial.candidates import compare
+from stickslip.trial.candidates import CompensatorComparison, compare
 from stickslip.trial.guards import (
     NONE,
     Benefit,
+    Drive,
     Evidence,
     Hold,
     Variant,
@@ -43,8 +42,64 @@ from stickslip.trial.guards import (
     holds,
     hunting_at_rest,
 )
-from stickslip.trial.observed import FEEDFORWARD, kalman_designs, try_observer
-from stickslip.trial.simulated import Loops, SimulatedTrial
+from stickslip.trial.observed import FEEDFORWARD, ObserverTrial, kalman_designs, try_observer
+
+
+class Loops(NamedTuple):
+    """Velocity loops of a drive."""
+
+    plain: VelocityLoop  # without compensation
+    compensated: VelocityLoop  # in which the compensator runs
+    known: bool = True  # whether the drive runs in them, and not only the trial
+
+
+@dataclass(frozen=True)
+class SimulatedTrial:
+    """What trying a compensator on simulated drives gave.
+
+    Attributes
+    ----------
+    command, datasheet, drives : what it was tried on
+    benefit : tracking errors with feedforward of the law, and the share of its force that passes
+    warnings : of the guards, a line each
+    others : the same as ``benefit`` for other ways to compensate
+    observed : what an observer adds; None where none was tried
+    holds : how a cascade holds its position, by name of the way to compensate; else empty
+    compared : all compensators that were tried; None where there is only the default
+    """
+
+    command: Trapezoid
+    datasheet: Datasheet
+    benefit: Benefit
+    warnings: tuple[str, ...]
+    drives: tuple[Drive, ...] = ()
+    others: tuple[Benefit, ...] = ()
+    observed: ObserverTrial | None = None
+    holds: Mapping[str, Hold] = field(default_factory=dict)
+    compared: CompensatorComparison | None = None
+
+    def table(self) -> pd.DataFrame:
+        """Return a row for each way to compensate, drive and command.
+
+        Speeds and errors are in m/s, of the figure ``position`` in m; rad for a rotary drive.
+        """
+        rows = [
+            {
+                "compensation": benefit.variant.name,
+                "share": benefit.share,
+                "drive": row.drive,
+                "command": row.command,
+                "figure": row.figure,
+                "speed": row.speed,
+                "without": row.without,
+                "with": row.compensated,
+                "ratio": row.ratio,
+            }
+            for benefit in (self.benefit, *self.others)
+            for row in benefit.rows
+        ]
+        return pd.DataFrame(rows)
+
 
 CAUTIOUS = (0.4, 60.0)
 """Bandwidth, over that of the paper's loop, and phase margin [degrees] of a velocity loop whose
@@ -59,11 +114,8 @@ def try_compensator(
 ) -> SimulatedTrial:
     """Try a learned compensator at the log's own speed.
 
-    Parameters
-    ----------
-    loop : in which it runs
-    settings : of the compensator; without one the feedforward is tried, and a disturbance observer
-        beside it
+    Where the settings name no compensator the feedforward is tried, and a disturbance observer
+    beside it.
     """
     compensator, absent = settings.compensator, settings.absent
     top = float(np.quantile(np.abs(estimation.figures.velocity_recorded), 0.99))
@@ -185,12 +237,8 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
     """Return the loop of the log's controller, the one that the log shows, or one like the paper's.
 
     A controller that does not command the logged force is not that of the drive. Where a velocity
-    loop shows no gains, the one like the paper's is slower.
-
-    Raises
-    ------
-    ControlError
-        When the mass is not known, or no loop is stable.
+    loop shows no gains, the one like the paper's is slower. Raises ControlError when the mass is
+    not known, or no loop is stable.
     """
     known, controller = estimation.known, reading.controller
     if "m" not in known:

@@ -1,63 +1,131 @@
-"""The drives and the commands on which a compensator is tried before it is written.
-
-One log supports many drives, and the drive changes after it. The family has the fitted friction,
-plausible values around it, the ends of the intervals of what is poorly identified, more and less
-friction, friction that differs by direction and position, and other friction laws where the fitted
-one does not explain the log.
-"""
+"""The drives that a log supports, and a run of one of them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
-from stickslip.catalog.parameters import friction_law, start_unit
-from stickslip.catalog.space import ParameterSpace
+from stickslip import cosim
+from stickslip.catalog.parameters import ParameterSpace, friction_law, start_unit
 from stickslip.cosim import Trapezoid
+from stickslip.identification.criteria.runs import require_bounded
 from stickslip.models import Law
 from stickslip.models.export.units import motion_unit
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.measurement import Array
+from stickslip.servo.systems import Feed, paper_loop
+from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.storage.codec import entry
 from stickslip.thresholds import harm
 
+
+@dataclass(frozen=True)
+class Trial:
+    """What is tried; the axis is a drive FMU with the mass and lag that the loop counts on."""
+
+    fmus: Path  # folder of the FMUs, as ``build_fmus`` leaves it
+    loop: VelocityLoop  # the velocity loop
+    friction: Mapping[str, float]  # of the axis, parameters of ``law`` by name
+    compensator: Mapping[str, float]  # its parameters by name
+    v_cmd: Array  # command (n,) [m/s], one value a sample of the loop
+    feed: Feed = "nominal"
+    datasheet: Datasheet = field(default_factory=Datasheet)
+    law: Law = field(default_factory=friction_law)  # friction law of axis and compensator
+
+    @contextmanager
+    def runs(self, *, compensated: bool) -> Iterator[Run]:
+        """Prepare runs with or without the compensator."""
+        chosen = dict(self.compensator) if compensated else None
+        system = paper_loop(self.fmus, self.loop, chosen, self.feed)
+        axis = {**self.friction, **axis_values(self.loop, self.datasheet)}
+        system.parameters |= in_loop(axis)
+        stop = (len(self.v_cmd) - 1) * self.loop.T_s
+        with system.prepare(step=self.loop.T_s, stop=stop, record=("drive.v",)) as simulation:
+            yield Run(self, simulation)
+
+
+def axis_values(loop: VelocityLoop, sheet: Datasheet) -> dict[str, float | bool]:
+    """Return the start values of a drive FMU on the axis that a loop counts on."""
+    known = {**loop.axis.of_drive(), "u_max": sheet.peak_force}
+    # The paper's converter has steps larger than the friction of a small drive.
+    return {**known, "dac": False, "encoder_step": sheet.encoder_step}
+
+
+def in_loop(drive: Mapping[str, float]) -> dict[str, float]:
+    """Return start values of a drive FMU as those of a loop, whose controller has its limit."""
+    values = {f"drive.{name}": value for name, value in drive.items()}
+    return {**values, "controller.u_max": drive["u_max"]}
+
+
+@dataclass(frozen=True)
+class Run:
+    """A prepared loop."""
+
+    trial: Trial
+    simulation: cosim.Simulation
+
+    def velocity(self, compensator: Mapping[str, float] | None = None) -> Array:
+        """Return the velocity (n,) [m/s], with other parameters of the compensator than its own."""
+        values = {f"compensator.{name}": value for name, value in (compensator or {}).items()}
+        commands = self.trial.loop.commands(self.trial.v_cmd)
+        return self.simulation.run(values, commands)["drive.v"]
+
+    def error(self, compensator: Mapping[str, float] | None = None) -> float:
+        """Return the RMS of v - v_cmd [m/s]; infinite when the run fails or the loop runs away.
+
+        In a cascade, which may lag behind its command, it is that to the motion without friction.
+        """
+        loop, target = self.trial.loop, self.trial.v_cmd
+        if loop.K_x:
+            target, _ = loop.response(target)
+        try:
+            v = self.velocity(compensator)
+            require_bounded(v, float(np.max(np.abs(self.trial.v_cmd))))
+        except cosim.SimulationError:
+            return np.inf
+        return float(np.sqrt(np.mean((v - target) ** 2)))
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One warning."""
+
+    guard: str  # name of the guard
+    figure: float  # what was found, in ``unit``
+    limit: float  # the largest acceptable value
+    unit: str
+    message: str  # what, figure, limit and what to do, in a line
+
+    def __str__(self) -> str:
+        return f"{self.guard}: {self.message}"
+
+
 Values = Mapping[str, float]
 
-SPEEDS = (1.0, 0.1, 0.01)
-"""Shares of the log's speed."""
+SPEEDS = (1.0, 0.1, 0.01)  # shares of the log's speed
 MOVES = {"micro-steps": (3.0, 20.0, 0.01), "short moves": (30.0, 200.0, 0.1)}
 """Lengths of small moves: in presliding deflections, at least in encoder steps, and at most as a
 share of the travel."""
-LEVELS = (0.5, 1.5)
-"""Shares of the fitted friction."""
-UNEVEN = 0.1
-"""Share by which friction differs by direction, and along the guide."""
-PERIOD = 0.4
-"""Length of its variation along the guide, as a share of the travel."""
-_REST = 0.1
-"""Pause between moves [s]."""
-_LEAST = 20
-"""Samples in a move."""
-_DEFLECTION = 4e-4
-"""Presliding deflection over the command's speed where no stiffness is known [s]."""
+LEVELS = (0.5, 1.5)  # shares of the fitted friction
+UNEVEN = 0.1  # share by which friction differs by direction, and along the guide
+PERIOD = 0.4  # length of its variation along the guide, as a share of the travel
+_REST = 0.1  # pause between moves [s]
+_LEAST = 20  # samples in a move
+_DEFLECTION = 4e-4  # presliding deflection over the command's speed where no stiffness is known [s]
 
 
 @dataclass(frozen=True)
 class Drive:
-    """A drive of the family.
+    """A drive of the family."""
 
-    Attributes
-    ----------
-    name : how it differs from the fitted one
-    law : name of its friction law
-    parameters : start values of the drive FMU: friction, and what else differs
-    """
-
-    name: str = field(metadata=entry(key="drive"))
-    law: str
-    parameters: Values = field(metadata=entry(start_unit))
+    name: str = field(metadata=entry(key="drive"))  # how it differs from the fitted one
+    law: str  # name of its friction law
+    parameters: Values = field(metadata=entry(start_unit))  # of the drive FMU
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,20 +149,14 @@ class Command:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a log tells of a drive's friction besides the values that a compensator takes.
+    """What a log tells of a drive's friction besides the values that a compensator takes."""
 
-    Attributes
-    ----------
-    plausible : values that the log supports: the fit first, and draws from its covariance
-    ranges : interval by name for parameters that are poorly identified
-    rivals : values by name for other laws fitted to the same log, by name of the law
-    better : names of those that predict the force better than the law of the compensator
-    """
-
-    plausible: Sequence[Values] = ()
+    plausible: Sequence[Values] = ()  # that the log supports: the fit first, then draws from it
+    # interval by name for parameters that are poorly identified
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    # values by name for other laws fitted to the same log, by name of the law
     rivals: Mapping[str, Values] = field(default_factory=dict)
-    better: frozenset[str] = frozenset()
+    better: frozenset[str] = frozenset()  # laws that predict better than the compensator's
 
 
 def family(
@@ -102,10 +164,8 @@ def family(
 ) -> tuple[Drive, ...]:
     """Return the drives on which a compensator is tried.
 
-    Parameters
-    ----------
-    friction : parameters of the law, as the compensator takes them
-    command : the fastest one, whose travel gives the period of friction along the guide
+    Friction is given by parameters of the law, as the compensator takes them. The command is the
+    fastest one, whose travel gives the period of friction along the guide.
     """
     uneven = {
         f"friction {100 * UNEVEN:g} % higher in one direction": {
@@ -137,21 +197,14 @@ def family(
 
 
 def commands(
-    command: Trapezoid,
+    command: Trapezoid,  # the trapezoid at full speed
     T_s: float,
-    friction: Values,
-    encoder_step: float = 0.0,
+    friction: Values,  # gives the presliding deflection, in which small moves are measured
+    encoder_step: float = 0.0,  # of which a move has several [m]
     *,
     rotary: bool = False,
 ) -> tuple[Command, ...]:
-    """Return the commands: a trapezoid at the speeds of ``SPEEDS``, and small moves.
-
-    Parameters
-    ----------
-    command : the trapezoid at full speed
-    friction : gives the presliding deflection, in which small moves are measured
-    encoder_step : of which a move has several [m]
-    """
+    """Return the commands: a trapezoid at the speeds of ``SPEEDS``, and small moves."""
     unit = motion_unit("mm/s", rotary=rotary)
     t = np.arange(round((command.corners()[-1] + command.begin) / T_s) + 1) * T_s
     found = []

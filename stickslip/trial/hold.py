@@ -8,50 +8,36 @@ drive is held for ``PERIODS`` of that cycle after each motion. Targets lie betwe
 steps, where the integral never rests.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from stickslip import cosim
-from stickslip.servo.divergence import require_bounded
+from stickslip.identification.criteria.runs import require_bounded
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.storage.codec import entry
 from stickslip.thresholds import caution
 from stickslip.trial.benefit import Bench, Variant
-from stickslip.trial.family import Drive
-from stickslip.trial.single_run import Finding, axis_values, in_loop
+from stickslip.trial.family import Drive, Finding, axis_values, in_loop
 
 SHORTEST, LONGEST, PERIODS = 1.0, 20.0, 8.0
 """Of a hold [s], and how many periods of the limit cycle to be expected it has."""
-MOVES = (3.5, 25.5, 250.5)
-"""Lengths of small moves before a hold, in encoder steps."""
-RISE = 20
-"""Samples of such a move."""
+MOVES = (3.5, 25.5, 250.5)  # lengths of small moves before a hold, in encoder steps
+RISE = 20  # samples of such a move
 
 
 @dataclass(frozen=True)
 class Hold:
-    """How far a drive swings at rest, at worst of several motions and drives.
+    """How far a drive swings at rest, at worst of several motions and drives."""
 
-    Attributes
-    ----------
-    swing : of the true position in the second half of the hold, peak to peak [m]
-    reversals : changes of direction there, by more than half of the swing and half an encoder step
-    duration : of that half [s]
-    drive : on which
-    unit : of a millionth of a position, for people
-    """
-
-    swing: float = field(metadata=entry("m"))
-    reversals: int
-    duration: float = field(metadata=entry("s"))
-    drive: str = ""
-    unit: str = field(default="um", metadata=entry(stored=False))
+    swing: float = field(metadata=entry("m"))  # of the true position, peak to peak [m]
+    reversals: int  # changes of direction there, by more than half of swing and encoder step
+    duration: float = field(metadata=entry("s"))  # of the second half of the hold
+    drive: str = ""  # on which
+    unit: str = field(default="um", metadata=entry(stored=False))  # of a millionth of a position
 
     def hunts(self, limit: float) -> bool:
         """Tell whether it goes to and fro, farther than a limit [m]."""
@@ -61,9 +47,7 @@ class Hold:
 def hold_time(loop: VelocityLoop, friction: Mapping[str, float], step: float) -> float:
     """Return for how long a drive is held: periods of the limit cycle to be expected [s].
 
-    Parameters
-    ----------
-    step : of the encoder [m], below which there is no position error
+    There is no position error below the step of the encoder [m].
     """
     integral, F_c = loop.K_i * loop.K_x, friction["F_c"]
     if not integral:

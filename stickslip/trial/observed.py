@@ -21,10 +21,8 @@ from stickslip.servo.velocity_filter import Observer
 from stickslip.thresholds import offer
 from stickslip.trial.guards import Bench, Benefit, TrialError, Variant
 
-SLOWER = 0.3
-"""Share of the Coulomb friction for which an observer is designed that has to be slower."""
-SHARES = (0.7, 0.5, 0.35, 0.25, 0.15)
-"""Shares of its estimate that are tried after that."""
+SLOWER = 0.3  # share of the Coulomb friction for which a slower observer is designed
+SHARES = (0.7, 0.5, 0.35, 0.25, 0.15)  # shares of its estimate that are tried after that
 FEEDFORWARD: Final = "feedforward"
 OBSERVER: Final = "observer"
 BOTH: Final = "feedforward + observer"
@@ -33,37 +31,22 @@ Choice = Literal["feedforward", "observer", "feedforward + observer", ""]
 
 @dataclass(frozen=True)
 class ObserverDesign:
-    """An observer that was designed.
+    """An observer that was designed."""
 
-    Attributes
-    ----------
-    observer : its component
-    sensitivity : largest peak sensitivity at any of the masses, with the observer
-    without : the same without it
-    """
-
-    observer: Compensator
-    sensitivity: float
-    without: float
+    observer: Compensator  # its component
+    sensitivity: float  # largest peak sensitivity at any of the masses, with the observer
+    without: float  # the same without it
 
 
 @dataclass(frozen=True)
 class ObserverTrial:
-    """What an observer adds to a feedforward.
+    """What an observer adds to a feedforward."""
 
-    Attributes
-    ----------
-    designed : the observer, None where there is none
-    reason : why there is none, empty otherwise
-    alone, both : what it does on the family of drives, and with the feedforward; None without it
-    feedforward : what the feedforward does there
-    """
-
-    feedforward: Benefit
-    designed: ObserverDesign | None = None
-    reason: str = ""
-    alone: Benefit | None = None
-    both: Benefit | None = None
+    feedforward: Benefit  # what the feedforward does there
+    designed: ObserverDesign | None = None  # the observer, None where there is none
+    reason: str = ""  # why there is none, empty otherwise
+    alone: Benefit | None = None  # on the family of drives; None without it
+    both: Benefit | None = None  # the same with the feedforward
 
     @property
     def parts(self) -> dict[Choice, Benefit]:
@@ -104,10 +87,7 @@ def try_observer(
     """Try observers, each weaker than the one before it, until one is acceptable.
 
     With a feedforward that is acceptable both together have to be, otherwise the observer alone.
-
-    Parameters
-    ----------
-    feedforward : what is written without an observer, at its share
+    The feedforward is what is written without an observer, at its share.
     """
     together = feedforward.acceptable
     try:
@@ -124,14 +104,8 @@ def strongest(
 ) -> tuple[ObserverDesign, Benefit]:
     """Return the first acceptable observer, or the one with the least worst ratio, as tried.
 
-    Parameters
-    ----------
-    together : whether it is tried with the feedforward, at the share of that
-
-    Raises
-    ------
-    ControlError
-        When there is no observer.
+    Raises ControlError when there is no observer. With ``together`` each is tried with the
+    feedforward, at the share of that.
     """
     tried: list[tuple[TrialError, ObserverDesign, Benefit]] = []
     for designed in designs:
@@ -152,18 +126,13 @@ def strongest(
 def kalman_designs(
     bench: Bench, F_c: float, masses: tuple[float, ...], order: int = 1
 ) -> Iterator[ObserverDesign]:
-    """Yield disturbance observers from fast to weak.
+    """Yield disturbance observers from fast to weak; raise ControlError when there is none.
 
     Parameters
     ----------
     F_c : Coulomb friction, as fitted [N]
     masses : true masses, relative to that of the axis, at which the limit of Ms holds
     order : of the disturbance
-
-    Raises
-    ------
-    ControlError
-        When there is none.
     """
 
     def designed(friction: float) -> DesignedObserver:

@@ -20,11 +20,11 @@ from threadpoolctl import threadpool_limits
 
 from stickslip import cosim, ga, models
 from stickslip.catalog.parameters import PAPER, friction_law, scaled_start
+from stickslip.identification.criteria.runs import Closing
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import kept
-from stickslip.tuning.loop_genes import FEEDFORWARD, PLAIN
-from stickslip.tuning.loop_runs import LoopBench, LoopRuns
-from stickslip.work.execution import Execution
+from stickslip.tuning.loop_runs import FEEDFORWARD, PLAIN, LoopBench, LoopRuns
+from stickslip.work.jobs import Execution
 
 PROBES = (
     PLAIN,
@@ -32,8 +32,7 @@ PROBES = (
     PLAIN | {"K_p": 0.75, "K_i": 0.5, "m_ff": 0.5, "share": 0.7, "observed": 0.1},
 )
 """Loops that the drive runs: the reference, and such as a search tries."""
-NOISIEST = 0.5
-"""Largest noise of the encoder of a model, in steps of it."""
+NOISIEST = 0.5  # largest noise of the encoder of a model, in steps of it
 STEEPER = 2.0
 """Exponent of the Stribeck curve with more friction of a model that was not fitted: of what was
 identified the exponent is not known, and with this one, a usual one, the curve falls faster. On a
@@ -53,22 +52,13 @@ drive of GMS friction, and 1.55 of one of Armstrong's."""
 
 @dataclass(frozen=True)
 class DriveModel:
-    """Friction of a model of the drive.
+    """Friction of a model of the drive."""
 
-    Attributes
-    ----------
-    law : name
-    friction : its parameters by name, SI units
-    noise : standard deviation of the noise of the encoder [m]
-    mismatch : RMS of the logarithms of its errors relative to those of the drive
-    fitted : whether it is of a search, or what was identified
-    """
-
-    law: str
-    friction: dict[str, float]
-    noise: float = 0.0
-    mismatch: float = 0.0
-    fitted: bool = False
+    law: str  # name
+    friction: dict[str, float]  # its parameters by name, SI units
+    noise: float = 0.0  # standard deviation of the noise of the encoder [m]
+    mismatch: float = 0.0  # RMS of the logarithms of its errors relative to those of the drive
+    fitted: bool = False  # whether it is of a search, or what was identified
 
     def parameters(self, bench: LoopBench, level: float) -> dict[str, float]:
         """Return the parameters of its FMU by name, with so many times its friction."""
@@ -93,15 +83,10 @@ def start_model(bench: LoopBench, law: str) -> DriveModel:
     return DriveModel(law, friction)
 
 
-class Mismatch:
+class Mismatch(Closing):
     """How unlike those of the drive the errors of a model are: the cost of a search.
 
-    It pickles. Use it in a ``with`` block.
-
-    Parameters
-    ----------
-    law : friction law of the model
-    errors : of the drive, see ``errors_of``
+    It pickles. Use it in a ``with`` block. The errors are those of the drive, see ``errors_of``.
 
     Attributes
     ----------
@@ -165,10 +150,8 @@ class Mismatch:
             return replace(start, noise=float(found.x) * step, mismatch=float(found.fun))
         return replace(start, mismatch=quiet)
 
-    def __enter__(self) -> Mismatch:
-        return self
-
-    def __exit__(self, *_: object) -> None:
+    def close(self) -> None:
+        """Free the FMUs."""
         self._runs.close()
 
 
@@ -211,12 +194,8 @@ def fit_models(
     """Run the drive in the loops of ``PROBES``, and find models that err alike, the best first.
 
     What was identified is enough where it errs like the drive. Otherwise each law whose start runs
-    and is not hopeless has a short search, and the best go on.
-
-    Raises
-    ------
-    ga.NothingLearned, ga.Interrupted
-        As ``ga.learn``.
+    and is not hopeless has a short search, and the best go on. Raises ga.NothingLearned,
+    ga.Interrupted as ``ga.learn``.
     """
     with closing(LoopRuns(bench)) as drive:
         errors = errors_of(drive)

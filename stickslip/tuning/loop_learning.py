@@ -19,51 +19,46 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stickslip import cosim, ga
+from stickslip.identification.criteria.runs import Closing
 from stickslip.servo.axis import ControlError
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import kept
 from stickslip.tuning.drive_model import PROBES, DriveModel, start_model
-from stickslip.tuning.loop_genes import FEEDFORWARD, GENES, PLAIN, TunedLoop
-from stickslip.tuning.loop_runs import LoopBench, LoopRuns, by_kind
-from stickslip.work.execution import Execution
+from stickslip.tuning.loop_runs import (
+    FEEDFORWARD,
+    GENES,
+    PLAIN,
+    LoopBench,
+    LoopRuns,
+    TunedLoop,
+    by_kind,
+)
+from stickslip.work.jobs import Execution
 
-LEVELS = (0.7, 1.3)
-"""Friction of the models, relative to the drive's own: what temperature and wear change."""
+LEVELS = (0.7, 1.3)  # friction of the models over the drive's own: temperature and wear
 POWER = 8
 """Exponent of the mean over the ratios: with 8, one that is a quarter smaller than the largest
 counts a tenth as much as it."""
-QUIET = 0.75
-"""Weight of the change of the force, which costs heat and noise, beside that of an error."""
+QUIET = 0.75  # weight of the change of the force, for heat and noise, beside an error
 NEAR, STEEP = 0.9, 3.0
 """From where on a ratio costs more, and how much. Without it, searches on drives of Armstrong and
 Coulomb-Stribeck friction ended where nothing could be taken."""
-EVALUATIONS = 300
-"""Candidates in a search: docs/measurements/loop-tuning.md shows what fewer and more give."""
-FINALISTS = 4
-"""Best candidates that are run again."""
+EVALUATIONS = 300  # candidates in a search; docs/measurements/loop-tuning.md shows others
+FINALISTS = 4  # best candidates that are run again
 REPEATS = 3
-JITTER = 1e-4
-"""How often, and by how much their genes change in between: as no drive runs twice alike."""
+JITTER = 1e-4  # how often, and how much, their genes change in between
 FORCE = "change of the force"
 
-Ratios = dict[tuple[str, float], float]
-"""By kind of motion, or ``FORCE``, and friction."""
+Ratios = dict[tuple[str, float], float]  # by kind of motion, or ``FORCE``, and friction
 
 
 @dataclass(frozen=True)
 class LoopStudy(LoopBench):
-    """What learning of the loop needs, and nothing of the drive but its rig.
+    """What learning of the loop needs, and nothing of the drive but its rig."""
 
-    Attributes
-    ----------
-    models : of the drive, see ``fit_models``; by default of the friction that was identified
-    algorithm : one of ``ga.ALGORITHMS``
-    seed : of the search
-    """
-
-    models: Sequence[DriveModel] = ()
-    algorithm: str = "cma"
-    seed: int = 0
+    models: Sequence[DriveModel] = ()  # see ``fit_models``; by default of the identified friction
+    algorithm: str = "cma"  # one of ``ga.ALGORITHMS``
+    seed: int = 0  # of the search
     limits: ga.Limits = field(default_factory=lambda: ga.Limits(evaluations=EVALUATIONS))
 
     def optimiser(self) -> ga.Optimiser:
@@ -74,48 +69,33 @@ class LoopStudy(LoopBench):
 
 @dataclass(frozen=True)
 class LearnedLoop:
-    """A loop that was learned, or what is used instead.
-
-    Attributes
-    ----------
-    tuned : the loop
-    genes : of which it is made
-    chosen : ``learned``, or where no candidate is as good as the reference in everything
-        ``feedforward``, the reference with the feedforward, or ``reference``
-    cost, ratios : as they were measured when it was chosen
-    Ms : its peak sensitivity
-    evaluations : candidates
-    runs : of the drive, with those for its models
-    algorithm : what searched
-    """
+    """A loop that was learned, or what is used instead."""
 
     seed: int
-    tuned: TunedLoop
-    genes: Mapping[str, float]
+    tuned: TunedLoop  # the loop
+    genes: Mapping[str, float]  # of which it is made
+    # ``learned``, or where no candidate is as good as the reference in everything ``feedforward``,
+    # the reference with the feedforward, or ``reference``
     chosen: str
-    cost: float
-    ratios: Ratios
-    Ms: float
-    evaluations: int
-    runs: int
-    algorithm: ga.Optimiser
+    cost: float  # when it was chosen
+    ratios: Ratios  # when it was chosen
+    Ms: float  # its peak sensitivity
+    evaluations: int  # candidates
+    runs: int  # of the drive, with those for its models
+    algorithm: ga.Optimiser  # what searched
 
 
 @dataclass(frozen=True)
 class _Case:
-    """The drive, or a model with some friction.
-
-    Attributes
-    ----------
-    values : parameters of the model's FMU by name
-    """
+    """The drive, or a model with some friction."""
 
     level: float
     runs: LoopRuns
+    # parameters of the model's FMU by name
     values: Mapping[str, float] = field(default_factory=dict)
 
 
-class LoopCost:
+class LoopCost(Closing):
     """The cost of a candidate: the mean of its ratios to the reference, with the power ``POWER``.
 
     It pickles; each worker prepares the loops of the drive and of the models when it runs its
@@ -138,12 +118,7 @@ class LoopCost:
         """Return the errors of a loop, and the change of its force, relative to the reference.
 
         With other friction they count as at least those with the drive's own, which is measured,
-        and where models differ, the largest counts.
-
-        Raises
-        ------
-        CandidateFailed
-            When a run fails.
+        and where models differ, the largest counts. Raises CandidateFailed when a run fails.
         """
         ratios: Ratios = {}
         errors = self._errors(tuned)
@@ -172,10 +147,7 @@ class LoopCost:
     def __call__(self, values: Array) -> float:
         """Return the cost of a candidate (k,).
 
-        Raises
-        ------
-        CandidateFailed
-            When its loop is unstable or above the limit of Ms, or a run fails.
+        Raises CandidateFailed when its loop is unstable or above the limit of Ms, or a run fails.
         """
         genes = {gene.name: value for gene, value in zip(GENES, values.tolist(), strict=True)}
         try:
@@ -191,12 +163,6 @@ class LoopCost:
         """Free the FMUs."""
         for case in self._cases:
             case.runs.close()
-
-    def __enter__(self) -> LoopCost:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def mean_of(ratios: Ratios) -> float:
@@ -227,10 +193,7 @@ def learn_loop(
 ) -> LearnedLoop:
     """Search the loop, run the best candidates again, and choose.
 
-    Raises
-    ------
-    ga.NothingLearned, ga.StateError, ga.Interrupted
-        As ``ga.learn``.
+    Raises ga.NothingLearned, ga.StateError, ga.Interrupted as ``ga.learn``.
     """
     execution, algorithm = execution or Execution(), study.optimiser()
     one_thread = threadpool_limits(limits=1, user_api="blas")  # matrices are small, workers many

@@ -6,10 +6,11 @@ import os
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future
-from contextlib import contextmanager
-from dataclasses import dataclass
+from concurrent.futures import Executor, Future
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, replace
 from multiprocessing import parent_process
+from pathlib import Path
 from typing import TypeVar
 
 from threadpoolctl import threadpool_limits
@@ -19,26 +20,60 @@ from stickslip.errors import StickslipError
 from stickslip.fmi.process import Threads, cancel_all, interrupted_by, interruptible, wait_first
 from stickslip.ga.execution.evaluation import ALONE, DIED, received
 
+
+@dataclass(frozen=True)
+class Execution:
+    """Where and how safely learning runs; none of it changes a result."""
+
+    # candidates side by side; also, in threads, the runs of an experiment while what a search found
+    # is fitted
+    workers: int = 1
+    # of candidates: ``threads``, ``processes``, ``local`` or the address of a Dask scheduler, see
+    # ``ga.executor``
+    where: str = "threads"
+    checkpoint: Path | None = None  # what was learned so far, kept after every generation
+    resume: bool = False  # go on from the checkpoint, if it exists
+
+    def of_seed(self, seed: int, seeds: int) -> Execution:
+        """Return how one of several searches runs: with a checkpoint of its own."""
+        path = self.checkpoint
+        if seeds == 1:
+            return self
+        own = path and path.with_name(f"{path.stem}.seed{seed}{path.suffix}")
+        return replace(self, checkpoint=own)
+
+    def opened(self) -> AbstractContextManager[Executor | None]:
+        """Return the workers as a context, to be entered when there is work."""
+        return ga.executor(self.where, self.workers)
+
+
+def processors() -> int:
+    """Return how many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def stopped(stop: KeyboardInterrupt | ga.WorkersLost, kept: str) -> BaseException:
+    """Return the same error, which also says what is kept and how to go on."""
+    if isinstance(stop, ga.WorkersLost):
+        return ga.WorkersLost(f"{stop}; {kept}; continue with --resume")
+    return KeyboardInterrupt(f"interrupted; {kept}; continue with --resume")
+
+
 Item = TypeVar("Item")
 OnStage = Callable[[str], object]
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of an item; plain data, so that it travels.
+    """What became of an item; plain data, so that it travels."""
 
-    Attributes
-    ----------
-    learned : what was found, as text in JSON; empty when the job failed
-    reason : why it failed; else empty
-    """
-
-    learned: str = ""
-    reason: str = ""
+    learned: str = ""  # what was found, as text in JSON; empty when the job failed
+    reason: str = ""  # why it failed; else empty
 
 
-Job = Callable[..., Outcome]
-"""Works on one item, as ``learn_drive`` does on a drive; must be picklable."""
+Job = Callable[..., Outcome]  # works on one item, as ``learn_drive`` on a drive; is picklable
 
 
 class _Stop(StickslipError):
@@ -49,26 +84,18 @@ def run_jobs(
     job: Job,
     items: Sequence[Item],
     seed: int,
+    # see ``ga.executor``
     where: str,
     workers: int,
-    on_done: Callable[[Item, Outcome], object],
+    on_done: Callable[[Item, Outcome], object],  # called in the caller's thread
 ) -> None:
     """Run a job for each item and hand over the outcomes as they come.
 
     A process that dies takes down all that were running; these are then tried alone, one after the
     other, so that the one that kills is known and the others have their result.
 
-    Parameters
-    ----------
-    where, workers : see ``ga.executor``
-    on_done : called in the caller's thread
-
-    Raises
-    ------
-    KeyboardInterrupt
-        At Ctrl-C, when all jobs have ended.
-    WorkersLost
-        When the cluster is gone.
+    Raises KeyboardInterrupt at Ctrl-C, when all jobs have ended, or WorkersLost when the cluster is
+    gone.
     """
     with threadpool_limits(limits=1, user_api="blas"), ga.executor(where, workers) as executor:
         if executor is None:

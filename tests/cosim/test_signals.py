@@ -268,7 +268,7 @@ def test_faults_have_a_place(tmp_path, data, message):
 def test_the_input_in_a_package_is_read_alike(tmp_path, make):
     import zipfile
 
-    from stickslip.default_input import MEMBER, packed_input
+    from stickslip.simulation import MEMBER, packed_input
 
     system = cosim.System("s")
     system.add("a", make("gain"))

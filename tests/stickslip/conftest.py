@@ -11,19 +11,18 @@ import pytest
 from stickslip.catalog.parameters import PAPER
 from stickslip.identification.stages import Identification, identify
 from stickslip.models import build_fmu
+from stickslip.output import SILENT, Progress
 from stickslip.papers.lugre.folder import write_results
 from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, reproduce
 from stickslip.papers.lugre.studies import step_by_step, with_motions
 from stickslip.planning import LINEAR, plan
 from stickslip.presentation.page import Picture
-from stickslip.progress import SILENT, Progress
 from stickslip.rigs.contract import COMMISSIONING
 from stickslip.rigs.fmu import FmuRig, rig_of
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
-from stickslip.work.execution import Execution
+from stickslip.work.jobs import Execution
 from tests.kept import kept
 
 

@@ -10,9 +10,9 @@ import pytest
 import stickslip
 from stickslip import cosim, ga
 from stickslip.compensators.entrants import entrant
+from stickslip.evaluation.motions import TRAINING
 from stickslip.identification.stages import identify
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.paper_commands import TRAINING
+from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.studies.arena.drives import default_drives
 from stickslip.studies.arena.protocol import Plan, build

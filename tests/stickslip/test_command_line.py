@@ -17,7 +17,7 @@ import pytest
 import stickslip as ss
 from stickslip import cosim, models
 from stickslip.cli import COMMANDS, main
-from stickslip.commandline.isolation import add_isolation, isolation_of
+from stickslip.commands.simulate import add_isolation, isolation_of
 from stickslip.fmi.toolchain import PLATFORMS
 
 SHORT = ["--stop", "0.02", "--step", "0.001"]

@@ -9,7 +9,7 @@ import pytest
 import stickslip as ss
 from stickslip import cli, errors
 from stickslip.errors import UsageError, settings_as_options
-from stickslip.logs.finding import Finding
+from stickslip.logs.recording import Finding
 
 ROOMS = ("logs", "identification", "rigs", "servo", "trial")
 SOURCES = Path(errors.__file__).parent

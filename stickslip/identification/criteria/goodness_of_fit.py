@@ -8,42 +8,31 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip.catalog.space import Values
-from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.catalog.parameters import Values
+from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
-from stickslip.identification.criteria.motion import measured_force, position_of
-from stickslip.identification.criteria.scaling import Scale
-from stickslip.servo.divergence import Diverged
+from stickslip.identification.criteria.motion import Scale, measured_force, position_of
+from stickslip.identification.criteria.runs import Diverged
 from stickslip.servo.measurement import Array
 
 
 @dataclass(frozen=True)
 class GoodnessOfFit:
-    """Relative errors: root mean square of the difference over that of the recorded signal.
+    """Relative errors: root mean square of the difference over that of the recorded signal."""
 
-    Attributes
-    ----------
-    force : of the inverse model, measured and predicted force low-passed alike
-    force_unfiltered : the same, with the measured force as it is
-    position, velocity, closed_loop_force : of the closed loop run with the recorded commands; NaN
-        when the controller is not known, or the loop runs away with it
-    t : (n,) [s]
-    measured, predicted : (n,) force, measured and predicted [N]; of the inverse model
-    simulated : (n,) position of the closed loop [m]; None in the same cases
-    velocity_recorded : (n,) of the recorded motion, low-passed [m/s]
-    """
-
-    force: float
-    force_unfiltered: float
+    force: float  # of the inverse model, measured and predicted force low-passed alike
+    force_unfiltered: float  # the same, with the measured force as it is
+    # of the closed loop run with the recorded commands; NaN when the controller is not known, or
+    # the loop runs away with it
     position: float
     velocity: float
     closed_loop_force: float
-    t: Array
-    measured: Array
-    predicted: Array
-    simulated: Array | None
-    velocity_recorded: Array
+    t: Array  # (n,) [s]
+    measured: Array  # (n,) force, measured [N]
+    predicted: Array  # (n,) force predicted by the inverse model [N]
+    simulated: Array | None  # (n,) position of the closed loop [m]; None in the same cases
+    velocity_recorded: Array  # (n,) of the recorded motion, low-passed [m/s]
 
     def errors(self) -> dict[str, float]:
         """Return the relative errors by name."""
@@ -129,7 +118,6 @@ def _delay(inverse: InverseModel, values: Values) -> float:
     """Return the delay of the logged force that suits the inverse model best [s]."""
     delays = (values["delay"], *(np.arange(-3.0, 5.01, 0.25) * inverse.T_s))
     best: float = min(
-        delays,
-        key=lambda delay: float(np.sum(inverse.residual({**values, "delay": delay}) ** 2)),
+        delays, key=lambda delay: float(np.sum(inverse.residual({**values, "delay": delay}) ** 2))
     )
     return best

@@ -20,9 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import cosim
-from stickslip.catalog.parameters import DRIVE, friction_law, presliding
-from stickslip.catalog.space import ParameterSpace, Values
-from stickslip.identification.criteria.closing import Closing
+from stickslip.catalog.parameters import DRIVE, ParameterSpace, Values, friction_law, presliding
 from stickslip.identification.criteria.motion import (
     SmoothMotion,
     measured_force,
@@ -31,18 +29,15 @@ from stickslip.identification.criteria.motion import (
     smooth_motion,
     velocity_noise,
 )
-from stickslip.identification.criteria.runs import RECENT, Runs
+from stickslip.identification.criteria.runs import RECENT, Closing, Runs
 from stickslip.logs import Recording
 from stickslip.models import Law
 from stickslip.servo.measurement import Array, smoothed
 
-SHARE = 1.0 / 16.0
-"""Cut-off of the low-pass, as a share of the sample rate."""
+SHARE = 1.0 / 16.0  # cut-off of the low-pass, as a share of the sample rate
 EDGE = 4.0  # periods of the cut-off that the filter needs at either end
-GUARD = 1.0
-"""Time before and after rest in which the low-pass mixes both, in periods of the cut-off."""
-REST = 3.0
-"""Speed up to which a drive may be at rest, in standard deviations of the velocity's noise."""
+GUARD = 1.0  # time around rest in which the low-pass mixes both, in periods of the cut-off
+REST = 3.0  # speed up to which a drive may be at rest, in deviations of its noise
 
 
 def friction_run(fmus: Path, v: Array, T_s: float) -> cosim.Specification:
@@ -58,14 +53,6 @@ def friction_run(fmus: Path, v: Array, T_s: float) -> cosim.Specification:
 class InverseModel(Closing):
     """Criterion: the measured force minus the force that the values predict.
 
-    Parameters
-    ----------
-    fmus : folder of the FMUs
-    recording : with position, and force or friction
-    cutoff : of the low-pass [Hz]; a share of the sample rate by default
-    workers : number of parallel runs
-    law : friction law of the compensator FMU; LuGre by default
-
     Attributes
     ----------
     fmus, recording, cutoff, workers, law : as given
@@ -77,11 +64,11 @@ class InverseModel(Closing):
 
     def __init__(
         self,
-        fmus: Path,
-        recording: Recording,
-        cutoff: float | None = None,
-        workers: int = 1,
-        law: Law | None = None,
+        fmus: Path,  # folder of the FMUs
+        recording: Recording,  # with position, and force or friction
+        cutoff: float | None = None,  # of the low-pass [Hz]; a share of the sample rate by default
+        workers: int = 1,  # number of parallel runs
+        law: Law | None = None,  # friction law of the compensator FMU; LuGre by default
     ) -> None:
         self.fmus, self.recording = fmus, recording
         self.space = ParameterSpace.of(law or friction_law())
@@ -153,21 +140,13 @@ class InverseModel(Closing):
 
 @dataclass(frozen=True)
 class ForceCost:
-    """Sum of squares [N^2] that the best m, b and F_0 leave of a candidate's friction.
+    """Sum of squares [N^2] that the best m, b and F_0 leave of a candidate's friction."""
 
-    Attributes
-    ----------
-    T_s, cutoff : of the low-pass [s], [Hz]
-    target : (n,) recorded force, low-passed [N]
-    basis : (n, k) orthonormal, of what is linear
-    slides : (n,) where friction follows from the motion
-    """
-
-    T_s: float
-    cutoff: float
-    target: Array
-    basis: Array
-    slides: NDArray[np.bool_]
+    T_s: float  # [s]
+    cutoff: float  # of the low-pass [Hz]
+    target: Array  # (n,) recorded force, low-passed [N]
+    basis: Array  # (n, k) orthonormal, of what is linear
+    slides: NDArray[np.bool_]  # (n,) where friction follows from the motion
 
     @classmethod
     def of(cls, model: InverseModel, delay: float) -> ForceCost:

@@ -6,20 +6,59 @@ encoder are off unless the recording is simulated again with them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from copy import copy
+from functools import lru_cache
 from pathlib import Path
+from typing import Self
 
 import numpy as np
+from scipy.linalg import solve_toeplitz
+from scipy.signal import lfilter
 
 from stickslip import cosim
-from stickslip.catalog.space import Values
-from stickslip.identification.controller.initial_state import fmu_gains, is_running, memory_force
-from stickslip.identification.criteria.closing import Closing
-from stickslip.identification.criteria.motion import position_of
-from stickslip.identification.criteria.runs import Runs
+from stickslip.catalog.parameters import ParameterSpace, Values, friction_law
+from stickslip.identification.criteria.motion import position_noise, position_of
+from stickslip.identification.criteria.runs import RECENT, Closing, Runs, require_bounded
 from stickslip.logs import Recording
-from stickslip.servo.divergence import require_bounded
+from stickslip.models import Law
 from stickslip.servo.measurement import Array
+
+HELD, FADING = "F_held", "F_fading"  # forces that the log began with, beside the gains [N]
+
+
+def initial_state(missing: Array, gains: Mapping[str, float], T_s: float) -> dict[str, float]:
+    """Return what suits best a force (n,) [N] that a controller with empty memory lacks.
+
+    Its integrals held a force then, and its low-pass a velocity. Both add to what it commands along
+    the log: the one stays, the other fades with tau_f.
+    """
+    columns = np.column_stack([np.ones_like(missing), _fading(len(missing), gains, T_s)])
+    held, fading = np.linalg.lstsq(columns, missing, rcond=None)[0]
+    return {HELD: float(held), FADING: float(fading)}
+
+
+def is_running(gains: Mapping[str, float]) -> bool:
+    """Tell whether the log began with something in the controller's memory."""
+    return HELD in gains
+
+
+def memory_force(gains: Mapping[str, float], n: int, T_s: float) -> Array:
+    """Return what the memory adds along the log (n,) [N]."""
+    held, fading = gains.get(HELD, 0.0), gains.get(FADING, 0.0)
+    return held + fading * _fading(n, gains, T_s)
+
+
+def fmu_gains(gains: Mapping[str, float]) -> dict[str, float]:
+    """Return what the controller FMU has a parameter for."""
+    return {name: value for name, value in gains.items() if name not in (HELD, FADING)}
+
+
+def _fading(n: int, gains: Mapping[str, float], T_s: float) -> Array:
+    tau_f, T_s = gains.get("tau_f", 0.0), gains.get("T_s", T_s)
+    fading: Array = np.exp(-T_s / max(tau_f, 1e-3 * T_s) * np.arange(n))
+    return fading
+
 
 SHORTEST_LAG = 1e-7  # that the drive FMU takes [s]
 NO_LIMIT = 1e9  # [N]
@@ -32,29 +71,23 @@ STATES: dict[str, Callable[[float, Values], float]] = {
 
 
 class KnownLoop(Closing):
-    """Simulates the experiment of a recording.
-
-    Parameters
-    ----------
-    fmus : folder of the FMUs
-    recording : gives commands, start and encoder
-    gains : parameters of the controller FMU by name, and its initial state, if it was running
-    encoder : whether the position is quantised; the trajectory is then not a smooth function of
-        the parameters
-    workers : number of parallel runs
-    """
+    """Simulates the experiment of a recording."""
 
     def __init__(
         self,
-        fmus: Path,
-        recording: Recording,
-        gains: Mapping[str, float],
+        fmus: Path,  # folder of the FMUs
+        recording: Recording,  # gives commands, start and encoder
+        gains: Mapping[str, float],  # of the controller FMU; its initial state, if it was running
         *,
+        # whether the position is quantised; the trajectory is then not a smooth function of the
+        # parameters
         encoder: bool = False,
-        workers: int = 1,
+        workers: int = 1,  # number of parallel runs
     ) -> None:
         position = position_of(recording)
-        start = {"x": position[0], "v": _first_velocity(position, recording.T_s)}
+        few = position[:FEW]
+        parabola = np.polyfit(np.arange(len(few)) * recording.T_s, few, 2)
+        start = {"x": position[0], "v": float(parabola[1])}
         limits = {"u_max": NO_LIMIT, "T_s": recording.T_s}
         system = cosim.System("known_loop")
         system.add("controller", fmus / "velocity_controller.fmu", {**limits, **fmu_gains(gains)})
@@ -95,16 +128,10 @@ class KnownLoop(Closing):
     def run(
         self,
         values: Values,
-        further: Mapping[str, float] | None = None,
-        feedforward: Array | float = 0.0,
+        further: Mapping[str, float] | None = None,  # of this run only, as ``candidate.noise_x``
+        feedforward: Array | float = 0.0,  # (n,) force of a compensator from each sample on [N]
     ) -> cosim.Result:
-        """Run the experiment with these values in the drive.
-
-        Parameters
-        ----------
-        further : parameters of this run only, such as ``candidate.noise_x``
-        feedforward : (n,) force of a compensator from each sample on [N]
-        """
+        """Run the experiment with these values in the drive."""
         parameters = {**candidate(values), **(further or {})}
         if self._first is not None:  # friction balances the motor force
             held = float(np.clip(self._first - values["F_0"], -values["F_c"], values["F_c"]))
@@ -122,10 +149,7 @@ class KnownLoop(Closing):
     ) -> cosim.Result:
         """Do what ``run`` does, for figures that are shown.
 
-        Raises
-        ------
-        Diverged
-            When the drive runs away from its command.
+        Raises Diverged when the drive runs away from its command.
         """
         result = self.run(values, further, feedforward)
         require_bounded(result["candidate.v"], self._speed)
@@ -154,7 +178,89 @@ def candidate(values: Values) -> dict[str, float]:
     return parameters
 
 
-def _first_velocity(position: Array, T_s: float) -> float:
-    """Return the slope of a parabola at its begin [m/s]."""
-    few = position[:FEW]
-    return float(np.polyfit(np.arange(len(few)) * T_s, few, 2)[1])
+ORDER = 30
+BURN_IN = 0.005  # share at the start that is not used: the controller's state is unknown
+
+
+class OutputError(Closing):
+    """Criterion: the measured position minus that of the simulated loop with the recorded command.
+
+    Residuals can be whitened: encoder errors that have passed through the loop are predictable
+    from one sample to the next.
+    """
+
+    name = "output error"
+
+    def __init__(
+        self,
+        fmus: Path,
+        recording: Recording,
+        gains: Mapping[str, float],
+        workers: int = 1,  # number of parallel runs
+        law: Law | None = None,  # friction law of the drive FMU; LuGre by default
+    ) -> None:
+        self.space = ParameterSpace.of(law or friction_law())
+        self.t = recording.t
+        self.position = position_of(recording)
+        self.loop = KnownLoop(fmus, recording, gains, workers=workers)
+        # Whitening changes, but the positions that values give do not.
+        self._simulated = lru_cache(RECENT)(self._simulate)
+        self.noise = position_noise(self.position, recording.encoder_step)
+        self.whitening = np.ones(1)
+        self.used = slice(max(2 * ORDER, int(BURN_IN * len(self.t))), len(self.t))
+
+    def raw(self, values: Values) -> Array:
+        """Return measured minus simulated position (n,) [m]."""
+        return np.asarray(self.position - self._simulated(tuple(values.items())))
+
+    def _simulate(self, values: tuple[tuple[str, float], ...]) -> Array:
+        return self.loop.run(dict(values))["candidate.x"]
+
+    def residual(self, values: Values) -> Array:
+        """Return the same, whitened (k,) [m]."""
+        return self.white(self.raw(values))
+
+    def map(self, points: Iterable[Values]) -> list[Array]:
+        """Return the residuals of several points, ``workers`` at a time."""
+        return self.loop.each(self.residual, points)
+
+    def over(self, space: ParameterSpace) -> Self:
+        """Return the same criterion over another space; it shares the FMUs."""
+        other = copy(self)
+        other.space = space
+        return other
+
+    def white(self, raw: Array) -> Array:
+        """Whiten a residual (n,) and leave out its start, (k,)."""
+        white = lfilter(self.whitening, [1.0], raw)[self.used]
+        return np.asarray(white - white.mean())
+
+    def whiten(self, values: Values) -> None:
+        """Estimate the whitening filter from the residual of these values."""
+        self.whitening = predictor_error(self.raw(values)[self.used], ORDER)
+
+    def unexplained(self, values: Values, explained: Array) -> float:
+        """Return the standard deviation of the residual over that of what is explained.
+
+        What is explained is the residual (n,) [m] of these values' own recording, by encoder steps
+        alone.
+        """
+        expected = max(self.noise, float(np.std(explained[self.used])))
+        return float(np.std(self.raw(values)[self.used])) / expected
+
+    def close(self) -> None:
+        """Free the FMUs."""
+        self.loop.close()
+
+
+def predictor_error(signal: Array, order: int) -> Array:
+    """Return the filter (order + 1,) whose output is the one-step prediction error of a signal.
+
+    Source: Yule and Walker; L. Ljung, System Identification, 2nd ed., chapter 4.
+    """
+    n = len(signal)
+    correlation = np.array([signal[k:] @ signal[: n - k] for k in range(order + 1)]) / n
+    if correlation[0] <= 0.0:
+        return np.ones(1)
+    correlation[0] *= 1.0 + 1e-4
+    return np.append(1.0, -solve_toeplitz(correlation[:-1], correlation[1:]))

@@ -1,17 +1,53 @@
-"""One system that is run again and again, several candidates side by side."""
+"""FMUs of candidates, their runs, and what closes them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import TypeVar
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Self, TypeVar
 
-from stickslip import cosim
+import numpy as np
+
+from stickslip import cosim, models
 from stickslip.cosim.signals.signals import Input
-from stickslip.fmi.process import Threads
-from stickslip.identification.criteria.closing import Closing
+from stickslip.fmi.process import Threads, temporary_folder
+from stickslip.servo.measurement import Array
+from stickslip.thresholds import loop_fit
 
-RECENT = 64
-"""Number of runs whose results a criterion keeps: some Jacobians of a fit."""
+
+class Closing(ABC):
+    """Closes itself when a ``with`` block ends."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Free the FMUs."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+CONTROLLER = "velocity_controller"
+MODELS = ("compensator", "drive", CONTROLLER)
+
+
+@contextmanager
+def candidate_fmus(law: str = "lugre") -> Iterator[Path]:
+    """Build them with a friction law into a folder that is deleted at the end of the block.
+
+    They contain nothing of the drive that made a recording, not even which of its extras are on.
+    """
+    with temporary_folder() as folder:
+        for name in MODELS:
+            models.build_fmu(name, folder, law=law if name != CONTROLLER else None)
+        yield folder
+
+
+RECENT = 64  # number of runs whose results a criterion keeps: some Jacobians of a fit
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -20,10 +56,7 @@ R = TypeVar("R")
 class Runs(Closing):
     """Runs of a system, in any thread. Which thread runs what changes no result.
 
-    Parameters
-    ----------
-    specification : the system
-    workers : threads that ``each`` uses; a run leaves the interpreter lock
+    ``each`` uses ``workers`` threads; a run leaves the interpreter lock.
     """
 
     def __init__(self, specification: cosim.Specification, workers: int = 1) -> None:
@@ -59,3 +92,22 @@ class Runs(Closing):
             self._threads.shutdown(cancel_futures=True)
         for simulation in self._all:
             simulation.close()
+
+
+class Diverged(cosim.SimulationError):
+    """A simulated drive ran away from its command."""
+
+
+def require_bounded(v: Array, speed: float) -> None:
+    """Raise where a simulated velocity is not finite, or far beyond what was commanded.
+
+    Raises Diverged when it has run away. The velocity v (n,) is compared with the largest speed
+    [m/s] that is commanded at any time of the trial.
+    """
+    peak = float(np.max(np.abs(v)))
+    if not peak <= loop_fit.RUNS_AWAY * speed:
+        raise Diverged(
+            f"the simulated loop runs away: its velocity exceeds {loop_fit.RUNS_AWAY:g} times the "
+            "largest commanded one; expected a loop that is stable with these gains; check their "
+            "units and signs, the delay and the mass"
+        )

@@ -1,6 +1,6 @@
 """Estimation from one recording: values, intervals, and identifiability."""
 
-from stickslip.identification.criteria.candidate_fmus import candidate_fmus
+from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.estimation.estimation import Estimation
 from stickslip.identification.estimation.learn import learn
 from stickslip.identification.estimation.task import CriterionName, LearnSettings, Task

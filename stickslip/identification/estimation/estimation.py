@@ -10,10 +10,10 @@ import pandas as pd
 
 from stickslip import ga
 from stickslip.catalog.parameters import DRIVE
-from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
-from stickslip.identification.criteria.scaling import SI, Scale
-from stickslip.identification.estimation.held_out import HeldOut
+from stickslip.identification.criteria.motion import SI, Scale
+from stickslip.identification.estimation.faults import HeldOut
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.start import Start
@@ -25,26 +25,16 @@ from stickslip.models import Law
 
 @dataclass(frozen=True)
 class FittedLaw:
-    """The law that was fitted to a recording, with the drive's mass and viscous friction.
+    """The law that was fitted to a recording, with the drive's mass and viscous friction."""
 
-    Attributes
-    ----------
-    fit : with coordinates, residual and covariance
-    known : identifiability by name: the law's parameters, m and b
-    parameters, errors : all values by name and their standard errors, SI
-    profiles : see ``identifiability.profiles``
-    plausible : all values by name that the recording supports: the fit's, and draws from its
-        covariance
-    largest_friction : at standstill and creep in the recording [N]
-    """
-
-    fit: Fit
-    known: dict[str, Identifiability]
-    parameters: dict[str, float]
-    errors: dict[str, float]
-    profiles: pd.DataFrame
+    fit: Fit  # with coordinates, residual and covariance
+    known: dict[str, Identifiability]  # identifiability by name: the law's parameters, m and b
+    parameters: dict[str, float]  # all values by name, SI
+    errors: dict[str, float]  # their standard errors, SI
+    profiles: pd.DataFrame  # see ``identifiability.profiles``
+    # all values by name that the recording supports: the fit's, and draws from its covariance
     plausible: tuple[Mapping[str, float], ...] = ()
-    largest_friction: float = float("inf")
+    largest_friction: float = float("inf")  # at standstill and creep in the recording [N]
 
     def restored(self, scale: Scale) -> FittedLaw:
         """Return the values of a scaled recording in SI units; ``fit`` stays scaled."""
@@ -68,16 +58,10 @@ class FittedLaw:
 
 @dataclass(frozen=True)
 class Searches:
-    """The global searches, one for each seed.
+    """The global searches, one for each seed."""
 
-    Attributes
-    ----------
-    table : a row for each: seed, evaluations, cost, the values of the local fit after it
-    algorithm : the search that led to the result
-    """
-
-    table: pd.DataFrame
-    algorithm: ga.Optimiser
+    table: pd.DataFrame  # for each: seed, evaluations, cost, values of the local fit after it
+    algorithm: ga.Optimiser  # the search that led to the result
 
     def restored(self, scale: Scale) -> Searches:
         """Return the searches on a scaled recording with values in SI units."""
@@ -90,39 +74,22 @@ class Searches:
 
 @dataclass(frozen=True)
 class Estimation:
-    """The result of an estimation.
-
-    Attributes
-    ----------
-    criterion, reason : the criterion of the result, and why
-    start : a straight line through the force, and the friction curve without a law
-    fitted : the law with its values
-    searches : that came before the fit
-    held_out : what the law predicts where it was not fitted, and the other laws where they were
-        tried
-    figures : goodness of fit
-    controller : the check of the controller; None when it is not known
-    model_error : residual of the loop over that from encoder and noise; NaN without the loop
-    gains : of the controller FMU by name; None when the controller is not known
-    remarks : changes made to the recording
-    faults : those of the task, and those that learning found; no parameter is identifiable then
-    choice : of the law among all; None where the law was given
-    """
+    """The result of an estimation."""
 
     recording: Recording
-    criterion: str
-    reason: str
-    start: Start
-    fitted: FittedLaw
-    searches: Searches
-    held_out: HeldOut
-    figures: GoodnessOfFit
-    controller: ControllerCheck | None
-    model_error: float
-    gains: Mapping[str, float] | None = None
-    remarks: tuple[str, ...] = ()
-    faults: tuple[Finding, ...] = ()
-    choice: Choice | None = None
+    criterion: str  # that of the result
+    reason: str  # why it is that
+    start: Start  # a straight line through the force, and the friction curve without a law
+    fitted: FittedLaw  # the law with its values
+    searches: Searches  # that came before the fit
+    held_out: HeldOut  # what the law, and others that were tried, predict there
+    figures: GoodnessOfFit  # goodness of fit
+    controller: ControllerCheck | None  # the check of the controller; None when it is not known
+    model_error: float  # residual of the loop over that from encoder and noise, or NaN
+    gains: Mapping[str, float] | None = None  # of the controller FMU by name; None if unknown
+    remarks: tuple[str, ...] = ()  # changes made to the recording
+    faults: tuple[Finding, ...] = ()  # of the task, or found: no parameter is identifiable
+    choice: Choice | None = None  # of the law among all; None where the law was given
 
     @property
     def fit(self) -> Fit:

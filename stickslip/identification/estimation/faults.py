@@ -1,48 +1,45 @@
-"""Faults of a recording that the estimation finds; no parameter is then well identified."""
+"""Faults that the estimation finds, and whether its law predicts what it was not fitted to."""
 
-from __future__ import annotations
-
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.catalog.space import Values
-from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.catalog.parameters import Values
+from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.output_error import OutputError
+from stickslip.identification.criteria.known_loop import OutputError
+from stickslip.identification.criteria.motion import Scale
+from stickslip.identification.estimation.task import Task
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
+from stickslip.identification.selection import (
+    Candidate,
+    Prediction,
+    candidates,
+    predict,
+    predictions,
+)
+from stickslip.identification.selection.choice import Cause, along_the_travel, is_large, mismatch
+from stickslip.identification.selection.prediction import held_out
 from stickslip.logs import Finding
 from stickslip.thresholds import loop_fit
 
-SLIDING = 0.3
-"""Share of the highest speed above which the drive slides."""
-LIKE = 40
-"""Classes of velocity."""
-SPANS = 10
-"""Parts of a recording that are left out in turn for that standard error."""
-LEAST = 0.01
-"""Smallest share of a fitted value that a parameter may have which a fault hides."""
+SLIDING = 0.3  # share of the highest speed above which the drive slides
+LIKE = 40  # classes of velocity
+SPANS = 10  # parts of a recording that are left out in turn for that standard error
+LEAST = 0.01  # smallest share of a fitted value that a parameter may have which a fault hides
 
 
 def found_faults(
-    fitted: Fit,
+    fitted: Fit,  # by the criterion of that name
     criterion: str,
-    check: ControllerCheck | None,
-    model_error: float,
-    change: tuple[float, float],
+    check: ControllerCheck | None,  # of the controller; None where it is not known
+    model_error: float,  # residual of the loop over that from encoder and noise
+    change: tuple[float, float],  # what ``change_of_friction`` found
 ) -> Iterator[Finding]:
-    """Yield each fault, with its figure and what to do.
-
-    Parameters
-    ----------
-    fitted : by the criterion of that name
-    check : of the controller; None where it is not known
-    model_error : residual of the loop over that from encoder and noise
-    change : what ``change_of_friction`` found
-    """
+    """Yield each fault, with its figure and what to do."""
     u = fitted.space
     index = u.index("delay")
     delay, low, high = (float(q[index]) for q in (fitted.q, u.lower, u.upper))
@@ -122,3 +119,42 @@ def change_of_friction(inverse: InverseModel, values: Values) -> tuple[float, fl
     error = np.sqrt((SPANS - 1) * np.var(without))
     level = abs(float(np.mean(inverse.friction(values)[sliding] * ahead)))
     return slope(span >= 0) / level, float(error / level)
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """What was found where the law was not fitted."""
+
+    predictions: tuple[Prediction, ...]  # of the law, and of all others that were tried [SI]
+    findings: tuple[Finding, ...]  # that the law does not explain the recording
+
+
+def check_held_out(
+    inverse: InverseModel, found: Fit, task: Task, gains: Mapping[str, float] | None, scale: Scale
+) -> HeldOut:
+    """Predict, and test the causes of a mismatch: the position, and the other laws.
+
+    Parameters
+    ----------
+    found : by the inverse model
+    task : of a recording that is scaled
+    gains : of a controller that commands the logged force
+    scale : of the recording
+    """
+    candidate = Candidate(inverse.space.law, is_level=task.is_level)
+    residual = held_out(inverse, found)
+    own = predict(inverse, found, candidate, gains, residual=residual)
+    tried = task.choice.predictions if task.choice else ()
+    causes: list[Cause] = []
+    if is_large(own):
+        if not tried:
+            further = [one for one in candidates() if one != candidate]
+            tried = tuple(
+                one.restored(scale) for one in predictions(task.recording, gains, further)
+            )
+        place = along_the_travel(inverse, task.recording, residual)
+        causes = [replace(place, left=place.left / scale.force)]
+    own = own.restored(scale)
+    others = [one for one in tried if one.candidate != candidate]
+    findings = mismatch(own, others, causes, rotary=task.recording.rotary)
+    return HeldOut((own, *others), tuple(findings))

@@ -14,56 +14,63 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from stickslip import ga
-from stickslip.catalog.parameters import friction_law, presliding
-from stickslip.catalog.space import Values
-from stickslip.identification.controller.controller_check import check_controller
-from stickslip.identification.controller.criterion_choice import choose
+from stickslip.catalog.parameters import Values, friction_law, presliding
+from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.motion import against_motion, measured_force
-from stickslip.identification.criteria.output_error import OutputError
-from stickslip.identification.criteria.scaling import Scale, recording_scale
-from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
-from stickslip.identification.estimation.estimation import (
-    Estimation,
-    FittedLaw,
-    Searches,
-    restored,
+from stickslip.identification.criteria.known_loop import OutputError
+from stickslip.identification.criteria.motion import (
+    Scale,
+    against_motion,
+    measured_force,
+    recording_scale,
 )
-from stickslip.identification.estimation.faults import change_of_friction, found_faults, hidden
-from stickslip.identification.estimation.held_out import check_held_out
-from stickslip.identification.estimation.task import Task
-from stickslip.identification.fitting.bootstrap import RUNS, Resimulation, UnbiasedFit, correct
-from stickslip.identification.fitting.conservative import conservative, largest_friction
+from stickslip.identification.estimation.estimation import Estimation, FittedLaw, Searches, restored
+from stickslip.identification.estimation.faults import (
+    change_of_friction,
+    check_held_out,
+    found_faults,
+    hidden,
+)
+from stickslip.identification.estimation.task import Task, choose
+from stickslip.identification.fitting.bootstrap import (
+    RUNS,
+    Resimulation,
+    UnbiasedFit,
+    coarse,
+    correct,
+    correct_inverse,
+)
 from stickslip.identification.fitting.fit import BLOCKS, ROUGH, Fit, fit, plausible, value_errors
 from stickslip.identification.fitting.identifiability import (
+    conservative,
     identifiability,
+    largest_friction,
     of_sliding,
     profiles,
     unreliable,
 )
-from stickslip.identification.fitting.multistart import best_fit, select, variants, without_stribeck
-from stickslip.identification.fitting.search import search, solve_linear
+from stickslip.identification.fitting.search import (
+    best_fit,
+    search,
+    select,
+    solve_linear,
+    variants,
+    without_stribeck,
+)
 from stickslip.identification.fitting.start import Start, begin
 from stickslip.identification.sliding.friction_curve import VARYING, Interval
-from stickslip.progress import SILENT, Progress, step
+from stickslip.output import SILENT, Progress, step
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import control_match, curve_shown, law_choice, loop_fit
 
-UNEXPLAINED = 4.0
-"""Residual of the loop, over encoder steps and noise, above which another minimum is looked for."""
-BASIN = 1e-2
-"""Relative change of the sum of squares at which the fit ends that only finds another minimum."""
-LAG = 0.2
-"""Initial lag of the force behind its command, in samples."""
-F_0_DEVIATION = 0.01
-"""Least prior standard deviation of the constant force from the inverse model, in F_c."""
-DRAWS = 3
-"""Number of draws from the covariance of the fit, on which the compensator is tried."""
-SLOWER = 0.5
-"""Cut-off of a second low-pass, as share of the first."""
-BIAS_ERROR = 0.12
-"""Standard error of the bias that is subtracted, as share of it."""
+UNEXPLAINED = 4.0  # residual of the loop, over steps and noise, above which it is fitted again
+BASIN = 1e-2  # relative change of the squares at which a fit to find a minimum ends
+LAG = 0.2  # initial lag of the force behind its command, in samples
+F_0_DEVIATION = 0.01  # least prior standard deviation of the inverse model's constant force, in F_c
+DRAWS = 3  # number of draws from the covariance of the fit, on which the compensator is tried
+SLOWER = 0.5  # cut-off of a second low-pass, as share of the first
+BIAS_ERROR = 0.12  # standard error of the bias that is subtracted, as share of it
 
 
 def learn(task: Task, progress: Progress = SILENT) -> Estimation:
@@ -201,10 +208,7 @@ def _not_explained(corrected: UnbiasedFit, start: Start) -> str:
 
 
 def _search(
-    task: Task,
-    inverse: InverseModel,
-    start: Start,
-    on_generation: Callable[[ga.Optimiser], object],
+    task: Task, inverse: InverseModel, start: Start, on_generation: Callable[[ga.Optimiser], object]
 ) -> tuple[Fit, Searches]:
     """Search with each seed, finish each locally, and return the best with a table of all."""
     fits, algorithms, rows = [], [], []
@@ -287,11 +291,7 @@ def _output_error(
 
 
 def _inverse_model(
-    task: Task,
-    inverse: InverseModel,
-    found: Fit,
-    start: Start,
-    sliding: Mapping[str, Interval],
+    task: Task, inverse: InverseModel, found: Fit, start: Start, sliding: Mapping[str, Interval]
 ) -> tuple[Fit, dict[str, float]]:
     """Return the fit without its bias, and standard errors by name [SI].
 

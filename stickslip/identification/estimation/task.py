@@ -1,16 +1,22 @@
-"""The settings of learning, and the task of an estimation."""
-
-from __future__ import annotations
+"""The settings of learning, the task of an estimation, and the choice of its criterion."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
+
+from stickslip.catalog.parameters import friction_law
+from stickslip.errors import UsageError
+from stickslip.identification.criteria.controller_check import ControllerCheck
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.known_loop import OutputError, is_running
 from stickslip.identification.fitting.search import Search
 from stickslip.identification.selection import Choice
 from stickslip.logs import Finding, Recording
 from stickslip.planning import LINEAR, Limits
+from stickslip.thresholds import control_match
 
 CriterionName = Literal["auto", "output error", "inverse model"]
 
@@ -50,25 +56,51 @@ class LearnSettings:
 
 @dataclass(frozen=True)
 class Task:
-    """The task of an estimation.
+    """The task of an estimation."""
 
-    Attributes
-    ----------
-    fmus : folder of the FMUs
-    gains : of the controller FMU by name; None when the controller is not known
-    settings : the law is that of the FMUs
-    faults : findings of the checks that invalidate intervals or values
-    choice : of the law among all; None where the law is given
-    """
-
-    fmus: Path
+    fmus: Path  # folder of the FMUs
     recording: Recording
-    gains: Mapping[str, float] | None = None
-    settings: LearnSettings = field(default_factory=LearnSettings)
-    faults: tuple[Finding, ...] = ()
-    choice: Choice | None = None
+    gains: Mapping[str, float] | None = None  # of the controller FMU by name; None if unknown
+    settings: LearnSettings = field(default_factory=LearnSettings)  # the law is that of the FMUs
+    faults: tuple[Finding, ...] = ()  # findings of the checks that invalidate intervals or values
+    choice: Choice | None = None  # of the law among all; None where the law is given
 
     @property
     def is_level(self) -> bool:
         """Whether friction does not rise towards rest, by the choice of the law."""
         return self.choice is not None and self.choice.chosen.candidate.is_level
+
+
+def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
+    """Return the criterion and why."""
+    loop, inverse = OutputError.name, InverseModel.name
+    if task.settings.criterion == loop and check is None:
+        raise UsageError(
+            "the output error needs the controller that made the log: give its gains, "
+            "or use the inverse model as the criterion"
+        )
+    if task.settings.criterion != "auto":
+        return task.settings.criterion, "asked for"
+    if task.recording.friction is not None and task.recording.force is None:
+        return inverse, "friction itself was measured"
+    law = friction_law(task.settings.law)
+    if not law.is_smooth and task.recording.force is not None:
+        return inverse, (
+            f"the law {law.title} switches, so that a simulated loop does not follow small changes "
+            "of its parameters smoothly"
+        )
+    if check is None:
+        return inverse, "the controller is not known, so the loop cannot be run again"
+    if np.isnan(check.error):
+        return loop, "the controller is known and no force was logged"
+    if check.error > control_match.EXACT:
+        return inverse, (
+            f"the controller given commands a force that differs by {100 * check.error:.2g} % from "
+            "the one logged, so the loop is not known well enough to run it again"
+        )
+    form = f", its {check.form}" if check.form else ""
+    running = " and was running when the log began" if is_running(check.gains) else ""
+    return loop, (
+        f"the controller is known{form}{running}, and commands the logged force within "
+        f"{100 * check.error:.2g} %"
+    )

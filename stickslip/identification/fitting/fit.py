@@ -1,7 +1,5 @@
 """Least squares in a parameter space, with a covariance that allows for correlated noise."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Protocol, Self
@@ -9,34 +7,24 @@ from typing import Protocol, Self
 import numpy as np
 from scipy.optimize import least_squares
 
-from stickslip.catalog.space import ParameterSpace, Values
+from stickslip.catalog.parameters import ParameterSpace, Values
 from stickslip.servo.measurement import Array
 
 STEP = 1e-3  # of a coordinate, for differences
-BLOCKS = 100
-"""Number of blocks of a recording whose sums of scores are taken to be independent."""
+BLOCKS = 100  # number of blocks of a recording whose sums of scores are taken to be independent
 ROUNDS = 30
 XTOL, FTOL = 1e-6, 1e-7
-ROUGH = 1e-4
-"""Relative change of the sum of squares at which a fit ends that another one continues."""
-SAME = 1e-4
-"""Relative difference of mean squares below which two minima are the same."""
+ROUGH = 1e-4  # relative change of the sum of squares at which a fit ends that another one continues
+SAME = 1e-4  # relative difference of mean squares below which two minima are the same
 TINY = 1e-200
-FAR = 2.0
-"""Distance from a fit at which a draw of a coordinate ends."""
+FAR = 2.0  # distance from a fit at which a draw of a coordinate ends
 
 
 class Criterion(Protocol):
-    """Compares the values of a parameter space with a recording.
+    """Compares the values of a parameter space with a recording."""
 
-    Attributes
-    ----------
-    name : for people
-    space : the parameters and their coordinates
-    """
-
-    name: str
-    space: ParameterSpace
+    name: str  # for people
+    space: ParameterSpace  # the parameters and their coordinates
 
     def residual(self, values: Values) -> Array:
         """Return the difference that the values leave (n,)."""
@@ -50,24 +38,14 @@ class Criterion(Protocol):
 
 @dataclass(frozen=True)
 class Fit:
-    """The point of the least sum of squares.
+    """The point of the least sum of squares."""
 
-    Attributes
-    ----------
-    space : the meaning of the k coordinates
-    q : (k,) coordinates
-    residual : (n,) in the criterion's unit
-    jacobian : (n, k) of the residual
-    covariance : (k, k) of q
-    noise : mean square of the residual that counts as noise
-    """
-
-    space: ParameterSpace
-    q: Array
-    residual: Array
-    jacobian: Array
-    covariance: Array
-    noise: float
+    space: ParameterSpace  # the meaning of the k coordinates
+    q: Array  # (k,) coordinates
+    residual: Array  # (n,) in the criterion's unit
+    jacobian: Array  # (n, k) of the residual
+    covariance: Array  # (k, k) of q
+    noise: float  # mean square of the residual that counts as noise
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -132,11 +110,8 @@ def fit(criterion: Criterion, starts: Iterable[Array], ftol: float = FTOL) -> Fi
     """Minimise residual and prior residual from each start (k,); return the least minimum.
 
     The residual is counted in its own standard deviation, so that each prior weighs as one more
-    measurement. When two starts have led to the same minimum, those that follow are left out.
-
-    Parameters
-    ----------
-    ftol : relative change of the sum of squares at which it ends
+    measurement. When two starts have led to the same minimum, those that follow are left out. It
+    ends at a relative change ``ftol`` of the sum of squares.
     """
     least: Fit | None = None
     for start in starts:
@@ -221,9 +196,7 @@ def covariance(jacobian: Array, residual: Array, space: ParameterSpace) -> Array
 
     The priors count as independent measurements.
 
-    Source
-    ------
-    White, Econometrica 48 (1980) 817, with blocks in place of samples.
+    Source: White, Econometrica 48 (1980) 817, with blocks in place of samples.
     """
     variance = max(float(np.mean(residual**2)), np.finfo(float).tiny)
     inverse = inverse_information(jacobian, variance, space)

@@ -14,46 +14,37 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from stickslip.catalog.space import ParameterSpace, Values
+from stickslip.catalog.parameters import ParameterSpace, Values
+from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.fitting.fit import Fit, inverse_information
 from stickslip.identification.sliding.friction_curve import Interval
-from stickslip.servo.measurement import Array
+from stickslip.models import LawParameter
+from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import identifiable
 
 IDENTIFIABLE = "identifiable"
 WEAKLY_IDENTIFIABLE = "weakly identifiable"
 NOT_IDENTIFIABLE = "not identifiable"
 LEVELS = (IDENTIFIABLE, WEAKLY_IDENTIFIABLE, NOT_IDENTIFIABLE)
-VALUE = "{value}"
-"""Place of the value in a template."""
+VALUE = "{value}"  # place of the value in a template
 POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
 PASSES = 3
-SETTLED = 0.01
-"""Length of a Gauss step, in deviance, below which a point of a profile is not moved again."""
-LOOSE = 0.5
-"""Standard error of a coordinate above which it is held while others are profiled."""
-AT_BOUND = 1e-6
-"""Distance from a bound below which a coordinate is held there."""
+SETTLED = 0.01  # length of a Gauss step, in deviance, below which a point is not moved again
+LOOSE = 0.5  # standard error of a coordinate above which it is held while others are profiled
+AT_BOUND = 1e-6  # distance from a bound below which a coordinate is held there
 
 
 @dataclass(frozen=True)
 class Identifiability:
-    """Estimate of one parameter, in SI units.
+    """Estimate of one parameter, in SI units."""
 
-    Attributes
-    ----------
-    value, standard_error : of the fit
-    low, high : 95 % interval
-    identifiability : one of ``LEVELS``
-    template : the same for display, with the experiment that shows the parameter, and ``VALUE``
-        for the value, which may still be scaled
-    """
-
-    value: float
-    standard_error: float
-    low: float
-    high: float
-    identifiability: str
+    value: float  # of the fit
+    standard_error: float  # of the fit
+    low: float  # 95 % interval
+    high: float  # 95 % interval
+    identifiability: str  # one of ``LEVELS``
+    # the same for display, with the experiment that shows the parameter, and ``VALUE`` for the
+    # value, which may still be scaled
     template: str
 
     @property
@@ -65,10 +56,7 @@ class Identifiability:
 def identifiability(name: str, fitted: Fit, errors: Values, degrees: int) -> Identifiability:
     """Return the identifiability of one parameter.
 
-    Parameters
-    ----------
-    errors : standard errors by name [SI]
-    degrees : of freedom behind them
+    Behind the standard errors [SI] by name are so many degrees of freedom.
     """
     value, error = fitted.parameters[name], errors[name]
     factor = float(student.ppf(0.975, degrees))
@@ -150,20 +138,14 @@ def _is_prior_dominated(name: str, fitted: Fit) -> bool:
 
 
 def profiles(
-    fitted: Fit,
-    residuals: Callable[[list[Values]], list[Array]],
-    errors: Values,
+    fitted: Fit, residuals: Callable[[list[Values]], list[Array]], errors: Values
 ) -> pd.DataFrame:
     """Return the profile likelihoods of the law's parameters.
 
     Each point holds one parameter and lets the others follow by up to three Gauss steps with the
     Jacobian of the fit; where that is not enough the curve lies above the true profile. Where a
-    bound keeps the parameter from a value there is no point.
-
-    Parameters
-    ----------
-    residuals : returns the residual (n,) of each of several points, as the fit saw it
-    errors : standard errors by name [SI]
+    bound keeps the parameter from a value there is no point. ``residuals`` returns the residual
+    (n,) of each of several points, as the fit saw it; the standard errors by name are in SI units.
 
     Returns
     -------
@@ -199,22 +181,14 @@ def profiles(
 
 @dataclass(frozen=True)
 class _Information:
-    """The fit around which profiles are computed.
-
-    Attributes
-    ----------
-    loose : (k,) whether a coordinate stays where it is while others are profiled
-    inverse, frozen : (k, k) inverse information of all coordinates, and of those not loose
-    weight : (k,) information of the priors
-    least : loss of the fit
-    """
+    """The fit around which profiles are computed."""
 
     fitted: Fit
-    loose: NDArray[np.bool_]
-    inverse: Array
-    frozen: Array
-    weight: Array
-    least: float
+    loose: NDArray[np.bool_]  # (k,) whether a coordinate stays while others are profiled
+    inverse: Array  # (k, k) inverse information of all coordinates
+    frozen: Array  # (k, k) of those not loose
+    weight: Array  # (k,) information of the priors
+    least: float  # loss of the fit
 
     @classmethod
     def of(cls, fitted: Fit, rest: Array) -> _Information:
@@ -285,3 +259,76 @@ class _Point:
         scale = (self._plain / self._relative) ** 2
         deviance = max((min(self.losses) - self._information.least) * scale, 0.0)
         return self._name, self._value * float(np.exp(self._change)), deviance
+
+
+CREEP = 0.1  # share of the highest speed up to which friction towards rest shows
+
+
+def conservative(
+    known: Mapping[str, Identifiability], space: ParameterSpace, largest: float
+) -> dict[str, Identifiability]:
+    """Return the same with the values that the compensator takes.
+
+    Feedforward that is too weak leaves a part of the friction to the controller, as all of it is
+    left without a compensator. Feedforward that is too strong, or lasts too long, pushes where
+    there is no friction.
+
+    A value that is not identifiable is moved to the end of its interval at which the force is the
+    weakest; static friction is then the Coulomb friction. Unless it is identifiable, static
+    friction is not above the largest one that the recording shows. ``largest`` is that one [N].
+    """
+    taken = dict(known)
+    for name, one in known.items():
+        parameter = space.law.parameters.get(name)
+        if parameter and not parameter.at_least and one.identifiability == NOT_IDENTIFIABLE:
+            value = _weakest(parameter, one)
+            taken[name] = replace(one, value=value, template=_template(name, VALUE, one))
+    for name, bound in space.bounded.items():
+        one, least = known[name], taken[bound].value
+        most = max(identifiable.BEYOND * largest, least)
+        if one.identifiability == NOT_IDENTIFIABLE:
+            value, what = least, bound
+        elif one.identifiability != IDENTIFIABLE and one.value > most:
+            value, what = max(largest, least), VALUE
+        else:
+            value, what = max(one.value, least), ""
+        template = _template(name, what, one) if what and value < one.value else one.template
+        taken[name] = replace(one, value=value, low=min(one.low, value), template=template)
+    return taken
+
+
+def largest_friction(inverse: InverseModel, values: Values) -> float:
+    """Return the largest friction of a recording at standstill and creep [N].
+
+    It is bounded by what was measured and by what the values predict, which has less noise.
+    """
+    speed = np.abs(inverse.motion.v[inverse.used])
+    slow = speed <= CREEP * np.quantile(speed, 0.99)
+    predicted = inverse.friction(values)
+    modelled = smoothed(predicted, inverse.T_s, inverse.cutoff)[inverse.used]
+    measured = modelled + inverse.residual(values)
+    largest = (np.max(np.abs(one[slow])) for one in (predicted[inverse.used], measured))
+    return float(min(largest))
+
+
+def bounded_by(values: Values, space: ParameterSpace, largest: float) -> dict[str, float]:
+    """Return values with no static friction above the largest one of the recording [N]."""
+    reduced = {
+        name: min(values[name], max(largest, values[bound]))
+        for name, bound in space.bounded.items()
+    }
+    return {**values, **reduced}
+
+
+def _weakest(parameter: LawParameter, one: Identifiability) -> float:
+    if parameter.weakest == "high":
+        return one.high
+    is_contact = (parameter.force, parameter.length) == (1, -1)
+    return max(one.low, identifiable.SOFTEST * one.value if is_contact else 0.0)
+
+
+def _template(name: str, what: str, one: Identifiability) -> str:
+    if one.identifiability != NOT_IDENTIFIABLE:
+        return f"{one.template}; {name} = {what} is taken, the largest friction in the recording"
+    taken = f"{name} = {what} is taken, as {name} is {NOT_IDENTIFIABLE}"
+    return one.template.replace(NOT_IDENTIFIABLE, taken)

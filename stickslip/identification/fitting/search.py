@@ -1,21 +1,25 @@
-"""The global search over the parameters of the friction law."""
+"""The global search of friction parameters, and least squares from several starts."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from stickslip import ga
+from stickslip.catalog.parameters import Values
 from stickslip.identification.criteria.inverse_model import ForceCost, InverseModel
+from stickslip.identification.fitting.fit import BLOCKS, FTOL, Criterion, Fit, fit
+from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, identifiability
 from stickslip.identification.fitting.start import Start
+from stickslip.output import steps
 from stickslip.servo.measurement import Array
-from stickslip.work.execution import Execution
+from stickslip.thresholds import law_choice
+from stickslip.work.jobs import Execution
 
-EVALUATIONS = 300
-"""Enough to reach the basin of the minimum; a local fit follows."""
+EVALUATIONS = 300  # enough to reach the basin of the minimum; a local fit follows
 PATIENCE = 100
 
 
@@ -35,18 +39,11 @@ def problem(start: Start) -> ga.Problem:
 
 @dataclass(frozen=True)
 class Search:
-    """How to search.
+    """How to search."""
 
-    Attributes
-    ----------
-    algorithm : one of ``ga.ALGORITHMS``
-    evaluations : at most
-    execution : where candidates run, and the checkpoint
-    """
-
-    algorithm: str = "default"
-    evaluations: int = EVALUATIONS
-    execution: Execution = field(default_factory=Execution)
+    algorithm: str = "default"  # one of ``ga.ALGORITHMS``
+    evaluations: int = EVALUATIONS  # at most
+    execution: Execution = field(default_factory=Execution)  # where, and the checkpoint
 
 
 def search(
@@ -60,19 +57,14 @@ def search(
 
     m, b and F_0 follow from each candidate by linear least squares.
 
-    Raises
-    ------
-    ga.NothingLearned
-        When no candidate could be run.
-    ga.StateError
-        When the checkpoint is of another run, or is there and not to be resumed.
-    ga.Interrupted
-        At Ctrl-C.
+    Raises ga.NothingLearned when no candidate could be run, ga.StateError when the checkpoint is of
+    another run, or is there and not to be resumed, and ga.Interrupted at Ctrl-C.
     """
     limits = ga.Limits(evaluations=how.evaluations, patience=PATIENCE)
     algorithm = ga.optimiser(how.algorithm, problem(start), limits, seed)
     names = [f"compensator.{name}" for name in start.space.friction]
     cost = ForceCost.of(model, start.line["delay"])
+    recorded = np.concatenate([model.t, model.force, model.motion.v]).tobytes()
     with (
         ga.SimulatedCost(model.specification, names, cost, model.inputs) as evaluate,
         how.execution.opened() as executor,
@@ -84,15 +76,9 @@ def search(
             on_generation,
             checkpoint=how.execution.checkpoint,
             resume=how.execution.resume,
-            about=fingerprint(model),
+            about=hashlib.sha256(recorded).hexdigest(),
         )
     return algorithm
-
-
-def fingerprint(model: InverseModel) -> str:
-    """Return a hash of the recording."""
-    content = np.concatenate([model.t, model.force, model.motion.v]).tobytes()
-    return hashlib.sha256(content).hexdigest()
 
 
 def solve_linear(model: InverseModel, start: Start, friction: Array) -> dict[str, float]:
@@ -107,3 +93,90 @@ def solve_linear(model: InverseModel, start: Start, friction: Array) -> dict[str
     values["m"], values["b"] = max(float(found[0]), low["m"]), max(float(found[1]), 0.0)
     values["F_0"] = float(found[2])
     return values
+
+
+STEEPER = 0.5
+WIDER = 1.5  # ratio of v_s with the exponent 2 to that with 1, for the same friction
+AMBIGUITY = 0.6  # standard error, as share of the distance of two fits, where neither is better
+
+
+def best_fit(inverse: InverseModel, start: Start, values: Values) -> Fit:
+    """Fit from the result of a search, from a typical Stribeck curve there, and from the line.
+
+    A search ends now and then in a local minimum: of a curve that falls over the whole range
+    of speeds, compensated by viscous friction; or, where the drive rests for long, of bristles
+    that are too stiff to show.
+    """
+    known = ("m", "b", "F_0", "F_c", *inverse.space.rise)
+    usual = {**values, **{name: start.line[name] for name in known if name in start.line}}
+    if "v_s" in usual:
+        usual["v_s"] *= STEEPER
+    starts = [inverse.space.encode(at) for at in (values, start.line, usual)]
+    return fit(inverse, steps(starts))
+
+
+def without_stribeck(criterion: Criterion, found: Fit) -> Fit:
+    """Return a fit without a rise of friction towards rest, if the recording does not require one.
+
+    A compensator would compensate a rise that no measurement shows, and a force
+    that does not exist pushes the drive. A rise that spreads over all speeds is a part of b.
+    """
+    errors, space = found.errors(), found.space
+    if not space.bounded or all(
+        identifiability(name, found, errors, BLOCKS).identifiability != NOT_IDENTIFIABLE
+        for name in space.rise
+    ):
+        return found
+    q = found.q.copy()
+    q[[space.index(name) for name in space.bounded]] = 0.0
+    flat = fit(criterion.over(space.level()), [q])
+    return flat if flat.noise < law_choice.RISE_WORTH * found.noise else found
+
+
+def variants(criterion: Criterion, found: Fit, ftol: float = FTOL) -> list[Fit]:
+    """Return a fit for each of the values to choose from, such as the exponents 1 and 2.
+
+    The preferred one is the first. Where no Stribeck curve shows, ``found`` is the only one.
+    """
+    space, fits = found.space, [found]
+    for name, parameter in space.law.parameters.items():
+        is_constant = name in space.constants and parameter.choices
+        if not is_constant or (parameter.requires and space.is_level):
+            continue
+        for choice in parameter.choices:
+            change = choice - space.constants[name]
+            if not change:
+                continue
+            q = found.q.copy()
+            if parameter.requires and "v_s" in space.names:
+                q[space.index("v_s")] += np.log(WIDER) * change
+            fits.append(fit(criterion.over(space.fixed(**{name: choice})), [q], ftol))
+        order = parameter.choices.index
+        fits.sort(key=lambda one: order(one.space.constants[name]))
+    return fits
+
+
+@dataclass(frozen=True)
+class Selection:
+    """One of several fits of the same recording."""
+
+    fit: Fit  # the selected one
+    ambiguity: Array  # (k, k) covariance of its coordinates from not knowing which one is right
+
+
+def select(fits: Sequence[Fit], sure: float | None = None) -> Selection:
+    """Select the first fit, or the best of those that leave less than ``sure`` times its variance.
+
+    Where neither of two fits is sure, the interval of 95 % contains both. With ``sure = 0`` the
+    first fit is always selected, and is never sure.
+    """
+    first, sure = fits[0], law_choice.EXPONENT if sure is None else sure
+    better = [one for one in fits[1:] if one.noise < sure * first.noise]
+    best = min(better, key=lambda one: one.noise, default=first)
+    ambiguity = np.zeros_like(best.covariance)
+    for other in fits:
+        is_alike = other.noise >= sure * best.noise and best.noise >= sure * other.noise
+        if other is not best and is_alike and other.space.names == best.space.names:
+            apart = AMBIGUITY * (other.q - best.q)
+            ambiguity = ambiguity + np.outer(apart, apart)
+    return Selection(best, ambiguity)

@@ -7,41 +7,31 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip.catalog.parameters import scaled_start, unit_of
-from stickslip.catalog.space import ParameterSpace, Values
+from stickslip.catalog.parameters import ParameterSpace, Values, scaled_start, unit_of
 from stickslip.errors import IdentificationError
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.motion import measured_force, position_of
-from stickslip.identification.criteria.scaling import SI, Scale
+from stickslip.identification.criteria.motion import SI, Scale, measured_force, position_of
 from stickslip.identification.sliding.friction_curve import FrictionCurve, Interval, friction_curve
 from stickslip.logs import Recording
-from stickslip.servo.stribeck_curve import level
+from stickslip.servo.measurement import level
 from stickslip.thresholds import curve_shown
 
 FAST = 0.1  # of the top speed: below it sign(v) is not friction
 DELAYS = np.arange(-3.0, 10.01, 0.5)  # in samples
 PRESLIDING = {False: 2e-4, True: 3e-2}
 """Share of the travel over which bristles bend, on a drive and on a tribometer: a first guess."""
-DECADES = 3.0
-"""Largest distance of a law's parameters from their prior means, in decades."""
+DECADES = 3.0  # largest distance of a law's parameters from their prior means, in decades
 RISE = 1.2  # F_s / F_c
 STEEPEST = 20.0  # largest F_s / F_c
 
 
 @dataclass(frozen=True)
 class Start:
-    """A straight line through the force, and the friction curve where the drive slides.
+    """A straight line through the force, and the friction curve where the drive slides."""
 
-    Attributes
-    ----------
-    line : values by name, in SI units; those of the law except F_c are guesses
-    space : with bounds and priors around them
-    curve : friction against speed without a law; None where the drive slides too little
-    """
-
-    line: dict[str, float]
-    space: ParameterSpace
-    curve: FrictionCurve | None = None
+    line: dict[str, float]  # values by name, in SI units; those of the law except F_c are guesses
+    space: ParameterSpace  # with bounds and priors around them
+    curve: FrictionCurve | None = None  # without a law; None where the drive slides too little
 
     def restored(self, scale: Scale) -> Start:
         """Return line and curve of a scaled recording in SI units; ``space`` stays scaled."""
@@ -121,14 +111,8 @@ class Start:
 def begin(model: InverseModel, recording: Recording, scale: Scale = SI) -> Start:
     """Fit F(t - delay) = m a + b v + F_c sign(v) + F_0 where the drive slides.
 
-    Parameters
-    ----------
-    scale : of the recording
-
-    Raises
-    ------
-    IdentificationError
-        When the drive hardly moves, or the force does not act in the direction of the motion.
+    Raises IdentificationError when the drive hardly moves, or the force does not act in the
+    direction of the motion.
     """
     v = model.motion.v
     top = float(np.quantile(np.abs(v[model.used]), 0.999))
@@ -232,10 +216,5 @@ def _around(
     if model.measures_friction:  # only friction and its offset show
         deviation[[at("m"), at("b"), at("delay")]] = 1e-6
     return replace(
-        space,
-        units=units,
-        prior_mean=mean,
-        prior_deviation=deviation,
-        lower=lower,
-        upper=upper,
+        space, units=units, prior_mean=mean, prior_deviation=deviation, lower=lower, upper=upper
     )

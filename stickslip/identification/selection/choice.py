@@ -1,30 +1,148 @@
-"""The choice of a friction law by what it predicts."""
+"""The choice of a friction law by what it predicts, and the causes of what none explains."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from stickslip.catalog.parameters import unit_of
-from stickslip.identification.selection.folds import is_less
-from stickslip.identification.selection.prediction import Prediction
-from stickslip.thresholds import law_choice
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.motion import position_of
+from stickslip.identification.selection.folds import folds, is_less
+from stickslip.identification.selection.prediction import Prediction, candidates, memory
+from stickslip.logs import Finding, Recording
+from stickslip.servo.measurement import Array
+from stickslip.thresholds import law_choice, misfit
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A possible cause of the unexplained force, tested."""
+
+    name: str  # of the cause, with its figure, such as ``another law, GMS``
+    left: float  # root mean square of the held-out error when the cause is taken into account [N]
+    advice: str  # what to do if it is the cause
+
+
+def is_mismatch(found: Prediction) -> bool:
+    """Tell whether a law leaves more force than noise and steps explain."""
+    return found.ratio > misfit.NOTED and found.unexplained > misfit.SMALLEST * found.measured
+
+
+def is_large(found: Prediction) -> bool:
+    """Tell whether a law leaves so much of the force that the others are to be tried."""
+    return is_mismatch(found) or found.relative > misfit.LARGE
+
+
+def is_beaten(found: Prediction, others: Sequence[Prediction]) -> bool:
+    """Tell whether another law predicts much better, whatever noise seems to explain.
+
+    The drive of a wrong law may oscillate when it is simulated, which looks like noise.
+    """
+    return any(one.force < misfit.BEATEN * found.force and is_better(one, found) for one in others)
+
+
+def mismatch(
+    found: Prediction, others: Sequence[Prediction], causes: Sequence[Cause], *, rotary: bool
+) -> Iterator[Finding]:
+    """Yield the finding that a law does not explain a recording, with the figure of each cause.
+
+    The best of the predictions of other laws is a cause beside those that were tested.
+    """
+    unit = "N m" if rotary else "N"
+    if found.fails and found.moving:
+        yield Finding(
+            "warning",
+            f"the law {found.candidate.title} predicts the force of the moving drive worse than "
+            "Coulomb and viscous friction alone",
+            f"error of {found.moving.law:.3g} {unit} where it was not fitted, a regression leaves "
+            f"{found.moving.regression:.3g} {unit}",
+            "give <law auto>",
+            spoils="values",
+        )
+    if not (is_mismatch(found) or is_beaten(found, others)):
+        return
+    tested = sorted((*causes, *_another_law(found, others)), key=lambda cause: cause.left)
+    figure = (
+        f"error of {found.force:.3g} {unit} where it was not fitted, {100.0 * found.relative:.2g} "
+        f"% of the force; noise and steps explain {found.explained:.3g} {unit}"
+    )
+    if tested:
+        left = ", ".join(f"{cause.name} leaves {cause.left:.3g} {unit}" for cause in tested)
+        figure += f"; causes tested: {left}"
+    likely = [cause for cause in tested if _removes(cause, found) > misfit.LIKELY]
+    advice = likely[0].advice if likely else "take the values as coarse"
+    yield Finding(
+        "warning",
+        f"the law {found.candidate.title} does not explain the force",
+        figure,
+        advice,
+        spoils="intervals" if is_beaten(found, others) or found.ratio > misfit.SPOILED else "",
+    )
+
+
+def _another_law(found: Prediction, others: Sequence[Prediction]) -> Iterator[Cause]:
+    """Yield the law that would be chosen, if it predicts better than the one found."""
+    if not others:
+        return
+    order = [*candidates(), found.candidate].index
+    ordered = sorted((found, *others), key=lambda one: order(one.candidate))
+    best = choose(ordered).chosen if ordered[0].candidate.is_level else min(ordered, key=_force)
+    if best is not found and is_better(best, found):
+        law = "auto" if best.candidate.is_level else best.candidate.law.name
+        yield Cause(f"another law, {best.candidate.title},", best.force, f"give <law {law}>")
+
+
+def _force(one: Prediction) -> float:
+    return one.force
+
+
+def _removes(cause: Cause, found: Prediction) -> float:
+    """Return the share of the unexplained mean square that a cause removes."""
+    if cause.left >= found.force:
+        return 0.0
+    floor = min(found.explained, cause.left)
+    return (found.force**2 - cause.left**2) / (found.force**2 - floor**2)
+
+
+PLACES = 60  # places along the travel; the force is linear between them
+RIDGE = 10.0  # samples of no force that each place counts in addition
+THIN = 4
+
+
+def along_the_travel(inverse: InverseModel, recording: Recording, residual: Array) -> Cause:
+    """Return the cause, tested on a held-out residual (k,) [N].
+
+    A function of the position for each direction is fitted to it, and predicts in turn the blocks
+    that it was not fitted to.
+    """
+    every = slice(None, None, THIN)
+    position = position_of(recording)[inverse.used][every]
+    ahead = np.sign(inverse.motion.v[inverse.used][every])
+    residual = residual[every]
+    place = (position - position.min()) / max(float(np.ptp(position)), 1e-300) * (PLACES - 1)
+    hats = np.maximum(1.0 - np.abs(place[:, np.newaxis] - np.arange(PLACES)), 0.0)
+    rows = np.hstack([hats * (ahead[:, np.newaxis] > 0.0), hats * (ahead[:, np.newaxis] < 0.0)])
+    left = residual.copy()
+    for fold in folds(len(residual), memory(inverse) // THIN):
+        fitted = rows[fold.fitted]
+        square = fitted.T @ fitted + RIDGE * np.eye(2 * PLACES)
+        force = np.linalg.solve(square, fitted.T @ residual[fold.fitted])
+        left[fold.held_out] -= rows[fold.held_out] @ force
+    return Cause(
+        "a force that depends on position and direction",
+        float(np.sqrt(np.mean(left**2))),
+        "the friction learned is the mean along the travel",
+    )
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The law that explains a recording.
+    """The law that explains a recording."""
 
-    Attributes
-    ----------
-    predictions : of all candidates, in the order of preference
-    chosen : one of them
-    reason : a sentence
-    """
-
-    predictions: tuple[Prediction, ...]
-    chosen: Prediction
-    reason: str
+    predictions: tuple[Prediction, ...]  # of all candidates, in the order of preference
+    chosen: Prediction  # one of them
+    reason: str  # a sentence
 
 
 def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice:

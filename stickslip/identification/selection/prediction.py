@@ -10,68 +10,82 @@ import numpy as np
 from scipy.stats import qmc
 from threadpoolctl import threadpool_limits
 
-from stickslip.catalog.parameters import presliding
-from stickslip.catalog.space import ParameterSpace
-from stickslip.identification.controller.controller_check import check_controller
-from stickslip.identification.controller.initial_state import fmu_gains
-from stickslip.identification.criteria.candidate_fmus import candidate_fmus
+from stickslip import models
+from stickslip.catalog.parameters import ParameterSpace, friction_law, presliding
+from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.inverse_model import EDGE, ForceCost, InverseModel
-from stickslip.identification.criteria.motion import against_motion
-from stickslip.identification.criteria.scaling import Scale, recording_scale
+from stickslip.identification.criteria.known_loop import fmu_gains
+from stickslip.identification.criteria.motion import Scale, against_motion, recording_scale
+from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, inverse_information
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, identifiability
-from stickslip.identification.fitting.multistart import select, variants
-from stickslip.identification.fitting.search import solve_linear
+from stickslip.identification.fitting.search import select, solve_linear, variants
 from stickslip.identification.fitting.start import Start, begin
-from stickslip.identification.selection.candidates import Candidate, candidates
-from stickslip.identification.selection.folds import Fold, folds, mean_squares
-from stickslip.identification.selection.moving import Moving, moving
-from stickslip.identification.selection.noise import encoder_error, explained
+from stickslip.identification.selection.folds import (
+    Fold,
+    Moving,
+    encoder_error,
+    explained,
+    folds,
+    mean_squares,
+    moving,
+)
 from stickslip.logs import Recording
-from stickslip.progress import steps
+from stickslip.models import Law
+from stickslip.output import steps
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import control_match, law_choice
 
-POINTS = 32
-"""Points at which the friction parameters are tried before the fits."""
-STARTS = 2
-"""Best of these from which a fit starts, beside the straight line."""
-REACH = 1.0
-"""Distance of the points from the prior mean, in prior standard deviations."""
-STEPS = (1.0, 0.3, 1.0)
-"""Shares of the Gauss steps from the fit of all samples to that of a fold; bad ones are skipped."""
-AT_BOUND = 1e-6
-"""Distance from a bound below which a coordinate stays there."""
-THIN = 4
-"""Every fourth sample starts the fits; the low-pass leaves less than a quarter of the band."""
+
+@dataclass(frozen=True)
+class Candidate:
+    """A friction law, or its case in which friction does not rise towards rest."""
+
+    law: Law  # of the catalogue
+    is_level: bool = False  # whether parameters with a lower bound, as F_s, are held there
+
+    @property
+    def title(self) -> str:
+        """The name for people."""
+        return "Coulomb-viscous" if self.is_level else self.law.title
+
+    def restricted(self, space: ParameterSpace) -> ParameterSpace:
+        """Return the space in which this candidate is estimated."""
+        return space.level() if self.is_level else space
+
+
+def candidates() -> tuple[Candidate, ...]:
+    """Return Coulomb and viscous friction alone, then the laws with ``candidate``, LuGre first.
+
+    Coulomb-viscous is the level case of a law that has a static curve and no presliding.
+    """
+    every = map(friction_law, dict.fromkeys(("lugre", *models.law_names())))
+    laws = [law for law in every if law.is_candidate]
+    static = [law for law in laws if not presliding(law) and ParameterSpace.of(law).bounded]
+    return (*(Candidate(law, is_level=True) for law in static[:1]), *map(Candidate, laws))
+
+
+POINTS = 32  # points at which the friction parameters are tried before the fits
+STARTS = 2  # best of these from which a fit starts, beside the straight line
+REACH = 1.0  # distance of the points from the prior mean, in prior standard deviations
+STEPS = (1.0, 0.3, 1.0)  # shares of the Gauss steps to the fit of a fold; bad ones are skipped
+AT_BOUND = 1e-6  # distance from a bound below which a coordinate stays there
+THIN = 4  # every fourth sample starts the fits; the low-pass leaves less than a quarter of the band
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """What a friction law explains of a recording, in SI units.
+    """What a friction law explains of a recording, in SI units."""
 
-    Attributes
-    ----------
-    candidate : the law
-    parameters : fitted to the whole recording, by name
-    errors : their standard errors by name
-    force : root mean square of measured minus predicted force where held out [N]
-    relative : the same over that of the measured force
-    explained : root mean square that noise and the steps of encoder and force make [N]
-    squares : (blocks,) mean square of the held-out error of each block [N^2]
-    shown : names of the law's parameters beyond Coulomb friction that the recording identifies
-    moving : beside a regression where the drive moves; None where that was not compared
-    """
-
-    candidate: Candidate
-    parameters: dict[str, float]
-    errors: dict[str, float]
-    force: float
-    relative: float
-    explained: float
-    squares: Array
-    shown: tuple[str, ...]
-    moving: Moving | None = None
+    candidate: Candidate  # the law
+    parameters: dict[str, float]  # fitted to the whole recording, by name
+    errors: dict[str, float]  # their standard errors by name
+    force: float  # root mean square of measured minus predicted force where held out [N]
+    relative: float  # the same over that of the measured force
+    explained: float  # root mean square that noise and the steps of encoder and force make [N]
+    squares: Array  # (blocks,) mean square of the held-out error of each block [N^2]
+    shown: tuple[str, ...]  # parameters beyond Coulomb friction that the recording identifies
+    moving: Moving | None = None  # beside a regression where the drive moves, if compared
 
     @property
     def fails(self) -> bool:
@@ -108,22 +122,14 @@ class Prediction:
 
 def predictions(
     recording: Recording,
-    gains: Mapping[str, float] | None = None,
+    gains: Mapping[str, float] | None = None,  # used if the controller commands the force
     among: Iterable[Candidate] | None = None,
     workers: int = 1,
 ) -> list[Prediction]:
     """Return the prediction of each law of the catalogue, or of those given.
 
-    Parameters
-    ----------
-    gains : of the controller; not used unless it commands the logged force
-
-    Raises
-    ------
-    IdentificationError
-        When the recording does not show a drive that slides.
-    UsageError
-        When it lacks a signal.
+    Raises IdentificationError when the recording does not show a drive that slides, or UsageError
+    when it lacks a signal.
     """
     scale = recording_scale(recording)
     scaled, _ = against_motion(scale.recording(recording))
@@ -153,16 +159,10 @@ def predict(
     inverse: InverseModel,
     fitted: Fit,
     candidate: Candidate,
-    gains: Mapping[str, float] | None = None,
-    residual: Array | None = None,
+    gains: Mapping[str, float] | None = None,  # of a controller that commands the logged force
+    residual: Array | None = None,  # of ``held_out``, where it is there already
 ) -> Prediction:
-    """Return what a fit by the inverse model to the whole recording predicts of its parts.
-
-    Parameters
-    ----------
-    gains : of a controller that commands the logged force
-    residual : of ``held_out``, where it is there already
-    """
+    """Return what a fit by the inverse model to the whole recording predicts of its parts."""
     residual = held_out(inverse, fitted) if residual is None else residual
     everywhere = np.ones(len(residual), dtype=bool)
     encoder = encoder_error(inverse, fitted.parameters, gains)

@@ -24,36 +24,25 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from stickslip.identification.criteria.motion import position_noise
-from stickslip.identification.criteria.scaling import Scale
+from stickslip.identification.criteria.motion import Scale, position_noise
 from stickslip.identification.sliding.regression import Regression, regress
 from stickslip.servo.measurement import Array, derivative, smoothed
 from stickslip.thresholds import curve_shown
 
-SHARE = 1.0 / 16.0
-"""Cut-off of the low-pass, as a share of the rate of the rows."""
-NOISE = 1e-4
-"""Largest variance of the acceleration by encoder noise, as share of that of the motion."""
-DISTANCES = (0.004, 0.02)
-"""Travel since a reversal from which on the drive slides, as a share of the whole travel."""
-SLOWEST = 0.01
-"""Speed from which on the drive slides, as a share of its top speed."""
-NOISY = 4.0
-"""The same in standard deviations of the velocity's noise."""
+SHARE = 1.0 / 16.0  # cut-off of the low-pass, as a share of the rate of the rows
+NOISE = 1e-4  # largest variance of the acceleration by encoder noise, over that of the motion
+DISTANCES = (0.004, 0.02)  # travel from a reversal to sliding, as a share of the whole travel
+SLOWEST = 0.01  # speed from which on the drive slides, as a share of its top speed
+NOISY = 4.0  # the same in standard deviations of the velocity's noise
 STEADY = 4.0
 """Largest ratio of speeds within such a distance: friction follows a change of speed over a path,
 so that it is not that of a steady speed while a drive sticks and slips."""
-GUARDS = (0.32, 0.64)
-"""Distances from rows that are not used, in periods of the cut-off."""
-HARMONICS, KNOTS, STEPS = 40, 10, 6
-"""Size of the bases along the guide, over speed, and over the travel since a reversal."""
-LONGEST = 1 << 6
-"""Largest number of samples in a row."""
+GUARDS = (0.32, 0.64)  # distances from rows that are not used, in periods of the cut-off
+HARMONICS, KNOTS, STEPS = 40, 10, 6  # bases along the guide, over speed, and since a reversal
+LONGEST = 1 << 6  # largest number of samples in a row
 SPEEDS = 12
-SPAN = (0.03, 0.97)
-"""Quantiles of the speeds between which the curve is given."""
-DEGREES = 40
-"""Degrees of freedom of the variance within one regression."""
+SPAN = (0.03, 0.97)  # quantiles of the speeds between which the curve is given
+DEGREES = 40  # degrees of freedom of the variance within one regression
 FIXED = ("m", "b", "F_c", "F_0", "delay")
 VARYING = {
     "ripple": "the force varies along the guide",
@@ -79,28 +68,20 @@ class Interval:
 
 @dataclass(frozen=True)
 class FrictionCurve:
-    """What sliding motion shows of a drive, whatever its friction law.
+    """What sliding motion shows of a drive, whatever its friction law."""
 
-    Attributes
-    ----------
-    speed : (k,) at which the drive slides in the recording, rising [m/s]
-    value, low, high : (k,) friction with its viscous part, and its 95 % intervals [N]; mean of both
-        directions and of the travel
-    mass : moving mass [kg]
-    viscous : slope of friction over speed, beside the Stribeck effect [N s/m]
-    offset : constant force against the motor, with half the difference of friction forward and
-        backward [N]
-    varying : root mean square [N] of the forces of ``VARYING`` that are certain
-    """
-
-    speed: Array
+    speed: Array  # (k,) at which the drive slides in the recording, rising [m/s]
+    # (k,) friction with its viscous part, and its 95 % intervals [N]; mean of both directions and
+    # of the travel
     value: Array
     low: Array
     high: Array
-    mass: Interval
-    viscous: Interval
+    mass: Interval  # moving mass [kg]
+    viscous: Interval  # slope of friction over speed, beside the Stribeck effect [N s/m]
+    # constant force against the motor, with half the difference of friction forward and backward
+    # [N]
     offset: Interval
-    varying: dict[str, float]
+    varying: dict[str, float]  # root mean square [N] of the forces of ``VARYING`` that are certain
 
     def restored(self, scale: Scale) -> FrictionCurve:
         """Return the curve of a scaled recording in SI units."""
@@ -189,32 +170,24 @@ def _samples_per_row(position: Array, T_s: float, noise: float) -> int:
     return q
 
 
-PASSED = 0.2
-"""Integral of f^4 |H|^4 over f from 0, in units of the cut-off; H is of second order."""
+PASSED = 0.2  # integral of f^4 |H|^4 over f from 0, in units of the cut-off; H is of second order
 
 
 @dataclass(frozen=True)
 class _Rows:
-    """A recording behind a low-pass, every q-th sample of it.
-
-    Attributes
-    ----------
-    x, v, a, force : (n,)
-    path, s : (n,) travel since the begin, and since the last reversal [m]
-    ahead : (n,) direction of the motion, -1 or 1
-    slides : (n,) whether the speed is above the noise
-    """
+    """A recording behind a low-pass, every q-th sample of it."""
 
     T: float
     cutoff: float
+    # (n,)
     x: Array
     v: Array
     a: Array
     force: Array
-    path: Array
-    s: Array
-    ahead: Array
-    slides: NDArray[np.bool_]
+    path: Array  # (n,) travel since the begin [m]
+    s: Array  # (n,) travel since the last reversal [m]
+    ahead: Array  # (n,) direction of the motion, -1 or 1
+    slides: NDArray[np.bool_]  # (n,) whether the speed is above the noise
     top: float
     slowest: float
 

@@ -9,8 +9,6 @@ Patterson, Thompson, Biometrika 58 (1971) 545 (restricted likelihood);
 MacKay, Neural Computation 4 (1992) 415 (the fixed-point iteration used here).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -20,35 +18,22 @@ from numpy.typing import NDArray
 from stickslip.servo.measurement import Array
 
 ROUNDS = 16
-CORRELATED = (5, 9, 12)
-"""Rounds in which the correlation of the residual is estimated."""
+CORRELATED = (5, 9, 12)  # rounds in which the correlation of the residual is estimated
 LAGS = 400
-UNCORRELATED = 0.05
-"""Autocorrelation below which a residual counts as uncorrelated."""
-DEVIATIONS = (1e-4, 1.0)
-"""Least and largest standard deviation of a random coefficient."""
-FEW = 5
-"""Rows of a class of noise up to which all rows give its variance."""
+UNCORRELATED = 0.05  # autocorrelation below which a residual counts as uncorrelated
+DEVIATIONS = (1e-4, 1.0)  # least and largest standard deviation of a random coefficient
+FEW = 5  # rows of a class of noise up to which all rows give its variance
 
 
 @dataclass(frozen=True)
 class Regression:
-    """The coefficients of a regression.
+    """The coefficients of a regression."""
 
-    Attributes
-    ----------
-    coefficients : (k,) the fixed ones first, then the groups in their order
-    covariance : (k, k)
-    places : where the coefficients of each group are
-    deviations : standard deviation of each group's coefficients
-    correlation : samples of the residual that count as one
-    """
-
-    coefficients: Array
-    covariance: Array
-    places: dict[str, slice]
-    deviations: dict[str, float]
-    correlation: float
+    coefficients: Array  # (k,) the fixed ones first, then the groups in their order
+    covariance: Array  # (k, k)
+    places: dict[str, slice]  # where the coefficients of each group are
+    deviations: dict[str, float]  # standard deviation of each group's coefficients
+    correlation: float  # samples of the residual that count as one
 
 
 def regress(
@@ -56,10 +41,8 @@ def regress(
 ) -> Regression:
     """Fit y (n,) by fixed regressors (n, f) and groups of random ones (n, j).
 
-    Parameters
-    ----------
-    groups : scaled such that a standard deviation of 1 of their coefficients is large
-    classes : (n,) from 0 on; the noise has a variance of its own in each class
+    Groups are scaled such that a standard deviation of 1 of their coefficients is large. In each of
+    the classes (n,), from 0 on, the noise has a variance of its own.
     """
     x = np.column_stack([fixed, *groups.values()])
     edges = fixed.shape[1] + np.cumsum([0, *(group.shape[1] for group in groups.values())])

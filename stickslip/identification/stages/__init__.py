@@ -3,21 +3,29 @@
 They see a drive through its commands and measurements only (``stickslip/rigs/contract.py``).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from stickslip.catalog.estimate import Estimate, unseen
-from stickslip.catalog.parameters import estimated, friction_law, scaled_start, tabulated
+from stickslip.catalog.parameters import (
+    Estimate,
+    estimated,
+    friction_law,
+    scaled_start,
+    tabulated,
+    unseen,
+)
 from stickslip.identification.stages.friction_map import FrictionMap, measure_friction
-from stickslip.identification.stages.inertia import Inertia, measure_inertia
-from stickslip.identification.stages.presliding import Presliding, measure_presliding
+from stickslip.identification.stages.inertia import (
+    Inertia,
+    Presliding,
+    measure_inertia,
+    measure_presliding,
+)
 from stickslip.models import Law
 from stickslip.rigs.contract import Rig
-from stickslip.servo.specification import LoopSpecification
+from stickslip.servo.axis import LoopSpecification
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 __all__ = ["Estimate", "FrictionMap", "Identification", "Inertia", "Presliding", "identify"]
@@ -63,12 +71,8 @@ def identify(
 ) -> Identification:
     """Run the three stages; the velocity loop that stage 2 needs is designed on stage 1.
 
-    Raises
-    ------
-    IdentificationError
-        When a recording does not show what its stage looks for.
-    stickslip.servo.axis.ControlError
-        When the axis found cannot meet the specification.
+    Raises IdentificationError when a recording does not show what its stage looks for, or
+    stickslip.servo.axis.ControlError when the axis found cannot meet the specification.
     """
     on_stage("inertia")
     inertia = measure_inertia(rig)

@@ -1,19 +1,98 @@
 """Stage 2: friction over velocity in both directions, and the break-away force."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from stickslip.catalog.estimate import UNKNOWN, Estimate, covariance, unseen
+from stickslip.catalog.parameters import UNKNOWN, Estimate, covariance, unseen
 from stickslip.errors import IdentificationError
-from stickslip.identification.stages.sliding import measure_sliding
 from stickslip.rigs.contract import Rig
-from stickslip.servo.measurement import Array, measured_velocity
+from stickslip.servo.measurement import Array, measured_velocity, smoothed
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import stage
+
+SPEEDS = np.geomspace(0.25e-3, 40e-3, 12)  # [m/s]
+FAST = 3e-3  # from this speed on the whole guide is travelled, below it the beginning [m/s]
+GUIDE, BEGINNING = 0.100, 0.010  # [m]
+BLOCK = 0.0025  # of the guide, over which the force is averaged [m]
+SETTLE, LEAD = 2.0, 0.010  # before that, at most [s] and [m]
+SLOW = 20.0  # frequency below which the fluctuation of a speed counts [Hz]
+
+
+@dataclass(frozen=True)
+class Sliding:
+    """Friction at the n speeds that the loop holds."""
+
+    speed: Array  # (n,) [m/s]
+    forward: Array  # (n,) motor force forward [N]
+    back: Array  # (n,) motor force backward [N]
+    friction: Array  # (n,) half their difference [N]
+    error: Array  # (n,) its standard error [N]
+    along: Array  # (k,) friction in each block of the guide, relative to its mean
+    fluctuation: float  # largest standard deviation of the velocity about its mean [m/s]
+
+
+def measure_sliding(rig: Rig, loop: VelocityLoop) -> Sliding:
+    """Drive at each of the speeds; friction is that of the mean of the guide.
+
+    What depends on the position alone, such as the motor's force ripple, cancels between the
+    directions. Friction varies along the guide in the same proportion at each speed; the fast runs,
+    which travel all of it, show how, so that the slow ones need not go far.
+
+    Where the stage sticks and slips the mean force is not that of the mean speed: no such run
+    counts. Raises IdentificationError when too few speeds are held.
+    """
+    tried = [_forth_and_back(rig, loop, speed) for speed in SPEEDS]
+    held = [run is not None for run in tried]
+    if sum(held) < stage.SPEEDS_HELD:
+        raise IdentificationError(
+            f"constant velocity: the loop holds {sum(held)} of {len(held)} speeds from "
+            f"{SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s within {100.0 * stage.HELD:.0f} %, expected at "
+            f"least {stage.SPEEDS_HELD:g}; check tau_i and encoder_step of the data sheet, or "
+            "raise the bandwidth"
+        )
+    runs = [run for run in tried if run is not None]
+    halves = [0.5 * (forces[0] - forces[1]) for forces, _ in runs]
+    along = np.mean([f / f.mean() for f in halves if len(f) == round(GUIDE / BLOCK)], axis=0)
+    level = [(forces / along[: forces.shape[1]]).mean(axis=1) for forces, _ in runs]
+    rest = [half / along[: len(half)] for half in halves]
+    return Sliding(
+        speed=SPEEDS[held],
+        forward=np.array([force[0] for force in level]),
+        back=np.array([force[1] for force in level]),
+        friction=np.array([f.mean() for f in rest]),
+        error=np.array([f.std(ddof=1) / np.sqrt(len(f)) for f in rest]),
+        along=along,
+        fluctuation=float(np.mean([fluctuation for _, fluctuation in runs])),
+    )
+
+
+def _forth_and_back(rig: Rig, loop: VelocityLoop, speed: float) -> tuple[Array, float] | None:
+    """Return the mean force (2, k) [N] in each block, forward and back, and the fluctuation [m/s].
+
+    None where the loop does not hold the speed.
+
+    The velocity does not fluctuate more than the motor force would make the mass alone do.
+    """
+    reach = GUIDE if speed >= FAST else BEGINNING
+    settle, travel = min(SETTLE, LEAD / speed), reach / speed
+    turn = settle, 3.0 * settle + travel  # from before the guide to behind it, and back [s]
+    t = rig.samples(turn[1] + 2.0 * settle + travel)
+    log = rig.follow(speed * np.where((t < turn[0]) | (t >= turn[1]), -1.0, 1.0), loop)
+    block = np.floor(log.x_enc / BLOCK)
+    forward = (t >= turn[0] + 0.5 * settle) & (t < turn[1])
+    back = t >= turn[1] + 0.5 * settle
+    n = round(reach / BLOCK)
+    v = np.gradient(smoothed(log.x_enc, rig.T_s, SLOW), rig.T_s)
+    parts = [[way & (block == k) for k in range(n)] for way in (forward, back)]
+    for part in parts:
+        if not (all(map(np.any, part)) and np.std(v[np.any(part, axis=0)]) < stage.HELD * speed):
+            return None
+    forces = [[log.F_m[samples].mean() for samples in part] for part in parts]
+    free = np.cumsum(log.F_m) * rig.T_s / loop.axis.m
+    return np.array(forces), float(np.std((free - smoothed(free, rig.T_s))[forward]))
+
 
 CREEP = 0.2  # standard deviation of break-away from F_s: bristles that creep break away earlier
 RAMP = 4.0  # duration of a break-away ramp [s]
@@ -25,33 +104,25 @@ _WEIGHTS /= _WEIGHTS.sum()
 
 @dataclass(frozen=True)
 class FrictionMap:
-    """Result of stage 2.
+    """Result of stage 2."""
 
-    Attributes
-    ----------
-    b, F_c, F_s, v_s : of F(v) = b v + F_c + (F_s - F_c) exp(-|v| / v_s) [N s/m, N, N, m/s]
-    fluctuation : standard deviation of the velocity about each constant speed, which encoder steps
-        and noise cause in the loop and the slowest points show [m/s]
-    velocity, force, error : (n,) the points: speed with its sign [m/s], force as the mean of the
-        guide and its standard error [N]
-    breakaway : force at which the stage broke away, forward and back [N]
-    place : friction where it broke away, relative to the mean of the guide
-    ramp_rate : of the force that led there, at most [N/s]; a faster ramp breaks away later
-    warning : why v_s is not known, or empty
-    """
-
+    # of F(v) = b v + F_c + (F_s - F_c) exp(-|v| / v_s) [N s/m, N, N, m/s]
     b: Estimate
     F_c: Estimate
     F_s: Estimate
     v_s: Estimate
+    # standard deviation of the velocity about each constant speed, which encoder steps and noise
+    # cause in the loop and the slowest points show [m/s]
     fluctuation: float
+    # (n,) the points: speed with its sign [m/s], force as the mean of the guide and its standard
+    # error [N]
     velocity: Array
     force: Array
     error: Array
-    breakaway: tuple[float, float]
-    place: float
-    ramp_rate: float
-    warning: str = ""
+    breakaway: tuple[float, float]  # force at which the stage broke away, forward and back [N]
+    place: float  # friction where it broke away, relative to the mean of the guide
+    ramp_rate: float  # of the force that led there, at most [N/s]; a faster ramp breaks away later
+    warning: str = ""  # why v_s is not known, or empty
 
     def curve(self, v: Array) -> Array:
         """Return the fitted friction (n,) [N] at velocities (n,) [m/s]."""
@@ -62,15 +133,8 @@ class FrictionMap:
 def measure_friction(rig: Rig, loop: VelocityLoop, coarse_F_c: float) -> FrictionMap:
     """Drive at constant velocities, break away from rest, and fit the Stribeck curve.
 
-    Parameters
-    ----------
-    loop : holds the velocity
-    coarse_F_c : Coulomb friction of stage 1, at which the first ramp ends [N]
-
-    Raises
-    ------
-    IdentificationError
-        When the stage does not break away, or the loop holds too few speeds.
+    Raises IdentificationError when the stage does not break away, or the loop holds too few speeds.
+    The loop holds the velocity. The first ramp ends at the Coulomb friction of stage 1 [N].
     """
     sliding = measure_sliding(rig, loop)
     place = float(sliding.along[0])

@@ -11,8 +11,6 @@ the format from the content; and one of
   content can crash. It raises RecordingError.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from importlib import import_module
 from importlib.util import find_spec
@@ -22,14 +20,12 @@ from types import ModuleType
 
 from stickslip.errors import RecordingError
 from stickslip.fmi.files import read_limited
-from stickslip.logs.finding import Finding
-from stickslip.logs.isolated import read_isolated
-from stickslip.logs.signals import table_of
+from stickslip.logs.recording import Finding
+from stickslip.logs.signals import read_isolated, table_of
 from stickslip.logs.table import LogTable
 from stickslip.logs.text import is_text, read_text
 
-MOST = 1 << 30
-"""Bytes of a log; of one as text see ``text``."""
+MOST = 1 << 30  # bytes of a log; of one as text see ``text``
 _FOREIGN = {
     b"PK\x03\x04": "an archive",
     b"\xd0\xcf\x11\xe0": "a workbook of Excel 97; save it as .xlsx",
@@ -42,10 +38,7 @@ SUFFIXES = tuple(suffix for each in _FORMATS for suffix in each.SUFFIXES)
 def read_table(path: Path, delimiter: str | None = None, decimal: str | None = None) -> LogTable:
     """Read a log of one of the formats, else text.
 
-    Raises
-    ------
-    RecordingError
-        When the file cannot be read as the format that content or name indicate.
+    Raises RecordingError when the file cannot be read as the format that content or name indicate.
     """
     try:
         data = read_limited(path, MOST)
@@ -78,10 +71,7 @@ def _read(
 ) -> LogTable:
     """Read a file of a format.
 
-    Raises
-    ------
-    RecordingError
-        When its library is not installed, or the file cannot be read.
+    Raises RecordingError when its library is not installed, or the file cannot be read.
     """
     library, extra = getattr(module, "NEEDS", ("numpy", ""))
     if find_spec(library) is None:

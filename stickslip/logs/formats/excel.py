@@ -1,7 +1,5 @@
 """Logs as sheets of Excel workbooks."""
 
-from __future__ import annotations
-
 import io
 import zipfile
 from typing import Any
@@ -10,8 +8,7 @@ TITLE = "Excel"
 SUFFIXES = (".xlsx", ".xlsm")
 NEEDS = ("openpyxl", "excel")
 
-MOST = 1 << 28
-"""Bytes of a workbook when it is unpacked."""
+MOST = 1 << 28  # bytes of a workbook when it is unpacked
 
 
 def recognises(data: bytes) -> bool:
@@ -22,10 +19,7 @@ def recognises(data: bytes) -> bool:
 def contents(data: bytes) -> str:
     """Return the sheet with most numbers as text, its fields apart by tabulators.
 
-    Raises
-    ------
-    ValueError
-        When the workbook is too large.
+    Raises ValueError when the workbook is too large.
     """
     from openpyxl import load_workbook
 

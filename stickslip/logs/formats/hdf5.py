@@ -1,7 +1,5 @@
 """Logs as HDF5 files, MATLAB's version 7.3 among them."""
 
-from __future__ import annotations
-
 import io
 from typing import Any
 

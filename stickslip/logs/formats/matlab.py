@@ -1,7 +1,5 @@
 """Logs as MAT files up to version 7, with structures and cells."""
 
-from __future__ import annotations
-
 import io
 from typing import Any
 

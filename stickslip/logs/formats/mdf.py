@@ -1,7 +1,5 @@
 """Logs as MDF files: MF4, and version 3."""
 
-from __future__ import annotations
-
 import io
 from typing import Any
 

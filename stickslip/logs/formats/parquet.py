@@ -1,10 +1,8 @@
 """Logs as Parquet files."""
 
-from __future__ import annotations
-
 from stickslip.errors import RecordingError
 from stickslip.fmi.messages import printable
-from stickslip.logs.dialect import split_unit
+from stickslip.logs.header import split_unit
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
 
@@ -21,10 +19,7 @@ def recognises(data: bytes) -> bool:
 def read(path: str, data: bytes) -> LogTable:
     """Read the numeric columns of a Parquet file; points in time become seconds.
 
-    Raises
-    ------
-    RecordingError
-        When the file cannot be read, or it holds no rows of numbers.
+    Raises RecordingError when the file cannot be read, or it holds no rows of numbers.
     """
     from stickslip.cosim.signals.tables import Unreadable, read_parquet  # late: loads cosim
 

@@ -1,7 +1,5 @@
 """Logs as TDMS files of LabVIEW and its relatives."""
 
-from __future__ import annotations
-
 import io
 from typing import Any
 
@@ -20,10 +18,7 @@ def recognises(data: bytes) -> bool:
 def contents(data: bytes) -> list[dict[str, Any]]:
     """Return the channels with their units, and their times where the file states the period.
 
-    Raises
-    ------
-    ValueError
-        When the file is cut off.
+    Raises ValueError when the file is cut off.
     """
     from nptdms import TdmsFile
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from stickslip.catalog.parameters import start_unit, unit_of
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.learned.writing import (
     SCHEMA,
     component_entry,
@@ -15,10 +16,9 @@ from stickslip.learned.writing import (
     versions,
 )
 from stickslip.papers.lugre.reproduction import Reproduction
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.storage.codec import encode, state
 from stickslip.tuning.drive_model import DriveModel
-from stickslip.tuning.loop_genes import GENES
+from stickslip.tuning.loop_runs import GENES
 
 
 def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:

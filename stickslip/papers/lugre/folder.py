@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip import cosim, models
-from stickslip.default_input import pack_input
+from stickslip.evaluation.motions import TRAINING, VALIDATION
 from stickslip.fmi.process import temporary_folder
 from stickslip.papers.lugre.document import reproduction_document
 from stickslip.papers.lugre.fmpy_check import SecondOpinion, second_opinion
@@ -19,10 +19,9 @@ from stickslip.papers.lugre.page.as_published import FIG5, study_section
 from stickslip.papers.lugre.published import START, TABLES, PublishedStudy
 from stickslip.papers.lugre.reproduction import Options, Reproduction
 from stickslip.presentation.page import picture_files, write_page
-from stickslip.servo.deployment import deployed
-from stickslip.servo.paper_commands import TRAINING, VALIDATION
-from stickslip.servo.systems import Compensator, for_all_platforms
+from stickslip.servo.systems import Compensator, deployed, for_all_platforms
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.simulation import pack_input
 from stickslip.storage import staged
 from stickslip.storage.writing import write_json, write_tables
 

@@ -13,18 +13,16 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from stickslip.catalog.estimate import HIGH, LOW
-from stickslip.catalog.parameters import friction_law
+from stickslip.catalog.parameters import HIGH, LOW, friction_law
 from stickslip.evaluation.motions import MOTIONS, Motion
-from stickslip.evaluation.scatter import PHASES, beginnings
-from stickslip.evaluation.validation import covered
+from stickslip.evaluation.validation import PHASES, beginnings, covered
 from stickslip.fmi.process import Threads
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
-from stickslip.tuning.loop_genes import CHAIN, FEEDFORWARD, OBSERVER, PLAIN, TunedLoop
 from stickslip.tuning.loop_learning import LearnedLoop, LoopStudy
+from stickslip.tuning.loop_runs import CHAIN, FEEDFORWARD, OBSERVER, PLAIN, TunedLoop
 
 FRICTION = (0.7, 1.0, 1.3)
 """Friction of the drive, relative to its own."""

@@ -17,17 +17,15 @@ import pandas as pd
 from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, UNITS
 from stickslip.evaluation.comparison import Entry, Evaluation, evaluate
-from stickslip.evaluation.motions import MOTIONS
-from stickslip.evaluation.scatter import PHASES, summary
+from stickslip.evaluation.motions import MOTIONS, TRAINING
+from stickslip.evaluation.validation import PHASES, summary
 from stickslip.fmi.process import Threads
 from stickslip.identification.stages import Identification
 from stickslip.papers.lugre.steps import UNCOMPENSATED
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.measurement import Array
-from stickslip.servo.paper_commands import TRAINING
 from stickslip.servo.systems import Feed
-from stickslip.tuning.coarse_start import coarsened, draw_factors
-from stickslip.tuning.learning import Study, VelocityCost, genes
+from stickslip.tuning.learning import Study, VelocityCost, coarsened, draw_factors, genes
 from stickslip.tuning.refinement import refine
 
 PAPER_COST = 1.7e-3

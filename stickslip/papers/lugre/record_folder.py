@@ -13,7 +13,7 @@ from stickslip.papers.lugre.page.record import FIGURES, sections
 from stickslip.papers.lugre.record_mode import RecordReproduction
 from stickslip.presentation.page import picture_files
 from stickslip.rigs.contract import commissioning_loop
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 from stickslip.storage import staged
 from stickslip.storage.writing import write_json, write_tables
 from stickslip.studies.learn.document import recording_document

@@ -15,17 +15,17 @@ import pandas as pd
 
 from stickslip.identification.estimation import Estimation, LearnSettings, Search
 from stickslip.logs import check_recording
+from stickslip.output import Progress
 from stickslip.papers.lugre.reproduction import Options, Reproduced, build_rig, validated
 from stickslip.papers.lugre.tables import table2_of_recording
-from stickslip.progress import Progress
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.axis import LOOP, Datasheet
+from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
 from stickslip.studies.learn.recorded import gains_of, record_drive
-from stickslip.trial.simulated import Loops
-from stickslip.work.execution import Execution
+from stickslip.trial.compensator_trial import Loops
+from stickslip.work.jobs import Execution
 
 
 @dataclass(frozen=True)

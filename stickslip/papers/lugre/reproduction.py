@@ -16,18 +16,17 @@ import pandas as pd
 from stickslip import cosim, models
 from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.evaluation.comparison import Evaluation
-from stickslip.evaluation.scatter import PHASES
-from stickslip.evaluation.validation import Validation, validate
+from stickslip.evaluation.motions import VALIDATION
+from stickslip.evaluation.validation import PHASES, Validation, validate
 from stickslip.identification.stages import Estimate, Identification
+from stickslip.output import Progress
 from stickslip.papers.lugre.fmpy_check import SecondOpinion
 from stickslip.papers.lugre.loop_tuning import LoopTuning, validate_loops
 from stickslip.papers.lugre.published import PublishedStudy
 from stickslip.papers.lugre.steps import with_steps
 from stickslip.papers.lugre.tables import table2
-from stickslip.progress import Progress
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.systems import Changes, Feed, build_fmus, build_loop, drive_law, paper_loop
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.studies.learn.learned import Learned
@@ -35,7 +34,7 @@ from stickslip.studies.learn.rig_learning import LearnedOnRig, learn_on_rig
 from stickslip.tuning.drive_model import fit_models
 from stickslip.tuning.loop_learning import LoopStudy, learn_loop, what_is_left
 from stickslip.tuning.refinement import Refinement
-from stickslip.work.execution import Execution
+from stickslip.work.jobs import Execution
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,7 @@ class Options:
     published_seeds : how many seeds learn as published
     complete : take all steps: learn as published and from one recording, too
     coarse : factors by name on what identification found, to begin learning there; see
-        ``stickslip/tuning/coarse_start.py``
+        ``stickslip/tuning/learning.py``
     """
 
     truth: Changes = field(default_factory=dict)

@@ -6,16 +6,13 @@ from contextlib import suppress
 
 import pandas as pd
 
-from stickslip.catalog.estimate import HIGH, LOW
+from stickslip.catalog.parameters import HIGH, LOW
 from stickslip.evaluation.comparison import Entry, Evaluation
 from stickslip.evaluation.motions import MOTIONS
-from stickslip.evaluation.scatter import ranges_last, summary
-from stickslip.evaluation.validation import reduction
+from stickslip.evaluation.validation import ranges_last, reduction, summary
 from stickslip.identification.stages import Identification
-from stickslip.servo.axis import ControlError
-from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
-from stickslip.servo.tuned_pi import tuned_pi
+from stickslip.servo.axis import ControlError, Datasheet
+from stickslip.servo.tuned_pi import tuned_pi, with_inertia, with_velocity_filter
 from stickslip.studies.learn.learned import Learned
 
 TRAPEZOID = MOTIONS[0]

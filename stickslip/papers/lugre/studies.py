@@ -9,18 +9,18 @@ import pandas as pd
 
 from stickslip import ga, models
 from stickslip.evaluation.comparison import evaluate
-from stickslip.evaluation.scatter import PHASES
+from stickslip.evaluation.validation import PHASES
 from stickslip.fmi.errors import Fault
 from stickslip.identification.estimation import Search
+from stickslip.output import Factors, Progress
 from stickslip.papers.lugre.published import OURS, SQUARES, study_as_published
 from stickslip.papers.lugre.record_mode import learn_from_recording
 from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, reproduce
 from stickslip.papers.lugre.steps import TRAPEZOID, steps, with_steps
-from stickslip.progress import Factors, Progress
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.studies.learn.learned import Learned
-from stickslip.work.execution import Execution
+from stickslip.work.jobs import Execution
 
 
 def with_studies(

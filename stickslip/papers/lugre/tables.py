@@ -12,8 +12,7 @@ from typing import Any
 
 import pandas as pd
 
-from stickslip.catalog.estimate import HIGH, LOW
-from stickslip.catalog.parameters import PAPER, tabulated, unit_of
+from stickslip.catalog.parameters import HIGH, LOW, PAPER, tabulated, unit_of
 from stickslip.evaluation.validation import reduction
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.stages import Estimate, Identification

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from stickslip.catalog.estimate import LOW
-from stickslip.evaluation.scatter import PHASES
+from stickslip.catalog.parameters import LOW
+from stickslip.evaluation.validation import PHASES
 from stickslip.papers.lugre import tables
 from stickslip.papers.lugre.loop_tuning import LoopTuning
 from stickslip.papers.lugre.published import PAPER_COST, PublishedStudy

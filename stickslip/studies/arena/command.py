@@ -17,7 +17,7 @@ from stickslip.output import Answer
 from stickslip.storage import reserved
 from stickslip.studies.arena.budget import Budget
 from stickslip.studies.arena.drive_names import drive_names, require_drives
-from stickslip.work.execution import Execution
+from stickslip.work.jobs import Execution
 
 if TYPE_CHECKING:
     from stickslip.studies.arena.protocol import Cell, Plan

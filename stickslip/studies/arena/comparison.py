@@ -24,7 +24,7 @@ from stickslip.studies.arena.drives import default_drives, learned_drive, read_d
 from stickslip.studies.arena.protocol import Arena, Plan, run_arena
 from stickslip.studies.arena.table import ALL, arena_table, ranking, relative_errors
 from stickslip.studies.arena.writing import FILES, write_arena
-from stickslip.work.execution import Execution
+from stickslip.work.jobs import Execution
 
 _DEEP = 3.0
 """Factor on the error at which the colour of a cell is the deepest."""

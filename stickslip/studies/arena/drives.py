@@ -15,11 +15,10 @@ from stickslip.compensators.entrants import SPEED
 from stickslip.errors import UsageError
 from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.learned.file import LearnedFile
-from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 from stickslip.studies.arena.drive_names import content
-from stickslip.trial.single_run import axis_values
+from stickslip.trial.family import axis_values
 
 AXIS = Axis(5.557, 6.6135, Datasheet().tau_i)
 """That of the paper's stage."""

@@ -9,9 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.cosim import Signal, SineSweep, Table
-from stickslip.evaluation.motions import BEGIN, Motion, Span, Stroke, strokes, windows
+from stickslip.evaluation.motions import (
+    BEGIN,
+    REGION,
+    VALIDATION,
+    Motion,
+    Span,
+    Stroke,
+    strokes,
+    windows,
+)
 from stickslip.servo.measurement import Array
-from stickslip.servo.paper_commands import REGION, VALIDATION
 
 PASSES = 2
 """Sweeps of the training command; the last one counts, when observers have settled."""

@@ -41,8 +41,7 @@ from stickslip.studies.arena.validation import (
     validate,
     validate_changed,
 )
-from stickslip.work.execution import Execution, stopped
-from stickslip.work.jobs import Outcome, ended_by_signals, run_jobs
+from stickslip.work.jobs import Execution, Outcome, ended_by_signals, run_jobs, stopped
 
 REFERENCES = ("pi", "none")
 """Entrants to which errors are relative, the preferred one first."""

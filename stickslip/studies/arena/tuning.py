@@ -15,9 +15,8 @@ import numpy as np
 
 from stickslip import cosim, ga
 from stickslip.compensators.entrants import SPEED, Coarse, Entrant, TunedEntrant, entrant
-from stickslip.servo.axis import ControlError
+from stickslip.servo.axis import ControlError, Datasheet
 from stickslip.servo.chain_response import ChainResponse, Robustness
-from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.studies.arena.budget import Budget

@@ -12,9 +12,9 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.compensators.entrants import Entrant, TunedEntrant
+from stickslip.identification.criteria.runs import require_bounded
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.chain_response import ChainResponse
-from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.divergence import require_bounded
 from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_loop import VelocityLoop, position_loop
 from stickslip.studies.arena.course import Course

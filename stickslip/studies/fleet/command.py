@@ -14,7 +14,7 @@ from stickslip.commandline.execution import add_worker_options
 from stickslip.commandline.progress import TerminalProgress, add_live_option, spread_of
 from stickslip.output import Answer
 from stickslip.storage import reserved
-from stickslip.work.execution import Execution
+from stickslip.work.jobs import Execution
 
 if TYPE_CHECKING:
     from stickslip.studies.fleet.study import Fleet

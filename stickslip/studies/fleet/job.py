@@ -12,8 +12,8 @@ from stickslip import ga
 from stickslip.errors import StickslipError
 from stickslip.identification.estimation import Search
 from stickslip.logs import Description, load_description
+from stickslip.output import SILENT, Factors, Progress
 from stickslip.papers.lugre.record_mode import learn_from_recording
-from stickslip.progress import SILENT, Factors, Progress
 from stickslip.rigs.fmu import rig_of
 from stickslip.studies.fleet.table import Drive, LogSource
 from stickslip.studies.learn.document import log_document, recording_document

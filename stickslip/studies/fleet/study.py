@@ -16,8 +16,7 @@ from stickslip.storage import MANIFEST, UNFINISHED, complete, refuse_foreign, st
 from stickslip.storage.writing import read_kept, write_json
 from stickslip.studies.fleet.job import learn_drive
 from stickslip.studies.fleet.table import Drive, LogSource
-from stickslip.work.execution import Execution, stopped
-from stickslip.work.jobs import Job, Outcome, run_jobs
+from stickslip.work.jobs import Execution, Job, Outcome, run_jobs, stopped
 
 TABLE = "fleet.csv"
 

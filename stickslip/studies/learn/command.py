@@ -26,12 +26,13 @@ from stickslip.commandline.execution import (
 from stickslip.commandline.log_options import (
     add_log_argument,
     add_log_options,
+    add_rig_option,
     description_of,
     log_of,
     print_findings,
+    rig_of,
 )
 from stickslip.commandline.progress import TerminalProgress, add_live_option
-from stickslip.commandline.rig_option import add_rig_option, rig_of
 from stickslip.compensators.names import part_names, require_parts
 from stickslip.errors import UsageError
 from stickslip.output import Answer

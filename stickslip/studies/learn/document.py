@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 from stickslip.catalog.parameters import start_unit, unit_of
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.learned.writing import (
     OBSERVER_MODEL,
@@ -18,7 +19,6 @@ from stickslip.learned.writing import (
 )
 from stickslip.models.export.units import motion_unit
 from stickslip.output import plain
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.storage.codec import encode, state
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.learned import LearnedFromRecording

@@ -8,8 +8,7 @@ from typing import Any
 
 from stickslip import models
 from stickslip.presentation.page import Section, picture_files
-from stickslip.servo.deployment import deployed
-from stickslip.servo.systems import Compensator
+from stickslip.servo.systems import Compensator, deployed
 from stickslip.storage import staged
 from stickslip.storage.writing import write_json, write_tables
 from stickslip.studies.learn.document import log_document

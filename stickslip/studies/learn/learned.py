@@ -20,15 +20,15 @@ from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.identification.selection import choose, predictions
 from stickslip.logs import Finding, Recording
-from stickslip.progress import SILENT, Progress
+from stickslip.output import SILENT, Progress
 from stickslip.servo.axis import ControlError
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.studies.learn import tables
 from stickslip.trial.candidates import AUTO
+from stickslip.trial.compensator_trial import Loops, SimulatedTrial
 from stickslip.trial.guards import Benefit
 from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
-from stickslip.trial.simulated import Loops, SimulatedTrial
 
 
 @dataclass(frozen=True)

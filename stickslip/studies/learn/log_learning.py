@@ -10,10 +10,9 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from stickslip.identification.controller.controller_check import check_controller
-from stickslip.identification.criteria.candidate_fmus import candidate_fmus
-from stickslip.identification.criteria.motion import against_motion
-from stickslip.identification.criteria.scaling import recording_scale
+from stickslip.identification.criteria.controller_check import check_controller
+from stickslip.identification.criteria.motion import against_motion, recording_scale
+from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.estimation import LearnSettings
 from stickslip.logs import (
     Description,
@@ -27,7 +26,7 @@ from stickslip.logs import (
     read_recording,
     samples_late,
 )
-from stickslip.progress import SILENT, Progress
+from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Rig
 from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording

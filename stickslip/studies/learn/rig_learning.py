@@ -8,18 +8,16 @@ from dataclasses import dataclass, field
 from stickslip.cosim import SineSweep, Trapezoid
 from stickslip.errors import HarmfulError
 from stickslip.evaluation import validation
+from stickslip.evaluation.motions import TRAINING, VALIDATION
 from stickslip.evaluation.validation import Validation
 from stickslip.identification.stages import Estimate, Identification, identify
-from stickslip.progress import SILENT, Progress
+from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Rig
-from stickslip.servo.datasheet import LOOP
-from stickslip.servo.paper_commands import TRAINING, VALIDATION
-from stickslip.servo.specification import LoopSpecification
+from stickslip.servo.axis import LOOP, LoopSpecification
 from stickslip.servo.systems import Feed
 from stickslip.studies.learn.learned import Learned
-from stickslip.trial.simulated import Loops
-from stickslip.tuning.coarse_start import coarsened
-from stickslip.tuning.learning import Study
+from stickslip.trial.compensator_trial import Loops
+from stickslip.tuning.learning import Study, coarsened
 from stickslip.tuning.refinement import Refinement, refine
 
 

@@ -7,14 +7,16 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip import cosim
-from stickslip.evaluation.owner_loop import (
+from stickslip.evaluation.tracking import (
     LearnedDrive,
+    Tracking,
+    TrackingError,
     commanded_position,
     commanded_velocity,
+    measured_errors,
     simulate,
 )
-from stickslip.evaluation.tracking import Tracking, TrackingError, measured_errors
-from stickslip.identification.controller.initial_state import is_running
+from stickslip.identification.criteria.known_loop import is_running
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.logs import Reading, Recording
 from stickslip.servo.axis import ControlError

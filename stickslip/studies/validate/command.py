@@ -10,16 +10,17 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.commandline import FLAG, add_options, require_files, warn
+from stickslip.commandline import FLAG, add_options, require_files, warn, write_files
 from stickslip.commandline.assignments import add_set_option, add_source_option, drive_changes
 from stickslip.commandline.log_options import (
     add_log_options,
+    add_rig_option,
     description_of,
     one_of,
     print_findings,
+    rig_of,
 )
 from stickslip.commandline.progress import TerminalProgress
-from stickslip.commandline.rig_option import add_rig_option, rig_of
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.output import Answer
 from stickslip.storage import reserved
@@ -130,7 +131,6 @@ def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str,
 
 def _on_rig(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
     """Run the trapezoid of the file without and with its compensator, in the loop of the rig."""
-    from stickslip.commandline.files import write_files
     from stickslip.evaluation.validation import validate
 
     document = learned.document
@@ -159,16 +159,14 @@ def _on_rig(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
 
 def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
     """Identify the axis for its loop, run the trapezoid without and with the compensator."""
-    from stickslip.commandline.files import write_files
-    from stickslip.evaluation.scatter import PHASES
-    from stickslip.evaluation.validation import validate
+    from stickslip.evaluation.motions import VALIDATION
+    from stickslip.evaluation.validation import PHASES, validate
     from stickslip.identification.stages import identify
     from stickslip.papers.lugre.reproduction import drive_truth
     from stickslip.papers.lugre.terminal import print_table4
     from stickslip.rigs.fmu import rig_of
-    from stickslip.servo.datasheet import LOOP
-    from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
-    from stickslip.servo.paper_commands import VALIDATION
+    from stickslip.servo.axis import LOOP
+    from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 
     truth = drive_changes(options.set)
     drive_truth(truth)

@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from stickslip.errors import UsageError
-from stickslip.evaluation.owner_loop import commanded_position, commanded_velocity
 from stickslip.evaluation.tracking import (
     FEEDFORWARD,
     NONE,
     TRACKING_FIGURES,
     TrackingError,
+    commanded_position,
+    commanded_velocity,
     cutoff,
     measured_errors,
 )

@@ -16,19 +16,23 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 from threadpoolctl import threadpool_limits
 
-from stickslip.catalog.parameters import friction_law
-from stickslip.catalog.space import Values
-from stickslip.evaluation.owner_loop import LearnedDrive
-from stickslip.identification.controller.controller_check import ControllerCheck, check_controller
+from stickslip.catalog.parameters import Values, friction_law
+from stickslip.evaluation.tracking import LearnedDrive
+from stickslip.identification.criteria.controller_check import ControllerCheck, check_controller
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit, goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
-from stickslip.identification.criteria.motion import measured_force, position_noise, position_of
-from stickslip.identification.criteria.scaling import Scale, recording_scale
+from stickslip.identification.criteria.motion import (
+    Scale,
+    measured_force,
+    position_noise,
+    position_of,
+    recording_scale,
+)
+from stickslip.identification.criteria.runs import Diverged
 from stickslip.identification.estimation.faults import change_of_friction
-from stickslip.identification.selection.noise import encoder_error, explained
+from stickslip.identification.selection.folds import encoder_error, explained
 from stickslip.logs import Recording
-from stickslip.servo.divergence import Diverged
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import transfer
 

@@ -10,14 +10,13 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.errors import UsageError
-from stickslip.evaluation.owner_loop import LearnedDrive, simulate
-from stickslip.evaluation.tracking import FEEDFORWARD, NONE
-from stickslip.identification.controller.controller_check import check_controller
-from stickslip.identification.criteria.scaling import recording_scale
+from stickslip.evaluation.tracking import FEEDFORWARD, NONE, LearnedDrive, simulate
+from stickslip.identification.criteria.controller_check import check_controller
+from stickslip.identification.criteria.motion import recording_scale
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import Description, Finding, Reading, aligned, raise_errors, samples_late
-from stickslip.logs.controller import Controller
+from stickslip.logs.description import Controller
 from stickslip.logs.reading import with_velocity_command
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.studies.learn.log_learning import read_and_check

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stickslip.catalog.parameters import unit_of
-from stickslip.catalog.space import Values
+from stickslip.catalog.parameters import Values, unit_of
 from stickslip.studies.validate.log_prediction import FRICTION, Change, LogPrediction
 from stickslip.thresholds import control_match, loop_fit, transfer
 

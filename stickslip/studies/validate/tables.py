@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.catalog.parameters import unit_of
-from stickslip.catalog.space import Values
+from stickslip.catalog.parameters import Values, unit_of
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.logs import Motion
 from stickslip.models.export.units import motion_unit

@@ -18,7 +18,7 @@ from stickslip.fmi import toolchain
 from stickslip.models.firmware import c_files, write_compensator
 from stickslip.models.firmware.structured_text import st_file
 from stickslip.servo.axis import Axis
-from stickslip.servo.deployment import loop_values
+from stickslip.servo.systems import loop_values
 from stickslip.servo.velocity_loop import close_velocity_loop
 
 sys.path.insert(0, str(Path(__file__).parent))  # structured_text

@@ -9,8 +9,13 @@ import pytest
 
 import stickslip
 from stickslip import models
-from stickslip.catalog.parameters import estimated, force_and_length_of, friction_law, unit_of
-from stickslip.catalog.space import ParameterSpace
+from stickslip.catalog.parameters import (
+    ParameterSpace,
+    estimated,
+    force_and_length_of,
+    friction_law,
+    unit_of,
+)
 from stickslip.models.export.units import DISPLAY, base_unit, force_and_length
 
 VALUES = {

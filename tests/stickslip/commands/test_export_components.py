@@ -11,8 +11,7 @@ from stickslip import models
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.learned.file import LearnedFile
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP, Axis
 from stickslip.servo.systems import Compensator, build_fmus, build_loop
 from stickslip.servo.velocity_loop import design_velocity_loop
 

@@ -8,8 +8,7 @@ import pytest
 
 from stickslip.cli import main
 from stickslip.learned.writing import loop_document
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP, Axis
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 from stickslip.servo.velocity_loop import design_velocity_loop
 

@@ -11,12 +11,11 @@ from stickslip import cosim
 from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
 from stickslip.cli import main
 from stickslip.errors import UsageError
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.writing import loop_document, validation_document
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
-from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.axis import LOOP, Axis, Datasheet
+from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.storage.codec import encode
 

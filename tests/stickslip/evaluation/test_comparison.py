@@ -6,11 +6,10 @@ import pytest
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.comparison import KEYS, Entry, evaluate
 from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS, Motion
-from stickslip.evaluation.scatter import PHASES
-from stickslip.evaluation.validation import run_command
+from stickslip.evaluation.validation import PHASES, run_command
 from stickslip.rigs.fmu import rig_of
-from stickslip.servo.datasheet import LOOP
-from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.axis import LOOP
+from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from tests.kept import further
 

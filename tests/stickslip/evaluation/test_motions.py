@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP
 
 REVERSALS, CREEP, MOVES = SLOW_MOTIONS
 

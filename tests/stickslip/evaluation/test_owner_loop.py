@@ -7,17 +7,18 @@ import pytest
 from stickslip.catalog.parameters import PAPER, friction_law
 from stickslip.cosim import Trapezoid
 from stickslip.errors import UsageError
-from stickslip.evaluation.owner_loop import (
+from stickslip.evaluation.tracking import (
+    FEEDFORWARD,
+    FRICTIONLESS,
+    NONE,
     LearnedDrive,
     commanded_position,
     commanded_velocity,
     simulate,
 )
-from stickslip.evaluation.tracking import FEEDFORWARD, FRICTIONLESS, NONE
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.logs import Recording
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import build_fmus
 from stickslip.trial.guards import Trial
 

@@ -6,12 +6,17 @@ import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.comparison import KEYS, Entry, evaluate
-from stickslip.evaluation.motions import MOTIONS
-from stickslip.evaluation.scatter import PHASES, beginnings, repetitions, summary
-from stickslip.evaluation.validation import run_command, validate
+from stickslip.evaluation.motions import MOTIONS, VALIDATION
+from stickslip.evaluation.validation import (
+    PHASES,
+    beginnings,
+    repetitions,
+    run_command,
+    summary,
+    validate,
+)
 from stickslip.rigs.fmu import rig_of
-from stickslip.servo.datasheet import LOOP
-from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.axis import LOOP
 from stickslip.servo.systems import paper_loop
 from stickslip.servo.velocity_loop import design_velocity_loop
 

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from stickslip.evaluation.motions import regions_after
+from stickslip.evaluation.motions import REGION, regions_after
 from stickslip.evaluation.validation import reduction, tracking_errors
 from stickslip.servo.measurement import CUTOFF, measured_velocity, smoothed
-from stickslip.servo.paper_commands import REGION
 
 T_S = 5e-4
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from stickslip.identification.estimation import candidate_fmus
+from stickslip.output import SILENT
 from stickslip.papers.lugre.record_mode import reproduce_from_recording
 from stickslip.papers.lugre.reproduction import Options
-from stickslip.progress import SILENT
 from tests.kept import kept
 
 sys.path.insert(0, str(Path(__file__).parent))  # drives

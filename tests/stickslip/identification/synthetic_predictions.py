@@ -4,7 +4,7 @@ import numpy as np
 
 from stickslip.catalog.parameters import friction_law
 from stickslip.identification.selection import Candidate, Prediction
-from stickslip.identification.selection.moving import Moving
+from stickslip.identification.selection.folds import Moving
 
 BLOCKS = 40
 

@@ -6,9 +6,9 @@ import drives
 import numpy as np
 import pytest
 
-from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.known_loop import KnownLoop
-from stickslip.identification.criteria.scaling import Scale
+from stickslip.identification.criteria.motion import Scale
 from stickslip.logs import Recording
 
 T = np.arange(6000) * drives.T_S

@@ -15,7 +15,7 @@ from stickslip.models.firmware.program import literal
 from stickslip.papers.lugre.reproduction import Options, drive_truth, reproduce
 from stickslip.planning import plan
 from stickslip.rigs.fmu import rig_of
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP
 
 pytestmark = pytest.mark.slow
 

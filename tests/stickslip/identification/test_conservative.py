@@ -7,15 +7,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip.catalog.parameters import friction_law
-from stickslip.catalog.space import ParameterSpace
-from stickslip.identification.fitting.conservative import bounded_by, conservative, largest_friction
+from stickslip.catalog.parameters import ParameterSpace, friction_law
 from stickslip.identification.fitting.identifiability import (
     IDENTIFIABLE,
     LEVELS,
     NOT_IDENTIFIABLE,
     WEAKLY_IDENTIFIABLE,
     Identifiability,
+    bounded_by,
+    conservative,
+    largest_friction,
 )
 
 LUGRE = {"F_s": 9.0, "F_c": 6.0, "v_s": 5e-4, "sigma_0": 4e5, "sigma_1": 4e3, "m": 5.0, "b": 6.0}

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from stickslip.identification.controller.controller_check import check_controller
-from stickslip.identification.controller.initial_state import fmu_gains
+from stickslip.identification.criteria.controller_check import check_controller
+from stickslip.identification.criteria.known_loop import fmu_gains
 from stickslip.logs import Recording
 
 T_S = 5e-4

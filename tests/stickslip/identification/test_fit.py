@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip.catalog.parameters import friction_law
-from stickslip.catalog.space import ParameterSpace
+from stickslip.catalog.parameters import ParameterSpace, friction_law
 from stickslip.identification.fitting.fit import BLOCKS, covariance, fit, linearised, plausible
 
 N = 20_000

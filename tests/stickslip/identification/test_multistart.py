@@ -6,11 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip.catalog.parameters import friction_law
-from stickslip.catalog.space import ParameterSpace
+from stickslip.catalog.parameters import ParameterSpace, friction_law
 from stickslip.identification.criteria.motion import encoder_noise, position_noise
 from stickslip.identification.fitting.fit import fit
-from stickslip.identification.fitting.multistart import select, variants, without_stribeck
+from stickslip.identification.fitting.search import select, variants, without_stribeck
 
 TRUTH = {
     "F_s": 9.0, "F_c": 6.0, "v_s": 1e-3, "sigma_0": 4e5, "sigma_1": 4e3,

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from drives import GAINS, STAGE, run
 
-from stickslip.catalog.space import ParameterSpace
+from stickslip.catalog.parameters import ParameterSpace
 from stickslip.identification.estimation import LearnSettings, Task, candidate_fmus, learn
 from stickslip.identification.fitting.fit import fit
-from stickslip.identification.fitting.multistart import select, variants
-from stickslip.identification.fitting.search import problem
+from stickslip.identification.fitting.search import problem, select, variants
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Recording
 from stickslip.models.export.law import read_law

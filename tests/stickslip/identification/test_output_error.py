@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from stickslip.identification.criteria.output_error import OutputError, predictor_error
+from stickslip.identification.criteria.known_loop import OutputError, predictor_error
 from stickslip.identification.fitting.bootstrap import Resimulation, correct
 from stickslip.identification.fitting.fit import linearised
 from stickslip.thresholds import loop_fit

@@ -10,7 +10,7 @@ from stickslip.catalog.parameters import UNITS
 from stickslip.logs import load_description, read_recording
 from stickslip.papers.lugre.record_folder import RECORD_FILES, write_record_results
 from stickslip.rigs.contract import commissioning_loop
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 from stickslip.studies.learn.recorded import record_drive
 
 pytestmark = pytest.mark.slow

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip.identification.criteria.scaling import Scale, scale_of
+from stickslip.identification.criteria.motion import Scale, scale_of
 from stickslip.logs import Recording
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.output_error import OutputError
+from stickslip.identification.criteria.known_loop import OutputError
 from stickslip.identification.fitting.fit import linearised
 
 pytestmark = pytest.mark.slow

@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip.catalog.estimate import correlation_length, covariance
-from stickslip.catalog.parameters import PAPER
+from stickslip.catalog.parameters import PAPER, correlation_length, covariance
 from stickslip.errors import IdentificationError
 from stickslip.identification.stages import identify
-from stickslip.identification.stages.sliding import SPEEDS
-from stickslip.servo.datasheet import LOOP
+from stickslip.identification.stages.friction_map import SPEEDS
+from stickslip.servo.axis import LOOP
 from tests.kept import further
 
 DRIVES = [

@@ -8,8 +8,8 @@ import pytest
 
 from stickslip.errors import IdentificationError, UsageError
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.surrogate_controller import coarse
 from stickslip.identification.estimation import LearnSettings, Task, learn
+from stickslip.identification.fitting.bootstrap import coarse
 
 pytestmark = pytest.mark.slow
 

@@ -15,8 +15,7 @@ from stickslip.catalog.parameters import PAPER
 from stickslip.cli import main
 from stickslip.logs import Recording
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import design_velocity_loop
 

@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import scipy.io
 
-from stickslip.logs.dialect import split_unit
+from stickslip.logs.header import split_unit
 
 
 def excel(path, columns):

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from rigid_drive import rigid_drive
 
+from stickslip.evaluation.motions import TRAINING
 from stickslip.logs import Controller, Recording, check_recording, excitation
 from stickslip.planning import plan
-from stickslip.servo.datasheet import LOOP
-from stickslip.servo.paper_commands import TRAINING
+from stickslip.servo.axis import LOOP
 
 DRIVE = rigid_drive(n=8000, step=4e-7)
 

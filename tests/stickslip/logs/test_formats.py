@@ -12,7 +12,7 @@ import scipy.io
 
 from stickslip.cli import main
 from stickslip.errors import RecordingError
-from stickslip.logs import Column, Description, isolated, read_recording, reader_process
+from stickslip.logs import Column, Description, read_recording, reader_process
 from stickslip.logs.formats import read_table
 
 FILES = {
@@ -209,7 +209,7 @@ def test_a_reference_to_nothing(tmp_path):
 def test_a_reader_that_crashes_or_hangs(reader, message, tmp_path, monkeypatch):
     (tmp_path / "reader.py").write_text(reader)
     monkeypatch.setattr(reader_process, "__file__", str(tmp_path / "reader.py"))
-    monkeypatch.setattr(isolated, "TIMEOUT", 1.0)
+    monkeypatch.setattr("stickslip.logs.signals.TIMEOUT", 1.0)
     path = tmp_path / "log.mat"
     scipy.io.savemat(path, {"t": np.arange(50) * 1e-3, "x": np.arange(50.0)})
     with pytest.raises(RecordingError, match=message):

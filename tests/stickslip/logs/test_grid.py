@@ -6,7 +6,7 @@ from rigid_drive import rigid_drive
 
 from stickslip.logs import read_recording
 from stickslip.logs.grid import even_grid
-from stickslip.logs.steps import step_of
+from stickslip.logs.sampling import step_of
 from stickslip.logs.table import LogTable
 
 TABLE = LogTable("log", (), {})

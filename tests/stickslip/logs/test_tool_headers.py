@@ -12,9 +12,8 @@ import pytest
 from stickslip.errors import RecordingError
 from stickslip.logs import Description, read_recording
 from stickslip.logs.channels import unit_of
-from stickslip.logs.clock import with_joined_times
 from stickslip.logs.roles import assign_roles
-from stickslip.logs.table import LogTable
+from stickslip.logs.table import LogTable, with_joined_times
 from stickslip.logs.text import read_text
 from stickslip.logs.units import unit_named
 

@@ -6,7 +6,7 @@ from vendor_texts import FILES, F, N, T, V, X, rows, titled
 
 from stickslip.errors import RecordingError, UsageError
 from stickslip.logs import Column, Description, read_recording
-from stickslip.logs.dialect import split_unit
+from stickslip.logs.header import split_unit
 from stickslip.logs.roles import assign_roles
 from stickslip.logs.table import LogTable
 

@@ -11,10 +11,9 @@ from hypothesis import strategies as st
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.cli import main
 from stickslip.errors import UsageError
+from stickslip.evaluation.motions import TRAINING
 from stickslip.planning import LINEAR, ROTARY, Limits, arrange, plan
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP
-from stickslip.servo.paper_commands import TRAINING
+from stickslip.servo.axis import LOOP, Axis
 from stickslip.servo.systems import build_fmus, servo_loop
 from stickslip.servo.velocity_loop import design_velocity_loop
 

@@ -13,7 +13,7 @@ from stickslip import AdsRig, Command, Datasheet, FmuRig, RigLimits
 from stickslip.errors import LimitError, RigError, UsageError
 from stickslip.rigs import ads_rig
 from stickslip.rigs.remote import RemoteRig
-from stickslip.servo import datasheet
+from stickslip.servo import axis
 from stickslip.thresholds import rig_motion
 from tests.stickslip.rigs.plc import controller
 
@@ -26,7 +26,7 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning"),
     pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
 ]
-T_S = datasheet.LOOP.T_s
+T_S = axis.LOOP.T_s
 PUSH, STEP = np.full(2000, 20.0), np.full(2000, 0.1)  # N, m/s
 WIDE = RigLimits(travel=(-0.2, 0.2), speed=1.0, force=250.0, following_error=0.05)
 

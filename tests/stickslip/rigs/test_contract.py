@@ -8,8 +8,8 @@ import pytest
 
 from stickslip import Command, FmuRig, Limits, Log, Rig, RigLimits, ga, learn, validate
 from stickslip.errors import HarmfulError, LimitError, RigError, UsageError
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.paper_commands import TRAINING
+from stickslip.evaluation.motions import TRAINING
+from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.studies.learn.log_learning import check_rig
 from stickslip.studies.learn.recorded import read_rig
 from stickslip.tuning.learning import VelocityCost

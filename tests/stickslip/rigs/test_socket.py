@@ -21,10 +21,10 @@ from stickslip.errors import LimitError, RigError
 from stickslip.rigs.lines import LOOP, Lines, crc_of, line_of
 from stickslip.rigs.served_drive import Ports, ServedDrive
 from stickslip.rigs.server import Server
-from stickslip.servo import datasheet
+from stickslip.servo import axis
 
 WIDE = RigLimits(travel=(-0.2, 0.2), speed=1.0, force=250.0, following_error=0.05)
-T_S = datasheet.LOOP.T_s
+T_S = axis.LOOP.T_s
 
 
 @contextmanager

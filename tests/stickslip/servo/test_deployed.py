@@ -14,12 +14,11 @@ import numpy as np
 import pytest
 
 from stickslip import cosim, models
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.fmi import toolchain
 from stickslip.models.firmware import write_compensator
 from stickslip.servo.axis import Axis
-from stickslip.servo.deployment import deployed
-from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.systems import Compensator, build_fmus, build_loop
+from stickslip.servo.systems import Compensator, build_fmus, build_loop, deployed
 from stickslip.servo.velocity_loop import (
     LoopSpecification,
     close_velocity_loop,

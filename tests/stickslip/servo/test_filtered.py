@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.evaluation.validation import validate
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
-from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.systems import paper_loop
+from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}

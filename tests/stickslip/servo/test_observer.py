@@ -10,8 +10,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.cosim.control import measure_response
-from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP, Axis, ControlError
 from stickslip.servo.observer import MASSES, design_observer
 from stickslip.servo.sensitivity import OpenLoop, peak_sensitivity
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter

@@ -4,8 +4,7 @@ import control
 import numpy as np
 import pytest
 
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP, Axis
 from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.servo.velocity_loop import (

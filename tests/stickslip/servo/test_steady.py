@@ -5,7 +5,7 @@ import pytest
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import LUGRE, PAPER
-from stickslip.servo.stribeck_curve import level, slope
+from stickslip.servo.measurement import level, slope
 
 SPEEDS = np.array([1e-4, 4e-4, 1e-3, 3e-3])
 

@@ -8,8 +8,7 @@ import pytest
 from stickslip import cosim, models
 from stickslip.catalog.parameters import PAPER
 from stickslip.servo.axis import Axis
-from stickslip.servo.deployment import BLOCKS
-from stickslip.servo.systems import Compensator, build_loop, paper_loop
+from stickslip.servo.systems import BLOCKS, Compensator, build_loop, paper_loop
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 
 SINE = cosim.SineSweep(frequency=(1.0, 1.0), amplitude=(0.01, 0.01), duration=1.0)

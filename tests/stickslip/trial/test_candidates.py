@@ -10,10 +10,9 @@ import pytest
 from stickslip.catalog.parameters import friction_law
 from stickslip.compensators.entrants import parts
 from stickslip.errors import UsageError
-from stickslip.servo.axis import Axis
+from stickslip.evaluation.motions import VALIDATION
+from stickslip.servo.axis import Axis, Datasheet
 from stickslip.servo.chain_response import frequencies
-from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.sensitivity import OpenLoop
 from stickslip.servo.velocity_filter import Observer, VelocityFilter
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop

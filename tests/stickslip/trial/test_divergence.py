@@ -8,18 +8,16 @@ import pytest
 from stickslip.catalog.parameters import PAPER, friction_law
 from stickslip.cosim import SimulationError, Trapezoid
 from stickslip.evaluation.comparison import Entry, evaluate
-from stickslip.evaluation.motions import MOTIONS
-from stickslip.evaluation.owner_loop import LearnedDrive, simulate
+from stickslip.evaluation.motions import MOTIONS, VALIDATION
+from stickslip.evaluation.tracking import LearnedDrive, simulate
 from stickslip.evaluation.validation import validate
-from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.runs import Diverged, require_bounded
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.logs import Recording
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.divergence import Diverged, require_bounded
-from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.thresholds.loop_fit import RUNS_AWAY
 from stickslip.trial.guards import Bench, Drive, commands, feedforward

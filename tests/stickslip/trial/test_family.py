@@ -9,11 +9,10 @@ import pytest
 
 from stickslip.catalog.parameters import friction_law
 from stickslip.cosim import Trapezoid
-from stickslip.identification.criteria.scaling import Scale
+from stickslip.evaluation.motions import VALIDATION
+from stickslip.identification.criteria.motion import Scale
 from stickslip.models import law_names
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import Compensator, build_fmus
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.trial.benefit import _repeated

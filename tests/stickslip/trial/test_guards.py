@@ -10,15 +10,20 @@ import pytest
 
 from stickslip import cosim
 from stickslip.catalog.parameters import friction_law
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
-from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.stribeck_curve import slope
+from stickslip.evaluation.motions import VALIDATION
+from stickslip.servo.axis import LOOP, Axis, Datasheet
+from stickslip.servo.measurement import slope
+from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
-from stickslip.trial.guards import Trial, hunting, inspect, stribeck, tolerance
-from stickslip.trial.stribeck import growth_rate
-from stickslip.trial.tolerance import _at_bounds
+from stickslip.trial.guards import (
+    Trial,
+    _at_bounds,
+    growth_rate,
+    hunting,
+    inspect,
+    stribeck,
+    tolerance,
+)
 from tests.kept import further
 
 AXIS = Axis(5.557, 6.6135, 1e-4)

@@ -5,8 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from stickslip.catalog.parameters import friction_law
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Axis, Datasheet
 from stickslip.servo.velocity_loop import close_velocity_loop
 from stickslip.trial.family import Command
 from stickslip.trial.guards import NONE, Bench, Drive, feedforward, holds, hunting_at_rest

@@ -7,9 +7,8 @@ from dataclasses import replace
 import pytest
 
 from stickslip.catalog.parameters import friction_law
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.paper_commands import VALIDATION
+from stickslip.evaluation.motions import VALIDATION
+from stickslip.servo.axis import Axis, Datasheet
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 from stickslip.studies.learn import tables
 from stickslip.thresholds import offer

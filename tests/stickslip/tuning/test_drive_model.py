@@ -14,8 +14,7 @@ from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.thresholds import kept
 from stickslip.tuning import drive_model
 from stickslip.tuning.drive_model import DriveModel, fit_models
-from stickslip.tuning.loop_genes import PLAIN
-from stickslip.tuning.loop_runs import LoopBench, LoopRuns
+from stickslip.tuning.loop_runs import PLAIN, LoopBench, LoopRuns
 
 pytestmark = pytest.mark.slow
 

@@ -10,18 +10,17 @@ from benchmarks.learning.loop import candidates_at_random, costs_of
 from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.motions import MOTIONS
-from stickslip.evaluation.scatter import PHASES
+from stickslip.evaluation.validation import PHASES
+from stickslip.output import Progress
 from stickslip.papers.lugre import loop_tuning, reproduction
 from stickslip.papers.lugre.loop_tuning import FRICTION, STAGES, motion_errors
 from stickslip.papers.lugre.reproduction import Options, drive_truth, with_law_found
-from stickslip.progress import Progress
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.systems import build_loop, feedforward, servo_loop
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.thresholds import kept
 from stickslip.tuning import drive_model, loop_learning
 from stickslip.tuning.drive_model import DriveModel, start_model
-from stickslip.tuning.loop_genes import CHAIN, FEEDFORWARD, GENES, PLAIN
 from stickslip.tuning.loop_learning import (
     FORCE,
     LEVELS,
@@ -32,7 +31,8 @@ from stickslip.tuning.loop_learning import (
     mean_of,
     what_is_left,
 )
-from stickslip.work.execution import Execution
+from stickslip.tuning.loop_runs import CHAIN, FEEDFORWARD, GENES, PLAIN
+from stickslip.work.jobs import Execution
 
 pytestmark = pytest.mark.slow
 

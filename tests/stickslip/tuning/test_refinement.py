@@ -6,11 +6,10 @@ import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.comparison import Entry, evaluate
+from stickslip.evaluation.motions import TRAINING
 from stickslip.identification.stages import Estimate, identify
-from stickslip.servo.datasheet import LOOP
-from stickslip.servo.paper_commands import TRAINING
-from stickslip.tuning.coarse_start import coarsened, draw_factors
-from stickslip.tuning.learning import Study
+from stickslip.servo.axis import LOOP
+from stickslip.tuning.learning import Study, coarsened, draw_factors
 from stickslip.tuning.refinement import refine
 from tests.kept import further
 

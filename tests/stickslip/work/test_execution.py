@@ -13,7 +13,7 @@ from stickslip.commandline.execution import (
 )
 from stickslip.errors import UsageError
 from stickslip.ga.execution import checkpoint
-from stickslip.work.execution import Execution, processors
+from stickslip.work.jobs import Execution, processors
 
 
 def chosen(*arguments):

@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 from stickslip.catalog.parameters import UNITS
+from stickslip.commandline import write_files
 from stickslip.commandline.assignments import add_set_option, drive_changes
 from stickslip.commandline.progress import TerminalProgress
 from stickslip.output import Answer
@@ -22,11 +23,10 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Run the experiments, print the estimates with standard errors, and write them."""
-    from stickslip.commandline.files import write_files
     from stickslip.identification.stages import identify
     from stickslip.papers.lugre.reproduction import drive_truth
     from stickslip.rigs.fmu import rig_of
-    from stickslip.servo.datasheet import LOOP
+    from stickslip.servo.axis import LOOP
 
     truth = drive_changes(options.set)
     drive_truth(truth)

@@ -28,7 +28,7 @@ from stickslip.fmi.process import temporary_folder
 from stickslip.output import Answer
 from stickslip.storage import reserved
 from stickslip.studies.learn.command import print_estimation
-from stickslip.work.execution import Execution
+from stickslip.work.jobs import Execution
 
 if TYPE_CHECKING:
     from stickslip.papers.lugre.reproduction import Options, Reproduction
@@ -128,7 +128,7 @@ def _published(
     from stickslip.papers.lugre.published import study_as_published
     from stickslip.papers.lugre.terminal import print_published
     from stickslip.rigs.fmu import FmuRig
-    from stickslip.servo.datasheet import LOOP, Datasheet
+    from stickslip.servo.axis import LOOP, Datasheet
     from stickslip.servo.systems import build_fmus
 
     progress.stage("building the FMUs")

@@ -9,14 +9,14 @@ from matplotlib.figure import Figure
 
 from stickslip import ga
 from stickslip.catalog.parameters import LUGRE
+from stickslip.evaluation.motions import TRAINING
 from stickslip.papers.lugre import tables
 from stickslip.papers.lugre.page.section import section
 from stickslip.papers.lugre.published import OURS, PAPER_COST, SQUARES, START, PublishedStudy
 from stickslip.presentation import style
 from stickslip.presentation.page import Section
-from stickslip.servo.datasheet import LOOP
-from stickslip.servo.paper_commands import TRAINING
-from stickslip.tuning.coarse_start import SPREAD
+from stickslip.servo.axis import LOOP
+from stickslip.tuning.learning import SPREAD
 
 FIG5 = "fig5_as_published"
 """Name of the figure of the section."""

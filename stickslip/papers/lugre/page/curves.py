@@ -10,15 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 
-from stickslip.catalog.estimate import HIGH, LOW
-from stickslip.evaluation.motions import SLOW_MOTIONS, Motion
+from stickslip.catalog.parameters import HIGH, LOW
+from stickslip.evaluation.motions import REGION, SLOW_MOTIONS, Motion
 from stickslip.evaluation.validation import PAPER_TABLE4, Run, Validation
 from stickslip.identification.stages import FrictionMap
 from stickslip.papers.lugre.reproduction import Reproduction
 from stickslip.papers.lugre.steps import LEARNED, STEPS, UNCOMPENSATED, by_step
 from stickslip.presentation import style
 from stickslip.presentation.quantity import METRICS, with_error
-from stickslip.servo.paper_commands import REGION
 
 COMMAND: Any = {"color": style.INK, "lw": 0.8, "ls": style.DASHED}
 

@@ -23,9 +23,8 @@ from stickslip.presentation.style import (
     new_figure,
 )
 from stickslip.servo.velocity_loop import VelocityLoop
-from stickslip.tuning.loop_genes import GENES
 from stickslip.tuning.loop_learning import LEVELS
-from stickslip.tuning.loop_runs import training_motion
+from stickslip.tuning.loop_runs import GENES, training_motion
 
 LOOPS_HEIGHT = 127.0
 CONTROL = r"$K_p + K_i T_s \, z/(z-1)$"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 
-from stickslip.identification.stages import inertia, sliding
+from stickslip.identification.stages import friction_map, inertia
 from stickslip.papers.lugre.page.curves import draw_friction, draw_inertia, draw_presliding
 from stickslip.papers.lugre.page.section import section
 from stickslip.papers.lugre.reproduction import Reproduction
@@ -21,7 +21,7 @@ from stickslip.presentation.quantity import (
     symbol,
     unit,
 )
-from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.axis import Datasheet
 
 PRIOR: Mapping[str, tuple[str, float, str, str, str, str]] = {
     "mass": (
@@ -80,5 +80,5 @@ def identification_section(reproduction: Reproduction) -> Section:
         "identification_friction": partial(draw_friction, reproduction),
         "identification_presliding": partial(draw_presliding, reproduction),
     }
-    values = {"estimates": estimates, "prior": prior, "sliding": sliding, "inertia": inertia}
+    values = {"estimates": estimates, "prior": prior, "sliding": friction_map, "inertia": inertia}
     return section("Identification", "identification", reproduction, figures, **values)

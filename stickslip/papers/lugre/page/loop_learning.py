@@ -20,8 +20,7 @@ from stickslip.presentation.quantity import number
 from stickslip.thresholds import kept
 from stickslip.tuning import loop_learning
 from stickslip.tuning.drive_model import PROBES
-from stickslip.tuning.loop_genes import GENES
-from stickslip.tuning.loop_runs import training_motion
+from stickslip.tuning.loop_runs import GENES, training_motion
 
 MEANINGS = {
     "K_p": "proportional gain, of the tuned PI’s",

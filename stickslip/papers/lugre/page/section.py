@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping
 
 from matplotlib.figure import Figure
 
-from stickslip.evaluation.scatter import PHASES
+from stickslip.evaluation import motions
+from stickslip.evaluation.validation import PHASES
 from stickslip.papers.lugre import tables
 from stickslip.papers.lugre.published import PAPER_COST
 from stickslip.papers.lugre.reproduction import Reproduced
 from stickslip.presentation.page import Section
-from stickslip.servo import paper_commands
-from stickslip.servo.datasheet import LOOP
+from stickslip.servo.axis import LOOP
 
 
 def section(
@@ -29,7 +29,7 @@ def section(
         figures,
         reproduction=of,
         tables=tables,
-        paper=paper_commands,
+        paper=motions,
         LOOP=LOOP,
         PHASES=PHASES,
         PAPER_COST=PAPER_COST,

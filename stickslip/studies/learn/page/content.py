@@ -9,8 +9,7 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
-from stickslip.identification.controller.initial_state import is_running
-from stickslip.identification.criteria.output_error import OutputError
+from stickslip.identification.criteria.known_loop import OutputError, is_running
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, LEVELS
 from stickslip.logs import Finding

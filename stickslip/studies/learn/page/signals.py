@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.identification.criteria.inverse_model import EDGE, SHARE
+from stickslip.identification.criteria.known_loop import OutputError
 from stickslip.identification.criteria.motion import position_of
-from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.estimation import Estimation
 from stickslip.presentation.scale import WORDS, Scale, force_scale, position_scale
-from stickslip.servo.measurement import Array, derivative
-from stickslip.servo.stribeck_curve import level
+from stickslip.servo.measurement import Array, derivative, level
 
 FULLY_BENT = 5.0
 """Deflections F_s / sigma_0 after which bristles follow the Stribeck curve, nearly."""

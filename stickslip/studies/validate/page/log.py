@@ -6,7 +6,7 @@ from functools import partial
 
 from matplotlib.figure import Figure
 
-from stickslip.catalog.space import Values
+from stickslip.catalog.parameters import Values
 from stickslip.identification.criteria.motion import position_of
 from stickslip.presentation import style
 from stickslip.presentation.page import MADE_WITH, Section

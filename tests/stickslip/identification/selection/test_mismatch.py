@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from synthetic_predictions import predicted
 
-from stickslip.identification.selection.mismatch import Cause, mismatch
-from stickslip.identification.selection.position import along_the_travel
+from stickslip.identification.selection.choice import Cause, along_the_travel, mismatch
 from stickslip.logs import Recording
 
 T_S = 1e-3

@@ -5,8 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip.identification.selection.folds import blocks, folds
-from stickslip.identification.selection.moving import moving
+from stickslip.identification.selection.folds import blocks, folds, moving
 
 N, T_S, MEMORY = 8000, 1e-3, 10
 T = T_S * np.arange(N)

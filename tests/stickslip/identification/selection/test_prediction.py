@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from drives import STAGE, run
 
-from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.selection import candidates, prediction, predictions
 from stickslip.logs import Recording
 from stickslip.planning import plan

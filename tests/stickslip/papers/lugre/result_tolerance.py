@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from stickslip.catalog.estimate import HIGH, LOW
+from stickslip.catalog.parameters import HIGH, LOW
 
 OF_RANGE, ENDS_OF_RANGE = 0.5, 1.0
 """Of a median, and of the ends of its range, which scatter more: share of the wider range of both

@@ -8,6 +8,7 @@ import pytest
 
 from stickslip import ga
 from stickslip.catalog.parameters import LUGRE
+from stickslip.evaluation.motions import TRAINING, VALIDATION
 from stickslip.evaluation.validation import validate
 from stickslip.identification.stages import Estimate
 from stickslip.papers.lugre.published import (
@@ -18,10 +19,8 @@ from stickslip.papers.lugre.published import (
     study_as_published,
 )
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.paper_commands import TRAINING, VALIDATION
-from stickslip.tuning.coarse_start import coarsened, draw_factors
-from stickslip.tuning.learning import VelocityCost
+from stickslip.servo.axis import LOOP, Datasheet
+from stickslip.tuning.learning import VelocityCost, coarsened, draw_factors
 
 pytestmark = pytest.mark.slow
 

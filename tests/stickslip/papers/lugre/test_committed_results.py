@@ -5,13 +5,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from stickslip.evaluation.scatter import PHASES
-from stickslip.evaluation.validation import validate
+from stickslip.evaluation.motions import VALIDATION
+from stickslip.evaluation.validation import PHASES, validate
 from stickslip.papers.lugre.reproduction import Options, reproduce
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.axis import LOOP, Axis, Datasheet
 from tests.stickslip.papers.lugre.result_tolerance import differences
 
 ROOT = Path(__file__).parents[4]

@@ -18,9 +18,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from stickslip import cosim, ga
 from stickslip.catalog.parameters import LUGRE, PAPER, friction_law
 from stickslip.evaluation.comparison import KEYS, Evaluation, motion_errors
-from stickslip.evaluation.motions import MOTIONS
-from stickslip.evaluation.scatter import repetitions
-from stickslip.evaluation.validation import Run, Validation
+from stickslip.evaluation.motions import MOTIONS, VALIDATION
+from stickslip.evaluation.validation import Run, Validation, repetitions
 from stickslip.identification.stages import Estimate, identify
 from stickslip.papers.lugre.fmpy_check import Comparison, SecondOpinion
 from stickslip.papers.lugre.loop_tuning import FRICTION, STAGES, LoopTuning
@@ -41,16 +40,15 @@ from stickslip.presentation.page import Picture, render
 from stickslip.presentation.quantity import number, parameter_estimate, parameter_value, percent
 from stickslip.presentation.style import house_style
 from stickslip.rigs.fmu import rig_of
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.systems import FEEDS
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.studies.learn.learned import Learned
-from stickslip.trial.simulated import Loops
-from stickslip.tuning.coarse_start import coarsened, draw_factors
+from stickslip.trial.compensator_trial import Loops
 from stickslip.tuning.drive_model import DriveModel
-from stickslip.tuning.loop_genes import GENES, tuned_loop
+from stickslip.tuning.learning import coarsened, draw_factors
 from stickslip.tuning.loop_learning import LearnedLoop, LoopStudy
+from stickslip.tuning.loop_runs import GENES, tuned_loop
 from stickslip.tuning.refinement import Refinement
 
 pytestmark = pytest.mark.slow

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.evaluation.motions import TRAINING, VALIDATION
 from stickslip.papers.lugre.reproduction import Options, reproduce
-from stickslip.servo.datasheet import LOOP
-from stickslip.servo.paper_commands import TRAINING, VALIDATION
+from stickslip.servo.axis import LOOP
 from stickslip.servo.systems import build_fmus, paper_loop
 
 pytestmark = pytest.mark.slow

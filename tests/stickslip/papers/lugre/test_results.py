@@ -12,13 +12,12 @@ from scipy.signal import butter, sosfiltfilt
 from stickslip import cosim
 from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.cli import main
-from stickslip.evaluation.motions import MOTIONS
+from stickslip.evaluation.motions import MOTIONS, TRAINING, VALIDATION
 from stickslip.evaluation.validation import covered, run_command
 from stickslip.fmi.toolchain import PLATFORMS
 from stickslip.papers.lugre.folder import FILES
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.paper_commands import TRAINING, VALIDATION
+from stickslip.servo.axis import Datasheet
 
 
 def test_all_files_are_there_and_the_manifest_knows_them(results):

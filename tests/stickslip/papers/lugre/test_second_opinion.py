@@ -6,11 +6,10 @@ import pytest
 
 from stickslip import models
 from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.evaluation.motions import TRAINING, VALIDATION
 from stickslip.papers.lugre.fmpy_check import second_opinion
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.deployment import deployed
-from stickslip.servo.paper_commands import TRAINING, VALIDATION
-from stickslip.servo.systems import FEEDS, Compensator, paper_loop
+from stickslip.servo.axis import LOOP, Datasheet
+from stickslip.servo.systems import FEEDS, Compensator, deployed, paper_loop
 from stickslip.servo.velocity_loop import design_velocity_loop
 
 pytestmark = pytest.mark.slow

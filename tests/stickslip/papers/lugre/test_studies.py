@@ -8,7 +8,7 @@ from stickslip import ga, models
 from stickslip.errors import IdentificationError
 from stickslip.papers.lugre import studies
 from stickslip.papers.lugre.reproduction import Options
-from stickslip.work.execution import Execution
+from stickslip.work.jobs import Execution
 
 
 def run(tmp_path, quiet, monkeypatch, outcome):

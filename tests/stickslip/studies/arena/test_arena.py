@@ -25,8 +25,8 @@ from stickslip.models import UnknownLaw
 from stickslip.models.export.units import force_and_length
 from stickslip.presentation.quantity import number
 from stickslip.presentation.table import Column
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.chain_response import ChainResponse
-from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import close_velocity_loop
@@ -43,7 +43,7 @@ from stickslip.studies.arena.table import ALL, COLUMNS, RELATIVE, arena_table, r
 from stickslip.studies.arena.tuning import Budget, tune
 from stickslip.studies.arena.validation import WORST, validate, validate_changed
 from stickslip.studies.arena.writing import write_arena
-from stickslip.work.execution import Execution
+from stickslip.work.jobs import Execution
 
 SMALL = Budget(12, 1000.0)
 KEPT = ("state", "memory")

@@ -15,8 +15,7 @@ from stickslip.presentation.table import Column
 from stickslip.studies.fleet import study, writing
 from stickslip.studies.fleet.study import learn_fleet
 from stickslip.studies.fleet.writing import fleet_table, write_fleet
-from stickslip.work.execution import Execution
-from stickslip.work.jobs import DIED
+from stickslip.work.jobs import DIED, Execution
 
 pytestmark = pytest.mark.slow
 

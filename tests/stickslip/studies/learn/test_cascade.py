@@ -13,7 +13,7 @@ from stickslip.errors import UsageError
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.writing import loop_document
 from stickslip.logs import Description, Recording
-from stickslip.logs.controller import Controller
+from stickslip.logs.description import Controller
 from stickslip.logs.reading import read_recording, with_velocity_command
 from stickslip.planning import LINEAR, plan
 from stickslip.servo.axis import Axis

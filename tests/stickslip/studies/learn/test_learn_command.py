@@ -14,10 +14,10 @@ from fmpy import read_model_description
 from stickslip import ga
 from stickslip.cli import main
 from stickslip.commandline.progress import TerminalProgress, spread_of
-from stickslip.identification.criteria.scaling import Scale
+from stickslip.identification.criteria.motion import Scale
 from stickslip.identification.estimation import Search
+from stickslip.output import shown_by, steps
 from stickslip.presentation.page import Picture
-from stickslip.progress import shown_by, steps
 from stickslip.studies.learn.folder import FILES
 from tests.kept import further
 

@@ -11,13 +11,12 @@ import pandas as pd
 import pytest
 
 from stickslip import ga
-from stickslip.catalog.parameters import DRIVE, LUGRE, PAPER, friction_law
-from stickslip.catalog.space import ParameterSpace
-from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.catalog.parameters import DRIVE, LUGRE, PAPER, ParameterSpace, friction_law
+from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
 from stickslip.identification.estimation import Estimation, Identifiability
 from stickslip.identification.estimation.estimation import FittedLaw, Searches
-from stickslip.identification.estimation.held_out import HeldOut
+from stickslip.identification.estimation.faults import HeldOut
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording

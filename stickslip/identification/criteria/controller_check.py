@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,16 +10,57 @@ from pathlib import Path
 import numpy as np
 
 from stickslip import cosim
-from stickslip.identification.controller.controller_forms import OWN, forms
-from stickslip.identification.controller.initial_state import initial_state, memory_force
-from stickslip.identification.criteria.known_loop import NO_LIMIT
+from stickslip.identification.criteria.known_loop import NO_LIMIT, initial_state, memory_force
 from stickslip.identification.criteria.motion import position_of
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import control_match
 
-SHARE = 1.0 / 50.0
-"""Cut-off of the low-pass, as a share of the sample rate: noise of the force is no disagreement."""
+OWN = ""  # name of the form that the FMU has
+_INTEGRALS = {"": 0.0, "integral by the trapezoidal rule": 0.5, "integral by forward Euler": 1.0}
+"""Share of the last sample's error that the integral in use lacks."""
+_FILTERS = ("", "low-pass by backward Euler", "low-pass by forward Euler")
+
+
+def forms(gains: Mapping[str, float], T_s: float) -> dict[str, dict[str, float]]:
+    """Return gains of the FMU for each form that a controller may have, by a name for people.
+
+    The FMU adds an error to its integral before it uses that, and its low-pass is exact for a held
+    input. Controllers that use the integral first, or the mean of both, are the same with less
+    proportional gain; those whose low-pass is a difference quotient, with another time constant.
+
+    The gains are in any units that agree. T_s is the sample period of the log [s], used where the
+    gains have none.
+    """
+    T_s = gains.get("T_s", T_s)
+    found: dict[str, dict[str, float]] = {}
+    for integral, lacking in _INTEGRALS.items():
+        for low_pass in _FILTERS:
+            form = {
+                **gains,
+                "K_p": gains.get("K_p", 0.0) - lacking * T_s * gains.get("K_i", 0.0),
+                "P_x": gains.get("P_x", 0.0) - lacking * T_s * gains.get("I_x", 0.0),
+                "tau_f": _time_constant(low_pass, gains.get("tau_f", 0.0), T_s),
+            }
+            if min(form["K_p"], form["P_x"]) >= 0.0 and form not in found.values():
+                found[", ".join(filter(None, (integral, low_pass)))] = form
+    return found
+
+
+def _time_constant(low_pass: str, tau_f: float, T_s: float) -> float:
+    """Return tau_f [s] of the exact low-pass that weighs its input as a difference quotient does.
+
+    The FMU weighs it by 1 - e^(-T_s / tau_f), backward Euler by T_s / (T_s + tau_f), forward Euler
+    by T_s / tau_f.
+    """
+    if "backward" in low_pass and tau_f > 0.0:
+        return T_s / math.log1p(T_s / tau_f)
+    if "forward" in low_pass and tau_f > T_s:
+        return -T_s / math.log1p(-T_s / tau_f)
+    return tau_f
+
+
+SHARE = 1.0 / 50.0  # cut-off of the low-pass over the sample rate: noise is no disagreement
 SHIFTS = range(5)  # samples by which the logged force may be older than the command
 LIMITED = "limit of the force as the log shows it"
 LEVELS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999, 1.0)
@@ -27,26 +69,18 @@ LEVELS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999, 1.0)
 
 @dataclass(frozen=True)
 class ControllerCheck:
-    """What the controller FMU commands along the recorded motion.
+    """What the controller FMU commands along the recorded motion."""
 
-    Attributes
-    ----------
-    force : (n,) that it commands, each value held from its sample on [N]
-    error : root mean square of logged without commanded force, relative to how the logged one
-        varies, all low-passed; NaN where no force was logged
-    shift : samples by which the log shows a command late
-    gains : of the FMU, in the form that commands the logged force best, with what its memory held
-        if it was running before the log began
-    form : how that differs from the FMU's own; empty if it does not
-    factor : of the logged force over the commanded one, where that alone makes them agree; else 1
-    """
-
-    force: Array
+    force: Array  # (n,) that it commands, each value held from its sample on [N]
+    # root mean square of logged without commanded force, relative to how the logged one varies, all
+    # low-passed; NaN where no force was logged
     error: float
-    shift: int
+    shift: int  # samples by which the log shows a command late
+    # of the FMU, in the form that commands the logged force best, with what its memory held if it
+    # was running before the log began
     gains: Mapping[str, float]
-    form: str = OWN
-    factor: float = 1.0
+    form: str = OWN  # how that differs from the FMU's own; empty if it does not
+    factor: float = 1.0  # of the logged force over the commanded one, where only it differs; else 1
 
 
 def check_controller(

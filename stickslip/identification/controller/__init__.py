@@ -1,1 +1,0 @@
-"""The controller of a log: its form, its initial state, and what it allows."""
