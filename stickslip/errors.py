@@ -30,11 +30,23 @@ _SETTING = re.compile(
 @contextmanager
 def settings_as_options() -> Iterator[None]:
     """Let messages name settings as options of the command line."""
-    os.environ[_COMMAND] = "1"
+    name_options(yes=True)
     try:
         yield
     finally:
-        os.environ.pop(_COMMAND, None)
+        name_options(yes=False)
+
+
+def name_options(*, yes: bool) -> None:
+    """Let messages of this process name settings as options, or as keywords."""
+    os.environ.pop(_COMMAND, None)
+    if yes:
+        os.environ[_COMMAND] = "1"
+
+
+def names_options() -> bool:
+    """Tell whether messages name settings as options of the command line."""
+    return _COMMAND in os.environ
 
 
 def with_settings(text: str) -> str:
@@ -43,7 +55,7 @@ def with_settings(text: str) -> str:
     ``<sample_period 0.01>`` is ``--sample-period 0.01`` or ``sample_period=0.01``, and
     ``<unit time=ms>`` is ``--unit time=ms`` or ``columns={"time": Column(unit="ms")}``.
     """
-    return _SETTING.sub(_option if _COMMAND in os.environ else _keyword, text)
+    return _SETTING.sub(_option if names_options() else _keyword, text)
 
 
 def _option(found: re.Match[str]) -> str:

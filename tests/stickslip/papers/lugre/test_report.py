@@ -340,7 +340,7 @@ def test_page_sets_least_squares_beside_the_learning_as_published(cells):
 
 def test_without_the_slow_motions_the_page_has_nothing_of_them(whole):
     less = replace(whole, motions=None, published=None)
-    drawn = {one.name for section in sections(less) for one in section.illustrations()}
+    drawn = {name for section in sections(less) for name in section.figures}
     assert drawn < set(FIGURES)
     assert "motions" not in drawn
     page = render_page(less).lower()
@@ -428,7 +428,8 @@ def test_page_says_what_the_models_of_the_drive_are_and_what_was_kept(whole, cel
     assert "by 2 % (RMS" in cells
     assert "The fit is kept" in cells
     models = [DriveModel(law, {}, mismatch=0.07, fitted=True) for law in ("gms", "dahl")]
-    other = replace(whole, searched=replace(whole.loops, models=models))
+    study = replace(whole.loops.study, models=models)
+    other = replace(whole, searched=replace(whole.loops, study=study))
     text = rendered(other)
     assert "Their friction is GMS or Dahl, fitted to the drive’s errors" in text
     assert "by 7 % (RMS" in text

@@ -72,7 +72,8 @@ KINDS = {
 def lines_of(page):
     """Return the text of a page, a line for each element, and the commands in it."""
     body = page.split("<main>")[1].split("</main>")[0]
-    commands = re.findall(r"^stickslip .*", re.sub("<[^>]*>", "", body), re.MULTILINE)
+    blocks = "\n".join(re.findall("<pre><code>(.*?)</code></pre>", body, re.DOTALL))
+    commands = re.findall(r"^stickslip .*", re.sub("<[^>]*>", "", blocks), re.MULTILINE)
     return re.sub("<[^>]*>", "\n", body), [unescape(one) for one in commands]
 
 

@@ -149,8 +149,8 @@ def test_the_command_labels_measured_and_simulated(logs, tmp_path, capsys):
     printed = capsys.readouterr().out
     table = pd.read_csv(tmp_path / "out" / "tracking.csv")
     assert list(table.kind.unique()) == ["measured", "simulated"]
-    assert sum(line.startswith("measured ") for line in printed.splitlines()) == 4
-    assert sum(line.startswith("simulated ") for line in printed.splitlines()) == 4
+    assert sum(line.startswith("Measured ") for line in printed.splitlines()) == 4
+    assert sum(line.startswith("Simulated ") for line in printed.splitlines()) == 4
     assert main(["verify", str(tmp_path / "out")]) == 0
 
 
