@@ -1,7 +1,5 @@
 """``python -m campaigns.defects``: who finds which seeded defect, as tables in Markdown."""
 
-from __future__ import annotations
-
 import logging
 import tempfile
 import warnings

@@ -10,8 +10,6 @@ recordings that it has are not learned again. The summary gives for each quantit
 holds with its 95 % bounds (Clopper and Pearson), and the median relative half-width.
 """
 
-from __future__ import annotations
-
 import argparse
 import io
 import time

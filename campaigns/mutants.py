@@ -11,8 +11,6 @@ after each; mutants that it has are not tried again. Tests that also fail withou
 printed at the end.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import csv

@@ -7,8 +7,6 @@ product and has laws, five elements and position dependence that the family of d
 is the ratio of the tracking error with the written compensator to that without, on one command.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 from collections.abc import Iterator

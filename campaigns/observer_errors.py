@@ -9,8 +9,6 @@ nominal axis and Coulomb friction. Rows: drive; columns: E_max and E_rms after t
 the reversal in mm/s, without compensation, with feedforward, observer, and both.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator, Mapping
 

@@ -5,8 +5,6 @@ the compiler of matiec on the structured text of every compensator and law and o
 each file has ``ok`` or what the tool says. Status 1 where a tool finds something.
 """
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import subprocess

@@ -9,8 +9,6 @@ law. The *offset* is the constant force against the motor, with the mean of the 
 travel and half the difference between the friction forward and backward, at Coulomb friction.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

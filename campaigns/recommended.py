@@ -7,8 +7,6 @@ writes by default, with ``auto``, and with ``auto`` for a controller without mot
 its loop. A row has the ratio of the RMS of v - v_cmd to that without compensation, on each command.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from collections.abc import Iterator, Mapping, Sequence

@@ -6,8 +6,6 @@ Linear algebra has one thread, as in the commands; processes side by side wait f
 Compiled modules are kept: hundreds of processes start, and compiling takes most of their start.
 """
 
-from __future__ import annotations
-
 import gc
 import os
 import signal

@@ -1,7 +1,5 @@
 """What takes long to make is kept in the cache folder for all workers and runs of these sources."""
 
-from __future__ import annotations
-
 import hashlib
 import shutil
 import sys

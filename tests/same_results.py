@@ -7,8 +7,6 @@ listed and count as equal, as do texts in ``learned.json`` that are worded diffe
 The exit status is 1 if anything differs.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import hashlib

@@ -3,8 +3,6 @@
 Outputs are stored without what differs from run to run: times, and numbers of executions.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

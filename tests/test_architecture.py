@@ -1,7 +1,5 @@
 """The house stands as it was drawn: arrows run down, public names explain themselves."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import inspect

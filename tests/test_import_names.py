@@ -4,8 +4,6 @@ All is tried beside modules of the user that have the names of our folders, from
 install of these tests and from a wheel.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import site

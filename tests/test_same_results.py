@@ -1,7 +1,5 @@
 """The comparison of two commits' results finds what differs."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

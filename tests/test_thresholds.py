@@ -1,7 +1,5 @@
 """What changes when a threshold is doubled or halved, for each of them."""
 
-from __future__ import annotations
-
 import re
 import sys
 from contextlib import contextmanager, nullcontext

@@ -1,7 +1,5 @@
 """The tiers of tests: each runs what it says, or ends with an error."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

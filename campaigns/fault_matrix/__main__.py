@@ -11,8 +11,6 @@ written, and else *confident and wrong*. matrix.csv is rewritten after each log;
 are not learned again with --resume.
 """
 
-from __future__ import annotations
-
 import argparse
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial

@@ -1,7 +1,5 @@
 """The logs of one drive, checked or learned."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from functools import cache
 from pathlib import Path

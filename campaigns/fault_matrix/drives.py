@@ -1,7 +1,5 @@
 """Drives of every friction law, with what disturbs them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

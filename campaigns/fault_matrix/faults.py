@@ -1,7 +1,5 @@
 """Faults of logs: each is an experiment, a change of its log, and of what its owner states."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial

@@ -1,7 +1,5 @@
 """The outcome of one log, compared with the drive that made it."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Iterator

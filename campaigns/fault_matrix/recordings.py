@@ -1,7 +1,5 @@
 """Experiments with a drive, sound ones and those that are at fault themselves."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 

@@ -4,8 +4,6 @@ Run again with the same seed it goes on where it was; inputs that end otherwise 
 are saved beside the counts. A process that died is told by its exit status and a traceback.
 """
 
-from __future__ import annotations
-
 import argparse
 import faulthandler
 import logging

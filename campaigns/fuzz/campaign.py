@@ -1,7 +1,5 @@
 """Many inputs to one parser, counted; it can be stopped and resumed."""
 
-from __future__ import annotations
-
 import faulthandler
 import time
 import traceback

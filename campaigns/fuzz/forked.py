@@ -3,8 +3,6 @@
 A reader that crashes ends a process of its own all the same.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

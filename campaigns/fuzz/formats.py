@@ -1,7 +1,5 @@
 """Parsers of archives, binaries and the XML of an FMU."""
 
-from __future__ import annotations
-
 import io
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Changes of bytes without regard to their meaning, and of texts that leave words whole."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from random import Random

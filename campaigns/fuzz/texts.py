@@ -1,7 +1,5 @@
 """Parsers of texts: tables, logs, _JSON, TOML and the files of a system structure package."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

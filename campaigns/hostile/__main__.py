@@ -3,8 +3,6 @@
 The first table is that of ``docs/hostile.md``, which says what the words mean.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import tempfile

@@ -4,8 +4,6 @@ Runs in a process of its own, for much of it does not come back. The answer is w
 job: null if all went well, else the exception and whether FMPy meant to raise it.
 """
 
-from __future__ import annotations
-
 import json
 import linecache
 import resource

@@ -1,7 +1,5 @@
 """What FMPy and stickslip do with a case, in processes that may crash, hang, fork and flood."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """``python -m campaigns.survival``: do results survive what happens to computers?"""
 
-from __future__ import annotations
-
 import tempfile
 from collections import Counter
 from pathlib import Path

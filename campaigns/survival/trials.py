@@ -1,7 +1,5 @@
 """What sets of results survive while they are written: killed processes, full disks, removal."""
 
-from __future__ import annotations
-
 import errno
 import os
 import shutil

@@ -1,7 +1,5 @@
 """The equations of the paper in numpy, for complex numbers too: derivatives and outputs."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Mapping
 

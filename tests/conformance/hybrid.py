@@ -5,8 +5,6 @@ sign between events, each change of its sign is an event, and the force of an el
 compared with its limit in the direction of the motion.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 

@@ -7,8 +7,6 @@ FMI 2.0 and 3.0 do not share sees the tables of a model only: where two models h
 same kinds, one of them runs with FMI 2.0, too.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

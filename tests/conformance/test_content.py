@@ -1,7 +1,5 @@
 """What lies in an FMU beside binary and description: sources, documents, pictures, results."""
 
-from __future__ import annotations
-
 import html.parser
 import shutil
 import subprocess

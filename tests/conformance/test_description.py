@@ -1,7 +1,5 @@
 """What an FMU says of itself is true."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

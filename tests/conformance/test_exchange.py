@@ -1,7 +1,5 @@
 """Other tools and an independent calculation get the same results."""
 
-from __future__ import annotations
-
 import math
 
 import libcosimpy.CosimExecution

@@ -1,7 +1,5 @@
 """Reset, save, restore, serialise; instances beside one another; calls that are not allowed."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import subprocess

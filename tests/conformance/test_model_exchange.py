@@ -1,7 +1,5 @@
 """Model Exchange: the equations of the paper, and the results of Co-Simulation."""
 
-from __future__ import annotations
-
 import fmpy
 import numpy as np
 import pytest

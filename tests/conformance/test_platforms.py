@@ -1,7 +1,5 @@
 """FMUs for every platform from this machine."""
 
-from __future__ import annotations
-
 import zipfile
 
 import pytest

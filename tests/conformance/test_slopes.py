@@ -1,7 +1,5 @@
 """Directional and adjoint derivatives: closed forms against complex steps and differences."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException

@@ -1,7 +1,5 @@
 """Model Exchange of laws with modes: state events against closed forms and two solvers."""
 
-from __future__ import annotations
-
 import itertools
 from ctypes import POINTER, c_double
 

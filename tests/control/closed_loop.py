@@ -1,7 +1,5 @@
 """The velocity loop written out again, without python-control, and as a system of FMUs."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

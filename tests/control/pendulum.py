@@ -1,7 +1,5 @@
 """The pendulum of pendulum.c as an FMU of Model Exchange, and its linearisation by hand."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

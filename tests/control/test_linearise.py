@@ -1,7 +1,5 @@
 """FMUs as systems of python-control, and states that cannot be set, which are refused."""
 
-from __future__ import annotations
-
 import re
 import zipfile
 

@@ -1,7 +1,5 @@
 """The measured frequency response, against designs and describing functions."""
 
-from __future__ import annotations
-
 import math
 
 import control

@@ -1,7 +1,5 @@
 """The designed filter: its gains against the Kalman recursion, and its loop against the FMUs'."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

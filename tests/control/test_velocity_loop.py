@@ -1,7 +1,5 @@
 """The designed loop against its specification, the same loop written out, and a loop of FMUs."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import warnings

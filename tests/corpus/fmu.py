@@ -1,7 +1,5 @@
 """FMUs for tests: a library compiled from C, and a description made from a table."""
 
-from __future__ import annotations
-
 import re
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Small FMUs made on the spot: a gain (direct feedthrough) and an integrator."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Systems of one FMU, and the same FMU in FMPy."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

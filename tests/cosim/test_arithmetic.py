@@ -1,7 +1,5 @@
 """What an FMU does to rounding and to numbers near zero, it does to itself alone."""
 
-from __future__ import annotations
-
 import ctypes
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """A system in one FMU does what the system does, in other tools too."""
 
-from __future__ import annotations
-
 import ctypes
 import zipfile
 

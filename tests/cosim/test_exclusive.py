@@ -1,7 +1,5 @@
 """A simulation is used by one thread of one process; simulations of their own run side by side."""
 
-from __future__ import annotations
-
 import copy
 import gc
 import os

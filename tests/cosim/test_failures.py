@@ -1,7 +1,5 @@
 """A run that fails says who, what and when, and leaves a simulation that runs again."""
 
-from __future__ import annotations
-
 import zipfile
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every status at every call: what docs/statuses.md says, and the next run as if nothing was."""
 
-from __future__ import annotations
-
 import ctypes
 import logging
 

@@ -1,7 +1,5 @@
 """What is no FMU for this machine ends in one clear line, and leaves nothing behind."""
 
-from __future__ import annotations
-
 import pickle
 import re
 import zipfile

@@ -1,8 +1,6 @@
 # ruff: noqa: ARG001, ARG005 - a component gives its function every argument, used or not
 """Systems of Python functions and of FMUs against closed forms."""
 
-from __future__ import annotations
-
 import gc
 import pickle
 import signal

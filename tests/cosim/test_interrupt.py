@@ -1,7 +1,5 @@
 """Ctrl-C ends the process soon and leaves no folder behind."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """An FMU may log with an environment that is not the one it was given: its message is kept."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

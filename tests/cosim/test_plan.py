@@ -1,7 +1,5 @@
 """What a run is prepared from, steps compiled for one system, and the structures of the kernel."""
 
-from __future__ import annotations
-
 import ctypes
 import gc
 import re

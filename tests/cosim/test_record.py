@@ -1,7 +1,5 @@
 """What a record keeps is what NumPy takes from the full one, to the bit."""
 
-from __future__ import annotations
-
 import csv
 import pickle
 

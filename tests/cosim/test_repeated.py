@@ -1,7 +1,5 @@
 """Each run of a prepared simulation is that of a new simulation, whatever a reset does."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

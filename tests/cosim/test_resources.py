@@ -1,7 +1,5 @@
 """An FMU that writes into its unpacked files spoils no later run."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import zipfile

@@ -1,7 +1,5 @@
 """What is shown: results as tables, files and plots, and the diagram of a system."""
 
-from __future__ import annotations
-
 import itertools
 from io import StringIO
 from xml.etree import ElementTree as ET

@@ -1,7 +1,5 @@
 """The ring of three FMUs that peers are measured with, against the plain C loop."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A file of a saved state is what was saved, or is refused."""
 
-from __future__ import annotations
-
 import zipfile
 from dataclasses import replace
 

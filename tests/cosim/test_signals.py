@@ -1,7 +1,5 @@
 """Inputs: signals, functions of time, tables from frames and files."""
 
-from __future__ import annotations
-
 import math
 import sys
 

@@ -1,7 +1,5 @@
 """Packages as other tools write them: nested, mapped, with dictionaries and variants."""
 
-from __future__ import annotations
-
 import zipfile
 from functools import partial
 

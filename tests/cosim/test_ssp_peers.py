@@ -5,8 +5,6 @@ sees zeros at all inputs; libcosim reads no nested systems and no inputs of the 
 all outputs begin at 0, and integrators whose inputs have start values move the system.
 """
 
-from __future__ import annotations
-
 import string
 from types import SimpleNamespace
 

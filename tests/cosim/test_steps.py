@@ -1,7 +1,5 @@
 """A run by steps is the whole run; a run in real time changes no value."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A system refuses what cannot be, names both ends, and converts units."""
 
-from __future__ import annotations
-
 import math
 import pickle
 

@@ -1,7 +1,5 @@
 """Every example runs as a user runs it, and what it prints is so."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """Every notebook is stored with its outputs, uses public names only, and runs as stored."""
 
-from __future__ import annotations
-
 import ast
 import re
 from functools import cache

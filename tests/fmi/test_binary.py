@@ -1,7 +1,5 @@
 """What a library exports and needs, read from its bytes, for every platform."""
 
-from __future__ import annotations
-
 import struct
 
 import pytest

@@ -1,7 +1,5 @@
 """Sources in, a shared library out, once."""
 
-from __future__ import annotations
-
 import ctypes
 import importlib.util
 import shutil

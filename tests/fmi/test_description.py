@@ -1,7 +1,5 @@
 """Sound descriptions are read as FMPy reads them; odd ones that are lawful are taken."""
 
-from __future__ import annotations
-
 import csv
 import io
 import time

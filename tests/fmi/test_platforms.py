@@ -1,7 +1,5 @@
 """What differs from machine to machine: names of platforms, the cache, futures of pools."""
 
-from __future__ import annotations
-
 import platform
 import sys
 from concurrent.futures import Future

@@ -1,7 +1,5 @@
 """Untrusted files, values by name, and files that appear whole or not at all."""
 
-from __future__ import annotations
-
 import os
 import stat
 import subprocess

@@ -1,7 +1,5 @@
 """FMUs of ours, which are to be found sound."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

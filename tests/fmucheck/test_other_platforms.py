@@ -1,7 +1,5 @@
 """The binary of this machine is run, whatever is wrong with those of other platforms."""
 
-from __future__ import annotations
-
 import functools
 import sys
 

@@ -1,7 +1,5 @@
 """The checker itself: any bytes, messages, patience, rules that explain themselves, our FMUs."""
 
-from __future__ import annotations
-
 import ctypes
 import random
 import re

@@ -1,7 +1,5 @@
 """Learning goes on over FMUs that crash, and finds what it finds where those cost infinity."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import dataclass, replace
 from math import floor

@@ -1,7 +1,5 @@
 """Every way to stop, and generations that are known before the costs of the one before."""
 
-from __future__ import annotations
-
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor

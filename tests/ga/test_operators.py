@@ -1,7 +1,5 @@
 """The operators: parents, survivors, rates that follow success, sections, models of the cost."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Genes, settings, encoding and repair."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

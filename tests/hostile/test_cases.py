@@ -1,7 +1,5 @@
 """Each hostile input ends in one line that states the fault; nothing stays behind."""
 
-from __future__ import annotations
-
 import re
 import tempfile
 import warnings

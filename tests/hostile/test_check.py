@@ -1,7 +1,5 @@
 """The checker, which has readers of its own, reports hostile files as well, and survives them."""
 
-from __future__ import annotations
-
 import os
 import sys
 import warnings

@@ -1,7 +1,5 @@
 """Each parser refuses what it does not take in its own words; campaigns/fuzz hunts longer."""
 
-from __future__ import annotations
-
 import logging
 
 import pytest

@@ -1,7 +1,5 @@
 """Single models, stepped by the kernel; and the C of models/ as functions on arrays."""
 
-from __future__ import annotations
-
 import ctypes
 import functools
 from collections.abc import Callable, Mapping

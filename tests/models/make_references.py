@@ -7,8 +7,6 @@ relative tolerance of 1e-10, the rest by numpy from the closed form or the diffe
 Parameters are the start values of model.toml. Inputs hold from one row to the next.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The slow scale of a feedforward: convergence in closed form, and when it stays."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

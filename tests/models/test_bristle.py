@@ -1,7 +1,5 @@
 """The LuGre law: equations (2) to (4), the exact step, a damping that fades."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 

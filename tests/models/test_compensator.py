@@ -1,7 +1,5 @@
 """The compensator: the closed form of the bristle, fed by a velocity."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

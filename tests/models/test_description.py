@@ -1,7 +1,5 @@
 """A model.toml or law.toml that cannot be built is refused with file, variable and word."""
 
-from __future__ import annotations
-
 import pytest
 
 from stickslip import models

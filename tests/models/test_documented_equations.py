@@ -1,7 +1,5 @@
 """Compensators with shares other than 1, and each of their modes, against their equations."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The drive, what each switch adds, and the stage that it is without them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

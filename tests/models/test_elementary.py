@@ -1,7 +1,5 @@
 """Elementary functions against decimal arithmetic; noise; messages written as by printf."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 from collections.abc import Callable

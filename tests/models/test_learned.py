@@ -1,7 +1,5 @@
 """What compensators learn in a run, and take over to the next."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Observers of friction: identities, convergence, a loop without friction, orders."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.linalg import expm

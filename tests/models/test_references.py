@@ -1,7 +1,5 @@
 """The reference.csv beside each model is what make_references.py calculates."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

@@ -1,7 +1,5 @@
 """The step of a mass on a LuGre contact: order, accuracy, sub-steps, passivity, stability."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

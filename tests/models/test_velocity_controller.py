@@ -1,7 +1,5 @@
 """The sampled PI controller, and the nominal loop that python-control designs."""
 
-from __future__ import annotations
-
 import control
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """The velocity filter against the exact motion of an axis, by the matrix exponential."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.linalg import expm

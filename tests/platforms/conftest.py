@@ -1,7 +1,5 @@
 """FMUs run on other platforms than this: linux-arm64 under qemu, Windows under wine."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """The same results, bit for bit, whatever the processor and the system."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

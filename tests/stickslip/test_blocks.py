@@ -1,7 +1,5 @@
 """Systems of python-control, Python functions and blocks as components, against closed forms."""
 
-from __future__ import annotations
-
 import pickle
 
 import control

@@ -1,7 +1,5 @@
 """The command line: words in any order, suggestions, JSON, quiet, verbose, info and plots."""
 
-from __future__ import annotations
-
 import argparse
 import io
 import json

@@ -1,7 +1,5 @@
 """A friction law by itself from Python, against closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Sweeps and searches over parameters, against the closed form of a sliding mass."""
 
-from __future__ import annotations
-
 import json
 import pickle
 

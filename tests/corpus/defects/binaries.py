@@ -1,7 +1,5 @@
 """Defects of the binary: name in ``model.c``, rule, and the versions it exists in."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tests.corpus.defects.reference import Members, Seed, Writer, binary_name, pack, with_defect

@@ -1,7 +1,5 @@
 """Defects of modelDescription.xml: rule, what, text that is there, text that takes its place."""
 
-from __future__ import annotations
-
 from tests.corpus.defects.reference import HERE, Seed, replaced
 
 _FILE = "modelDescription.xml"

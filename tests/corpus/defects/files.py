@@ -1,7 +1,5 @@
 """Defects of the other files, and of the archive itself."""
 
-from __future__ import annotations
-
 import stat
 import struct
 import zipfile

@@ -1,7 +1,5 @@
 """The sound FMU, and defects that are seeded into it."""
 
-from __future__ import annotations
-
 import base64
 import zipfile
 from collections.abc import Callable

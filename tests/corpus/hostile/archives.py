@@ -1,7 +1,5 @@
 """Archives: names that leave their folder, links, bombs, damage."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tests.corpus.hostile.case import Case

@@ -1,7 +1,5 @@
 """Drives, ports and plans of an arena that do not fit together, or are of another form."""
 
-from __future__ import annotations
-
 import json
 
 from tests.corpus.hostile.case import Case, family

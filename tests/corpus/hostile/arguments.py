@@ -1,7 +1,5 @@
 """Arguments of the wrong shape, kind and value in Python."""
 
-from __future__ import annotations
-
 from tests.corpus.hostile.case import Case, Content
 from tests.corpus.hostile.sound import sound
 

@@ -4,8 +4,6 @@
 asks for it, and prints what came of each as JSON.
 """
 
-from __future__ import annotations
-
 import ctypes
 import fcntl
 import json

@@ -1,7 +1,5 @@
 """Groups 14, 15, 16 and 20: binaries that do not load, refuse, attack their process, run out."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from stickslip import cosim

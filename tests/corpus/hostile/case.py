@@ -1,7 +1,5 @@
 """A hostile input: how it is made, and what is said of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

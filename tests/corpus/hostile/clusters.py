@@ -1,7 +1,5 @@
 """Group 30: clusters, caches and consoles that fail a command."""
 
-from __future__ import annotations
-
 from tests.corpus.hostile import fmus
 from tests.corpus.hostile.case import Case, Content
 

@@ -1,7 +1,5 @@
 """Descriptions that contradict the standard or themselves."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Names and forms in which nothing can be exported."""
 
-from __future__ import annotations
-
 from tests.corpus.hostile.case import Case, family
 from tests.corpus.hostile.sound import sound
 

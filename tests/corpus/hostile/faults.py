@@ -1,7 +1,5 @@
 """The FMU of ``faults.c``, which fails where it is told to."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 from typing import Literal

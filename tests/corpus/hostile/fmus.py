@@ -1,7 +1,5 @@
 """FMUs that misbehave as they are told, all of one library."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

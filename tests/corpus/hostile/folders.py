@@ -1,7 +1,5 @@
 """Folders, disks and other processes that are in the way of results."""
 
-from __future__ import annotations
-
 import atexit
 import hashlib
 import json

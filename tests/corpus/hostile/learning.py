@@ -1,7 +1,5 @@
 """What learning starts from, goes on with and leaves behind, damaged."""
 
-from __future__ import annotations
-
 import json
 import zipfile
 from io import BytesIO

@@ -1,7 +1,5 @@
 """Values on the command line that are numbers, and make no sense."""
 
-from __future__ import annotations
-
 from tests.corpus.hostile.case import Case, Content
 from tests.corpus.hostile.sound import sound
 from tests.corpus.hostile.tables import LOG

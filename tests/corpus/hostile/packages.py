@@ -1,7 +1,5 @@
 """System structure packages of the reference FMU, sound but for what a case spoils."""
 
-from __future__ import annotations
-
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path

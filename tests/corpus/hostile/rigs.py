@@ -1,7 +1,5 @@
 """Drives behind sockets that answer what they should not, rigs that return no logs, kept logs."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

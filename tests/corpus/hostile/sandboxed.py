@@ -1,7 +1,5 @@
 """Group 29: FMUs that reach for what is not theirs."""
 
-from __future__ import annotations
-
 from tests.corpus.hostile import fmus
 from tests.corpus.hostile.case import Case
 

@@ -1,7 +1,5 @@
 """Sound FMUs to spoil: the reference FMU of ``tests/corpus/defects``, and packages around it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """FMUs that answer what they should not: statuses, values, states that do not come back."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from stickslip import cosim

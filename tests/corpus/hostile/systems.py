@@ -1,7 +1,5 @@
 """Systems that cannot be, and packages whose files attack or miss each other."""
 
-from __future__ import annotations
-
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path

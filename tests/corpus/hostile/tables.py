@@ -1,7 +1,5 @@
 """Tables of inputs, logs and their descriptions that hold something else than they should."""
 
-from __future__ import annotations
-
 import io
 import os
 import struct

@@ -1,7 +1,5 @@
 """Descriptions as files, and XML that attacks whoever reads it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from tests.corpus.hostile.case import Case

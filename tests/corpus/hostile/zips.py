@@ -3,8 +3,6 @@
 Source: PKWARE's APPNOTE, sections 4.3.7 (local header), 4.3.12 (directory), 4.3.16 (end).
 """
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """FMUs as other tools export them, made on the spot from models.c."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Events and clocks of FMI 3.0, and FMUs that end a run."""
 
-from __future__ import annotations
-
 import logging
 
 import numpy as np

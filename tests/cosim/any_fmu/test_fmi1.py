@@ -1,7 +1,5 @@
 """FMI 1.0 Co-Simulation, against FMPy."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from uuid import uuid4
 

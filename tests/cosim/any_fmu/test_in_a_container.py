@@ -1,7 +1,5 @@
 """Integers, Booleans and events in a container: the values of the system, in FMPy."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

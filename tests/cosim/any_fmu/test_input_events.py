@@ -1,7 +1,5 @@
 """Exposed inputs that jump, at the points in time of a run and between them, against FMPy."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

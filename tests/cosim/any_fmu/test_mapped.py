@@ -1,7 +1,5 @@
 """Pairs of values on connections: whatever is no floating-point number can be mapped."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

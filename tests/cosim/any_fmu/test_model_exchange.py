@@ -1,7 +1,5 @@
 """Model Exchange: closed-form solutions, FMPy's CVode, and the times of events."""
 
-from __future__ import annotations
-
 import math
 import sys
 from functools import partial

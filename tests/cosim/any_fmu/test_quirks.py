@@ -1,7 +1,5 @@
 """Files that stray from the standard or leave something open, such as the tolerance."""
 
-from __future__ import annotations
-
 import logging
 import pickle
 import threading

@@ -1,7 +1,5 @@
 """Saving and resuming FMUs on the general path: events, arrays, types; Model Exchange anew."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

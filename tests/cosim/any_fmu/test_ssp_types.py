@@ -1,7 +1,5 @@
 """Packages with signals that are no scalar numbers: mapped values, enumerations, arrays."""
 
-from __future__ import annotations
-
 import zipfile
 from functools import partial
 

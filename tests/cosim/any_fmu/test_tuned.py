@@ -1,7 +1,5 @@
 """Tunable parameters change during a run, in each version and interface as the standard has it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

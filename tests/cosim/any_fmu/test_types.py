@@ -1,7 +1,5 @@
 """All types of FMI 3.0 as signals and start values, and arrays of them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """FMUs of linear systems, exact within a step, and two masses coupled by a spring and a damper."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A saved state is resumed by the system that saved it, and refused by any other."""
 
-from __future__ import annotations
-
 import zipfile
 
 import numpy as np

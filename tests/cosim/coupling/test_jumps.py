@@ -1,7 +1,5 @@
 """Inputs that jump do so at their time, whatever the coupling and however large the times are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

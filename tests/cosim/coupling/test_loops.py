@@ -1,7 +1,5 @@
 """Loops without delay are solved where FMUs can repeat a step, and named where they cannot."""
 
-from __future__ import annotations
-
 import gc
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Every coupling method reaches the order that it declares, whatever the FMU and its source."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.linalg import expm

@@ -1,7 +1,5 @@
 """Coupled runs that go on elsewhere, lie in a container, or meet numbers near zero."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

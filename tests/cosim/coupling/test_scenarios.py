@@ -1,7 +1,5 @@
 """Scenarios mean the same whatever the coupling."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

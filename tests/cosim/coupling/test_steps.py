@@ -1,7 +1,5 @@
 """Steps that adapt to a transient, and components that step at rates of their own."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

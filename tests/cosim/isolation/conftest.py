@@ -1,7 +1,5 @@
 """Systems of one hostile FMU, and what a process has left behind."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,7 +1,5 @@
 """What an FMU does to its process, it does to the child."""
 
-from __future__ import annotations
-
 import gc
 import os
 import signal

@@ -1,7 +1,5 @@
 """In a process of its own a system does what it does here, bit for bit."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

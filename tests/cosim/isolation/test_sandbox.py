@@ -1,7 +1,5 @@
 """What an FMU tries beyond its folder is denied, and named in one line."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

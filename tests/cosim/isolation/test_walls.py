@@ -1,7 +1,5 @@
 """What keeps a child's mistakes from its parent, each wall alone."""
 
-from __future__ import annotations
-
 import resource
 import signal
 import subprocess

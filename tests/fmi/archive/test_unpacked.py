@@ -1,7 +1,5 @@
 """Archives of any structure, and the cache of unpacked ones: whole, mended, tidied."""
 
-from __future__ import annotations
-
 import io
 import os
 import shutil

@@ -4,8 +4,6 @@ IEC 61131-3 mixes no types without a conversion, and tells no names apart by the
 that counts on either fails here as in a controller. What is VAR_IN_OUT is passed by reference.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 from collections.abc import Callable, Iterable

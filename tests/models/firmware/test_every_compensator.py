@@ -1,7 +1,5 @@
 """Each compensator and friction law as C and structured text, against its FMU step by step."""
 
-from __future__ import annotations
-
 import ctypes
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """The compensator of the paper as C and as structured text: what controllers ask of the code."""
 
-from __future__ import annotations
-
 import ctypes
 import re
 import sys

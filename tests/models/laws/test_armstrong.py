@@ -1,7 +1,5 @@
 """Armstrong's model: rising static friction, friction memory, rest, and its limits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq

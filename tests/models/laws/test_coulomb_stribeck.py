@@ -1,7 +1,5 @@
 """Static friction with events: closed forms of stopping, true rest, and break-away."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Dahl's law: closed forms of the steady cycle, any exponent, and its limits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp

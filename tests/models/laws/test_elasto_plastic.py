@@ -1,7 +1,5 @@
 """The elasto-plastic law: elastic below break-away, against solvers, and the limits of the law."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

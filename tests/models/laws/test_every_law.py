@@ -1,7 +1,5 @@
 """What holds for every friction law in models/laws, with what its law.toml declares."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

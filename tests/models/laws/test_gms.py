@@ -1,7 +1,5 @@
 """Generalised Maxwell-slip: Masing's rules, closed minor loops, lag, and the limits of the law."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The Leuven law: LuGre as its limit, loops that close in z, and other exponents."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

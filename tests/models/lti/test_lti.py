@@ -1,7 +1,5 @@
 """Linear systems as FMUs, against python-control's responses and closed forms."""
 
-from __future__ import annotations
-
 import json
 import math
 import subprocess

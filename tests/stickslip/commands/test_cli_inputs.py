@@ -1,7 +1,5 @@
 """``stickslip simulate`` with inputs and results in other forms."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

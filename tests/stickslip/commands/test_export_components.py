@@ -1,7 +1,5 @@
 """What compensators learned in a learned.json: saved, set, exported, and refused where unknown."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

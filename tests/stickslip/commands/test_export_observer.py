@@ -1,7 +1,5 @@
 """``stickslip export observer``: the observer of a learned.json, and when it is refused."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """learned.json carries the loop, and export of a compensator looks at it."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

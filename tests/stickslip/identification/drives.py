@@ -1,7 +1,5 @@
 """Drives whose friction is not LuGre's, recorded by a program that shares nothing with ours."""
 
-from __future__ import annotations
-
 import ctypes
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A value that is not identifiable is taken where it cannot hurt, and none beyond the log."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A 95 % interval holds the truth in 95 % of all recordings."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

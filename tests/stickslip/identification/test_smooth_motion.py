@@ -1,7 +1,5 @@
 """Velocity and acceleration from a position, against polynomials and the order of the formula."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

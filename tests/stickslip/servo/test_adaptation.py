@@ -1,7 +1,5 @@
 """A feedforward that follows the friction of its drive as it drifts."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A loop with compensators in one call, against the designs that it is made of."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

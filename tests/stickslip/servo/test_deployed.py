@@ -4,8 +4,6 @@ The claim is that of the trial: its loop of FMUs, in which the compensator takes
 nominal loop. The block under test takes the commands alone.
 """
 
-from __future__ import annotations
-
 import ctypes
 import re
 from pathlib import Path

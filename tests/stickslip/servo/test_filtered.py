@@ -1,7 +1,5 @@
 """Table 4 with the velocity filter: the floor that the encoder set to the paper is gone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The design of a disturbance observer, and the sensitivity of the loop with it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import control

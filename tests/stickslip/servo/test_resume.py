@@ -1,7 +1,5 @@
 """Saving the state of the paper's loop and resuming it; tests/cosim covers the rest."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Any compensators in the paper's loop, connected by the roles of their ports."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Compensators that ``learn`` compares on the drives that a log supports."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A compensator is tried on a family of drives and commands, and is never worse than none."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

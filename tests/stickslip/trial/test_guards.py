@@ -1,7 +1,5 @@
 """A weak loop is warned of and refused; the paper's is neither."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """A disturbance observer beside a feedforward, tried on simulated drives."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Jobs on the workers of a cluster."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 

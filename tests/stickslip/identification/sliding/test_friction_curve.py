@@ -1,7 +1,5 @@
 """Mass, offset and friction against speed without a law, on motions with closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
