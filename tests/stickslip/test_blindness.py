@@ -26,7 +26,7 @@ SOURCES = Path(stickslip.__file__).parent
 BLIND = [
     *sorted((SOURCES / "identification").rglob("*.py")),
     *sorted((SOURCES / "tuning").glob("*.py")),
-    *(SOURCES / "rigs" / f"{name}.py" for name in ("contract", "fmu", "kept", "limits", "remote")),
+    *(SOURCES / "rigs" / f"{name}.py" for name in ("contract", "file", "fmu", "limits", "remote")),
     SOURCES / "compensators" / "entrants.py",
     SOURCES / "studies" / "arena" / "tuning.py",
 ]
