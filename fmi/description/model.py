@@ -13,7 +13,7 @@ from stickslip.fmi.description.variables import Variable
 from stickslip.fmi.messages import shown
 
 # When an FMU is asked for the interval, by ``intervalVariability``; places in ``enum Asked``.
-# Clocks of other kinds are triggered by whoever runs the FMU.
+# Clocks of other kinds are triggered by the importer.
 _TRIGGERED = "triggered"
 _NEVER, _ONCE = 0, 1
 _ASKED = {**dict.fromkeys(("constant", "fixed", "tunable"), _NEVER), "calculated": _ONCE}

@@ -197,7 +197,7 @@ def _check_exports(library: bytes, expected: Collection[str], name: str) -> None
     if lacking := sorted(set(expected) - exported):
         raise platforms.WrongExports(f"{name} does not export {', '.join(lacking)}")
     if foreign := sorted(exported - set(expected)):
-        raise platforms.WrongExports(f"{name} exports {', '.join(foreign)}, which nobody asked for")
+        raise platforms.WrongExports(f"{name} exports {', '.join(foreign)}, not expected of it")
 
 
 @cache

@@ -23,7 +23,7 @@ class Gene:
     name : what the parameter is called where it is used, e.g. ``compensator.F_c``
     lower, upper : bounds of the search, in `unit`
     start : the coarsely identified value, in `unit`
-    unit : for people and reports
+    unit : as displayed
     linear : search its values evenly even where other genes are logarithmic, e.g. an offset that
         may be negative
 

@@ -66,7 +66,7 @@ class Law:
     Attributes
     ----------
     name : of its folder in models/laws
-    title, description : for people
+    title, description : display name, and a sentence
     co_simulation_only : why no solver of a tool can take its equations; None where one can
     steady : the force at constant speed: ``coulomb``, F_c; ``stribeck``, equation (4); ``lorentz``,
         F_c + (F_s - F_c) / (1 + (v / v_s)^2) after a long time at rest

@@ -299,7 +299,7 @@ class Entrant:
 
     @property
     def title(self) -> str:
-        """Its parts for people."""
+        """The display names of its parts."""
         return " + ".join(part.title for part in self.parts)
 
     @property

@@ -31,7 +31,7 @@ class Recording:
     added_velocity: Array | None = None
     encoder_step: float = 0.0  # resolution of the position [m]; 0 when none shows
     motion: Motion = "linear"  # linear or rotary
-    source: str = "recording"  # where it comes from, for people
+    source: str = "recording"  # where it comes from, as displayed
 
     @property
     def rotary(self) -> bool:

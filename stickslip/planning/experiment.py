@@ -26,7 +26,7 @@ FAVOUR = 4.0  # how much more time a part gets that shows what is asked for
 class Part:
     """A kind of motion."""
 
-    name: str  # for people
+    name: str  # display name
     shows: tuple[str, ...]  # parameters, by the paper's symbols
     weight: float  # share of the time, relative to the others
     velocity: Callable[[Limits, int], Array]  # function (limits, n) -> (n,) [m/s]

@@ -57,7 +57,7 @@ class AdsRig(RemoteRig):
     Raises
     ------
     RigError
-        When nobody answers, or the controller has no such function block.
+        When there is no answer, or the controller has no such function block.
     UsageError
         When pyads is not installed, or the net id is not of this form.
     """

@@ -202,7 +202,7 @@ class Rig(ABC):
 
     Attributes
     ----------
-    name : for people
+    name : display name
 
     Raises
     ------

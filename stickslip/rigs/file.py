@@ -179,7 +179,7 @@ def open_rig(path: Path | str, law: str = "lugre") -> tuple[Rig, Limits]:
         When the file cannot be read, no such kind of rig is installed, or a key is missing, unknown
         or has a wrong value.
     RigError
-        When nobody answers.
+        When there is no answer.
     """
     path = Path(path)
     content = read_toml(path)

@@ -36,7 +36,7 @@ class RemoteRig(Rig):
 
     Parameters
     ----------
-    name : for people
+    name : display name
     datasheet : what is known of the drive
     limits : that abort a motion, there and here
     law : friction law of the compensator

@@ -30,7 +30,7 @@ class SocketRig(RemoteRig):
     Raises
     ------
     RigError
-        When nobody answers, or not with this protocol.
+        When there is no answer, or none of this protocol.
     UsageError
         When the address is not of this form.
     """

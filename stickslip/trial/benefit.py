@@ -47,7 +47,7 @@ FEEDFORWARD = "compensator"  # component that a share reduces, and the model of 
 class Variant:
     """A way to compensate."""
 
-    name: str  # for people, such as "feedforward"
+    name: str  # display name, such as "feedforward"
     chain: tuple[Compensator, ...] = ()  # in the order of their forces; empty for none
 
     @property
@@ -128,7 +128,7 @@ class Benefit:
     share: float  # of the feedforward's force; the largest of ``SHARES`` that is acceptable, or 1
     rows: tuple[TrialError, ...]  # at that share, one for each drive, command and figure
     full: tuple[TrialError, ...]  # the same at the whole force
-    unit: str = "mm/s"  # of a thousandth of a speed, for people
+    unit: str = "mm/s"  # displayed, of a thousandth of a speed
     variant: Variant = NONE  # at its whole force
 
     def whole(self) -> Benefit:

@@ -134,7 +134,7 @@ class Command:
 
     Attributes
     ----------
-    name : for people
+    name : display name
     v_cmd : (n,) one value a sample [m/s]
     """
 

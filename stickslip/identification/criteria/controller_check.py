@@ -23,7 +23,7 @@ _FILTERS = ("", "low-pass by backward Euler", "low-pass by forward Euler")
 
 
 def forms(gains: Mapping[str, float], T_s: float) -> dict[str, dict[str, float]]:
-    """Return gains of the FMU for each form that a controller may have, by a name for people.
+    """Return gains of the FMU for each form that a controller may have, by display name.
 
     The FMU adds an error to its integral before it uses that, and its low-pass is exact for a held
     input. Controllers that use the integral first, or the mean of both, are the same with less

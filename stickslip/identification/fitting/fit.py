@@ -23,7 +23,7 @@ FAR = 2.0  # distance from a fit at which a draw of a coordinate ends
 class Criterion(Protocol):
     """Compares the values of a parameter space with a recording."""
 
-    name: str  # for people
+    name: str  # display name
     space: ParameterSpace  # the parameters and their coordinates
 
     def residual(self, values: Values) -> Array:

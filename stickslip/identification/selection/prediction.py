@@ -46,7 +46,7 @@ class Candidate:
 
     @property
     def title(self) -> str:
-        """The name for people."""
+        """The display name."""
         return "Coulomb-viscous" if self.is_level else self.law.title
 
     def restricted(self, space: ParameterSpace) -> ParameterSpace:

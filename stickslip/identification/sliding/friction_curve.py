@@ -49,7 +49,7 @@ VARYING = {
     "guide": "friction varies along the guide",
     "drift": "friction drifts",
 }
-"""Groups of regressors that no friction law has, for people."""
+"""Display names of the groups of regressors that no friction law has."""
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,7 @@ class Drive:
 
     Attributes
     ----------
-    name, title : short, and for people
+    name, title : short name, and display name
     law : name of its friction law
     parameters : start values of the drive FMU, its truth
     gains : K_p [N s/m] and K_i [N/m] of its controller; those of the paper's loop where empty

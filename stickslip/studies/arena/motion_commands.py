@@ -53,7 +53,7 @@ class Command:
 
     Attributes
     ----------
-    name, title : short, and for people
+    name, title : short name, and display name
     kind : what is measured on it, one of ``metrics.MEASURES``
     counted : spans of the motion's regions, by name, whose mean square makes the ``error``
     relative : speed to which the error in a region is relative [m/s]

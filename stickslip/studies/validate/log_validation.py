@@ -31,7 +31,7 @@ class LogInLoop:
     Attributes
     ----------
     gains : of the controller FMU by name; None where it is not known
-    controller : where it is known from, for people
+    controller : where it is known from, as displayed
     """
 
     reading: Reading

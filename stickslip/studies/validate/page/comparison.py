@@ -29,7 +29,7 @@ def comparison_sections(
     ----------
     logs : names of the files without and with the compensator
     learned : name of the file of the learned drive
-    controller : that of the log, for people
+    controller : that of the log, as displayed
     """
     head = Section(
         "",

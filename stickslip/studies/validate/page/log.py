@@ -31,7 +31,7 @@ def log_sections(
     ----------
     values : of the learned drive by name
     learned : name of the file of the learned drive
-    controller : that of the log, for people
+    controller : that of the log, as displayed
     """
     motion = found.recording.motion
     errors = [
