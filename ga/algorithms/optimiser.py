@@ -149,8 +149,8 @@ class Optimiser(ABC):
     def ahead(self) -> Array:
         """What the next `ask` will return, as far as that is known before this one's costs.
 
-        Shape (m, k), in the genes' units. Idle workers may begin with it. There is none if the limits
-        leave no next generation, and a method that restarts discards it.
+        Shape (m, k), in the genes' units. Idle workers may begin with it. There is none if the
+        limits leave no next generation, and a method that restarts discards it.
         """
         asked = 0 if self._asked is None else len(self._asked)
         none_left = self.limits.spent(
