@@ -116,17 +116,13 @@ def load_learned(path: Path | str) -> dict[str, float]:
 class LearnedFile:
     """A learned.json, whose entries are checked when they are used, ``components`` at once.
 
+    Raises UsageError when the file, or the entry that is asked for, is not valid, or OSError when
+    the file cannot be read.
+
     Attributes
     ----------
     document : its content
     components : compensators that learn while they run: model with its start values, by name
-
-    Raises
-    ------
-    UsageError
-        When the file, or the entry that is asked for, is not valid.
-    OSError
-        When the file cannot be read.
     """
 
     def __init__(self, path: Path) -> None:
@@ -187,10 +183,7 @@ class LearnedFile:
     def behind(self) -> list[Compensator]:
         """The components, to stand behind the compensator.
 
-        Raises
-        ------
-        UsageError
-            When one of them cannot.
+        Raises UsageError when one of them cannot.
         """
         found = []
         for name, model in self.components.items():
@@ -256,10 +249,7 @@ class LearnedFile:
     def observer(self) -> Compensator:
         """The observer, for the axis and the sample period in the file.
 
-        Raises
-        ------
-        UsageError
-            When there is none, or its values are not valid.
+        Raises UsageError when there is none, or its values are not valid.
         """
         entry = self.document.get("observer")
         entry = entry if isinstance(entry, dict) else {}

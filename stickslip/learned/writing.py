@@ -15,10 +15,8 @@ from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.storage.codec import state, units
 from stickslip.versions import installed_versions
 
-SCHEMA = 2
-"""Version of the keys that this module writes, and the latest that it reads."""
-OBSERVER_MODEL = "dob"
-"""Model of an observer without an entry for it."""
+SCHEMA = 2  # Version of the keys that this module writes, and the latest that it reads
+OBSERVER_MODEL = "dob"  # Model of an observer without an entry for it
 PACKAGES = ("stickslip", "control", "fmpy", "numpy", "scipy", "ziglang")
 LOOP_UNITS = {
     "m": "kg",

@@ -12,8 +12,7 @@ from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 from stickslip.presentation.style import GREY, INK, LINE, PALE, SMALL
 
 Point = tuple[float, float]
-RADIUS = 2.4
-"""Of a summing point [mm]."""
+RADIUS = 2.4  # Of a summing point [mm]
 
 
 @dataclass(frozen=True)

@@ -28,8 +28,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter
 from stickslip.presentation.markup import Html
 from stickslip.servo.measurement import Array
 
-LEAST = 50
-"""Points of a line from which on its panel is worth opening."""
+LEAST = 50  # Points of a line from which on its panel is worth opening
 DIGITS = 6
 Panel = dict[str, Any]
 _kept: WeakKeyDictionary[Line2D, tuple[Array, Array]] = WeakKeyDictionary()

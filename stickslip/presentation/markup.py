@@ -25,8 +25,7 @@ from stickslip.presentation import quantity
 __all__ = ["Html", "fill", "parts", "text"]
 
 _SYMBOL = re.compile(r"\$(?:\\(?P<greek>[a-z]+)|(?P<latin>[A-Za-z]))(?:_\{?(?P<index>\w+)\}?)?\$")
-_WRAPPED = re.compile(r"(?<!>)\n(?!<)")
-"""The end of a line of prose."""
+_WRAPPED = re.compile(r"(?<!>)\n(?!<)")  # The end of a line of prose
 
 
 class Html(Markup):
@@ -79,13 +78,7 @@ _ENVIRONMENT.filters.update(
 
 
 def fill(template: str, **values: object) -> Html:
-    """Return a template with its values.
-
-    Raises
-    ------
-    jinja2.UndefinedError
-        When a value is missing.
-    """
+    """Return a template with its values; raise jinja2.UndefinedError when a value is missing."""
     named = template.endswith(".j2")
     found = _ENVIRONMENT.get_template(template) if named else _ENVIRONMENT.from_string(template)
     return Html(found.render(values))

@@ -88,6 +88,8 @@ def write_page(
 ) -> list[Path]:
     """Write each figure as PNG and SVG, and the page.
 
+    Raises OSError when the folder cannot be written.
+
     Parameters
     ----------
     folder : is made if it is absent; each file of the same name is replaced atomically
@@ -96,11 +98,6 @@ def write_page(
     Returns
     -------
     the files written, the page last
-
-    Raises
-    ------
-    OSError
-        When the folder cannot be written.
     """
     drawn = {name: draw for section in sections for name, draw in section.figures.items()}
     pictures = {name: Picture.of(draw) for name, draw in drawn.items()}
@@ -120,8 +117,7 @@ def made_with() -> Html:
 
 
 MADE_WITH = Section("Made with", "{{ made_with() }}")
-MILLIMETRES = 25.4
-"""In an inch, matplotlib's unit."""
+MILLIMETRES = 25.4  # In an inch, matplotlib's unit
 
 
 def picture_files(names: Iterable[str]) -> list[str]:
@@ -131,19 +127,13 @@ def picture_files(names: Iterable[str]) -> list[str]:
 
 @dataclass(frozen=True)
 class Picture:
-    """One figure.
+    """One figure."""
 
-    Attributes
-    ----------
-    png, svg : contents of the files, without dates and so the same each time
-    width : [mm]
-    panels : what a page draws when the figure is opened
-    """
-
+    # contents of the files, without dates and so the same each time
     png: bytes
     svg: bytes
-    width: float
-    panels: list[Panel] = field(default_factory=list)
+    width: float  # [mm]
+    panels: list[Panel] = field(default_factory=list)  # what a page draws when the figure is opened
 
     @classmethod
     def of(cls, draw: Callable[..., Figure], *subjects: object) -> Picture:

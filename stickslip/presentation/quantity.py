@@ -11,8 +11,7 @@ from markupsafe import Markup
 from stickslip.catalog.parameters import HIGH, LOW, Estimate, parameter
 from stickslip.models import Law
 
-SPACE = "\u00a0"
-"""Does not break."""
+SPACE = "\u00a0"  # Does not break
 
 METRICS = {"E_max": "$E_{max}$", "E_rms": "$E_{rms}$"}
 """Symbols of the errors (8a) and (8b), for pages and figures."""

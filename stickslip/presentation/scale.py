@@ -11,8 +11,7 @@ from stickslip.catalog.parameters import unit_of
 from stickslip.presentation.quantity import unit
 from stickslip.servo.measurement import Array
 
-COLUMNS = 700
-"""More than a printed page's width resolves."""
+COLUMNS = 700  # More than a printed page's width resolves
 
 
 def thinned(t: Array, signal: Array, columns: int = COLUMNS) -> tuple[Array, Array]:
@@ -44,8 +43,7 @@ def spread(n: int, most: int) -> NDArray[np.intp]:
 POSITIONS = {"linear": "m", "rotary": "rad"}
 WORDS = {"linear": ("position", "force"), "rotary": ("angle", "torque")}
 PREFIXES = {1e3: "k", 1.0: "", 1e-3: "m", 1e-6: "µ", 1e-9: "n"}
-SLACK = 0.999
-"""A size of 0.9995 mm still counts as one of 1 mm."""
+SLACK = 0.999  # A size of 0.9995 mm still counts as one of 1 mm
 
 
 @dataclass(frozen=True)

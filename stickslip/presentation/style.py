@@ -17,14 +17,10 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-COLUMN = 89.0
-"""Width of one column [mm]."""
-PAGE = 183.0
-"""Width of two columns [mm]."""
-RESOLUTION = 300
-"""Of PNG files [dots per inch]."""
-_SCREEN = 110
-"""Of figures in a notebook."""
+COLUMN = 89.0  # Width of one column [mm]
+PAGE = 183.0  # Width of two columns [mm]
+RESOLUTION = 300  # Of PNG files [dots per inch]
+_SCREEN = 110  # Of figures in a notebook
 
 INK = "#1a1a1a"
 GREY = "#6f6f6f"
@@ -34,11 +30,9 @@ WITHOUT = "#e07b00"
 WITH = "#004f86"
 PALE = "#eaf1f7"
 
-THICK, LINE, THIN = 1.5, 1.0, 0.5
-"""Line widths [pt]."""
+THICK, LINE, THIN = 1.5, 1.0, 0.5  # Line widths [pt]
 DASHED: Any = (0, (4, 2))
-SMALL = 7.5
-"""Small print [pt]."""
+SMALL = 7.5  # Small print [pt]
 
 _STYLE: Any = {
     "font.family": ["STIXGeneral", "DejaVu Sans"],

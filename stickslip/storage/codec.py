@@ -83,10 +83,7 @@ def state(value: Any, unit: Unit, of_drive: Callable[[str], str] = str) -> dict[
 def decode(kind: type[T], data: Any) -> T:
     """Return what ``encode`` has written.
 
-    Raises
-    ------
-    ValueError
-        When the data are not of this kind; names the entry.
+    Raises ValueError when the data are not of this kind; names the entry.
     """
     return cast(T, _decoded(kind, data, kind.__name__))
 

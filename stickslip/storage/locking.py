@@ -15,8 +15,7 @@ from typing import IO
 from stickslip.errors import UsageError
 from stickslip.fmi.files import is_at, lock, require_regular_file
 
-PREFIX = ".stickslip-"
-"""Of the names of temporary files and folders."""
+PREFIX = ".stickslip-"  # Of the names of temporary files and folders
 WRITING = f"{PREFIX}writing-"
 _LOCK = f"{PREFIX}lock"
 
@@ -27,13 +26,9 @@ _held: ContextVar[Mapping[Path, IO[str]]] = ContextVar("_held")
 def locked(folder: Path | None) -> Iterator[None]:
     """Make a folder and lock it for this process; nested blocks of one process share the lock.
 
-    Staging folders of killed processes are deleted, and at the end a folder that was made here
-    and is empty. None locks nothing.
-
-    Raises
-    ------
-    UsageError
-        When it cannot be made or written, or another process has locked it.
+    Staging folders of killed processes are deleted, and at the end a folder that was made here and
+    is empty. None locks nothing. Raises UsageError when it cannot be made or written, or another
+    process has locked it.
     """
     if folder is None or is_locked(folder):
         yield
@@ -62,10 +57,7 @@ def is_locked(folder: Path) -> bool:
 def writable(folder: Path) -> Iterator[None]:
     """Make a folder and try to write there; what was made and is empty at the end is deleted.
 
-    Raises
-    ------
-    UsageError
-        When that is not possible.
+    Raises UsageError when that is not possible.
     """
     made = [path for path in (folder, *folder.parents) if not os.path.lexists(path)]
     try:

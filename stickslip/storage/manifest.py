@@ -17,25 +17,19 @@ from stickslip.fmi.files import MOST_TEXT, digest, parse_json, read_limited, req
 
 MANIFEST = "manifest.json"
 
-Command = Mapping[str, Any]
-"""Name and options of a command."""
+Command = Mapping[str, Any]  # Name and options of a command
 
 _HASH = re.compile(r"[0-9a-f]{64}")
 
 
 @dataclass(frozen=True)
 class Manifest:
-    """The content of manifest.json.
+    """The content of manifest.json."""
 
-    Attributes
-    ----------
-    command : the one that wrote last
-    sha256 : of each file, by its name in the folder, with ``/`` between the parts
-    earlier : by the names of files that other commands wrote: the command
-    """
-
-    command: Command
+    command: Command  # the one that wrote last
+    # of each file, by its name in the folder, with ``/`` between the parts
     sha256: Mapping[str, str]
+    # by the names of files that other commands wrote: the command
     earlier: Mapping[str, Command] = field(default_factory=dict)
 
     def followed_by(self, later: Manifest, removed: Collection[str]) -> Manifest:
@@ -68,10 +62,8 @@ class Manifest:
     def read(cls, folder: Path) -> Manifest:
         """Read it from a folder.
 
-        Raises
-        ------
-        ResultsError
-            When there is none, or none that can be trusted to name files of the folder.
+        Raises ResultsError when there is none, or none that can be trusted to name files of the
+        folder.
         """
         path = folder / MANIFEST
         try:
@@ -114,10 +106,7 @@ def _name(command: Command) -> str:
 def hash_of(path: Path) -> str:
     """Return the SHA-256 of a plain file.
 
-    Raises
-    ------
-    OSError
-        When it is absent, is a link or not a file, or cannot be read.
+    Raises OSError when it is absent, is a link or not a file, or cannot be read.
     """
     require_regular_file(path)
     return digest(path)
@@ -126,16 +115,12 @@ def hash_of(path: Path) -> str:
 def refuse_foreign(folder: Path, names: Iterable[str]) -> None:
     """Refuse to replace or delete files that the manifest does not list as they are.
 
+    Raises UsageError when there is a file of another origin, or one that was changed; it names the
+    first, or OSError when a link, a folder or a device is in the way; it names it.
+
     Parameters
     ----------
     names : of the files, with ``/`` between the parts; they may be absent
-
-    Raises
-    ------
-    UsageError
-        When there is a file of another origin, or one that was changed; it names the first.
-    OSError
-        When a link, a folder or a device is in the way; it names it.
     """
     listed: Mapping[str, str] = {}
     if os.path.lexists(folder / MANIFEST):
@@ -163,10 +148,7 @@ def refuse_foreign(folder: Path, names: Iterable[str]) -> None:
 def refuse_places(folder: Path, name: str) -> None:
     """Refuse to put a file where a link, a folder or a file is in its way.
 
-    Raises
-    ------
-    OSError
-        When there is one; it names it.
+    Raises OSError when there is one; it names it.
     """
     for place in [folder / parent for parent in Path(name).parents[-2::-1]]:
         if place.is_symlink() or (place.exists() and not place.is_dir()):

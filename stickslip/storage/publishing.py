@@ -37,21 +37,15 @@ from stickslip.storage.manifest import (
 )
 
 READY = f"{PREFIX}ready"
-UNFINISHED = "unfinished"
-"""The folder of what a command with many jobs has found so far."""
+UNFINISHED = "unfinished"  # The folder of what a command with many jobs has found so far
 
 
 @contextmanager
 def reserved(folder: Path | None, names: Collection[str]) -> Iterator[None]:
     """Lock a folder for a command that will write these files there, before it computes them.
 
-    None locks nothing.
-
-    Raises
-    ------
-    UsageError
-        When one of the files is the user's, the folder cannot be written, or another process has
-        locked it.
+    None locks nothing. Raises UsageError when one of the files is the user's, the folder cannot be
+    written, or another process has locked it.
     """
     with locked(folder):
         if folder is not None:
@@ -66,20 +60,15 @@ def staged(
 ) -> Iterator[Path]:
     """Give a folder to write in; at the end of the block its files are the folder's new set.
 
+    Raises UsageError when another process writes there, or a file to be replaced is the user's, or
+    ResultsError when the folder is removed meanwhile, or OSError when a file cannot be written; the
+    old set is then as it was.
+
     Parameters
     ----------
     folder : is made if it is absent
     command : name and options of the command, for manifest.json, which is written here
     without : names of files that must not stay, unless written now, whichever command wrote them
-
-    Raises
-    ------
-    UsageError
-        When another process writes there, or a file to be replaced is the user's.
-    ResultsError
-        When the folder is removed meanwhile.
-    OSError
-        When a file cannot be written; the old set is then as it was.
     """
     with locked(folder):
         complete(folder)
@@ -103,12 +92,8 @@ def completed(
 ) -> Iterator[Path]:
     """Give a folder as ``staged`` does, for the results of all jobs.
 
-    Adds the tables (pandas, by file name), and removes what was kept while the jobs ran.
-
-    Raises
-    ------
-    UsageError, ResultsError, OSError
-        As ``staged``.
+    Adds the tables (pandas, by file name), and removes what was kept while the jobs ran. Raises
+    UsageError, ResultsError, OSError as ``staged``.
     """
     with staged(folder, command, without) as staging:
         yield staging
@@ -120,12 +105,8 @@ def completed(
 def complete(folder: Path) -> None:
     """Move in what a killed process left ready.
 
-    Raises
-    ------
-    UsageError
-        When another process writes there, or this one may not.
-    ResultsError
-        When a file cannot be moved.
+    Raises UsageError when another process writes there, or this one may not, or ResultsError when a
+    file cannot be moved.
     """
     if os.path.lexists(folder / READY):
         with locked(folder), held():

@@ -24,18 +24,12 @@ NOTES = {
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a folder holds.
+    """What a folder holds."""
 
-    Attributes
-    ----------
-    intact : number of files that are as they were written
-    faults : by the names of the other files: missing, changed, additional, or why not read
-    notes : remarks on files
-    """
-
-    intact: int
+    intact: int  # number of files that are as they were written
+    # by the names of the other files: missing, changed, additional, or why not read
     faults: dict[str, str]
-    notes: dict[str, str]
+    notes: dict[str, str]  # remarks on files
 
     def __str__(self) -> str:
         counts = Counter(self.faults.values())
@@ -46,16 +40,12 @@ class Verdict:
 def verify(folder: Path, without: Sequence[str] = ()) -> Verdict:
     """Compare a folder with its manifest; what a killed process left ready is moved in first.
 
+    Raises ResultsError when there is no such folder or no manifest in it, or UsageError when
+    another process is replacing the results.
+
     Parameters
     ----------
     without : patterns of files that are not compared, such as those a repository leaves out
-
-    Raises
-    ------
-    ResultsError
-        When there is no such folder or no manifest in it.
-    UsageError
-        When another process is replacing the results.
     """
     if not folder.is_dir():
         raise ResultsError(f"{folder}: there is no such folder")

@@ -24,31 +24,19 @@ RECORDED, OUTPUT = "compensator.F_mean", "F_ff"
 
 @dataclass(frozen=True)
 class Comparison:
-    """One run of the loop, and FMPy over the same commands.
+    """One run of the loop, and FMPy over the same commands."""
 
-    Attributes
-    ----------
-    samples : values of the force that were compared, the initial one included
-    different : how many of them are not the same double
-    largest : largest difference [N]
-    """
-
-    samples: int
-    different: int
-    largest: float = field(metadata=entry("N", key="largest_difference"))
+    samples: int  # values of the force that were compared, the initial one included
+    different: int  # how many of them are not the same double
+    largest: float = field(metadata=entry("N", key="largest_difference"))  # largest difference [N]
 
 
 @dataclass(frozen=True)
 class SecondOpinion:
-    """What FMPy says of an FMU.
+    """What FMPy says of an FMU."""
 
-    Attributes
-    ----------
-    tool : name and version
-    comparisons : by the name of the command that was run
-    """
-
-    tool: str
+    tool: str  # name and version
+    # by the name of the command that was run
     comparisons: Mapping[str, Comparison] = field(metadata=entry(key="runs"))
 
 

@@ -25,12 +25,10 @@ from stickslip.simulation import pack_input
 from stickslip.storage import staged
 from stickslip.storage.writing import write_json, write_tables
 
-FMU = "compensator"
-"""Name of the compensator's model and FMU."""
+FMU = "compensator"  # Name of the compensator's model and FMU
 LEARNED_LOOP = ("learned_loop.ssp", "learned_compensator.fmu", "learned_observer.fmu")
 """The learned loop, and its feedforward and observer where it has them."""
-PREFIX = "as_published_"
-"""Of the tables of the learning as published."""
+PREFIX = "as_published_"  # Of the tables of the learning as published
 FILES = (
     *("table2.csv", "table4.csv", "table4_all_extras.csv", "motions.csv"),
     *("fitness.csv", "loop_tuning.csv"),
@@ -47,12 +45,8 @@ PUBLISHED_FILES = (*(f"{name}.csv" for name in TABLES), *picture_files([FIG5]), 
 def write_results(reproduction: Reproduction, folder: Path) -> None:
     """Write tables, report, learned.json, compensator.fmu and loop.ssp.
 
-    An earlier result stays whole until the new one is complete.
-
-    Raises
-    ------
-    OSError
-        When a file cannot be written.
+    An earlier result stays whole until the new one is complete. Raises OSError when a file cannot
+    be written.
     """
     loops = reproduction.loops
     with staged(folder, command_of(reproduction.options), without=LEARNED_LOOP) as staging:
@@ -91,13 +85,7 @@ def _build(
 
 
 def write_published_results(study: PublishedStudy, options: Options, folder: Path) -> None:
-    """Write tables, picture and page of the study.
-
-    Raises
-    ------
-    OSError
-        When a file cannot be written.
-    """
+    """Write tables, picture and page of the study; raise OSError when a file cannot be written."""
     seeds = len(study.seeds[START])
     with staged(folder, command_of(options, as_published=True, seeds=seeds)) as staging:
         write_tables(study.tables(), staging)

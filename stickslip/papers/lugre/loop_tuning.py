@@ -24,8 +24,7 @@ from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.loop_learning import LearnedLoop, LoopStudy
 from stickslip.tuning.loop_runs import CHAIN, FEEDFORWARD, OBSERVER, PLAIN, TunedLoop
 
-FRICTION = (0.7, 1.0, 1.3)
-"""Friction of the drive, relative to its own."""
+FRICTION = (0.7, 1.0, 1.3)  # Friction of the drive, relative to its own
 STAGES = ("none", "tuned_pi", "identified", "least_squares", "learned")
 """The paper's loop alone; gains tuned without a model; with these the friction as identified and as
 least squares found it, fed forward; the loop that was learned."""
@@ -35,18 +34,12 @@ RELATIVE = ("creep", "micrometre moves")
 
 @dataclass(frozen=True)
 class LoopTuning:
-    """The loop as it was learned by several seeds, beside what precedes it.
+    """The loop as it was learned by several seeds, beside what precedes it."""
 
-    Attributes
-    ----------
-    study : of the search
-    learned : of each seed
-    table : columns stage, seed, motion, friction, error, unit, Ms, evaluations, and the range of
-        the error over ``PHASES``
-    """
-
-    study: LoopStudy
-    learned: Sequence[LearnedLoop]
+    study: LoopStudy  # of the search
+    learned: Sequence[LearnedLoop]  # of each seed
+    # columns stage, seed, motion, friction, error, unit, Ms, evaluations, and the range of the
+    # error over ``PHASES``
     table: pd.DataFrame
 
     @property
@@ -119,29 +112,19 @@ def spread(median: float, low: float, high: float) -> str:
 
 
 def validate_loops(
-    study: LoopStudy,
-    searched: LoopStudy,
+    study: LoopStudy,  # with the friction after least squares
+    searched: LoopStudy,  # of the loops that were learned, whose feedforward may be of another law
+    # friction law of the drive, and every parameter of its FMU
     law: str,
     truth: Mapping[str, float],
-    paper: VelocityLoop,
-    identified: Mapping[str, float],
+    paper: VelocityLoop,  # the loop of the paper
+    identified: Mapping[str, float],  # friction by name, as identified
     learned: Sequence[LearnedLoop],
     *,
-    runs: int,
-    workers: int = 1,
+    runs: int,  # of the drive, that least squares took
+    workers: int = 1,  # motions side by side
 ) -> LoopTuning:
-    """Run all motions with each step.
-
-    Parameters
-    ----------
-    study : with the friction after least squares
-    searched : of the loops that were learned, whose feedforward may be of another law
-    law, truth : friction law of the drive, and every parameter of its FMU
-    paper : the loop of the paper
-    identified : friction by name, as identified
-    runs : of the drive, that least squares took
-    workers : motions side by side
-    """
+    """Run all motions with each step."""
     none, own = replace(study, reference=paper), replace(study, friction=identified)
     steps: dict[tuple[str, int], tuple[TunedLoop, int]] = {
         ("none", -1): (none.loop(PLAIN), 0),
@@ -178,17 +161,13 @@ def validate_loops(
 def motion_errors(
     study: LoopStudy,
     loops: Sequence[TunedLoop],
-    drives: Sequence[Mapping[str, float]],
+    drives: Sequence[Mapping[str, float]],  # start values of the drive FMU by name
     motion: Motion,
 ) -> list[list[list[float]]]:
     """Return the errors of a motion of each loop on each drive, one for each of ``PHASES``.
 
     It is the RMS over the regions of the error of the true velocity [mm/s], or, of ``RELATIVE``,
     of that error relative to the command.
-
-    Parameters
-    ----------
-    drives : start values of the drive FMU by name
     """
     rig, loop = study.rig, study.reference
     t = rig.samples(motion.duration)

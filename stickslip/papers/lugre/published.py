@@ -28,8 +28,7 @@ from stickslip.servo.systems import Feed
 from stickslip.tuning.learning import Study, VelocityCost, coarsened, draw_factors, genes
 from stickslip.tuning.refinement import refine
 
-PAPER_COST = 1.7e-3
-"""Where Fig. 5 of the paper ends [m^2/s^2, by our reading of its unit]."""
+PAPER_COST = 1.7e-3  # Where Fig. 5 of the paper ends [m^2/s^2, by our reading of its unit].
 START, OURS, LOGARITHMIC, SQUARES = "start", "as_published", "logarithmic", "least_squares"
 """Names of methods: the coarse starts as they are, the paper's learning with genes that are linear
 between their limits, the same with logarithmic ones, least squares."""
@@ -39,36 +38,23 @@ TABLES = ("panel", "fitness", "learned")
 
 @dataclass(frozen=True)
 class SeedRun:
-    """What one method made of one seed's coarse start.
-
-    Attributes
-    ----------
-    parameters : the five of them by name, SI units
-    cost : (6) of the training run with them [m^2/s^2]
-    runs : of the drive that it took, as the paper counts them: those of the elite included
-    algorithm : what searched, None where nothing did
-    """
+    """What one method made of one seed's coarse start."""
 
     seed: int
-    parameters: Mapping[str, float]
-    cost: float
+    parameters: Mapping[str, float]  # the five of them by name, SI units
+    cost: float  # (6) of the training run with them [m^2/s^2]
+    # of the drive that it took, as the paper counts them: those of the elite included
     runs: int = 0
-    algorithm: ga.GeneticAlgorithm | None = None
+    algorithm: ga.GeneticAlgorithm | None = None  # what searched, None where nothing did
 
 
 @dataclass(frozen=True)
 class PublishedStudy:
-    """All seeds with all methods on one drive.
+    """All seeds with all methods on one drive."""
 
-    Attributes
-    ----------
-    seeds : by name of the method
-    cost_without : (6) of the training run without compensation [m^2/s^2]
-    evaluation : all motions without compensation and with each method, over seeds and phases
-    """
-
-    seeds: Mapping[str, Sequence[SeedRun]]
-    cost_without: float
+    seeds: Mapping[str, Sequence[SeedRun]]  # by name of the method
+    cost_without: float  # (6) of the training run without compensation [m^2/s^2]
+    # all motions without compensation and with each method, over seeds and phases
     evaluation: Evaluation
 
     def costs(self, method: str) -> Array:
@@ -141,19 +127,14 @@ def study_as_published(
     identification: Identification,
     seeds: Sequence[int],
     *,
-    feed: Feed = "nominal",
+    feed: Feed = "nominal",  # what drives the compensator
     workers: int = 1,
-    settings: ga.Settings = ga.PAPER,
+    settings: ga.Settings = ga.PAPER,  # of the algorithm as published
     on_stage: Callable[[str], object] = lambda _: None,
 ) -> PublishedStudy:
     """Learn from the coarse start of each seed, as published and by least squares.
 
     The result does not depend on ``workers``, which learn side by side.
-
-    Parameters
-    ----------
-    feed : what drives the compensator
-    settings : of the algorithm as published
     """
     loop = identification.loop
     settings_of = {OURS: settings, LOGARITHMIC: replace(settings, encoding="log")}

@@ -35,11 +35,7 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
     """Write the tables, the recording, report, learned.json, compensator.fmu and loop.ssp.
 
     ``recording.csv`` and ``recording.toml`` are what ``stickslip learn`` needs to learn the same.
-
-    Raises
-    ------
-    OSError
-        When a file cannot be written.
+    Raises OSError when a file cannot be written.
     """
     learned, loop = reproduction.learned, reproduction.learned.designed.compensated
     estimation = learned.estimation

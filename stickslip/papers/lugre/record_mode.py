@@ -42,10 +42,7 @@ class RecordReproduction(Reproduced):
 def loops_of_drive(sheet: Datasheet, estimation: Estimation) -> Loops:
     """Return the paper's loop for a learned axis, and that with velocity filter and inertia.
 
-    Raises
-    ------
-    ControlError
-        When the loop cannot be designed.
+    Raises ControlError when the loop cannot be designed.
     """
     known = estimation.known
     plain = design_velocity_loop(sheet.axis(known["m"].value, max(known["b"].value, 0.0)), LOOP)
@@ -58,10 +55,8 @@ def learn_from_recording(
 ) -> LearnedFromRecording:
     """Record a drive once, learn from the recording and design the loops.
 
-    Raises
-    ------
-    stickslip.errors.IdentificationError, stickslip.servo.axis.ControlError
-        When the drive does not show what is looked for, or cannot be recorded.
+    Raises stickslip.errors.IdentificationError, stickslip.servo.axis.ControlError when the drive
+    does not show what is looked for, or cannot be recorded.
     """
     progress.stage("recording the drive")
     recording = record_drive(rig)

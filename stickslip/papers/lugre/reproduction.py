@@ -39,90 +39,60 @@ from stickslip.work.jobs import Execution
 
 @dataclass(frozen=True)
 class Options:
-    """What can be chosen.
+    """What can be chosen."""
 
-    Attributes
-    ----------
-    truth : parameters of the drive FMU that differ from Table 2, in the units of its model.toml,
-        and its friction law as ``law``
-    law : friction law of the compensator
-    preset : what searches, a name in ``ga.ALGORITHMS``; ``default`` is CMA-ES for the loop, and our
-        genetic algorithm for a recording
-    feed : what drives the compensator
-    loop_seeds : how many seeds search the loop, ``seed`` the first; 0 for none
-    published_seeds : how many seeds learn as published
-    complete : take all steps: learn as published and from one recording, too
-    coarse : factors by name on what identification found, to begin learning there; see
-        ``stickslip/tuning/learning.py``
-    """
-
+    # parameters of the drive FMU that differ from Table 2, in the units of its model.toml, and its
+    # friction law as ``law``
     truth: Changes = field(default_factory=dict)
-    law: str = "lugre"
+    law: str = "lugre"  # friction law of the compensator
     seed: int = 0
+    # what searches, a name in ``ga.ALGORITHMS``; ``default`` is CMA-ES for the loop, and our
+    # genetic algorithm for a recording
     preset: str = "default"
-    feed: Feed = "nominal"
-    loop_seeds: int = 5
-    published_seeds: int = 5
-    complete: bool = False
+    feed: Feed = "nominal"  # what drives the compensator
+    loop_seeds: int = 5  # how many seeds search the loop, ``seed`` the first; 0 for none
+    published_seeds: int = 5  # how many seeds learn as published
+    complete: bool = False  # take all steps: learn as published and from one recording, too
+    # factors by name on what identification found, to begin learning there; see
+    # ``stickslip/tuning/learning.py``
     coarse: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Extras:
-    """The result on the drive with all effects on, which the compensator does not model.
+    """The result on the drive with all effects on, which the compensator does not model."""
 
-    Attributes
-    ----------
-    table4 : with a column for each step; None where identification or learning failed
-    reason : why they failed
-    """
-
+    # with a column for each step; None where identification or learning failed
     table4: pd.DataFrame | None
-    reason: str = ""
+    reason: str = ""  # why they failed
 
 
 @dataclass(frozen=True)
 class Reproduced:
-    """What both modes compute.
-
-    Attributes
-    ----------
-    truth : every parameter of the drive FMU; it enters after all is learned
-    system : the loop of Fig. 2a with the learned compensator
-    """
+    """What both modes compute."""
 
     options: Options
-    truth: Mapping[str, float]
+    truth: Mapping[str, float]  # every parameter of the drive FMU; it enters after all is learned
     learned: Learned
     validation: Validation
-    system: cosim.System
+    system: cosim.System  # the loop of Fig. 2a with the learned compensator
 
 
 @dataclass(frozen=True)
 class Reproduction(Reproduced):
-    """All that was computed with the three experiments, and by running the drive.
-
-    Attributes
-    ----------
-    start : the tuned parameters that learning began with
-    refinement : what was known in the end
-    searched : the loop as it was learned, and what each step before it brings, if it was learned
-    cost_without : of the training run without compensation [m^2/s^2]
-    extras : the same on the drive with all effects on, if that was asked for
-    opinion : what FMPy makes of the compensator, once its FMU is written
-    motions : all motions with each step, once they were run
-    published : the learning as published, where that was asked for
-    """
+    """All that was computed with the three experiments, and by running the drive."""
 
     identification: Identification
-    start: Mapping[str, Estimate]
-    refinement: Refinement
-    cost_without: float
+    start: Mapping[str, Estimate]  # the tuned parameters that learning began with
+    refinement: Refinement  # what was known in the end
+    cost_without: float  # of the training run without compensation [m^2/s^2]
+    # the loop as it was learned, and what each step before it brings, if it was learned
     searched: LoopTuning | None = None
-    extras: Extras | None = None
+    extras: Extras | None = None  # the same on the drive with all effects on, if that was asked for
+    # what FMPy makes of the compensator, once its FMU is written
     opinion: SecondOpinion | None = None
-    motions: Evaluation | None = None
-    published: PublishedStudy | None = None
+    motions: Evaluation | None = None  # all motions with each step, once they were run
+    published: PublishedStudy | None = None  # the learning as published, where that was asked for
 
     @property
     def loops(self) -> LoopTuning:
@@ -148,12 +118,8 @@ class Reproduction(Reproduced):
 def drive_truth(changes: Changes, law: str = "lugre") -> dict[str, float]:
     """Return every parameter of the drive FMU, and NaN for those of ``law`` that it lacks.
 
-    Raises
-    ------
-    models.StartValueError
-        When a change names no parameter or lies outside its range.
-    models.UnknownLaw
-        When there is no such friction law.
+    Raises models.StartValueError when a change names no parameter or lies outside its range, or
+    models.UnknownLaw when there is no such friction law.
     """
     start, own = drive_law(changes)
     model = models.load_model("drive", own).with_start(start)
@@ -171,10 +137,7 @@ def build_rig(options: Options, fmus: Path, progress: Progress) -> FmuRig:
 def validated(options: Options, rig: FmuRig, learned: Learned, progress: Progress) -> Reproduced:
     """Run the trapezoid on the drive without and with what was learned; join the truth.
 
-    Raises
-    ------
-    stickslip.servo.axis.ControlError
-        When no loop could be designed.
+    Raises stickslip.servo.axis.ControlError when no loop could be designed.
     """
     plain, loop, _ = learned.designed
     progress.stage("validating")

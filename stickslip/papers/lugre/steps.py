@@ -42,16 +42,10 @@ Those from coarse starts are in ``stickslip/papers/lugre/published.py``, over se
 
 def steps(
     identification: Identification,
-    learned: Learned,
-    recorded: Learned | None = None,
+    learned: Learned,  # by the default
+    recorded: Learned | None = None,  # from one recording
 ) -> dict[str, Entry]:
-    """Return the steps that there are, in the order of ``STEPS``.
-
-    Parameters
-    ----------
-    learned : by the default
-    recorded : from one recording
-    """
+    """Return the steps that there are, in the order of ``STEPS``."""
     loop = identification.loop
     identified = {name: one.value for name, one in identification.tuned.items()}
     found = {

@@ -25,17 +25,11 @@ from stickslip.work.jobs import Execution
 
 def with_studies(
     reproduction: Reproduction,
-    fmus: Path,
+    fmus: Path,  # folder of its FMUs
     progress: Progress,
-    execution: Execution,
+    execution: Execution,  # its checkpoint is left as it is
 ) -> Reproduction:
-    """Return a reproduction with what is compared with it.
-
-    Parameters
-    ----------
-    fmus : folder of its FMUs
-    execution : its checkpoint is left as it is
-    """
+    """Return a reproduction with what is compared with it."""
     options, found = reproduction.options, reproduction.identification
     own = replace(execution, checkpoint=None, resume=False)
     extras = reproduce_with_extras(options, fmus / "extras", progress, own)

@@ -7,16 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Budget:
-    """What each entrant may use on each drive.
+    """What each entrant may use on each drive."""
 
-    Attributes
-    ----------
-    evaluations : candidates
-    seconds : of motion of the drive [s]
-    """
-
-    evaluations: int = 180
-    seconds: float = 2000.0
+    evaluations: int = 180  # candidates
+    seconds: float = 2000.0  # of motion of the drive [s]
 
     def runs(self, duration: float) -> int:
         """Return how many candidates can be evaluated, each with a run of a duration [s]."""

@@ -26,8 +26,7 @@ from stickslip.studies.arena.table import ALL, arena_table, ranking, relative_er
 from stickslip.studies.arena.writing import FILES, write_arena
 from stickslip.work.jobs import Execution
 
-_DEEP = 3.0
-"""Factor on the error at which the colour of a cell is the deepest."""
+_DEEP = 3.0  # Factor on the error at which the colour of a cell is the deepest
 
 
 def make_plan(
@@ -45,10 +44,7 @@ def make_plan(
 ) -> Plan:
     """Return what an arena compares; parameters are those of ``arena``.
 
-    Raises
-    ------
-    UsageError
-        When a law, a compensator or a drive is unknown.
+    Raises UsageError when a law, a compensator or a drive is unknown.
     """
     found = [learned_drive(path) for path in learned]
     if drives is not None:
@@ -88,16 +84,10 @@ def make_plan(
 
 @dataclass(frozen=True)
 class Comparison:
-    """What an arena found.
+    """What an arena found."""
 
-    Attributes
-    ----------
-    arena : every cell
-    table : the rows of arena.csv, see docs/arena.md
-    """
-
-    arena: Arena
-    table: pd.DataFrame
+    arena: Arena  # every cell
+    table: pd.DataFrame  # the rows of arena.csv, see docs/arena.md
 
     @property
     def ranking(self) -> pd.DataFrame:
@@ -152,10 +142,7 @@ class Comparison:
     def write(self, folder: Path | str) -> Path:
         """Write arena.csv, arena.html with its figures, and the winners; return the folder.
 
-        Raises
-        ------
-        UsageError, OSError
-            When a file to be replaced is the user's, or cannot be written.
+        Raises UsageError, OSError when a file to be replaced is the user's, or cannot be written.
         """
         folder = Path(folder)
         with reserved(folder, FILES):

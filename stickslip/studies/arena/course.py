@@ -30,23 +30,15 @@ def build_entrants(folder: Path, entrants: list[Entrant]) -> None:
 
 
 class Course:
-    """A loop that is prepared once and run with many values of its entrant's parameters.
-
-    Parameters
-    ----------
-    fmus : folder with drive.fmu and what ``build_entrants`` builds
-    loop : as designed; an entrant may choose other gains in each run
-    samples : of the longest command
-    record : signals
-    """
+    """A loop that is prepared once and run with many values of its entrant's parameters."""
 
     def __init__(
         self,
-        fmus: Path,
-        loop: VelocityLoop,
+        fmus: Path,  # folder with drive.fmu and what ``build_entrants`` builds
+        loop: VelocityLoop,  # as designed; an entrant may choose other gains in each run
         entrant: Entrant,
-        samples: int,
-        record: cosim.Record | tuple[str, ...],
+        samples: int,  # of the longest command
+        record: cosim.Record | tuple[str, ...],  # signals
     ) -> None:
         self.loop, self._n = loop, samples
         system = build_loop(fmus, loop, entrant.chain)
@@ -57,17 +49,12 @@ class Course:
     def run(
         self, tuned: TunedEntrant, v_cmd: Array, drive: Mapping[str, float] | None = None
     ) -> cosim.Result:
-        """Run one command.
+        """Run one command; raise SimulationError when an FMU fails.
 
         Parameters
         ----------
         v_cmd : (n,) [m/s]
         drive : start values of the drive, such as the seed of its noise
-
-        Raises
-        ------
-        SimulationError
-            When an FMU fails.
         """
         values = dict(tuned.parameters)
         if tuned.loop is not self.loop:

@@ -20,16 +20,12 @@ from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, des
 from stickslip.studies.arena.drive_names import content
 from stickslip.trial.family import axis_values
 
-AXIS = Axis(5.557, 6.6135, Datasheet().tau_i)
-"""That of the paper's stage."""
-QUIET = 0.25
-"""Noise of the encoder of a learned drive, relative to its step."""
+AXIS = Axis(5.557, 6.6135, Datasheet().tau_i)  # That of the paper's stage
+QUIET = 0.25  # Noise of the encoder of a learned drive, relative to its step
 SHARES = {"friction": (0.5, 0.8, 1.2, 1.5), "mass": (0.5, 0.8, 1.25, 2.0), "lag": (5.0,)}
 """Factors on what a drive has in robustness runs."""
-STEPS = {"encoder step x 0.25": 0.25, "encoder step x 5": 5.0}
-"""Factors on the step of the encoder."""
-NOISE = 3.0
-"""Factor on the noise."""
+STEPS = {"encoder step x 0.25": 0.25, "encoder step x 5": 5.0}  # Factors on the step of the encoder
+NOISE = 3.0  # Factor on the noise
 Changes = Mapping[str, tuple[str, Mapping[str, float]]]
 """What is changed -> command, and start values of the drive FMU."""
 _KEYS = {"title", "law", "parameters", "loop", "nominal", "axis", "speed"}
@@ -37,31 +33,23 @@ _KEYS = {"title", "law", "parameters", "loop", "nominal", "axis", "speed"}
 
 @dataclass(frozen=True)
 class Drive:
-    """A drive.
+    """A drive."""
 
-    Attributes
-    ----------
-    name, title : short name, and display name
-    law : name of its friction law
-    parameters : start values of the drive FMU, its truth
-    gains : K_p [N s/m] and K_i [N/m] of its controller; those of the paper's loop where empty
-    nominal : whether what is tuned on it is carried over to the others
-    axis, T_s, tau_f : for which its loop is designed, and the sampling of the loop
-    sheet : what is known of motor and encoder
-    speed : of the fastest commands [m/s]
-    """
-
+    # short name, and display name
     name: str
     title: str
-    law: str
+    law: str  # name of its friction law
+    # start values of the drive FMU, its truth
     parameters: Mapping[str, float] = field(default_factory=dict)
+    # K_p [N s/m] and K_i [N/m] of its controller; those of the paper's loop where empty
     gains: Mapping[str, float] = field(default_factory=dict)
-    nominal: bool = False
+    nominal: bool = False  # whether what is tuned on it is carried over to the others
+    # for which its loop is designed, and the sampling of the loop
     axis: Axis = AXIS
     T_s: float = LOOP.T_s
     tau_f: float = LOOP.tau_f
-    sheet: Datasheet = field(default_factory=Datasheet)
-    speed: float = SPEED
+    sheet: Datasheet = field(default_factory=Datasheet)  # what is known of motor and encoder
+    speed: float = SPEED  # of the fastest commands [m/s]
 
     @property
     def loop(self) -> VelocityLoop:
@@ -129,10 +117,7 @@ def read_drives(
 ) -> list[Drive]:
     """Return the drives of a TOML file in the form of ``drives.toml``, or of its content.
 
-    Raises
-    ------
-    UsageError
-        When it cannot be read, or a drive is not well formed.
+    Raises UsageError when it cannot be read, or a drive is not well formed.
     """
     if not isinstance(source, Path):
         return _of_laws(_drives("drives", dict(source))[0], laws)
@@ -146,10 +131,7 @@ def read_drives(
 def learned_drive(path: Path) -> Drive:
     """Return the drive of a learned.json, in its loop.
 
-    Raises
-    ------
-    UsageError
-        When it is not a learned.json, or has no loop.
+    Raises UsageError when it is not a learned.json, or has no loop.
     """
     learned = LearnedFile(path)
     loop, sheet = learned.loop, learned.datasheet

@@ -13,11 +13,9 @@ from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.studies.arena.motion_commands import Command
 
-ERROR = "error"
-"""The metric by which entrants are ranked."""
+ERROR = "error"  # The metric by which entrants are ranked
 RECORDED = ("drive.v", "drive.x", "controller.u", "nominal.v_r")
-Figures = dict[str, tuple[float, str]]
-"""Value and unit by name of the metric."""
+Figures = dict[str, tuple[float, str]]  # Value and unit by name of the metric
 
 
 SETTLED, COUNTS = 1e-6, 2.0
@@ -26,26 +24,18 @@ SETTLED, COUNTS = 1e-6, 2.0
 
 @dataclass(frozen=True)
 class Trace:
-    """One run.
+    """One run."""
 
-    Attributes
-    ----------
-    T_s : sample period [s]
-    v_cmd, x_cmd : (n,) commanded velocity [m/s] and position [m]
-    v, x : (n,) true velocity [m/s] and position [m]
-    u : (n,) force command [N]
-    v_r : (n,) velocity of the loop without friction [m/s]
-    encoder_step : resolution of the encoder [m]
-    """
-
-    T_s: float
+    T_s: float  # sample period [s]
+    # (n,) commanded velocity [m/s] and position [m]
     v_cmd: Array
     x_cmd: Array
+    # (n,) true velocity [m/s] and position [m]
     v: Array
     x: Array
-    u: Array
-    v_r: Array
-    encoder_step: float
+    u: Array  # (n,) force command [N]
+    v_r: Array  # (n,) velocity of the loop without friction [m/s]
+    encoder_step: float  # resolution of the encoder [m]
 
     @classmethod
     def of(cls, T_s: float, v_cmd: Array, recorded: cosim.Result, encoder_step: float) -> Trace:

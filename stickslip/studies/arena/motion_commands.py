@@ -21,30 +21,22 @@ from stickslip.evaluation.motions import (
 )
 from stickslip.servo.measurement import Array
 
-PASSES = 2
-"""Sweeps of the training command; the last one counts, when observers have settled."""
+PASSES = 2  # Sweeps of the training command; the last one counts, when observers have settled
 _SWEEP = SineSweep(frequency=(0.2, 1.0), amplitude=(0.03, 0.04), duration=5.0)
-_REST = 0.3
-"""After each sweep, so that starts from rest count as well [s]."""
+_REST = 0.3  # After each sweep, so that starts from rest count as well [s]
 FIRST = (0.0, 0.1)
 """From when to when after a start or a reversal the errors of the trapezoid count [s]."""
-SPEEDS = (1e-4, 3e-4, 1e-3, 3e-3)
-"""Of the creep [m/s]."""
-CREEP, COUNTED = 2.0, 1.5
-"""How long each lasts, and the last part of it that counts [s]."""
-RADIUS = 0.01
-"""Of the circles [m]."""
-GLITCH = 0.3
-"""How far after a reversal the error of a circle counts [rad]."""
+SPEEDS = (1e-4, 3e-4, 1e-3, 3e-3)  # Of the creep [m/s]
+CREEP, COUNTED = 2.0, 1.5  # How long each lasts, and the last part of it that counts [s]
+RADIUS = 0.01  # Of the circles [m]
+GLITCH = 0.3  # How far after a reversal the error of a circle counts [rad]
 MOVES = {1e-6: 0.02, 2e-6: 0.02, 5e-6: 0.02, 1e-5: 0.02, 1e-4: 0.05, 1e-3: 0.2}
 """Lengths of the small moves [m], and how long each lasts [s]."""
 TRAINING_MOVES = {1.5e-6: 0.02, 3e-6: 0.02, 7e-6: 0.02, 2e-5: 0.02, 5e-5: 0.05, 3e-4: 0.1}
 """As ``MOVES``, to tune what controls the position."""
-SETTLING = 0.4
-"""Rest after each [s]."""
+SETTLING = 0.4  # Rest after each [s]
 MOVE_POINTS = 200
-HOLD = (2.0, 5.0)
-"""From when to when after a stop the rest counts [s]."""
+HOLD = (2.0, 5.0)  # From when to when after a stop the rest counts [s]
 
 
 @dataclass(frozen=True)
@@ -98,16 +90,10 @@ class _Scaled:
 
 @dataclass(frozen=True)
 class Training:
-    """A motion to tune with.
+    """A motion to tune with."""
 
-    Attributes
-    ----------
-    v_cmd : (n,) [m/s], one a sample
-    counted : (n,) whether the error of a sample counts
-    """
-
-    v_cmd: Array
-    counted: NDArray[np.bool_]
+    v_cmd: Array  # (n,) [m/s], one a sample
+    counted: NDArray[np.bool_]  # (n,) whether the error of a sample counts
 
 
 def moves(T_s: float, factor: float = 1.0) -> Training:

@@ -31,8 +31,7 @@ from stickslip.thresholds import offer
 TEMPLATES = "studies/arena"
 TITLE = "Friction compensators compared"
 FIGURES = ("pareto", "circle")
-DEEP = 3.0
-"""Factor on the error at which the colour of a cell is the deepest."""
+DEEP = 3.0  # Factor on the error at which the colour of a cell is the deepest
 _BETTER, _WORSE = (0, 79, 134), (224, 123, 0)
 """Colours of errors below and above those of the reference."""
 

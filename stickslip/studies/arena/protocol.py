@@ -43,37 +43,24 @@ from stickslip.studies.arena.validation import (
 )
 from stickslip.work.jobs import Execution, Outcome, ended_by_signals, run_jobs, stopped
 
-REFERENCES = ("pi", "none")
-"""Entrants to which errors are relative, the preferred one first."""
+REFERENCES = ("pi", "none")  # Entrants to which errors are relative, the preferred one first
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What an arena compares.
+    """What an arena compares."""
 
-    Attributes
-    ----------
-    drives : the one whose ``nominal`` is set gives what is carried over
-    entrants : names
-    starts : runs of each command
-    seed : of tuning and of coarse start values
-    own : compensators of the user
-    """
-
-    drives: Sequence[Drive]
-    entrants: Sequence[str]
+    drives: Sequence[Drive]  # the one whose ``nominal`` is set gives what is carried over
+    entrants: Sequence[str]  # names
     budget: Budget = field(default_factory=Budget)
-    starts: int = 20
-    seed: int = 0
-    own: tuple[Part, ...] = ()
+    starts: int = 20  # runs of each command
+    seed: int = 0  # of tuning and of coarse start values
+    own: tuple[Part, ...] = ()  # compensators of the user
 
     def entrant(self, name: str) -> Entrant:
         """Return an entrant by its name.
 
-        Raises
-        ------
-        UsageError
-            When one of its parts is unknown, or cannot follow the one before it.
+        Raises UsageError when one of its parts is unknown, or cannot follow the one before it.
         """
         return entrant(name, {part.name: part for part in self.own})
 
@@ -92,35 +79,25 @@ class Plan:
 
 @dataclass(frozen=True)
 class Cell:
-    """One entrant on one drive, as a job.
-
-    Attributes
-    ----------
-    fmus : folder of the FMUs of the drive and of all entrants
-    carried : what was tuned on the nominal drive, a document of ``TuningResult``; None for none
-    """
+    """One entrant on one drive, as a job."""
 
     name: str
-    fmus: Path
+    fmus: Path  # folder of the FMUs of the drive and of all entrants
     drive: Drive
     entrant: str
     plan: Plan
+    # what was tuned on the nominal drive, a document of ``TuningResult``; None for none
     carried: tuple[str, Mapping[str, Any]] | None = None
 
 
 @dataclass(frozen=True)
 class Arena:
-    """All cells.
-
-    Attributes
-    ----------
-    documents : of the cells that have a result, by (drive, entrant)
-    reasons : why the others have none
-    """
+    """All cells."""
 
     plan: Plan
+    # of the cells that have a result, by (drive, entrant)
     documents: Mapping[tuple[str, str], Mapping[str, Any]]
-    reasons: Mapping[tuple[str, str], str]
+    reasons: Mapping[tuple[str, str], str]  # why the others have none
     kept: int
 
 
@@ -176,13 +153,10 @@ def run_arena(
     plan: Plan,
     folder: Path,
     execution: Execution,
+    # called with the number of cells that are done, that of all, and the last one
     on_done: Callable[[int, int, Cell], object] = lambda *_: None,
 ) -> Arena:
     """Run all cells; each is in ``unfinished/`` as soon as it is known.
-
-    Parameters
-    ----------
-    on_done : called with the number of cells that are done, that of all, and the last one
 
     Raises
     ------

@@ -20,10 +20,8 @@ COLUMNS = [
     *("tuned_on", "budget", "reason"),
 ]
 RELATIVE = "relative error"
-DIGITS = 6
-"""Significant digits of the figures."""
-ALL = "all"
-"""The command of a row that is a mean over all commands."""
+DIGITS = 6  # Significant digits of the figures
+ALL = "all"  # The command of a row that is a mean over all commands
 TUNING = {
     "cost": "m/s",
     "evaluations": "1",

@@ -25,35 +25,23 @@ from stickslip.studies.arena.motion_commands import Training, moves, sweep
 from stickslip.thresholds import offer
 from stickslip.tuning.learning import VelocityCost
 
-SLIDING = 0.5
-"""Share of the largest speed of the command above which the drive slides."""
-NEAR = 1.05
-"""A cost of at most so many times that at the end counts as tuned."""
+SLIDING = 0.5  # Share of the largest speed of the command above which the drive slides
+NEAR = 1.05  # A cost of at most so many times that at the end counts as tuned
 
 
 @dataclass(frozen=True)
 class TuningResult:
-    """An entrant as it was tuned.
+    """An entrant as it was tuned."""
 
-    Attributes
-    ----------
-    genes : values by name; empty where nothing is tuned
-    learned : parameters that it learned while it ran
-    coarse : what the drive showed before
-    cost : RMS of v - v_r in the counted part of the training command [m/s]; of x - x_cmd [m] where
-        the entrant controls the position
-    evaluations : candidates that were evaluated
-    seconds : of motion of the drive that were used [s]
-    soon : seconds of motion after which the cost was within ``NEAR`` of that at the end [s]
-    """
-
-    genes: Mapping[str, float]
-    learned: Mapping[str, float]
-    coarse: Coarse
+    genes: Mapping[str, float]  # values by name; empty where nothing is tuned
+    learned: Mapping[str, float]  # parameters that it learned while it ran
+    coarse: Coarse  # what the drive showed before
+    # RMS of v - v_r in the counted part of the training command [m/s]; of x - x_cmd [m] where the
+    # entrant controls the position
     cost: float
-    evaluations: int
-    seconds: float
-    soon: float
+    evaluations: int  # candidates that were evaluated
+    seconds: float  # of motion of the drive that were used [s]
+    soon: float  # seconds of motion after which the cost was within ``NEAR`` of that at the end [s]
 
     def tuned(self, entrant: Entrant, loop: VelocityLoop, sheet: Datasheet) -> TunedEntrant:
         """Return what it found, to be validated in a loop: nothing is learned any more."""
@@ -83,10 +71,8 @@ def tune(
 ) -> TuningResult:
     """Tune an entrant on the drive in a folder of FMUs, at a speed [m/s].
 
-    Raises
-    ------
-    NothingLearned
-        When no candidate of the first generation can be run within the limit of Ms.
+    Raises NothingLearned when no candidate of the first generation can be run within the limit of
+    Ms.
     """
     factor = speed / SPEED
     coarse = measure(fmus, loop, sweep(loop.T_s, factor).v_cmd, seed)
@@ -153,10 +139,7 @@ class _Trial:
     def __call__(self, values: Array) -> float:
         """Return the cost of a candidate (k,).
 
-        Raises
-        ------
-        CandidateFailed
-            When its loop is unstable or above the limit of Ms, or the run fails.
+        Raises CandidateFailed when its loop is unstable or above the limit of Ms, or the run fails.
         """
         self.costs.append(float("inf"))
         try:

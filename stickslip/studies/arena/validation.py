@@ -22,12 +22,9 @@ from stickslip.studies.arena.drives import STEPS, Changes
 from stickslip.studies.arena.metrics import ERROR, RECORDED, Trace, figures
 from stickslip.studies.arena.motion_commands import COMMANDS, Command
 
-TURN = 240
-"""Points along a circle."""
-POINTS = 240
-"""Intervals of a time plot, each with its least and its greatest value."""
-FEW = 3
-"""Runs at most on each changed drive."""
+TURN = 240  # Points along a circle
+POINTS = 240  # Intervals of a time plot, each with its least and its greatest value
+FEW = 3  # Runs at most on each changed drive
 ROBUSTNESS, RESOLUTION = "T", "R"
 """Commands on which a drive is changed: its friction, mass and lag; its encoder and its noise."""
 RATIO, WORST = "error ratio", "worst error ratio"
@@ -35,27 +32,20 @@ RATIO, WORST = "error ratio", "worst error ratio"
 PER_STEP = "error per encoder step"
 
 
-Figures = dict[tuple[str, str, str], list[float]]
-"""(command, metric, unit) -> a value for each run."""
+Figures = dict[tuple[str, str, str], list[float]]  # (command, metric, unit) -> a value for each run
 
 
 @dataclass
 class ValidationResult:
-    """What an entrant did, as plain data.
+    """What an entrant did, as plain data."""
 
-    Attributes
-    ----------
-    figures : a value for each start
-    plots : command -> least and greatest error in each interval of the first run, of the velocity
-        [um/s] or, in the position loop, of the position [nm]
-    circle : position error [nm] along one turn of the first circle, from a reversal on
-    reason : why a run failed; its errors are infinite
-    """
-
-    figures: Figures = field(default_factory=dict)
+    figures: Figures = field(default_factory=dict)  # a value for each start
+    # command -> least and greatest error in each interval of the first run, of the velocity [um/s]
+    # or, in the position loop, of the position [nm]
     plots: dict[str, list[int]] = field(default_factory=dict)
+    # position error [nm] along one turn of the first circle, from a reversal on
     circle: list[int] = field(default_factory=list)
-    reason: str = ""
+    reason: str = ""  # why a run failed; its errors are infinite
 
     def document(self) -> dict[str, Any]:
         """Return it as JSON takes it."""
@@ -90,18 +80,12 @@ def validate_changed(
     loop: VelocityLoop,
     one: Entrant,
     tuned: TunedEntrant,
-    changes: Changes,
+    changes: Changes,  # see ``Drive.changes``
     starts: int,
     sheet: Datasheet,
-    factor: float = 1.0,
+    factor: float = 1.0,  # on the commands
 ) -> Figures:
-    """Return how much more errors there are on changed drives, as in ``Validated.figures``.
-
-    Parameters
-    ----------
-    changes : see ``Drive.changes``
-    factor : on the commands
-    """
+    """Return how much more errors there are on changed drives, as in ``Validated.figures``."""
     loop, step, starts = one.base(loop), sheet.encoder_step, min(starts, FEW)
     commands = {name: COMMANDS[name].scaled(factor) for name in (ROBUSTNESS, RESOLUTION)}
     sampled = {name: command.sample(loop.T_s) for name, command in commands.items()}

@@ -39,12 +39,8 @@ def winners(arena: Arena, found: pd.DataFrame) -> dict[str, str]:
 def write_winners(arena: Arena, found: pd.DataFrame, folder: Path) -> None:
     """Write ``winners/DRIVE/``: winner.json and, for each compensator, NAME.fmu, .c, .h and .st.
 
-    Structured text is left out where the compensator has none.
-
-    Raises
-    ------
-    OSError
-        When a file cannot be written.
+    Structured text is left out where the compensator has none. Raises OSError when a file cannot be
+    written.
     """
     drives = {drive.name: drive for drive in arena.plan.drives}
     errors = relative_errors(found, arena.plan, carried=False)

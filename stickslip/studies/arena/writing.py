@@ -21,10 +21,7 @@ FILES = (TABLE, RANKING, TIMES, PAGE, *picture_files(FIGURES))
 def write_arena(arena: Arena, table: pd.DataFrame, folder: Path) -> None:
     """Write tables, arena.html with its figures and the winners; remove what was kept meanwhile.
 
-    Raises
-    ------
-    UsageError, OSError
-        As ``results.folder.staged``.
+    Raises UsageError, OSError as ``results.folder.staged``.
     """
     plan = arena.plan
     command = {

@@ -16,22 +16,15 @@ from stickslip.learned.file import LearnedFile
 from stickslip.presentation.table import Table
 from stickslip.studies.compare import tables
 
-NORMAL = 1.96
-"""Half-width of a 95 % interval over a standard error, where a file has no interval."""
+NORMAL = 1.96  # Half-width of a 95 % interval over a standard error, where a file has no interval
 
 
 @dataclass(frozen=True)
 class DriveComparison:
-    """What several results say.
+    """What several results say."""
 
-    Attributes
-    ----------
-    parameters : with the columns ``tables.PARAMETERS``
-    errors : with the columns ``tables.ERRORS``
-    """
-
-    parameters: Table
-    errors: Table
+    parameters: Table  # with the columns ``tables.PARAMETERS``
+    errors: Table  # with the columns ``tables.ERRORS``
 
     def side_by_side(self) -> pd.DataFrame:
         """Return a row for each parameter and unit, a column for each result, as text.
@@ -68,16 +61,12 @@ def parameter_rows(name: str, parameters: Mapping[str, Mapping[str, Any]]) -> li
 def compare(places: Iterable[Path]) -> DriveComparison:
     """Return what the results of ``learn``, ``reproduce`` and ``fleet`` say.
 
+    Raises UsageError when there is no learned.json at a place, or one is not valid, or OSError when
+    a file cannot be read.
+
     Parameters
     ----------
     places : learned.json files, folders with one, or folders of a fleet
-
-    Raises
-    ------
-    UsageError
-        When there is no learned.json at a place, or one is not valid.
-    OSError
-        When a file cannot be read.
     """
     files = [file for place in places for file in _files(place)]
     names = _names(files)

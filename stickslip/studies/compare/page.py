@@ -34,16 +34,11 @@ LOOKS = {
 NUMBERS = ("value", "low", "high", "truth")
 SYMBOLS = {"sigma_0": r"\sigma_0", "sigma_1": r"\sigma_1"}
 COLUMNS = 4
-PITCH = 4.2
-"""From one drive's line to the next, where there is room [mm]."""
-NAMED = 40
-"""So many lines can be named; of more drives only some are."""
-DECADES = 3.0
-"""A panel whose values differ by more than this factor is logarithmic."""
-ROOM = 0.12
-"""Left free beside the outermost values, as a share of their range."""
-LONGEST = 190.0
-"""Of all lines of a panel [mm]."""
+PITCH = 4.2  # From one drive's line to the next, where there is room [mm]
+NAMED = 40  # So many lines can be named; of more drives only some are
+DECADES = 3.0  # A panel whose values differ by more than this factor is logarithmic
+ROOM = 0.12  # Left free beside the outermost values, as a share of their range
+LONGEST = 190.0  # Of all lines of a panel [mm]
 
 
 def drives_sections(

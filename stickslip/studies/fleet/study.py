@@ -23,38 +23,25 @@ TABLE = "fleet.csv"
 
 @dataclass(frozen=True)
 class Fleet:
-    """What became of all drives.
+    """What became of all drives."""
 
-    Attributes
-    ----------
-    drives : in the order of the table
-    learned : content of learned.json by name
-    reasons : why a drive failed, by name
-    kept : how many were not learned again
-    """
-
-    drives: Sequence[Drive]
-    learned: dict[str, dict[str, Any]]
-    reasons: dict[str, str]
-    kept: int
+    drives: Sequence[Drive]  # in the order of the table
+    learned: dict[str, dict[str, Any]]  # content of learned.json by name
+    reasons: dict[str, str]  # why a drive failed, by name
+    kept: int  # how many were not learned again
 
 
 def learn_fleet(
     drives: Sequence[Drive],
     folder: Path,
     *,
-    seed: int = 0,
-    execution: Execution | None = None,
+    seed: int = 0,  # the same for each drive
+    execution: Execution | None = None,  # where, and whether to go on from what is in the folder
+    # called for each drive when it is learned, or has failed
     on_done: Callable[[Drive, Outcome], object] = lambda _, __: None,
     job: Job = learn_drive,
 ) -> Fleet:
     """Learn all drives; each learned.json is in ``unfinished/`` as soon as it is known.
-
-    Parameters
-    ----------
-    seed : the same for each drive
-    execution : where, and whether to go on from what is in the folder
-    on_done : called for each drive when it is learned, or has failed
 
     Raises
     ------

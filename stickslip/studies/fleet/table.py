@@ -40,18 +40,11 @@ class Variant:
 
 @dataclass(frozen=True)
 class Drive:
-    """A row of a fleet's table.
+    """A row of a fleet's table."""
 
-    Attributes
-    ----------
-    name : unique, and valid as the name of a folder
-    source : of its recording
-    row : its cells as they were written, by column
-    """
-
-    name: str
-    source: LogSource | Variant
-    row: Mapping[str, str]
+    name: str  # unique, and valid as the name of a folder
+    source: LogSource | Variant  # of its recording
+    row: Mapping[str, str]  # its cells as they were written, by column
 
     @property
     def kind(self) -> str:
@@ -62,13 +55,9 @@ class Drive:
 def read_fleet(path: Path) -> list[Drive]:
     """Read the table: ``name``, and either ``log`` (with ``config``) or ``set``.
 
-    Paths are relative to the table. Whether logs and configurations can be read is a matter of
-    each drive, not of the table.
-
-    Raises
-    ------
-    UsageError
-        When it cannot be read; names row and column, counted as a spreadsheet does.
+    Paths are relative to the table. Whether logs and configurations can be read is a matter of each
+    drive, not of the table. Raises UsageError when it cannot be read; names row and column, counted
+    as a spreadsheet does.
     """
     header, *rows = _rows(path)
     names = [cell.strip() for cell in header]

@@ -81,10 +81,7 @@ def files_of(drives: Sequence[Drive]) -> list[str]:
 def write_fleet(fleet: Fleet, table: Table, folder: Path) -> None:
     """Write fleet.csv, fleet.json, drives/NAME/learned.json, and a page with a figure.
 
-    Raises
-    ------
-    UsageError, OSError
-        As ``results.folder.staged``.
+    Raises UsageError, OSError as ``results.folder.staged``.
     """
     names = [drive.name for drive in fleet.drives]
     known = {name: fleet.learned.get(name) or {"reason": fleet.reasons[name]} for name in names}

@@ -22,8 +22,7 @@ from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
 
 COMPENSATOR, OBSERVER_FMU = "compensator.fmu", "observer.fmu"
 FMUS = (COMPENSATOR, OBSERVER_FMU)
-TABLE = "tracking_error.csv"
-"""Errors on the family of simulated drives."""
+TABLE = "tracking_error.csv"  # Errors on the family of simulated drives
 FILES = (
     "learned.json",
     *FMUS,
@@ -36,18 +35,11 @@ FILES = (
 
 @dataclass(frozen=True)
 class Written:
-    """What ``write_learned`` wrote.
+    """What ``write_learned`` wrote."""
 
-    Attributes
-    ----------
-    learned : as it is recommended
-    files : names of the FMUs in the folder
-    forced : whether what is refused was to be written, and the whole force
-    """
-
-    learned: LearnedFromRecording
-    files: tuple[str, ...]
-    forced: bool
+    learned: LearnedFromRecording  # as it is recommended
+    files: tuple[str, ...]  # names of the FMUs in the folder
+    forced: bool  # whether what is refused was to be written, and the whole force
 
     def document(self) -> dict[str, Any]:
         """Return the content of learned.json."""

@@ -33,16 +33,10 @@ from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
 
 @dataclass(frozen=True)
 class Learned:
-    """What was learned of a drive.
+    """What was learned of a drive."""
 
-    Attributes
-    ----------
-    friction : the compensator's parameters by name, in SI units
-    loops : of the drive, or why there are none
-    """
-
-    friction: Mapping[str, float]
-    loops: Loops | ControlError
+    friction: Mapping[str, float]  # the compensator's parameters by name, in SI units
+    loops: Loops | ControlError  # of the drive, or why there are none
 
     @property
     def refusal(self) -> str:
@@ -71,23 +65,17 @@ class Learned:
 
 @dataclass(frozen=True)
 class LearnedFromRecording(Learned):
-    """What was learned from one recording.
-
-    Attributes
-    ----------
-    findings : of reading and checking it
-    trial : of the compensator in a loop; None where none was closed or the drive itself is there
-    implausible : why the learned mass or the loop of the log cannot be right, or empty
-    tracking : simulated in the loop of the log, without and with the compensator
-    asked : the compensator to be written, see ``candidates``; empty for what is recommended
-    """
+    """What was learned from one recording."""
 
     estimation: Estimation
-    findings: tuple[Finding, ...]
+    findings: tuple[Finding, ...]  # of reading and checking it
     seed: int
+    # of the compensator in a loop; None where none was closed or the drive itself is there
     trial: SimulatedTrial | None = None
-    implausible: str = ""
+    implausible: str = ""  # why the learned mass or the loop of the log cannot be right, or empty
+    # simulated in the loop of the log, without and with the compensator
     tracking: Tracking | None = None
+    # the compensator to be written, see ``candidates``; empty for what is recommended
     asked: str = ""
 
     def table(self) -> pd.DataFrame:
@@ -251,24 +239,16 @@ class LearnedFromRecording(Learned):
 
 def learn_recording(
     recording: Recording,
+    # of the controller FMU by name; None when the controller is not known
     gains: Mapping[str, float] | None,
-    design: Callable[[Estimation], Loops],
-    findings: tuple[Finding, ...],
+    design: Callable[[Estimation], Loops],  # gives the loops, or raises ControlError
+    findings: tuple[Finding, ...],  # of reading and checking the recording
     settings: LearnSettings,
     progress: Progress = SILENT,
 ) -> LearnedFromRecording:
     """Estimate a drive from a recording and design its loops.
 
-    Parameters
-    ----------
-    gains : of the controller FMU by name; None when the controller is not known
-    design : gives the loops, or raises ControlError
-    findings : of reading and checking the recording
-
-    Raises
-    ------
-    IdentificationError
-        When the recording does not show a drive that slides.
+    Raises IdentificationError when the recording does not show a drive that slides.
     """
     faults = tuple(finding for finding in findings if finding.spoils)
     choice = None

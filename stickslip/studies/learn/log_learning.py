@@ -40,10 +40,7 @@ from stickslip.trial.compensator_trial import loops_of_log, try_compensator
 def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
     """Read a log and return it with its findings, errors included.
 
-    Raises
-    ------
-    RecordingError, UsageError
-        When it cannot be read.
+    Raises RecordingError, UsageError when it cannot be read.
     """
     reading = read_recording(path, description, strict=False)
     checks = check_recording(reading.recording, reading.controller, reading.force_limit)

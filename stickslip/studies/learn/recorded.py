@@ -13,16 +13,12 @@ from stickslip.servo.velocity_loop import VelocityLoop
 def record_drive(rig: Rig, limits: Limits = LINEAR) -> Recording:
     """Run one experiment on a drive without compensation, in the loop of the rig.
 
+    Raises LimitError when a limit of the rig refuses or aborts it, or RigError when it did not end
+    as commanded.
+
     Parameters
     ----------
     limits : of the experiment; its rate is that of the rig
-
-    Raises
-    ------
-    LimitError
-        When a limit of the rig refuses or aborts it.
-    RigError
-        When it did not end as commanded.
     """
     limits = replace(limits, rate=1.0 / rig.T_s)
     v_cmd = plan(limits)["velocity_command"].to_numpy()

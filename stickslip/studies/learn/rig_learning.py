@@ -23,19 +23,12 @@ from stickslip.tuning.refinement import Refinement, refine
 
 @dataclass(frozen=True)
 class LearnedOnRig(Learned):
-    """What was learned of a drive by running it.
-
-    Attributes
-    ----------
-    study : what least squares needed
-    start : the tuned parameters that learning began with
-    refinement : what was known in the end
-    """
+    """What was learned of a drive by running it."""
 
     identification: Identification
-    study: Study = field(repr=False)
-    start: Mapping[str, Estimate]
-    refinement: Refinement
+    study: Study = field(repr=False)  # what least squares needed
+    start: Mapping[str, Estimate]  # the tuned parameters that learning began with
+    refinement: Refinement  # what was known in the end
 
 
 def learn_on_rig(

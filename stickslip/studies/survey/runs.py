@@ -48,20 +48,14 @@ class Times:
 
 @dataclass
 class Outcome:
-    """What came of a run.
+    """What came of a run."""
 
-    Attributes
-    ----------
-    fault : the error in one line, or ``died`` or ``out of time``; empty where it worked
-    times : of the run
-    signals : name -> (n,) float64, at the points in time ``time`` (s)
-    again : whether a second run gave the same bits; None where none came to its end
-    """
-
-    fault: str = ""
-    times: Times | None = None
+    fault: str = ""  # the error in one line, or ``died`` or ``out of time``; empty where it worked
+    times: Times | None = None  # of the run
     time: np.ndarray[Any, Any] = field(default_factory=lambda: np.empty(0))
+    # name -> (n,) float64, at the points in time ``time`` (s)
     signals: dict[str, np.ndarray[Any, Any]] = field(default_factory=dict)
+    # whether a second run gave the same bits; None where none came to its end
     again: bool | None = None
 
 

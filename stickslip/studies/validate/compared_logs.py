@@ -33,8 +33,7 @@ Samples = NDArray[np.intp]
 
 EDGE = 4.0
 """Periods of the low-pass of measured velocities at either end of a log that do not count."""
-PARTS = 10
-"""Parts of the logs where the command does not repeat."""
+PARTS = 10  # Parts of the logs where the command does not repeat
 
 
 @dataclass(frozen=True)
@@ -48,54 +47,35 @@ class Reduction:
 
 @dataclass(frozen=True)
 class TrackingComparison:
-    """Errors without and with the compensator, measured or simulated.
+    """Errors without and with the compensator, measured or simulated."""
 
-    Attributes
-    ----------
-    velocity, position : (n,) errors over the common samples by variant [m/s], [m]
-    errors : by variant; a maximum is the mean over parts of the largest error in each
-    reductions : by name of the figure
-    """
-
+    # (n,) errors over the common samples by variant [m/s], [m]
     velocity: Mapping[str, Array]
     position: Mapping[str, Array]
+    # by variant; a maximum is the mean over parts of the largest error in each
     errors: Mapping[str, TrackingError]
-    reductions: Mapping[str, Reduction]
+    reductions: Mapping[str, Reduction]  # by name of the figure
 
 
 @dataclass(frozen=True)
 class LogComparison:
-    """What the compensator brought in two logs.
+    """What the compensator brought in two logs."""
 
-    Attributes
-    ----------
-    t : (n,) of the common samples, in the log without compensator [s]
-    v_cmd : (n,) [m/s]
-    stretches : where in the two logs the command was the same
-    part : (n,) number of the part that each sample belongs to
-    repeated : whether the parts are repetitions of the command
-    measured : in the logs
-    simulated : of the learned drive along the same command; None where the loop is not known
-    fault : why that loop could not be simulated, or empty
-    """
-
-    t: Array
-    v_cmd: Array
-    stretches: tuple[Stretch, ...]
-    part: Samples
-    repeated: bool
-    measured: TrackingComparison
+    t: Array  # (n,) of the common samples, in the log without compensator [s]
+    v_cmd: Array  # (n,) [m/s]
+    stretches: tuple[Stretch, ...]  # where in the two logs the command was the same
+    part: Samples  # (n,) number of the part that each sample belongs to
+    repeated: bool  # whether the parts are repetitions of the command
+    measured: TrackingComparison  # in the logs
+    # of the learned drive along the same command; None where the loop is not known
     simulated: TrackingComparison | None = None
-    fault: str = ""
+    fault: str = ""  # why that loop could not be simulated, or empty
 
 
 def common(without: Recording, compensated: Recording) -> tuple[Recording, list[Stretch]]:
     """Return the second log on the sampling of the first, and where both have the same command.
 
-    Raises
-    ------
-    UsageError
-        When the commands differ, or one was not logged.
+    Raises UsageError when the commands differ, or one was not logged.
     """
     compensated = resampled(compensated, without.T_s)
     first, second = commanded_velocity(without), commanded_velocity(compensated)

@@ -36,10 +36,7 @@ def write_log_validation(
 ) -> None:
     """Write the errors of a log's signals, what has changed, errors over the log, and the page.
 
-    Raises
-    ------
-    OSError
-        When a file cannot be written.
+    Raises OSError when a file cannot be written.
     """
     frames = {
         "prediction": tables.signals(found).frame(),
@@ -63,10 +60,7 @@ def write_comparison(
 ) -> None:
     """Write the tracking errors of two logs, without and with the compensator, and the page.
 
-    Raises
-    ------
-    OSError
-        When a file cannot be written.
+    Raises OSError when a file cannot be written.
     """
     sections = comparison.comparison_sections(
         found, motion, logs, learned.path.name, controller=controller

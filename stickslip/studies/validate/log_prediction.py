@@ -36,32 +36,20 @@ from stickslip.logs import Recording
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import transfer
 
-SPANS = 10
-"""Parts of a log, in which errors are told apart, and of which each is left out in turn."""
-SEEDS = (1, 2, 3)
-"""Of the noise in simulated loops."""
-FRICTION = "friction"
-"""Name of the change of friction as a whole."""
-STEP = 0.01
-"""Relative change of a parameter that gives the derivative of a signal by it."""
+SPANS = 10  # Parts of a log, in which errors are told apart, and of which each is left out in turn
+SEEDS = (1, 2, 3)  # Of the noise in simulated loops
+FRICTION = "friction"  # Name of the change of friction as a whole
+STEP = 0.01  # Relative change of a parameter that gives the derivative of a signal by it
 
 
 @dataclass(frozen=True)
 class SignalError:
-    """The error of one predicted signal, root mean squares in SI units.
+    """The error of one predicted signal, root mean squares in SI units."""
 
-    Attributes
-    ----------
-    error : recorded less predicted
-    relative : the same over that of the recorded signal
-    noise : what noise and the steps of encoder and force make
-    intervals : at most what the standard errors of the parameters make
-    """
-
-    error: float
-    relative: float
-    noise: float
-    intervals: float
+    error: float  # recorded less predicted
+    relative: float  # the same over that of the recorded signal
+    noise: float  # what noise and the steps of encoder and force make
+    intervals: float  # at most what the standard errors of the parameters make
 
     @property
     def ratio(self) -> float:
@@ -96,50 +84,34 @@ class Change:
 
 @dataclass(frozen=True)
 class LogPrediction:
-    """What a learned drive predicts of a log, in SI units.
-
-    Attributes
-    ----------
-    signals : errors by signal: force, and where the controller is known position, velocity and
-        closed_loop_force
-    changes : of m, b and F_0, and of friction as a share, fitted to what the force leaves
-    spans : a row for each part of the log: begin, end, force_bias (mean of recorded less
-        predicted in the direction of motion), force_error, and position_error where the controller
-        is known
-    drift : by how much friction changes from begin to end of the log, relative, and its standard
-        error
-    goodness : signals over time
-    check : of the controller; None where it is not known
-    """
+    """What a learned drive predicts of a log, in SI units."""
 
     recording: Recording
+    # errors by signal: force, and where the controller is known position, velocity and
+    # closed_loop_force
     signals: Mapping[str, SignalError]
+    # of m, b and F_0, and of friction as a share, fitted to what the force leaves
     changes: Mapping[str, Change]
+    # a row for each part of the log: begin, end, force_bias (mean of recorded less predicted in the
+    # direction of motion), force_error, and position_error where the controller is known
     spans: pd.DataFrame
+    # by how much friction changes from begin to end of the log, relative, and its standard error
     drift: tuple[float, float]
-    goodness: GoodnessOfFit
-    check: ControllerCheck | None
+    goodness: GoodnessOfFit  # signals over time
+    check: ControllerCheck | None  # of the controller; None where it is not known
 
 
 def predict_log(
-    fmus: Path,
+    fmus: Path,  # folder of the candidate's FMUs
     recording: Recording,
+    # of the log's controller FMU by name; None where it is not known
     gains: Mapping[str, float] | None,
     drive: LearnedDrive,
-    errors: Mapping[str, float],
+    errors: Mapping[str, float],  # standard errors of the drive's parameters by name
 ) -> LogPrediction:
     """Return what a learned drive predicts of a log.
 
-    Parameters
-    ----------
-    fmus : folder of the candidate's FMUs
-    gains : of the log's controller FMU by name; None where it is not known
-    errors : standard errors of the drive's parameters by name
-
-    Raises
-    ------
-    UsageError
-        When the log lacks a motion or a force.
+    Raises UsageError when the log lacks a motion or a force.
     """
     scale = recording_scale(recording)
     scaled_gains = None if gains is None else scale.values(gains)

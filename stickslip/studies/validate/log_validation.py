@@ -26,17 +26,11 @@ from stickslip.studies.validate.log_prediction import LogPrediction, predict_log
 
 @dataclass(frozen=True)
 class LogInLoop:
-    """A log that was read, and the controller with which it was recorded.
-
-    Attributes
-    ----------
-    gains : of the controller FMU by name; None where it is not known
-    controller : where it is known from, as displayed
-    """
+    """A log that was read, and the controller with which it was recorded."""
 
     reading: Reading
-    gains: Mapping[str, float] | None
-    controller: str
+    gains: Mapping[str, float] | None  # of the controller FMU by name; None where it is not known
+    controller: str  # where it is known from, as displayed
 
 
 def read_log(
@@ -47,10 +41,7 @@ def read_log(
 ) -> LogInLoop:
     """Read a log of a learned drive; its controller is the one given, or that of the file.
 
-    Raises
-    ------
-    RecordingError, UsageError
-        When it cannot be read, or is of another kind of drive.
+    Raises RecordingError, UsageError when it cannot be read, or is of another kind of drive.
     """
     reading, findings = read_and_check(path, description)
     raise_errors(path, findings)
@@ -91,10 +82,7 @@ def controller_of(loop: VelocityLoop) -> Controller:
 def validate_log(log: LogInLoop, learned: LearnedFile) -> LogPrediction:
     """Return what the learned drive predicts of a log.
 
-    Raises
-    ------
-    UsageError
-        When the log lacks a motion or a force.
+    Raises UsageError when the log lacks a motion or a force.
     """
     drive = drive_of(learned)
     with candidate_fmus(drive.law) as fmus:
@@ -113,11 +101,7 @@ def compare_logs(compensated: LogInLoop, without: LogInLoop, learned: LearnedFil
     """Return what the compensator brought in one log against another without it.
 
     The simulated prediction runs the learned drive along the log without compensator, in its loop.
-
-    Raises
-    ------
-    UsageError
-        When their commands differ, or were not logged.
+    Raises UsageError when their commands differ, or were not logged.
     """
     plain = without.reading.recording
     other, stretches = common(plain, compensated.reading.recording)

@@ -76,8 +76,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
 LEARNED = "learned.json"
 SEEDS = ("loop_seeds", "published_seeds")
 """The numbers of seeds among the options of a reproduction."""
-Show = Callable[[], None]
-"""Prints what was computed."""
+Show = Callable[[], None]  # Prints what was computed
 
 
 def _drive(

@@ -29,8 +29,7 @@ FIGURES = (
     *("steps", "motions", "fig5_as_published"),
     *("identification_inertia", "identification_friction", "identification_presliding"),
 )
-FILES = ("report.html", *picture_files(FIGURES))
-"""What ``write_report`` writes."""
+FILES = ("report.html", *picture_files(FIGURES))  # What ``write_report`` writes
 
 
 def sections(reproduction: Reproduction) -> Sequence[Section]:

@@ -18,8 +18,7 @@ from stickslip.presentation.page import Section
 from stickslip.servo.axis import LOOP
 from stickslip.tuning.learning import SPREAD
 
-FIG5 = "fig5_as_published"
-"""Name of the figure of the section."""
+FIG5 = "fig5_as_published"  # Name of the figure of the section
 
 
 def study_section(study: PublishedStudy) -> Section:

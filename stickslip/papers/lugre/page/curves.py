@@ -22,8 +22,7 @@ from stickslip.presentation.quantity import METRICS, with_error
 COMMAND: Any = {"color": style.INK, "lw": 0.8, "ls": style.DASHED}
 
 
-SHOWN = (-0.02, 0.15)
-"""What is drawn around an instant [s]."""
+SHOWN = (-0.02, 0.15)  # What is drawn around an instant [s]
 
 
 def draw_tracking(validation: Validation) -> Figure:
@@ -90,8 +89,7 @@ def _region(velocity: Axes, error: Axes, validation: Validation, instant: float)
 
 
 REVERSALS, CREEP, MOVES = SLOW_MOTIONS
-BEFORE = 0.05
-"""What is drawn before the first of the spans [s]."""
+BEFORE = 0.05  # What is drawn before the first of the spans [s]
 
 
 def draw_motions(reproduction: Reproduction) -> Figure:
@@ -179,8 +177,7 @@ def _step_errors(axes: Axes, table: pd.DataFrame) -> None:
 
 
 POINTS: Any = {"mec": style.WITHOUT, "ecolor": style.WITHOUT, "capsize": 2.0, "elinewidth": 0.8}
-CLOUD_POINTS = 400
-"""Points drawn at most; the low-pass makes neighbours alike."""
+CLOUD_POINTS = 400  # Points drawn at most; the low-pass makes neighbours alike
 
 
 def draw_inertia(reproduction: Reproduction) -> Figure:

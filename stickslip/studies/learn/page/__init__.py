@@ -21,22 +21,15 @@ FILES = ("parameters.csv", "report.html", *picture_files(FIGURES))
 
 def sections(
     estimation: Estimation,
-    findings: Sequence[Finding],
-    beside: Sequence[str],
+    findings: Sequence[Finding],  # of reading and checking the log
+    beside: Sequence[str],  # names of the files in the page's folder
+    # sections that follow that of the parameters, and that precede it
     further: Sequence[Section] = (),
     opening: Sequence[Section] = (),
     *,
-    forced: bool = False,
+    forced: bool = False,  # whether the compensator is written whatever its trial was
 ) -> list[Section]:
-    """Return the sections of the page.
-
-    Parameters
-    ----------
-    findings : of reading and checking the log
-    beside : names of the files in the page's folder
-    further, opening : sections that follow that of the parameters, and that precede it
-    forced : whether the compensator is written whatever its trial was
-    """
+    """Return the sections of the page."""
     return [
         content.head(estimation),
         *opening,

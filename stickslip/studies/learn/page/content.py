@@ -50,8 +50,7 @@ MEANT = {
     "velocity": "Velocity, differences of the same signals",
     "closed_loop_force": "{0}, recorded against commanded in the simulated loop",
 }
-STANDING_OUT = 5
-"""Stretches of the residual that are named."""
+STANDING_OUT = 5  # Stretches of the residual that are named
 
 
 def _section(

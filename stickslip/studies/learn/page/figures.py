@@ -108,8 +108,7 @@ def _legend_above(axes: Axes, room: float, loc: Any = "upper right") -> Any:
 
 CORRELATED = LinearSegmentedColormap.from_list("correlation", [WITHOUT, "white", WITH])
 
-OPENED = 3000
-"""Stretches of time of which a signal that opens has the least and the largest value."""
+OPENED = 3000  # Stretches of time of which a signal that opens has the least and the largest value
 
 CLOUD_POINTS, LOOP_POINTS, RESIDUAL_POINTS = 6000, 8000, 5000
 """Points drawn at most of friction over velocity, hysteresis and residual."""
@@ -277,8 +276,7 @@ def draw_residual(estimation: Estimation) -> Figure:
     return figure
 
 
-SEGMENTS = 8
-"""Of the residual at least, over which its spectrum is averaged."""
+SEGMENTS = 8  # Of the residual at least, over which its spectrum is averaged
 
 
 def _spectrum(axes: Axes, signal: Array, T_s: float, unit: str) -> None:
@@ -320,13 +318,10 @@ def _encoder_step(axes: Axes, step: float, scale: Scale) -> None:
     axes.legend(loc="upper right")
 
 
-LINE_95 = 3.84
-"""Deviance at the ends of a 95 % interval."""
+LINE_95 = 3.84  # Deviance at the ends of a 95 % interval
 TOP = 10.0
-WIDE = 3.0
-"""Ratio of the ends beyond which an axis is logarithmic."""
-FARTHEST = 1e3
-"""Ratio to the fitted value beyond which nothing is drawn."""
+WIDE = 3.0  # Ratio of the ends beyond which an axis is logarithmic
+FARTHEST = 1e3  # Ratio to the fitted value beyond which nothing is drawn
 
 
 def draw_profiles(estimation: Estimation) -> Figure:

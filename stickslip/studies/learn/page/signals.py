@@ -14,29 +14,20 @@ from stickslip.identification.estimation import Estimation
 from stickslip.presentation.scale import WORDS, Scale, force_scale, position_scale
 from stickslip.servo.measurement import Array, derivative, level
 
-FULLY_BENT = 5.0
-"""Deflections F_s / sigma_0 after which bristles follow the Stribeck curve, nearly."""
+FULLY_BENT = 5.0  # Deflections F_s / sigma_0 after which bristles follow the Stribeck curve, nearly
 
 
 @dataclass(frozen=True)
 class Parts:
-    """What the inverse model compares, without the ends that its low-pass spoils.
+    """What the inverse model compares, without the ends that its low-pass spoils."""
 
-    Attributes
-    ----------
-    t : (k,) [s]
-    position : (k,) [m]
-    velocity : (k,) low-passed [m/s]
-    measured, predicted : (k,) force [N]
-    rest : (k,) the part of both that is not friction: inertia and offset [N]
-    """
-
-    t: Array
-    position: Array
-    velocity: Array
+    t: Array  # (k,) [s]
+    position: Array  # (k,) [m]
+    velocity: Array  # (k,) low-passed [m/s]
+    # (k,) force [N]
     measured: Array
     predicted: Array
-    rest: Array
+    rest: Array  # (k,) the part of both that is not friction: inertia and offset [N]
 
     @property
     def difference(self) -> Array:
@@ -59,22 +50,15 @@ def parts(estimation: Estimation) -> Parts:
 
 @dataclass(frozen=True)
 class Residual:
-    """What the learned drive leaves of a recording.
+    """What the learned drive leaves of a recording."""
 
-    Attributes
-    ----------
-    t, position, velocity : (n,) [s], [m], [m/s]
-    values : (n,) [N], or [m] where the loop was simulated
-    scale : in which the values read best
-    what : ``Force``, ``Friction``, ``Torque``, ``Position`` or ``Angle``
-    """
-
+    # (n,) [s], [m], [m/s]
     t: Array
     position: Array
     velocity: Array
-    values: Array
-    scale: Scale
-    what: str
+    values: Array  # (n,) [N], or [m] where the loop was simulated
+    scale: Scale  # in which the values read best
+    what: str  # ``Force``, ``Friction``, ``Torque``, ``Position`` or ``Angle``
 
 
 def simulated_position(estimation: Estimation) -> Array | None:
@@ -123,9 +107,7 @@ def steady_name(estimation: Estimation) -> str:
 def steady_friction(estimation: Estimation, v: Array) -> Array:
     """Return friction (k,) [N] at constant velocities (k,) [m/s], viscous friction with it.
 
-    Source
-    ------
-    Equations (4) and (5) of the paper.
+    Source: Equations (4) and (5) of the paper.
     """
     p = estimation.parameters
     b = p["b"] if "b" in estimation.known else 0.0

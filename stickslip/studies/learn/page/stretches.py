@@ -8,31 +8,21 @@ import numpy as np
 
 from stickslip.servo.measurement import Array
 
-WINDOW = 0.05
-"""In which the largest value counts [s]."""
-USUAL = 0.9
-"""Share of the windows whose largest value is usual."""
-OUT = 2.0
-"""Ratio to the largest usual value from which one stands out; that of noise is about 1.3."""
+WINDOW = 0.05  # In which the largest value counts [s]
+USUAL = 0.9  # Share of the windows whose largest value is usual
+OUT = 2.0  # Ratio to the largest usual value from which one stands out; that of noise is about 1.3
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """A stretch of time in which a residual stands out.
+    """A stretch of time in which a residual stands out."""
 
-    Attributes
-    ----------
-    begin, end : [s]
-    peak : value of the largest magnitude, in the unit of the residual
-    ratio : of its magnitude to the largest usual one
-    speed : in its middle, in the unit of the velocity
-    """
-
+    # [s]
     begin: float
     end: float
-    peak: float
-    ratio: float
-    speed: float
+    peak: float  # value of the largest magnitude, in the unit of the residual
+    ratio: float  # of its magnitude to the largest usual one
+    speed: float  # in its middle, in the unit of the velocity
 
 
 def stretches(t: Array, residual: Array, velocity: Array) -> list[Stretch]:

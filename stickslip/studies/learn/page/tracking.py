@@ -17,8 +17,7 @@ from stickslip.servo.measurement import Array
 from stickslip.studies.learn import tables
 
 FIGURE = "tracking"
-ZOOM = 0.04
-"""Share of the time that the right column of the figure shows."""
+ZOOM = 0.04  # Share of the time that the right column of the figure shows
 LOOKS = {NONE: style.WITHOUT, FEEDFORWARD: style.WITH}
 """Variants that are drawn, with their colours."""
 
@@ -26,19 +25,12 @@ LOOKS = {NONE: style.WITHOUT, FEEDFORWARD: style.WITH}
 def tracking_section(
     tracking: Tracking,
     motion: Motion,
-    share: float = 1.0,
+    share: float = 1.0,  # of the compensator's force
     *,
-    observed: bool = False,
-    compared: bool = False,
+    observed: bool = False,  # whether an observer was designed, which another section shows
+    compared: bool = False,  # whether other compensators were tried, which that section shows
 ) -> Section:
-    """Return the section.
-
-    Parameters
-    ----------
-    share : of the compensator's force
-    observed : whether an observer was designed, which another section shows
-    compared : whether other compensators were tried, which that section shows
-    """
+    """Return the section."""
     errors = tracking.errors()
     return Section(
         "Tracking without and with the compensator",
