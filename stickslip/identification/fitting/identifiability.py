@@ -329,6 +329,6 @@ def _weakest(parameter: LawParameter, one: Identifiability) -> float:
 
 def _template(name: str, what: str, one: Identifiability) -> str:
     if one.identifiability != NOT_IDENTIFIABLE:
-        return f"{one.template}; {name} = {what} is taken, the largest friction in the recording"
-    taken = f"{name} = {what} is taken, as {name} is {NOT_IDENTIFIABLE}"
-    return one.template.replace(NOT_IDENTIFIABLE, taken)
+        return f"{one.template}; {name} = {what} is used, the largest friction in the recording"
+    used = f"{name} = {what} is used, where the force is weakest: {NOT_IDENTIFIABLE}"
+    return one.template.replace(NOT_IDENTIFIABLE, used)

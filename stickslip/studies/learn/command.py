@@ -182,8 +182,10 @@ def _print_written(written: Written, folder: Path) -> None:
         warn(sentence)
     benefit = learned.benefit
     if benefit and benefit.share < 1.0 and not learned.refusal and COMPENSATOR in files:
-        share = "1, as --force asks for" if written.forced else f"{benefit.share:g}"
-        print(f"share of the force in {COMPENSATOR}: {share}; {benefit.reason}")
+        part = f"{100 * benefit.share:g} % of the learned force"
+        if written.forced:
+            part = "the whole learned force, as --force asks for"
+        print(f"{COMPENSATOR} has {part}; {benefit.reason}")
     parts: str = learned.writes(force=written.forced)
     if parts and learned.trial and learned.trial.compared:
         parts += f" ({learned.trial.compared.chosen.name})"

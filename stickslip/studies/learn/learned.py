@@ -220,8 +220,9 @@ class LearnedFromRecording(Learned):
     def warnings(self) -> tuple[str, ...]:
         """What should be known before the compensator is used, a line each."""
         guesses = [
-            f"{name} is not identifiable in this log; the compensator takes {known.value:.4g}: "
-            f"{known.sentence}"
+            known.sentence
+            if known.sentence.startswith(f"{name} = ")
+            else f"{name} is {known.sentence}; the compensator uses {known.value:.4g}"
             for name, known in self.estimation.known.items()
             if name in self.estimation.law.parameters and known.identifiability == NOT_IDENTIFIABLE
         ]

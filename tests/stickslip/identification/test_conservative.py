@@ -40,7 +40,7 @@ def taken(known, largest=np.inf, law="lugre"):
     assert found.keys() == known.keys()
     for name, one in found.items():
         moved = one.value != known[name].value
-        assert (f"{name} = " in one.sentence and "is taken" in one.sentence) == moved
+        assert (f"{name} = " in one.sentence and "is used" in one.sentence) == moved
     return {name: one.value for name, one in found.items()}
 
 

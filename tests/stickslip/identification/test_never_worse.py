@@ -25,7 +25,7 @@ def test_f_s_that_does_not_show_is_f_c(learned):
     assert estimation.fitted.largest_friction == pytest.approx(8.999, rel=0.1)
     assert estimation.known["F_s"].identifiability == "not identifiable"
     assert learned.friction["F_s"] == learned.friction["F_c"] == estimation.known["F_c"].value
-    assert "F_s = F_c is taken" in estimation.known["F_s"].sentence
+    assert "F_s = F_c is used" in estimation.known["F_s"].sentence
     assert learned.friction["F_c"] == pytest.approx(5.999, rel=0.15)
 
 
