@@ -63,7 +63,7 @@ def signals(found: LogPrediction) -> Table:
             head="Signal",
             cell=lambda row: signal_title(row["signal"], motion),
         ),
-        replace(units(scale), text=None, head="Unit"),
+        Column("unit", head="Unit", cell=lambda row: scale(row).unit, stored=False),
         size("error"),
         share("relative", "Relative"),
         size("noise"),

@@ -1,6 +1,7 @@
 """Another log against a learned drive: a simulation without stickslip is the other log."""
 
 import json
+import re
 from pathlib import Path
 
 import pandas as pd
@@ -122,6 +123,7 @@ def test_the_command_prints_the_verdict_and_writes_tables_and_page(learned, log,
     ]
     page = (out / "report.html").read_text(encoding="utf-8")
     assert "The drive of this log differs from the learned one" in page
+    assert re.search('Force, [^<]*</th><td class="word">N</td>', page)
     assert main(["verify", str(out)]) == 0
 
 
