@@ -54,7 +54,10 @@ def signals(found: LogPrediction) -> Table:
         return signal_scale(motion, row["signal"], row["error"])
 
     def size(name: str) -> Column:
-        return replace(scaled(name, scale, name.capitalize()), text=".3g")
+        def cell(row: Row) -> str:
+            return number(scale(row).factor * row[name], 3)
+
+        return Column(name, ".3g", name, name.capitalize(), cell)
 
     columns = (
         Column(

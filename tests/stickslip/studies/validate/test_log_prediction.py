@@ -123,7 +123,8 @@ def test_the_command_prints_the_verdict_and_writes_tables_and_page(learned, log,
     ]
     page = (out / "report.html").read_text(encoding="utf-8")
     assert "The drive of this log differs from the learned one" in page
-    assert re.search('Force, [^<]*</th><td class="word">N</td>', page)
+    shown = re.search('Force, [^<]*</th><td class="word">mN</td><td class="number">([^<]*)', page)
+    assert float(shown[1]) == pytest.approx(1e3 * table.error["force"], rel=5e-3)
     assert main(["verify", str(out)]) == 0
 
 
