@@ -71,7 +71,7 @@ def test_emps_shows_no_presliding_and_says_so(emps, capsys):
 def test_what_was_learned_is_written_and_read(sound, tmp_path):
     write_learned(sound, tmp_path)
     assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(sound.compensator)
-    assert sum("not identifiable in this log" in warning for warning in sound.warnings) == 4
+    assert sum("not identifiable in this experiment" in warning for warning in sound.warnings) == 4
     start = cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start
     assert start == pytest.approx(sound.compensator["F_c"])
     assert "DATA_EMPS.mat" in (tmp_path / "report.html").read_text(encoding="utf-8")
