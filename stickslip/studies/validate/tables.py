@@ -57,7 +57,7 @@ def signals(found: LogPrediction) -> Table:
         def cell(row: Row) -> str:
             return number(scale(row).factor * row[name], 3)
 
-        return Column(name, ".3g", name, name.capitalize(), cell)
+        return Column(name, ".3g", name, name.capitalize(), cell=cell)
 
     columns = (
         Column(
