@@ -130,7 +130,7 @@ def room_of(path: Path) -> str:
 
 def draws(files: Sequence[Path], seed: str) -> Iterator[Mutant]:
     """Yield the mutants of a room in a random order, all kinds of change as often."""
-    rng, kinds = random.Random(seed), defaultdict(list)  # noqa: S311
+    rng, kinds = random.Random(seed), defaultdict(list)  # noqa: S311 - a sample
     for one in chain.from_iterable(map(mutants, files)):
         kinds[one.kind].append(one)
     while kinds:
@@ -165,7 +165,7 @@ def tests_of(mutant: Mutant, texts: dict[Path, str]) -> list[str]:
 
 def checkout(folder: Path) -> dict[str, str]:
     """Copy the checkout; return the environment in which Python finds the copy."""
-    listed = subprocess.check_output(["git", "ls-files", "-z"], cwd=ROOT, text=True)  # noqa: S607
+    listed = subprocess.check_output(["git", "ls-files", "-z"], cwd=ROOT, text=True)  # noqa: S607 - git of the user
     for name in filter(None, listed.split("\0")):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(ROOT / name, folder / name)

@@ -20,7 +20,7 @@ def by_name(what: str, given: Any, error: type[Fault], also: str = "") -> dict[s
         rows = type(given).__name__ == "Pandas"
         pairs = [one for one in given._asdict().items() if not (rows and one[0] == "Index")]
         if renamed := [name for name, _ in pairs if name.startswith("_")]:
-            why = f"itertuples called a column {renamed[0]}, because its name is none of Python"
+            why = f"itertuples called a column {renamed[0]}, as its name is no identifier of Python"
             raise error(f"{what}: {why}; give the row as table.iloc[0]")
     elif hasattr(given, "columns") and hasattr(given, "iloc"):
         if len(given) != 1:

@@ -201,7 +201,7 @@ def parse_toml(data: bytes) -> dict[str, Any]:
 
 
 def _text(data: bytes) -> str:
-    """Return text in UTF-8; what else is no text is said shortly."""
+    """Return text in UTF-8; raise ValueError with the line of a byte that is not."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as fault:

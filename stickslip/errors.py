@@ -39,9 +39,10 @@ def settings_as_options() -> Iterator[None]:
 
 def name_options(*, yes: bool) -> None:
     """Let messages of this process name settings as options, or as keywords."""
-    os.environ.pop(_COMMAND, None)
     if yes:
         os.environ[_COMMAND] = "1"
+    else:
+        os.environ.pop(_COMMAND, None)
 
 
 def names_options() -> bool:

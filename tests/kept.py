@@ -21,6 +21,7 @@ MADE_FROM = (
     *("fmi", "models", "cosim", "ga", "stickslip"),
     *(f"tests/stickslip/{room}conftest.py" for room in ("", "identification/")),
 )
+PACKAGES = ("numpy", "scipy", "control", "cma", "pandas", "matplotlib", "jinja2")
 PLACE = cache_directory() / "tests"
 MOST = 4
 """States of the sources, the newest, of which anything is kept."""
@@ -29,11 +30,11 @@ MOST = 4
 @cache
 def state() -> str:
     """Return a hash of the sources and of what computes with them."""
-    found = hashlib.sha256(repr([sys.version, *map(version, ("numpy", "scipy", "cma"))]).encode())
+    found = hashlib.sha256(repr([sys.version, *map(version, PACKAGES)]).encode())
     for name in MADE_FROM:
         inside = sorted((ROOT / name).rglob("*")) or [ROOT / name]
         for path in inside:
-            if path.suffix in (".py", ".c", ".h", ".toml"):
+            if path.is_file() and "__pycache__" not in path.parts:
                 found.update(str(path.relative_to(ROOT)).encode() + path.read_bytes())
     return found.hexdigest()[:16]
 

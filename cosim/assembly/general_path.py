@@ -170,7 +170,7 @@ class GeneralComponent:
         return memory
 
     def recall(self, memory: Mapping[str, NDArray[Any]]) -> int:
-        """Go on with a ``memory`` once the FMU has its state, the solver anew; return a status."""
+        """Go on with a ``memory`` and a new solver once the FMU has its state; return a status."""
         for name, place in self._places().items():
             if memory[name].shape != place.shape:
                 raise ValueError(f"{memory[name].shape} {name}, expected {place.shape}")

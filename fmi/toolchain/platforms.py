@@ -71,7 +71,7 @@ _PROCESSORS = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm
 
 
 def host_platform() -> Platform:
-    """Return the platform this interpreter runs on; ToolchainError when it is none of PLATFORMS."""
+    """Return the platform this interpreter runs on; ToolchainError when it is not in PLATFORMS."""
     system = _SYSTEMS.get(sys.platform, sys.platform)
     processor = _PROCESSORS.get(machine.machine().lower(), machine.machine())
     try:

@@ -3,7 +3,7 @@
 The figures of a run depend on where within an encoder step the drive begins. One run is one draw:
 how the encoder's steps fall changes the largest errors by some ten percent, and a change of a
 parameter by 1e-10, as another processor makes, draws again. Published figures are therefore medians
-over ``PHASES``, with their range. Noise is drawn anew with each phase.
+over ``PHASES``, with their range. Each phase has other noise.
 """
 
 from __future__ import annotations
