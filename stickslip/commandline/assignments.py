@@ -30,14 +30,15 @@ def add_source_option(parser: ArgumentParser) -> None:
 
 
 def add_law_option(parser: ArgumentParser, *further: str, more: str = "") -> None:
-    """Declare ``--law``, the friction law of the compensator, with further choices."""
+    """Declare ``--law``, the friction law; the first of the further choices is the default."""
     from stickslip.catalog.parameters import learnable_laws
 
+    default, *_ = *further, "lugre"
     parser.add_argument(
         "--law",
         choices=[*learnable_laws(), *further],
-        default="lugre",
-        help=f"friction law of the compensator (default lugre){more}",
+        default=default,
+        help=f"friction law of the compensator (default {default}){more}",
     )
 
 

@@ -58,7 +58,7 @@ def export_compensator(options: argparse.Namespace) -> Answer:
 
     learned = LearnedFile(options.parameters)
     one = learned.at(1.0 if options.force else learned.share)
-    law = learned.law.name if one.model == NAME else None
+    law = (one.law or learned.law.name) if one.model == NAME else None
     try:
         models.load_model(one.model, law).with_start(one.values)
         block = learned.deployed(_guarded_share(learned, one, force=options.force))
@@ -77,7 +77,7 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
     refused it, and is not forced.
     """
     from stickslip.studies.learn.terminal import print_benefit
-    from stickslip.trial.guards import bench_of, benefits_on_drives, feedforward
+    from stickslip.trial.guards import Variant, bench_of, retried
 
     path, loop = learned.path, learned.loop
     refusal = f"learn refused it: {learned.refusal}" if learned.refusal else ""
@@ -103,7 +103,7 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
             f"{path}: validation: {duration:g} s with a sample every {loop.T_s:g} s; expected at "
             f"most {MOST_SAMPLES} samples"
         )
-    friction, variants = learned.friction, [feedforward(one.values, model=one.model)]
+    friction, variant = learned.friction, Variant("feedforward", (one,))
     with bench_of(
         learned.law,
         loop,
@@ -113,13 +113,11 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
         datasheet=learned.datasheet,
         feed=learned.feed,
     ) as bench:
-        (benefit,), found = benefits_on_drives(
-            bench, friction, variants, learned.standard_errors, force=force
-        )
+        benefit, found = retried(bench, friction, variant, learned.standard_errors, force=force)
     for finding in found:
         warn(str(finding))
     if not benefit.acceptable:
-        print_benefit(benefit, sys.stderr)
+        print_benefit(benefit, "the compensator", sys.stderr)
         if not force:
             raise HarmfulError(f"{path}: {benefit.refusal}; --force exports it anyway")
         warn(benefit.refusal)

@@ -14,13 +14,15 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from stickslip import cosim
+from stickslip import cosim, models
 from stickslip.catalog.parameters import DRIVE, friction_law
 from stickslip.errors import UsageError
+from stickslip.fmi.process import temporary_folder
 from stickslip.identification.criteria.known_loop import KnownLoop
-from stickslip.identification.criteria.motion import Scale, position_of, scale_of
+from stickslip.identification.criteria.motion import position_of, scale_of
 from stickslip.logs import Recording
 from stickslip.servo.measurement import CUTOFF, Array, derivative, smoothed
+from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop
 
 NONE, FEEDFORWARD, FRICTIONLESS = "without compensator", "with compensator", "without friction"
@@ -121,7 +123,7 @@ class LearnedDrive:
 
     law: str  # name of its friction law
     values: Mapping[str, float]  # of the drive by name: those of the law, m, b, F_0 and delay
-    compensator: Mapping[str, float]  # parameters of the compensator by name; none for no force
+    compensator: Compensator | None = None  # a feedforward
     reference: VelocityLoop | None = None  # whose response the compensator takes, not the command
 
 
@@ -183,7 +185,7 @@ def simulate(
     force = np.full(1, drive.values["F_c"]) if recording.force is None else recording.force
     scale = scale_of(force, commanded_velocity(recording))
     scaled, values = scale.recording(recording), scale.values(drive.values)
-    force = feedforward(fmus, recording, drive, scale)
+    force = scale.force * feedforward(recording, drive)
     further = {"candidate.noise_x": 0.0}
     if force_limit is not None:
         further |= dict.fromkeys(("candidate.u_max", "controller.u_max"), scale.force * force_limit)
@@ -203,9 +205,10 @@ def simulate(
     }
 
 
-def feedforward(fmus: Path, recording: Recording, drive: LearnedDrive, scale: Scale) -> Array:
-    """Return the compensator's force (n,) from each sample of a recording on, scaled."""
-    if not drive.compensator:
+def feedforward(recording: Recording, drive: LearnedDrive) -> Array:
+    """Return the compensator's force (n,) [N] from each sample of a recording on."""
+    one = drive.compensator
+    if one is None:
         return np.zeros_like(recording.t)
     v = commanded_velocity(recording)
     lead = 0.0
@@ -213,15 +216,17 @@ def feedforward(fmus: Path, recording: Recording, drive: LearnedDrive, scale: Sc
         lead = drive.reference.axis.tau_i
         v = _response(drive.reference, recording.t, v)
         v = np.append(v[1:], v[-1])  # of the end of the step
-    values = {n: x for n, x in scale.values(drive.compensator).items() if n not in DRIVE}
+    law = (one.law or drive.law) if models.load_model(one.model).law else None
+    fixed = {name: x for name, x in one.ports.axis.items() if not isinstance(x, str)}
+    values = {name: x for name, x in one.values.items() if name not in DRIVE}
     system = cosim.System("feedforward")
-    start = {"hold": False, "lead": lead, **values}
-    system.add("compensator", fmus / "compensator.fmu", start)
-    system.expose("v", "compensator.v")
-    stop = (len(v) - 1) * recording.T_s
-    record = ("compensator.F_mean",)
-    with system.prepare(step=recording.T_s, stop=stop, record=record) as simulation:
-        shown = simulation.run({}, {"v": scale.length * v})[record[0]]
+    stop, output = (len(v) - 1) * recording.T_s, f"compensator.{one.ports.output}"
+    with temporary_folder() as folder:
+        fmu = models.build_fmu(one.model, folder, law=law)
+        system.add("compensator", fmu, {**fixed, "lead": lead, **values})
+        system.expose("v", "compensator.v")
+        with system.prepare(step=recording.T_s, stop=stop, record=(output,)) as simulation:
+            shown = simulation.run({}, {"v": v})[output]
     return np.append(shown[1:], shown[-1])  # row n + 1 shows the force from sample n on
 
 

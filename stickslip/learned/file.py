@@ -201,8 +201,7 @@ class LearnedFile:
         """The drives on which the compensator is tried; by default those around the friction."""
         entries = self.document.get("family")
         if entries is None:
-            given = (self.law, self.friction, self.validation, Evidence())
-            return family(*given, rotary=self.rotary)
+            return family(self.law, self.friction, self.validation, Evidence())
         try:
             return tuple(map(self._drive, entries))
         except (KeyError, TypeError, UnknownLaw) as error:
@@ -227,19 +226,21 @@ class LearnedFile:
     def at(self, share: float) -> Compensator:
         """Return the feedforward at a share of its whole force."""
         one = self.feedforward
-        values = self.law.share(one.values, share / self.share)
-        return dataclasses.replace(one, values=values)
+        law = friction_law(one.law) if one.law else self.law
+        return dataclasses.replace(one, values=law.share(one.values, share / self.share))
 
     def _component(self, name: str, entry: Any, model: str = "") -> Compensator:
-        """Return a compensator without a friction law, as learned.json has it."""
+        """Return a compensator beside that of the learned law, as learned.json has it."""
         entry = entry if isinstance(entry, dict) else {}
-        model = str(entry.get("model", model))
+        model, law = str(entry.get("model", model)), str(entry.get("law", ""))
         values = self._values(name, entry.get("parameters"))
         component = "compensator" if name == "feedforward" else name
         try:
-            one = Compensator(component, model, _with_switches(values, load_model(model)))
-            missing = [key for key in one.ports.axis if key not in values]
-        except ValueError as error:  # no model, or no compensator
+            known = load_model(model, law or None)
+            file = f"{model}_{law}" if law else ""
+            one = Compensator(component, model, _with_switches(values, known), file, law=law)
+            missing = [key for key in one.ports.axis if key not in values and not law]
+        except (ValueError, UnknownLaw) as error:  # no model, or no compensator
             raise UsageError(f"{self.path}: {name}: {error}") from None
         if missing:
             raise UsageError(f"{self.path}: {name}: '{missing[0]}' is missing")
@@ -399,7 +400,8 @@ class LearnedFile:
             model.with_start(values)
         except StartValueError as error:
             raise UsageError(f"{self.path}: family: {error}") from None
-        return Drive(str(entry["drive"]), law.name, values)
+        level, decides = float(entry.get("level", 1.0)), bool(entry.get("decides", True))
+        return Drive(str(entry["drive"]), law.name, values, level, decides=decides)
 
     def _entry(self, name: str) -> dict[str, float] | None:
         """Return the values of an entry, None if it is absent."""
@@ -441,9 +443,9 @@ class LearnedFile:
 
 
 def _with_switches(values: Mapping[str, float], model: Model) -> dict[str, float | bool]:
-    """Return values of a model with its switches as booleans."""
-    switches = {one.name for one in model.variables if one.type == "boolean"}
-    return {name: bool(value) if name in switches else value for name, value in values.items()}
+    """Return values of a model with its switches as booleans and its counts as integers."""
+    kinds = {one.name: {"boolean": bool, "integer": int}.get(one.type) for one in model.variables}
+    return {name: kind(x) if (kind := kinds.get(name)) else x for name, x in values.items()}
 
 
 def _loop_of(entry: Mapping[str, float], *, rotary: bool) -> VelocityLoop:

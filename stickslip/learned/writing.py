@@ -64,11 +64,13 @@ def validation_document(command: Trapezoid, *, rotary: bool = False) -> dict[str
 
 
 def component_entry(one: Compensator, *, rotary: bool) -> dict[str, Any]:
-    """Return a compensator without a friction law, as learned.json has it."""
-    own_units = {known.name: known.unit or "1" for known in load_model(one.model).variables}
+    """Return a compensator beside that of the learned law, as learned.json has it."""
+    model = load_model(one.model, one.law or None)
+    own_units = {known.name: known.unit or "1" for known in model.variables}
     given = {name: float(value) for name, value in dict(one.values).items()}
     stated = state(given, own_units, partial(motion_unit, rotary=rotary))
-    return {"model": one.model, "parameters": stated}
+    law = {"law": one.law} if one.law else {}
+    return {"model": one.model, **law, "parameters": stated}
 
 
 def law_entry(law: Law) -> dict[str, str]:

@@ -1,26 +1,24 @@
-"""Whether a compensator helps, and at which share of its force it never makes the loop worse.
+"""Whether a compensator helps, and at which share of its force it does best.
 
-Each way to compensate is a chain of compensators. It is tried on every drive of a family, on every
-command, and compared with the loop without compensation. Where friction has halved, exact
-feedforward leaves an error like that without it, or a larger one; a share of 0.85 to 0.9 of its
-force then leaves less, and hardly more on the fitted drive.
+Each way to compensate is a chain of compensators. It is tried on every drive of a family, in every
+motion, and compared with the loop without compensation. The drives have several levels of friction:
+that of the log, and what it may become. A compensator is acceptable where the median over the
+drives of a level is in no motion larger than without it: one drive may stick where another slips,
+and single runs of one that sticks and slips scatter by some per cent.
 
 In a cascade the position counts, too, and errors are against the motion without friction, because
 a loop without full velocity feedforward lags by more than friction adds.
-
-Where a drive sticks and slips, errors of runs that hardly differ scatter by some per cent. A ratio
-near the limit is therefore the mean of several such runs.
 """
 
 from __future__ import annotations
 
 import math
 import shutil
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
-from itertools import chain, islice
+from functools import cached_property
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -36,8 +34,7 @@ from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import harm, loop_fit
 from stickslip.trial.family import MOVES, Command, Drive, axis_values, in_loop
 
-SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.4, 0.3, 0.2, 0.1)
-LEVELS = tuple(np.linspace(0.99, 1.01, 8).tolist())  # of friction, where a run sticks and slips
+SHARES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
 FIGURES = ("velocity", "position")  # what errors are of; that of the position counts in a cascade
 _LEAST = 1e-9  # ratio that counts as none
 FEEDFORWARD = "compensator"  # component that a share reduces, and the model of any law
@@ -56,11 +53,13 @@ class Variant:
         return any(one.name == FEEDFORWARD for one in self.chain)
 
     def share(self, law: Law, share: float) -> Variant:
-        """Return the same with a share of the feedforward's force."""
-        chain = (
-            replace(one, values=law.share(one.values, share)) if one.name == FEEDFORWARD else one
-            for one in self.chain
-        )
+        """Return the same with a share of the feedforward's force, of that law or of its own."""
+
+        def shared(one: Compensator) -> Compensator:
+            own = friction_law(one.law) if one.law else law
+            return replace(one, values=own.share(one.values, share))
+
+        chain = (shared(one) if one.name == FEEDFORWARD else one for one in self.chain)
         return replace(self, chain=tuple(chain))
 
     @property
@@ -78,9 +77,10 @@ class Variant:
         }
 
     @property
-    def feedforward_model(self) -> str:
-        """Model of its feedforward, that of any law where it has none."""
-        return next((one.model for one in self.chain if one.name == FEEDFORWARD), FEEDFORWARD)
+    def feedforward_kind(self) -> tuple[str, str]:
+        """Model and law of its feedforward; that of any law where it has none."""
+        kinds = ((one.model, one.law) for one in self.chain if one.name == FEEDFORWARD)
+        return next(kinds, (FEEDFORWARD, ""))
 
 
 NONE = Variant("none")
@@ -103,6 +103,7 @@ class TrialError:
     compensated: float
     command: str = ""  # its name
     figure: str = "velocity"  # of ``FIGURES``
+    level: float = 1.0  # of friction, over that in the log
 
     @property
     def ratio(self) -> float:
@@ -111,43 +112,76 @@ class TrialError:
             return math.inf
         return self.compensated / self.without
 
-    @property
-    def is_worse(self) -> bool:
-        """Whether the error grows by more than allowed."""
-        return not self.ratio <= harm.WORSE
-
 
 Rows = tuple[TrialError, ...]
 Errors = tuple[float, ...]  # root mean squares, one for each figure that counts
 
 
 @dataclass(frozen=True)
+class MotionErrors:
+    """Errors in one motion, on all drives with one level of friction."""
+
+    rows: Rows
+
+    @property
+    def level(self) -> float:
+        """Level of friction, over that in the log."""
+        return self.rows[0].level
+
+    @property
+    def median(self) -> TrialError:
+        """The row of the median ratio, of two the larger one."""
+        ordered = sorted(self.rows, key=lambda row: row.ratio)
+        return ordered[len(ordered) // 2]
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Least and largest ratio."""
+        ratios = [row.ratio for row in self.rows]
+        return min(ratios), max(ratios)
+
+    @property
+    def is_worse(self) -> bool:
+        """Whether the error grows by more than allowed on half of the drives."""
+        return not self.median.ratio <= harm.WORSE
+
+
+def by_motion(rows: Iterable[TrialError]) -> list[MotionErrors]:
+    """Return the rows by level of friction, motion and figure, in their order."""
+    found: dict[tuple[float, str, str], list[TrialError]] = {}
+    for row in rows:
+        found.setdefault((row.level, row.command, row.figure), []).append(row)
+    return [MotionErrors(tuple(one)) for one in found.values()]
+
+
+@dataclass(frozen=True)
 class Benefit:
     """What one variant does to the tracking error."""
 
-    share: float  # of the feedforward's force; the largest of ``SHARES`` that is acceptable, or 1
-    rows: tuple[TrialError, ...]  # at that share, one for each drive, command and figure
-    full: tuple[TrialError, ...]  # the same at the whole force
+    share: float  # of the feedforward's force: the best acceptable one of ``SHARES``, or 1
+    rows: Rows  # at that share, one for each drive, command and figure
+    full: Rows  # the same at the whole force
     unit: str = "mm/s"  # displayed, of a thousandth of a speed
     variant: Variant = NONE  # at its whole force
+    beyond: Rows = ()  # on drives that do not decide, at that share
 
     def whole(self) -> Benefit:
         """Return the same with the whole force."""
         return replace(self, share=1.0, rows=self.full)
 
+    @cached_property
+    def motions(self) -> list[MotionErrors]:
+        """The rows by level of friction, motion and figure."""
+        return by_motion(self.rows)
+
     @property
     def acceptable(self) -> bool:
-        """Whether the error is nowhere worse with the compensator than without it."""
-        return not any(row.is_worse for row in self.rows)
+        """Whether the error is in no motion worse with the compensator than without it."""
+        return not any(one.is_worse for one in self.motions)
 
     def shown(self, row: TrialError) -> tuple[float, str]:
         """Return the factor from SI to the unit in which a row is shown, and that unit."""
         return (1e3, self.unit) if row.figure == "velocity" else (1e6, f"u{self.unit[1:-2]}")
-
-    def tables(self) -> dict[str, Rows]:
-        """Return the rows by figure."""
-        figures = dict.fromkeys(row.figure for row in self.rows)
-        return {name: tuple(row for row in self.rows if row.figure == name) for name in figures}
 
     @property
     def mean_ratio(self) -> float:
@@ -161,28 +195,33 @@ class Benefit:
 
     @property
     def worst_ratio(self) -> float:
-        """Largest ratio of the errors."""
-        return max(max(row.ratio, _LEAST) for row in self.rows)
+        """Largest of the medians over the drives of a level of friction."""
+        return max(one.median.ratio for one in self.motions)
 
     @property
     def reason(self) -> str:
         """Where the whole force makes the error grow most."""
-        worst = max(self.full, key=lambda row: row.ratio)
-        where = f"at {1e3 * worst.speed:.3g} {self.unit}"
-        if worst.command in MOVES:
-            where = f"in {worst.command} of up to {1e3 * worst.speed:.3g} {self.unit}"
-        if not math.isfinite(worst.ratio):
+        worst = max(by_motion(self.full), key=lambda one: one.median.ratio)
+        row = worst.median
+        where = f"at {1e3 * row.speed:.3g} {self.unit}"
+        if row.command in MOVES:
+            where = f"in {row.command} of up to {1e3 * row.speed:.3g} {self.unit}"
+        friction = "friction as learned"
+        if row.level != 1.0:
+            friction = f"{row.level:g} times the friction"
+        if not math.isfinite(row.ratio):
             return (
-                f"the simulated loop {where} on a drive with {worst.drive} runs away"
-                f" {'with the whole force' if math.isfinite(worst.without) else 'without it, too'}:"
+                f"the simulated loop {where} on drives with {friction} runs away"
+                f" {'with the whole force' if math.isfinite(row.without) else 'without it, too'}:"
                 f" its velocity exceeds {loop_fit.RUNS_AWAY:g} times the largest commanded one"
             )
-        error = "position" if worst.figure == "position" else "tracking"
-        factor, unit = self.shown(worst)
+        error = "position" if row.figure == "position" else "tracking"
+        factor, unit = self.shown(row)
+        low, high = worst.span
         return (
-            f"with the whole force the simulated {error} error {where}"
-            f" on a drive with {worst.drive} is {factor * worst.compensated:.3g}"
-            f" {unit}, {worst.ratio:.3g} times that without the compensator"
+            f"with the whole force the simulated {error} error {where} with {friction} is"
+            f" {factor * row.compensated:.3g} {unit}, {row.ratio:.3g} times that without the"
+            f" compensator (median of {len(worst.rows)} drives, {low:.3g} to {high:.3g} times)"
         )
 
     @property
@@ -223,6 +262,9 @@ class Bench:
     def __post_init__(self) -> None:
         own, *others = self.laws
         build_fmus(self.folder_of(own), {"law": own}, own)
+        for name in others:
+            called = f"{FEEDFORWARD}_{name}"
+            models.build_fmu(FEEDFORWARD, self.folder_of(own), law=name, called=called)
         for name in others:  # with the same compensators
             shutil.copytree(self.folder_of(own), self.folder_of(name))
             models.build_fmu("drive", self.folder_of(name), law=name)
@@ -240,12 +282,7 @@ class Bench:
     def _without(self) -> list[Errors]:
         """Errors without compensation, of each drive and command."""
         runs = self._runs(NONE)
-        return runs.each(lambda cell: runs.errors(*cell, NONE), self._cells())
-
-    @cached_property
-    def _mean_without(self) -> dict[tuple[str, str], Errors]:
-        """The same where it was needed over several levels of friction, by drive and command."""
-        return {}
+        return runs.each(lambda cell: runs.errors(*cell, NONE), self._cells)
 
     @cached_property
     def _prepared(self) -> dict[object, _Runs]:
@@ -271,91 +308,82 @@ class Bench:
     def benefits(
         self, variants: Iterable[Variant], shares: Sequence[float] = SHARES
     ) -> tuple[Benefit, ...]:
-        """Try each variant, with the largest acceptable one of the shares of its feedforward."""
+        """Try each variant, with the best acceptable one of the shares of its feedforward."""
         return tuple(self._benefit(variant, shares) for variant in variants)
 
     def quick_ratio(self, variant: Variant, drives: int) -> float:
         """Return the geometric mean of the ratios of single runs on the first drives."""
-        some = zip(self._cells(), self._without, strict=True)
-        cells = list(islice(some, drives * len(self.commands)))
-        runs = self._runs(variant, dict.fromkeys(drive.law for (drive, _), _ in cells))
-        rows = runs.each(lambda one: _rows(*one[0], one[1], runs.errors(*one[0], variant)), cells)
-        return geometric_mean(tuple(chain.from_iterable(rows)))
+        return geometric_mean(self._tried(variant, range(drives * len(self.commands))))
 
-    def is_worse(self, variant: Variant, row: TrialError) -> bool:
-        """Tell whether a variant is worse than none where another one's row was tried."""
-        cell = next(
-            cell
-            for cell in self._cells()
-            if (cell[0].name, cell[1].name) == (row.drive, row.command)
-        )
-        runs = self._runs(variant, [cell[0].law])
-        without = self._without[list(self._cells()).index(cell)]
-        rows = _rows(*cell, without, runs.errors(*cell, variant))
-        means = partial(self._without_means, *cell), partial(runs.means, *cell, variant)
-        return any(one.is_worse for one in _repeated(rows, *means))
+    def is_worse(self, variant: Variant, motion: MotionErrors) -> bool:
+        """Tell whether a variant is worse than none where another one's errors were found."""
+        row = motion.rows[0]
+        wanted = [
+            k
+            for k, (drive, command) in enumerate(self._cells)
+            if (drive.level, command.name) == (row.level, row.command) and drive.decides
+        ]
+        return any(one.is_worse for one in by_motion(self._tried(variant, wanted)))
 
-    def _without_means(self, drive: Drive, command: Command) -> Errors:
-        key = drive.name, command.name
-        if key not in self._mean_without:
-            self._mean_without[key] = self._runs(NONE, [drive.law]).means(drive, command, NONE)
-        return self._mean_without[key]
+    @cached_property
+    def _cells(self) -> list[tuple[Drive, Command]]:
+        return [(drive, command) for drive in self.drives for command in self.commands]
 
-    def _cells(self) -> Iterator[tuple[Drive, Command]]:
-        for drive in self.drives:
-            for command in self.commands:
-                yield drive, command
+    def _tried(self, variant: Variant, cells: Sequence[int]) -> Rows:
+        """Return the rows of some cells, by their numbers."""
+        runs = self._runs(variant, dict.fromkeys(self._cells[k][0].law for k in cells))
+
+        def rows(k: int) -> Rows:
+            (drive, command), without = self._cells[k], self._without[k]
+            errors = zip(FIGURES, without, runs.errors(drive, command, variant), strict=False)
+            return tuple(
+                TrialError(
+                    command.speed,
+                    drive.name,
+                    without=plain,
+                    compensated=own,
+                    command=command.name,
+                    figure=figure,
+                    level=drive.level,
+                )
+                for figure, plain, own in errors
+            )
+
+        return tuple(chain.from_iterable(runs.each(rows, steps(cells))))
 
     def _benefit(self, variant: Variant, shares: Sequence[float]) -> Benefit:
-        unit = self.loop.axis.unit("mm/s")
-        cells = list(zip(self._cells(), self._without, strict=True))
-        runs = self._runs(variant)
-
-        def tried(k: int, share: float) -> Rows:
-            cell, errors = cells[k]
-            return _rows(*cell, errors, runs.errors(*cell, variant.share(self.law, share)))
-
-        whole, batch = list[Rows](), 4 * self.workers
-        for begin in steps(range(0, len(cells), batch)):
-            ahead = range(len(cells))[begin : begin + batch]
-            whole += runs.each(partial(tried, share=1.0), ahead)
-        full = tuple(chain.from_iterable(whole))
-
-        def checked(k: int, share: float) -> Rows:
-            (cell, _), rows = cells[k], whole[k] if share == 1.0 else tried(k, share)
-            shared = variant.share(self.law, share)
-            means = partial(self._without_means, *cell), partial(runs.means, *cell, shared)
-            return _repeated(rows, *means)
-
+        unit, every = self.loop.axis.unit("mm/s"), range(len(self._cells))
+        deciding = [k for k in every if self._cells[k][0].decides]
+        others = [k for k in every if not self._cells[k][0].decides]
+        full = self._tried(variant, deciding)
+        groups: dict[tuple[float, str], list[int]] = {}
+        for k in deciding:
+            drive, command = self._cells[k]
+            groups.setdefault((drive.level, command.name), []).append(k)
+        harm_of = {(m.level, m.rows[0].command): m.median.ratio for m in by_motion(full)}
         # Where the whole force harms most, a share fails first.
-        order = sorted(range(len(cells)), key=lambda k: -max(one.ratio for one in whole[k]))
+        order = sorted(groups, key=lambda key: -harm_of[key])
+
+        def at(share: float) -> Rows:
+            """Return the rows at a share; none where a motion is worse."""
+            if share == 1.0:
+                return () if any(one.is_worse for one in by_motion(full)) else full
+            found: dict[tuple[float, str], Rows] = {}
+            for key in order:
+                found[key] = self._tried(variant.share(self.law, share), groups[key])
+                if any(one.is_worse for one in by_motion(found[key])):
+                    return ()
+            return tuple(chain.from_iterable(found[key] for key in groups))
+
+        best, rows = 1.0, Rows()
         for share in shares if variant.has_feedforward else shares[:1]:
-            rows: dict[int, Rows] = {}
-            for begin in steps(range(0, len(order), self.workers)):
-                some = order[begin : begin + self.workers]
-                rows |= zip(some, runs.each(partial(checked, share=share), some), strict=True)
-                if any(one.is_worse for k in some for one in rows[k]):
-                    break
-            else:
-                found = chain.from_iterable(rows[k] for k in range(len(cells)))
-                return Benefit(share, tuple(found), full, unit, variant=variant)
-        return Benefit(1.0, full, full, unit, variant=variant)
-
-
-def _rows(drive: Drive, command: Command, without: Errors, compensated: Errors) -> Rows:
-    """Return the rows of a cell, one for each figure."""
-    return tuple(
-        TrialError(command.speed, drive.name, plain, own, command=command.name, figure=figure)
-        for figure, plain, own in zip(FIGURES, without, compensated, strict=False)
-    )
-
-
-def _repeated(rows: Rows, without: Callable[[], Errors], compensated: Callable[[], Errors]) -> Rows:
-    """Return the rows of a cell; if a ratio is close to the limit, with means of several runs."""
-    if not any(harm.REPEATED_ABOVE < row.ratio < harm.REPEATED_BELOW for row in rows):
-        return rows
-    means = zip(rows, without(), compensated(), strict=True)
-    return tuple(replace(row, without=one, compensated=two) for row, one, two in means)
+            found = at(share)
+            if found and (not rows or geometric_mean(found) < geometric_mean(rows)):
+                best, rows = share, found
+            elif rows:
+                break
+        beyond = self._tried(variant.share(self.law, best), others)
+        return Benefit(best, rows or full, full, unit, variant=variant, beyond=beyond)
 
 
 class _Runs(ExitStack):
@@ -420,11 +448,3 @@ class _Runs(ExitStack):
             float(np.sqrt(np.mean((result[name][: len(target)] - target) ** 2)))
             for name, target in targets.items()
         )
-
-    def means(self, drive: Drive, command: Command, variant: Variant) -> Errors:
-        """Return the root mean square of the errors at the levels ``LEVELS``, with other noise."""
-        law, found = friction_law(drive.law), []
-        for seed, level in enumerate(LEVELS):
-            parameters = {**law.share(drive.parameters, level), "seed": seed}
-            found.append(self.errors(replace(drive, parameters=parameters), command, variant))
-        return tuple(math.sqrt(sum(x * x for x in of) / len(of)) for of in zip(*found, strict=True))

@@ -1,15 +1,15 @@
-"""Which compensator does best on the drives that a log supports: ``learn --compensator auto``.
+"""Which compensator does best on the drives that a log supports.
 
 Candidates are the entrants of the arena that need no training on a drive: feedforward without a
-law and of the learned law, every observer, and an observer behind a feedforward. They take their
-values from what was learned, and an observer its gains from the peak sensitivity, instead of a
-search on the drive. Each is first run once on a few drives of the family; the best of each kind
-are then tried on all of it, each at the largest share of its force that is acceptable.
+law, of the learned law, and of other laws that explain the log; every observer; and an observer
+behind a feedforward. They take their values from what was learned, and an observer its gains from
+the peak sensitivity, instead of a search on the drive. Each is first run once on a few drives of
+the family; the best of each kind are then tried on all of it, each at the best share of its force.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -28,7 +28,6 @@ from stickslip.servo.observer import FORCE_NOISE, DesignedObserver, design_obser
 from stickslip.servo.sensitivity import OpenLoop, Response
 from stickslip.servo.systems import Compensator
 from stickslip.thresholds import offer
-from stickslip.trial.family import LEVELS
 from stickslip.trial.guards import Bench, Benefit, Variant, feedforward
 from stickslip.trial.observed import (
     BOTH,
@@ -37,14 +36,12 @@ from stickslip.trial.observed import (
     SHARES,
     Choice,
     ObserverDesign,
-    ObserverTrial,
     strongest,
 )
 
 AUTO = "auto"  # stands for the compensator that does best, and for the law that a log shows
 QUICK = 3  # drives on which candidates are compared first: as fitted, less, more friction
 TRIED = 2  # Observers, and combinations, that are then tried on all drives
-COARSELY = (1.0, 0.8, 0.6, 0.4, 0.2)  # shares of a feedforward without a law that are tried
 SLOWER = (0.1, 1e-2, 1e-3, 1e-4)  # rates of the disturbance, over that of the fastest filter
 GRID = 8  # values of a gene that are compared by sensitivity and expected error
 RAMPS = (0.1, 0.3, 1.0, 3.0)
@@ -62,7 +59,7 @@ class Row:
     simplicity: int  # 0 for no compensator; more for one that is less simple
     sensitivity: float  # largest peak sensitivity for the masses that the log allows
     benefit: Benefit | None = None  # what it does on the family of drives; None for no compensator
-    observed: ObserverTrial | None = None  # its parts
+    designed: ObserverDesign | None = None  # its observer; None without one
 
     @property
     def mean(self) -> float:
@@ -77,12 +74,11 @@ class Row:
     @property
     def choice(self) -> Choice:
         """Which of feedforward and observer it is."""
-        observer = self.observed is not None and self.observed.designed is not None
         if self.benefit is None:
             return ""
         if not self.benefit.variant.has_feedforward:
             return OBSERVER
-        return BOTH if observer else FEEDFORWARD
+        return BOTH if self.designed else FEEDFORWARD
 
 
 @dataclass(frozen=True)
@@ -122,10 +118,10 @@ class CompensatorComparison:
                 " observer does not reduce the expected error"
             )
         if not one.acceptable:
-            return f"{one.name} is worse than no compensator on a drive that the log supports"
+            return f"{one.name} is worse than no compensator in a motion"
         if one.benefit is None:
             return (
-                f"no compensator that is nowhere worse than none leaves less than"
+                f"no compensator that is in no motion worse than none leaves less than"
                 f" {1.0 / (1.0 + offer.SIMPLER):.2g} of the error"
             )
         return (
@@ -138,7 +134,7 @@ class CompensatorComparison:
         rows = (
             replace(row, benefit=row.benefit.whole()) if row.benefit else row for row in self.rows
         )
-        return replace(self, rows=tuple(rows))
+        return replace(self, rows=tuple(rows), asked=self.chosen.name)
 
 
 def offered(law: Law, absent: Sequence[str] = ()) -> dict[str, Part]:
@@ -168,7 +164,7 @@ def law_of(compensator: str, law: str, absent: Sequence[str] = ()) -> str:
     words = compensator.split("+")
     if law == AUTO and words[0] in learnable_laws():
         law = words[0]
-    if compensator in ("", AUTO):
+    if compensator == AUTO:
         return law
     known = offered(friction_law("lugre" if law == AUTO else law), absent)
     chain = entrant(compensator).parts
@@ -197,6 +193,8 @@ def compare(
     own: Benefit,  # what feedforward of the bench's law does
     friction: Mapping[str, float],  # as fitted, with the Coulomb friction ``F_c`` [N]
     masses: tuple[float, ...],  # relative to that of the axis, at which the limit of Ms holds
+    rivals: Iterable[Variant] = (),  # feedforward of other laws that explain the log
+    *,
     asked: str = AUTO,  # ``AUTO``, or a name for which ``law_of`` raises nothing
     absent: Sequence[str] = (),  # signals that the controller lacks
 ) -> CompensatorComparison:
@@ -206,7 +204,7 @@ def compare(
     ) as candidates:
         rows = [candidates.none()]
         if asked == AUTO:
-            rows += candidates.best()
+            rows += candidates.best(rivals)
         else:
             rows += candidates.named(asked)
     return CompensatorComparison(tuple(sorted(rows, key=lambda row: row.simplicity)), asked)
@@ -239,9 +237,11 @@ class _Candidates(ExitStack):
         """Return the row of no compensation."""
         return Row("none", 0, self._without)
 
-    def best(self) -> list[Row]:
+    def best(self, rivals: Iterable[Variant]) -> list[Row]:
         """Return feedforwards, and the observers and combinations that do best on few drives."""
         rows = [self._feedforward(part) for part in self.offered.values() if _is_feedforward(part)]
+        of_rivals = zip(rivals, self.bench.benefits(rivals), strict=True)
+        rows += [Row(one.name, 2, self._without, benefit) for one, benefit in of_rivals]
         observers = [part for part in self.offered.values() if not _is_feedforward(part)]
         acceptable = [row for row in rows if row.acceptable]
         alone: list[tuple[Row | None, Part]] = [(None, part) for part in observers]
@@ -265,7 +265,7 @@ class _Candidates(ExitStack):
             return Row(part.name, 2, self._without, self.own)
         one = Compensator(part.name, part.model, self._values(part))
         whole = feedforward(one.parameters(self.bench.loop), part.name, part.model)
-        (benefit,) = self.bench.benefits([whole], COARSELY)
+        (benefit,) = self.bench.benefits([whole])
         return Row(part.name, 1, self._without, benefit)
 
     def _quick(self, behind: Row | None, part: Part) -> float:
@@ -307,9 +307,8 @@ class _Candidates(ExitStack):
         if together and first.acceptable:
             benefit = replace(benefit, full=first.full)
         benefit = replace(benefit, variant=replace(benefit.variant, name=name))
-        alone, both = (None, benefit) if together else (benefit, None)
-        observed = ObserverTrial(first, designed, alone=alone, both=both)
-        return [Row(name, 4 if together else 3, designed.sensitivity, benefit, observed=observed)]
+        simplicity = 4 if together else 3
+        return [Row(name, simplicity, designed.sensitivity, benefit, designed=designed)]
 
     def _designs(self, part: Part, *, alone: bool) -> Iterator[ObserverDesign]:
         """Yield observers from fast to weak, all within the limit of Ms."""
@@ -403,7 +402,7 @@ class _Candidates(ExitStack):
         if _RAMP in found:
             found[_RAMP] *= self._ramp
             if alone and part.ports is not None and "a_0" in part.ports.learned:
-                found["a_0"] = min(LEVELS) * self.F_c
+                found["a_0"] = min(one.level for one in self.bench.drives) * self.F_c
         return found
 
     @cached_property

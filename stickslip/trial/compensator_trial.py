@@ -1,6 +1,6 @@
 """A learned compensator is tried on simulated drives before it is written."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 from scipy.signal import lfilter
+from scipy.stats import qmc
 
-from stickslip.catalog.parameters import ParameterSpace
+from stickslip.catalog.parameters import ParameterSpace, friction_law, presliding
 from stickslip.cosim import Trapezoid
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.identification.criteria.motion import encoder_noise, position_of
@@ -24,6 +25,7 @@ from stickslip.models import Law
 from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet, LoopSpecification
 from stickslip.servo.measurement import smoothed
 from stickslip.servo.observer import MASSES
+from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 from stickslip.thresholds import control_match, harm
 from stickslip.trial.candidates import CompensatorComparison, compare
@@ -42,7 +44,6 @@ from stickslip.trial.guards import (
     holds,
     hunting_at_rest,
 )
-from stickslip.trial.observed import FEEDFORWARD, ObserverTrial, kalman_designs, try_observer
 
 
 class Loops(NamedTuple):
@@ -62,21 +63,19 @@ class SimulatedTrial:
     command, datasheet, drives : what it was tried on
     benefit : tracking errors with feedforward of the law, and the share of its force that passes
     warnings : of the guards, a line each
+    compared : all compensators that were tried
     others : the same as ``benefit`` for other ways to compensate
-    observed : what an observer adds; None where none was tried
     holds : how a cascade holds its position, by name of the way to compensate; else empty
-    compared : all compensators that were tried; None where there is only the default
     """
 
     command: Trapezoid
     datasheet: Datasheet
     benefit: Benefit
+    compared: CompensatorComparison
     warnings: tuple[str, ...]
     drives: tuple[Drive, ...] = ()
     others: tuple[Benefit, ...] = ()
-    observed: ObserverTrial | None = None
     holds: Mapping[str, Hold] = field(default_factory=dict)
-    compared: CompensatorComparison | None = None
 
     def table(self) -> pd.DataFrame:
         """Return a row for each way to compensate, drive and command.
@@ -91,16 +90,19 @@ class SimulatedTrial:
                 "command": row.command,
                 "figure": row.figure,
                 "speed": row.speed,
+                "friction": row.level,
                 "without": row.without,
                 "with": row.compensated,
                 "ratio": row.ratio,
             }
             for benefit in (self.benefit, *self.others)
-            for row in benefit.rows
+            for row in (*benefit.rows, *benefit.beyond)
         ]
         return pd.DataFrame(rows)
 
 
+SHOWN = (1e-3, 0.1)
+"""Speeds between which a Stribeck velocity may lie that is not known, over the log's speed."""
 CAUTIOUS = (0.4, 60.0)
 """Bandwidth, over that of the paper's loop, and phase margin [degrees] of a velocity loop whose
 command and force do not show its gains: feedforward harms most in a slow loop."""
@@ -112,12 +114,7 @@ sampling rate."""
 def try_compensator(
     reading: Reading, estimation: Estimation, loop: VelocityLoop, settings: LearnSettings
 ) -> SimulatedTrial:
-    """Try a learned compensator at the log's own speed.
-
-    Where the settings name no compensator the feedforward is tried, and a disturbance observer
-    beside it.
-    """
-    compensator, absent = settings.compensator, settings.absent
+    """Try what may compensate at the log's own speed, or what the settings name."""
     top = float(np.quantile(np.abs(estimation.figures.velocity_recorded), 0.99))
     scale = top / VALIDATION.height
     command = replace(VALIDATION, height=top, slope=scale * VALIDATION.slope)
@@ -128,10 +125,11 @@ def try_compensator(
         peak_force=reading.force_limit or 1e3 * strongest,
         tau_i=loop.axis.tau_i,
         encoder_step=step,
-        encoder_noise=encoder_noise(position_of(recording), step) if compensator else 0.0,
+        encoder_noise=encoder_noise(position_of(recording), step),
     )
-    law, rotary, friction = estimation.law, recording.rotary, estimation.compensator
-    drives = family(law, friction, command, known_friction(estimation), rotary=rotary)
+    law, friction = estimation.law, estimation.compensator
+    known = known_friction(estimation, top, settings.friction_range)
+    drives = family(law, friction, command, known)
     errors = {
         name: estimation.known[name].standard_error
         for name in estimation.fit.space.friction
@@ -143,43 +141,49 @@ def try_compensator(
         benefits = bench.benefits(feedforwards(law, friction))
         best = best_of(benefits)
         found = findings_of(bench, friction, best, best.share, standard_errors=errors)
-        known, m = estimation.known["m"], loop.axis.m
-        masses = min(MASSES[0], known.low / m), 1.0, max(MASSES[-1], known.high / m)
-        observed = compared = None
-        if compensator:
-            compared = compare(bench, best, friction, masses, asked=compensator, absent=absent)
-            observed = compared.chosen.observed
-        elif not absent:
-            designs = kalman_designs(bench, friction["F_c"], masses)
-            observed = try_observer(bench, best, designs)
+        mass, m = estimation.known["m"], loop.axis.m
+        masses = min(MASSES[0], mass.low / m), 1.0, max(MASSES[-1], mass.high / m)
+        compared = compare(
+            bench,
+            best,
+            friction,
+            masses,
+            of_rivals(estimation, known),
+            asked=settings.compensator,
+            absent=settings.absent,
+        )
+        tried = {row.name: row.benefit for row in compared.rows if row.benefit}
         held: dict[str, Hold] = {}
-        if loop.K_x:
-            parts: dict[str, Benefit] = {FEEDFORWARD: best}
-            parts |= observed.parts.items() if observed else {}
-            wanted: str = (observed.recommended if observed else "") or FEEDFORWARD
-            if compared:
-                parts |= {row.name: row.benefit for row in compared.rows if row.benefit}
-                wanted = compared.chosen.name if compared.chosen.benefit else wanted
-            variants = {name: one.variant.share(law, one.share) for name, one in parts.items()}
-            held = holds(bench, [NONE, *variants.values()])
-            written = variants[wanted]
-            found += hunting_at_rest(held, written, sheet.encoder_step)
-    tried = [row.benefit for row in compared.rows if row.benefit] if compared else []
-    if observed is not None and not tried:
-        tried = [part for part in (observed.alone, observed.both) if part is not None]
-    others = tuple(one for one in (*benefits, *tried) if one is not best)
+        if loop.K_x and (written := compared.chosen.benefit):
+            variant = replace(written.variant, name=compared.chosen.name)
+            variant = variant.share(law, written.share)
+            held = holds(bench, [NONE, variant])
+            found += hunting_at_rest(held, variant, sheet.encoder_step)
+    others = tuple(one for one in (*benefits, *tried.values()) if one is not best)
     warnings = tuple(map(str, found))
     return SimulatedTrial(
-        command,
-        sheet,
-        best,
-        warnings,
-        drives=drives,
-        others=others,
-        observed=observed,
-        holds=held,
-        compared=compared,
+        command, sheet, best, compared, warnings=warnings, drives=drives, others=others, holds=held
     )
+
+
+def of_rivals(estimation: Estimation, known: Evidence) -> tuple[Variant, ...]:
+    """Return feedforward of the other laws that explain a log.
+
+    What it does not show of the rise towards rest is left out.
+    """
+    fitted = {one.candidate.law.name: one for one in estimation.held_out.predictions}
+    found = []
+    for name, (values, *_) in known.draws.items():
+        if name == estimation.law.name:
+            continue
+        law = fitted[name].candidate.law
+        own = {one: value for one, value in values.items() if one in law.parameters}
+        bounded = ParameterSpace.of(law).bounded.items()
+        own |= {one: own[bound] for one, bound in bounded if one not in fitted[name].shown}
+        file = f"compensator_{name}"
+        one = Compensator("compensator", "compensator", own, file, law=name)
+        found.append(Variant(name, (one,)))
+    return tuple(found)
 
 
 def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]:
@@ -191,40 +195,60 @@ def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]
     return (whole,) if level == friction else (whole, feedforward(level, f"feedforward, {names}"))
 
 
-def known_friction(estimation: Estimation) -> Evidence:
+def known_friction(estimation: Estimation, top: float, levels: tuple[float, float]) -> Evidence:
     """Return what a log tells of friction besides the estimate, for ``family``.
 
-    Static friction is bounded by the largest friction in the log, with a reserve. Other laws are
-    those that were fitted to the log because its own does not explain all of it, and that the log
-    does not rule out.
+    Its highest speed is ``top`` [m/s]. Static friction is bounded by the largest friction in the
+    log, with a reserve. Other laws are those that predict the force where they were not fitted
+    about as well as the best one does, or as well as noise and steps allow; of those without
+    presliding, one.
     """
-    space, known = estimation.fit.space, estimation.known
+    space, known, law = estimation.fit.space, estimation.known, estimation.law
     taken = (known[name].value for name in space.bounded)
     largest = harm.RESERVE * max(estimation.fitted.largest_friction, *taken, 0.0)
-    ranges = {}
-    for name in space.friction:
-        one = known[name]
-        if one.identifiability != IDENTIFIABLE:
-            low, high = max(one.low, one.value / harm.WIDE), min(one.high, one.value * harm.WIDE)
-            if name in space.bounded:
-                high = min(one.high, largest)
-            ranges[name] = (low, high)
-    values = (bounded_by(one, space, largest) for one in estimation.fitted.plausible)
-    plausible = tuple(map(_of_drive, values))
-    rivals, better = {}, set()
+    fitted, ranges = {**estimation.parameters, **next(iter(estimation.fitted.plausible), {})}, {}
+    for name in (one for one in space.friction if known[one].identifiability != IDENTIFIABLE):
+        low, high = known[name].low, known[name].high
+        if law.parameters[name].unit == "m/s":
+            low, high = np.clip([low, high], *(share * top for share in SHOWN)).tolist()
+        else:
+            low, high = max(low, fitted[name] / harm.WIDE), min(high, fitted[name] * harm.WIDE)
+        if name in space.bounded:
+            high = min(known[name].high, largest)
+        ranges[name] = (low, max(low, high))
+    draws: dict[str, Sequence[Mapping[str, float]]] = {}
+    draws[law.name] = _spread(estimation.fitted.plausible, ranges)
     found = estimation.held_out.predictions
     least = min((one.force for one in found), default=0.0)
-    same = (one.force for one in found if one.candidate.law.name == estimation.law.name)
-    own = min(same, default=0.0)
-    for prediction in found:
-        law = prediction.candidate.law
-        is_rival = law.name != estimation.law.name and not prediction.candidate.is_level
-        if is_rival and prediction.force <= harm.RULED_OUT * least:
-            bounded = bounded_by(prediction.parameters, ParameterSpace.of(law), largest)
-            rivals[law.name] = _of_drive(bounded)
-            if prediction.force < own:
-                better.add(law.name)
-    return Evidence(plausible, ranges, rivals, frozenset(better))
+    for tried in found:
+        other = tried.candidate.law
+        explains = tried.force <= harm.EXPLAINS * max(least, tried.explained)
+        is_alike = not (presliding(other) or presliding(law))
+        if explains and not (other.name in draws or tried.candidate.is_level or is_alike):
+            draws[other.name] = tried.plausible
+    spaces = {name: ParameterSpace.of(friction_law(name)) for name in draws}
+    return Evidence(
+        {
+            name: [_of_drive(bounded_by(one, spaces[name], largest)) for one in found]
+            for name, found in draws.items()
+        },
+        levels,
+    )
+
+
+def _spread(
+    draws: Sequence[Mapping[str, float]], ranges: Mapping[str, tuple[float, float]]
+) -> list[Mapping[str, float]]:
+    """Return draws, after the first, with values spread evenly over ranges of what is not known."""
+    points = qmc.Sobol(max(len(ranges), 1), seed=0).random(len(draws))
+    found = [*draws[:1]]
+    for values, point in zip(draws[1:], points[1:], strict=False):
+        drawn = {
+            name: low * (high / low) ** share if low > 0.0 else low + share * (high - low)
+            for share, (name, (low, high)) in zip(point, ranges.items(), strict=False)
+        }
+        found.append({**values, **drawn})
+    return found
 
 
 def _of_drive(values: Mapping[str, float]) -> dict[str, float]:

@@ -6,12 +6,13 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
 
 from stickslip import cosim
-from stickslip.catalog.parameters import ParameterSpace, friction_law, start_unit
+from stickslip.catalog.parameters import friction_law, start_unit
 from stickslip.cosim import Trapezoid
 from stickslip.identification.criteria.runs import require_bounded
 from stickslip.models import Law
@@ -107,16 +108,22 @@ class Finding:
 
 Values = Mapping[str, float]
 
-SPEEDS = (1.0, 0.1, 0.01)  # shares of the log's speed
-MOVES = {"micro-steps": (3.0, 20.0, 0.01), "short moves": (30.0, 200.0, 0.1)}
+FITTED = "friction as fitted"  # name of the drive with the values that the compensator takes
+
+SPEEDS = (1.0, 0.1)  # shares of the log's speed
+CREEP = (0.3, 0.003, 0.03)
+"""Speed of creep over the Stribeck velocity, and its bounds as shares of the log's speed; the
+geometric mean of both where no such velocity is known."""
+SLIPS = (3.0, 5.0)  # times that an integral needs to break away in creep, and most of them [s]
+MOVES = {"micro-steps": (4.0, 10.0, 0.01), "short moves": (60.0, 100.0, 0.1)}
 """Lengths of small moves: in presliding deflections, at least in encoder steps, and at most as a
 share of the travel."""
-LEVELS = (0.5, 1.5)  # shares of the fitted friction
+BEYOND = (0.5, 2.0)  # levels of friction that decide nothing, and are shown beside the others
 UNEVEN = 0.1  # share by which friction differs by direction, and along the guide
 PERIOD = 0.4  # length of its variation along the guide, as a share of the travel
 _REST = 0.1  # pause between moves [s]
 _LEAST = 20  # samples in a move
-_DEFLECTION = 4e-4  # presliding deflection over the command's speed where no stiffness is known [s]
+_DEFLECTION = 1e-4  # presliding deflection over the command's speed where no stiffness is known [s]
 
 
 @dataclass(frozen=True)
@@ -126,6 +133,8 @@ class Drive:
     name: str = field(metadata=entry(key="drive"))  # how it differs from the fitted one
     law: str  # name of its friction law
     parameters: Values = field(metadata=entry(start_unit))  # of the drive FMU
+    level: float = 1.0  # of its friction, over that in the log
+    decides: bool = True  # whether a compensator has to help it, or is only shown on it
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,49 +160,36 @@ class Command:
 class Evidence:
     """What a log tells of a drive's friction besides the values that a compensator takes."""
 
-    plausible: Sequence[Values] = ()  # that the log supports: the fit first, then draws from it
-    # interval by name for parameters that are poorly identified
-    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    # values by name for other laws fitted to the same log, by name of the law
-    rivals: Mapping[str, Values] = field(default_factory=dict)
-    better: frozenset[str] = frozenset()  # laws that predict better than the compensator's
+    # that it supports, by name of the law: those fitted first, then draws
+    draws: Mapping[str, Sequence[Values]] = field(default_factory=dict)
+    levels: tuple[float, float] = field(default_factory=harm.levels)  # that it may come to have
 
 
-def family(
-    law: Law, friction: Values, command: Trapezoid, known: Evidence, *, rotary: bool = False
-) -> tuple[Drive, ...]:
+def family(law: Law, friction: Values, command: Trapezoid, known: Evidence) -> tuple[Drive, ...]:
     """Return the drives on which a compensator is tried.
 
-    Friction is given by parameters of the law, as the compensator takes them. The command is the
-    fastest one, whose travel gives the period of friction along the guide.
+    Each of them, as fitted or drawn from what the log supports, has the friction of the log, and
+    the least and the largest that it may come to have. Friction is given by parameters of the law,
+    as the compensator takes them. The command is the fastest one, whose travel gives the period of
+    friction along the guide.
     """
-    uneven = {
-        f"friction {100 * UNEVEN:g} % higher in one direction": {
-            "asymmetric": True,
-            "asymmetry": UNEVEN,
-        },
-        f"friction +-{100 * UNEVEN:g} % along the guide": {
-            "position_dependent": True,
-            "position_amplitude": UNEVEN,
-            "position_period": PERIOD * travel(command),
-        },
-    }
-    own = {
-        "friction as fitted": friction,
-        **{f"friction x {level:g}": law.share(friction, level) for level in LEVELS},
-        **{name: {**friction, **changes} for name, changes in uneven.items()},
-        **dict(_corners(law, friction, known.ranges, rotary=rotary)),
-        **{f"plausible friction {k + 1}": one for k, one in enumerate(known.plausible)},
-    }
-    drives = [Drive(name, law.name, values) for name, values in own.items()]
-    for other, values in known.rivals.items():
-        rival = friction_law(other)
-        name = f"{rival.title} friction"
-        drives.append(Drive(name, other, values))
-        if other in known.better:
-            more = _more_at_rest(rival, values, SPEEDS[-1] * command.height)
-            drives += [Drive(f"{name}, more at rest", other, more)] if more != values else []
-    return tuple(drives)
+    along = {"position_amplitude": UNEVEN, "position_period": PERIOD * travel(command)}
+    changes: list[Values] = [{}, {"asymmetric": True, "asymmetry": UNEVEN}]
+    changes += [{"position_dependent": True, **along}]
+    named = {FITTED: (law, friction)}
+    for name, draws in known.draws.items():
+        own = friction_law(name)
+        for k, (values, change) in enumerate(zip(draws, cycle(changes), strict=False)):
+            named[f"{own.title} friction {k + 1}"] = own, {**values, **change, "seed": k}
+
+    def at(name: str, level: float, *, decides: bool = True) -> Drive:
+        own, values = named[name]
+        shown = name if level == 1.0 else f"{name} x {level:g}"
+        return Drive(shown, own.name, own.share(values, level), level, decides=decides)
+
+    levels = (1.0, *known.levels)
+    deciding = [at(name, level) for name in named for level in levels]
+    return (*deciding, *(at(FITTED, one, decides=False) for one in BEYOND if one not in levels))
 
 
 def commands(
@@ -201,15 +197,20 @@ def commands(
     T_s: float,
     friction: Values,  # gives the presliding deflection, in which small moves are measured
     encoder_step: float = 0.0,  # of which a move has several [m]
+    stiffness: float = math.inf,  # force per travel of a loop whose drive is held [N/m]
     *,
     rotary: bool = False,
 ) -> tuple[Command, ...]:
-    """Return the commands: a trapezoid at the speeds of ``SPEEDS``, and small moves."""
+    """Return the commands: a trapezoid at two speeds, creep that slides, and small moves."""
     unit = motion_unit("mm/s", rotary=rotary)
-    t = np.arange(round((command.corners()[-1] + command.begin) / T_s) + 1) * T_s
     found = []
-    for share in SPEEDS:
+    for share in (*SPEEDS, _creep(friction, command)):
         slower = replace(command, height=share * command.height, slope=share * command.slope)
+        if share not in SPEEDS:
+            force = max(friction.get("F_s", 0.0), friction["F_c"])
+            held = SLIPS[0] * force / (stiffness * abs(slower.height))
+            slower = replace(slower, plateau=max(command.plateau, min(held, SLIPS[1])))
+        t = np.arange(round((slower.corners()[-1] + slower.begin) / T_s) + 1) * T_s
         found.append(Command(f"{1e3 * slower.height:.3g} {unit}", slower.sample(t)))
     for name, (deflections, steps, share) in MOVES.items():
         length = max(deflections * deflection(friction, command), steps * encoder_step)
@@ -230,29 +231,11 @@ def deflection(friction: Values, command: Trapezoid) -> float:
     return _DEFLECTION * abs(command.height)
 
 
-def _more_at_rest(law: Law, values: Values, slow: float) -> Values:
-    """Return friction with a higher rise towards rest, which begins at a slow speed [m/s] at least.
-
-    Where the log has little slow motion, a fit puts the rise below the speeds that it has.
-    """
-    higher = {name: harm.RESERVE * values[name] for name in ParameterSpace.of(law).bounded}
-    speeds = [one.name for one in law.parameters.values() if one.shown_by and one.unit == "m/s"]
-    return {**values, **higher, **{name: max(values[name], slow) for name in speeds}}
-
-
-def _corners(
-    law: Law, friction: Values, ranges: Mapping[str, tuple[float, float]], *, rotary: bool
-) -> Iterator[tuple[str, Values]]:
-    """Yield friction without rise towards rest, and with each value at either end."""
-    bounded = ParameterSpace.of(law).bounded
-    for name, bound in bounded.items():
-        yield f"{name} = {bound}", {**friction, name: friction[bound]}
-    for name, ends in ranges.items():
-        unit = motion_unit(law.parameters[name].unit, rotary=rotary)
-        for value in ends:
-            changed = {**friction, name: value}
-            changed |= {one: max(changed[one], changed[bound]) for one, bound in bounded.items()}
-            yield f"{name} = {value:.3g} {unit}", changed
+def _creep(friction: Values, command: Trapezoid) -> float:
+    """Return the speed of creep over that of the command."""
+    share, low, high = CREEP
+    found = share * friction.get("v_s", 0.0) / abs(command.height)
+    return min(found, high) if found > low else math.sqrt(low * high)
 
 
 def _moves(length: float, command: Trapezoid, T_s: float) -> Array:

@@ -244,7 +244,6 @@ __all__ = [
     "TrialError",
     "Variant",
     "bench_of",
-    "benefits_on_drives",
     "best_of",
     "commands",
     "family",
@@ -254,6 +253,7 @@ __all__ = [
     "hunting",
     "hunting_at_rest",
     "inspect",
+    "retried",
     "stribeck",
     "tolerance",
 ]
@@ -264,29 +264,30 @@ def inspect(trial: Trial, standard_errors: dict[str, float]) -> list[Finding]:
     return [*stribeck(trial), *tolerance(trial, standard_errors), *hunting(trial)]
 
 
-def benefits_on_drives(
+def retried(
     bench: Bench,
     friction: Mapping[str, float],  # as fitted, parameters of the law by name
-    variants: Sequence[Variant],  # each is tried, in this order
+    variant: Variant,
     standard_errors: Mapping[str, float],  # of the friction, by name
     *,
     force: bool = False,  # whether the guards take the whole force, not the acceptable share
-) -> tuple[tuple[Benefit, ...], list[Finding]]:
-    """Try ways to compensate on the family of drives of a bench.
+) -> tuple[Benefit, list[Finding]]:
+    """Try a way to compensate, with a share of its force only where the whole is not acceptable.
 
     Returns
     -------
-    benefits : of each variant
-    findings : of all guards on the best feedforward among the variants
+    benefit : of the variant
+    findings : of all guards
     """
-    benefits = bench.benefits(variants)
-    best = best_of(benefits)
-    share = 1.0 if force else best.share
-    found = findings_of(bench, friction, best, share, standard_errors=standard_errors)
+    (benefit,) = bench.benefits([variant], shares=(1.0,))
+    if not benefit.acceptable:
+        (benefit,) = bench.benefits([variant])
+    share = 1.0 if force else benefit.share
+    found = findings_of(bench, friction, benefit, share, standard_errors=standard_errors)
     if bench.loop.K_x:
-        shared, step = best.variant.share(bench.law, share), bench.datasheet.encoder_step
+        shared, step = variant.share(bench.law, share), bench.datasheet.encoder_step
         found += hunting_at_rest(holds(bench, [NONE, shared]), shared, step)
-    return benefits, found
+    return benefit, found
 
 
 @contextmanager
@@ -304,7 +305,8 @@ def bench_of(
     """Build the loop in which variants are tried."""
     with temporary_folder() as folder:
         step, rotary = datasheet.encoder_step, loop.axis.rotary
-        tried = commands(command, loop.T_s, friction, step, rotary=rotary)
+        stiffness = loop.K_i + loop.K_p * loop.K_x
+        tried = commands(command, loop.T_s, friction, step, stiffness, rotary=rotary)
         bench = Bench(
             folder,
             law,
@@ -330,7 +332,7 @@ def findings_of(
 
     They evaluate a law, in a loop that does not run away on the drive as fitted.
     """
-    if benefit.variant.feedforward_model != FEEDFORWARD or benefit.fitted_ratio == math.inf:
+    if benefit.variant.feedforward_kind != (FEEDFORWARD, "") or benefit.fitted_ratio == math.inf:
         return []
     trial = Trial(
         bench.folder_of(bench.law.name),

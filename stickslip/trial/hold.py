@@ -61,13 +61,12 @@ def hold_time(loop: VelocityLoop, friction: Mapping[str, float], step: float) ->
 def holds(bench: Bench, variants: Iterable[Variant]) -> dict[str, Hold]:
     """Return how a cascade holds its position with each variant, by its name.
 
-    It runs on the drive as fitted and on those of other laws, after the bench's first command and
-    after small moves.
+    It runs on the first drive of each law, after the bench's first command and after small moves.
     """
-    drives = [one for one in bench.drives if one.law != bench.law.name]
+    drives = {one.law: one for one in reversed(bench.drives)}
     return {
         variant.name: max(
-            (_held(bench, drive, variant) for drive in [bench.drives[0], *drives]),
+            (_held(bench, drive, variant) for drive in drives.values()),
             key=lambda hold: (hold.reversals >= caution.REVERSALS, hold.swing),
         )
         for variant in variants

@@ -41,7 +41,15 @@ from stickslip.identification.fitting.bootstrap import (
     correct,
     correct_inverse,
 )
-from stickslip.identification.fitting.fit import BLOCKS, ROUGH, Fit, fit, plausible, value_errors
+from stickslip.identification.fitting.fit import (
+    BLOCKS,
+    DRAWS,
+    ROUGH,
+    Fit,
+    fit,
+    plausible,
+    value_errors,
+)
 from stickslip.identification.fitting.identifiability import (
     conservative,
     identifiability,
@@ -68,7 +76,6 @@ UNEXPLAINED = 4.0  # residual of the loop, over steps and noise, above which it 
 BASIN = 1e-2  # relative change of the squares at which a fit to find a minimum ends
 LAG = 0.2  # initial lag of the force behind its command, in samples
 F_0_DEVIATION = 0.01  # least prior standard deviation of the inverse model's constant force, in F_c
-DRAWS = 3  # number of draws from the covariance of the fit, on which the compensator is tried
 SLOWER = 0.5  # cut-off of a second low-pass, as share of the first
 BIAS_ERROR = 0.12  # standard error of the bias that is subtracted, as share of it
 

@@ -16,7 +16,7 @@ from stickslip.identification.fitting.search import Search
 from stickslip.identification.selection import Choice
 from stickslip.logs import Finding, Recording
 from stickslip.planning import LINEAR, Limits
-from stickslip.thresholds import control_match
+from stickslip.thresholds import control_match, harm
 
 CriterionName = Literal["auto", "output error", "inverse model"]
 
@@ -33,18 +33,20 @@ class LearnSettings:
     seeds : number of searches, each with a seed of its own
     search : which algorithm searches, and where it runs
     compensator : what is written: ``auto`` for the best on the drives that the log supports, or a
-        name such as ``static+ekbf``; by default feedforward of the law, and a disturbance observer
-        if it helps
+        name such as ``static+ekbf``
+    friction_range : least and largest friction that the drive may come to have, over that in the
+        log; a compensator must not be worse than none there
     absent : of ``encoder`` and ``motor_force``, what the controller cannot give a compensator
     limits : of the experiment on a rig, see ``plan``
     """
 
-    law: str = "lugre"
+    law: str = "auto"
     criterion: CriterionName = "auto"
     seed: int = 0
     seeds: int = 1
     search: Search = field(default_factory=Search)
-    compensator: str = ""
+    compensator: str = "auto"
+    friction_range: tuple[float, float] = field(default_factory=harm.levels)
     absent: Sequence[str] = ()
     limits: Limits = LINEAR
 

@@ -91,6 +91,9 @@ class Fit:
         return np.asarray(slopes @ self.covariance @ slopes.T / np.outer(deviation, deviation))
 
 
+DRAWS = 3  # draws from the covariance of a fit, on which a compensator is tried
+
+
 def plausible(fitted: Fit, seed: int, count: int) -> tuple[dict[str, float], ...]:
     """Return the values by name of a fit, and of draws from its covariance."""
     space, rng = fitted.space, np.random.default_rng(seed)

@@ -312,9 +312,9 @@ def largest_friction(inverse: InverseModel, values: Values) -> float:
 
 
 def bounded_by(values: Values, space: ParameterSpace, largest: float) -> dict[str, float]:
-    """Return values with no static friction above the largest one of the recording [N]."""
+    """Return values with static friction from Coulomb friction to the largest one of a log [N]."""
     reduced = {
-        name: min(values[name], max(largest, values[bound]))
+        name: max(min(values[name], largest), values[bound])
         for name, bound in space.bounded.items()
     }
     return {**values, **reduced}

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.catalog.parameters import unit_of
+from stickslip.catalog.parameters import presliding, unit_of
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.selection.folds import folds, is_less
@@ -148,7 +148,8 @@ class Choice:
 def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice:
     """Choose the first of the laws that are tied with the one that predicts best.
 
-    Coulomb and viscous friction is the first, LuGre the second. A law with more parameters takes
+    Coulomb and viscous friction is the first, LuGre the second. None is chosen that predicts worse
+    than friction without presliding. A law with more parameters takes
     part only if the recording identifies one of them at least, or if it predicts much better: the
     best of several flexible models predicts a little better by chance. A law that fails
     beside a regression takes no part.
@@ -161,7 +162,9 @@ def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice
         or ((one.shown or one.force < law_choice.UNIDENTIFIED * simplest) and not one.fails)
     ]
     best = min(able, key=lambda one: one.force)
-    tied = [one for one in able if not is_better(best, one)]
+    static = [one.force for one in predictions if not presliding(one.candidate.law)]
+    most = law_choice.STATIC * min(static, default=best.force)
+    tied = [one for one in able if one is best or (one.force <= most and not is_better(best, one))]
     chosen, others = tied[0], [one.candidate.title for one in tied[1:]]
     force = f"{chosen.force:.3g} {unit_of('F_c', rotary=rotary)}"
     reason = f"{chosen.candidate.title} predicts the parts held out within {force}"

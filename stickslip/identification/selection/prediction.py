@@ -17,7 +17,14 @@ from stickslip.identification.criteria.inverse_model import EDGE, ForceCost, Inv
 from stickslip.identification.criteria.known_loop import fmu_gains
 from stickslip.identification.criteria.motion import Scale, against_motion, recording_scale
 from stickslip.identification.criteria.runs import candidate_fmus
-from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, inverse_information
+from stickslip.identification.fitting.fit import (
+    BLOCKS,
+    DRAWS,
+    Fit,
+    fit,
+    inverse_information,
+    plausible,
+)
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, identifiability
 from stickslip.identification.fitting.search import select, solve_linear, variants
 from stickslip.identification.fitting.start import Start, begin
@@ -86,6 +93,8 @@ class Prediction:
     squares: Array  # (blocks,) mean square of the held-out error of each block [N^2]
     shown: tuple[str, ...]  # parameters beyond Coulomb friction that the recording identifies
     moving: Moving | None = None  # beside a regression where the drive moves, if compared
+    # all values by name that the recording supports: those fitted, and draws from their covariance
+    plausible: tuple[Mapping[str, float], ...] = ()
 
     @property
     def fails(self) -> bool:
@@ -117,6 +126,7 @@ class Prediction:
             explained=self.explained / scale.force,
             squares=self.squares / scale.force**2,
             moving=self.moving and self.moving.scaled(1.0 / scale.force),
+            plausible=tuple(map(scale.restored, self.plausible)),
         )
 
 
@@ -179,6 +189,7 @@ def predict(
         squares=mean_squares(residual, everywhere),
         shown=_shown(fitted),
         moving=moving(inverse, fitted.parameters, residual, split),
+        plausible=plausible(fitted, 0, DRAWS),
     )
 
 

@@ -112,10 +112,9 @@ def error_ratios(document: Mapping[str, Any]) -> dict[str, Any]:
     if document.get("refusal"):
         return {"law": law, "compensation": "none: refused", **ratios}
     compensation = document.get("compensation", "feedforward")
-    tried = [*document.get("error_ratio_of_parts", ())]
-    tried += document.get("compared", {}).get("compensators", ())
-    for row in tried:
-        if compensation in (row.get("part"), row.get("compensator")):
+    compared = document.get("compared", {})
+    for row in compared.get("compensators", ()):
+        if row.get("compensator") == compared.get("chosen"):
             ratios |= {key: row[key] for key in ratios if row.get(key) is not None}
     if "cost" in document:  # of a reproduction
         cost, none = (document[key]["value"] for key in ("cost", "cost_without_compensation"))

@@ -15,6 +15,7 @@ from stickslip.commandline import (
     add_options,
     at_least,
     complete_with,
+    positive,
     warn,
 )
 from stickslip.commandline.assignments import add_law_option
@@ -37,6 +38,7 @@ from stickslip.compensators.names import part_names, require_parts
 from stickslip.errors import UsageError
 from stickslip.output import Answer
 from stickslip.storage import reserved
+from stickslip.thresholds import harm
 
 if TYPE_CHECKING:
     from stickslip.identification.estimation import CriterionName, Estimation
@@ -87,11 +89,20 @@ def declare(parser: argparse.ArgumentParser) -> None:
     )
     named = parser.add_argument(
         "--compensator",
-        default="",
+        default="auto",
         metavar="NAME",
         help="what is written: a feedforward such as static or the name of the law, an observer "
         "such as ekbf or amin, both as in static+ekbf, or auto for the best of them on the drives "
-        "that the log supports (default: the law, and ekbf where it helps)",
+        "that the log supports",
+    )
+    parser.add_argument(
+        "--friction-range",
+        nargs=2,
+        type=positive,
+        default=harm.levels(),
+        metavar=("LEAST", "LARGEST"),
+        help="friction that the drive may come to have, over that in the log; there, too, a "
+        f"compensator must not be worse than none (default: {harm.FALLS:g} {harm.GROWS:g})",
     )
     complete_with(named, lambda: ["auto", *part_names()])
     absent = {"--without SIGNAL": "signals that the controller cannot give a compensator"}
@@ -106,7 +117,7 @@ def run(options: argparse.Namespace) -> Answer:
         options.log = log_of(options)
     elif options.check or options.log or options.log_option or description != type(description)():
         raise UsageError("--rig: expected no log, no description of one, and no --check")
-    if options.compensator not in ("", "auto"):
+    if options.compensator != "auto":
         require_parts(options.compensator)
     from stickslip.studies.learn.folder import FILES
     from stickslip.trial.candidates import law_of
@@ -148,17 +159,17 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             search=Search(options.algorithm, execution=execution),
             compensator=options.compensator,
             absent=options.without,
+            friction_range=tuple(options.friction_range),
             limits=limits,
         )
         print_estimation(learned.estimation)
         if learned.tracking:
             terminal.print_tracking(learned.tracking, learned.estimation.recording.motion)
         if learned.trial:
-            terminal.print_benefit(learned.benefit or learned.trial.benefit)
-            if learned.trial.compared:
-                terminal.print_compared(learned.trial.compared)
-            elif learned.trial.observed:
-                terminal.print_parts(learned.trial.observed)
+            compared = learned.trial.compared
+            terminal.print_compared(compared)
+            if compared.chosen.benefit:
+                terminal.print_benefit(compared.chosen.benefit, compared.chosen.name)
             if learned.trial.holds:
                 terminal.print_holds(learned.trial.holds)
         for warning in learned.warnings:
@@ -187,7 +198,7 @@ def _print_written(written: Written, folder: Path) -> None:
             part = "the whole learned force, as --force asks for"
         print(f"{COMPENSATOR} has {part}; {benefit.reason}")
     parts: str = learned.writes(force=written.forced)
-    if parts and learned.trial and learned.trial.compared:
+    if parts and learned.trial and learned.trial.compared.chosen.benefit:
         parts += f" ({learned.trial.compared.chosen.name})"
     print(f"written: {parts or 'no compensation'}")
     print(f"all results are in {folder}; open report.html first")

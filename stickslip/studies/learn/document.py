@@ -104,11 +104,10 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
 
 
 def _feedforward_entry(learned: LearnedFromRecording) -> dict[str, Any]:
-    """Return all compensators that were tried, and a feedforward that is not the law's."""
-    compared = learned.trial.compared if learned.trial else None
-    one, benefit = learned.feedforward, learned.benefit
-    if compared is None or benefit is None:
+    """Return all compensators that were tried, what is written, and its predicted error."""
+    if learned.trial is None or learned.benefit is None:
         return {}
+    compared, one, benefit = learned.trial.compared, learned.feedforward, learned.benefit
     found: dict[str, Any] = {
         "compensation": learned.choice,
         "compared": {
@@ -117,20 +116,20 @@ def _feedforward_entry(learned: LearnedFromRecording) -> dict[str, Any]:
             "compensators": tables.compensators(compared).records(),
         },
     }
-    if one.model != "compensator":
+    if compared.chosen.benefit:
+        found["predicted_error"] = tables.predicted(compared.chosen.benefit).records()
+    if (one.model, one.law) != learned.trial.benefit.variant.feedforward_kind:
         component = component_entry(one, rotary=learned.estimation.recording.rotary)
         found["feedforward"] = component | {"share": {"value": benefit.share, "unit": "1"}}
     return found
 
 
 def _observer_entry(learned: LearnedFromRecording) -> dict[str, Any]:
-    """Return the disturbance observer and what each part adds, where one was tried."""
-    observed = learned.trial.observed if learned.trial else None
-    if observed is None:
+    """Return the observer that is written, or why there is none."""
+    if learned.trial is None:
         return {}
     entry: dict[str, Any] = {"refusal": learned.observer_refusal}
-    if observed.designed is not None:
-        designed = observed.designed
+    if designed := learned.trial.compared.chosen.designed:
         rotary = learned.estimation.recording.rotary
         component = component_entry(designed.observer, rotary=rotary)
         if component["model"] == OBSERVER_MODEL:
@@ -140,5 +139,4 @@ def _observer_entry(learned: LearnedFromRecording) -> dict[str, Any]:
             "peak_sensitivity": {"value": designed.sensitivity, "unit": "1"},
             "peak_sensitivity_without": {"value": designed.without, "unit": "1"},
         }
-    rows = tables.parts(observed).records()
-    return {"compensation": learned.choice, "observer": entry, "error_ratio_of_parts": rows}
+    return {"observer": entry}

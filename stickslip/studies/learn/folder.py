@@ -53,8 +53,9 @@ class Written:
         """What is refused or reduced, and whether it was written nevertheless, a line each."""
         one, found = self.learned, []
         could = file_names(one.writes(force=True))
-        asked = one.asked != "" and one.choice in (OBSERVER, BOTH)
-        refusals = {COMPENSATOR: one.refusal, OBSERVER_FMU: one.observer_refusal if asked else ""}
+        has_observer = one.choice in (OBSERVER, BOTH)
+        refusals = {COMPENSATOR: one.refusal}
+        refusals |= {OBSERVER_FMU: one.observer_refusal} if has_observer else {}
         for name, why in refusals.items():
             how = "" if self.forced or name not in could else " (--force writes it)"
             fate = "written, as --force asks for" if name in self.files else "not written"
@@ -118,21 +119,14 @@ def write_learned(
 def _trial_sections(learned: LearnedFromRecording) -> list[Section]:
     if not (learned.trial and learned.benefit):
         return []
-    return [compensation(learned.benefit, learned.trial.observed, learned.trial.compared)]
+    return [compensation(learned.trial.compared)]
 
 
 def _tracking_sections(learned: LearnedFromRecording) -> list[Section]:
     if not (learned.tracking and learned.trial):
         return []
-    return [
-        tracking_section(
-            learned.tracking,
-            learned.estimation.recording.motion,
-            learned.trial.benefit.share,
-            observed=learned.observer is not None,
-            compared=learned.trial.compared is not None,
-        )
-    ]
+    motion = learned.estimation.recording.motion
+    return [tracking_section(learned.tracking, motion, learned.run)]
 
 
 def deployed_feedforward(learned: LearnedFromRecording) -> Compensator:
@@ -145,7 +139,8 @@ def build_part(
     learned: LearnedFromRecording, one: Compensator, called: str, staging: Path, refusal: str = ""
 ) -> None:
     """Build the FMU of a part of the loop, in whose description is why it is not recommended."""
-    law = learned.estimation.law.name if models.load_model(one.model).law else None
+    of_law = models.load_model(one.model).law is not None
+    law = (one.law or learned.estimation.law.name) if of_law else None
     models.build_fmu(
         one.model,
         staging,

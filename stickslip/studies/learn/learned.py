@@ -75,8 +75,7 @@ class LearnedFromRecording(Learned):
     implausible: str = ""  # why the learned mass or the loop of the log cannot be right, or empty
     # simulated in the loop of the log, without and with the compensator
     tracking: Tracking | None = None
-    # the compensator to be written, see ``candidates``; empty for what is recommended
-    asked: str = ""
+    asked: str = AUTO  # the compensator to be written, see ``candidates``
 
     def table(self) -> pd.DataFrame:
         """Return a row for each parameter in SI units, with its 95 % interval."""
@@ -108,23 +107,18 @@ class LearnedFromRecording(Learned):
 
     @property
     def choice(self) -> Choice:
-        """What is written, unless it is refused: by default what is recommended."""
+        """What is written, unless it is refused: by default what does best in the trial."""
         if self.trial is None:
-            return FEEDFORWARD if self.asked in ("", AUTO, self.estimation.law.name) else ""
-        if self.trial.compared:
-            return self.trial.compared.chosen.choice
-        observed = self.trial.observed
-        return (observed.recommended if observed else "") or FEEDFORWARD
+            return FEEDFORWARD if self.asked in (AUTO, self.estimation.law.name) else ""
+        return self.trial.compared.chosen.choice
 
     @property
     def benefit(self) -> Benefit | None:
-        """What the feedforward does that is written, with the observer where that was asked for."""
+        """What the feedforward does that is written, with the observer that is written."""
         if self.trial is None:
             return None
-        chosen = self.trial.compared.chosen if self.trial.compared else None
-        if chosen and chosen.benefit and chosen.choice in (FEEDFORWARD, BOTH):
-            return chosen.benefit
-        return self.trial.benefit
+        chosen = self.trial.compared.chosen
+        return (self.choice in (FEEDFORWARD, BOTH) and chosen.benefit) or self.trial.benefit
 
     @property
     def compensator(self) -> dict[str, float]:
@@ -133,19 +127,30 @@ class LearnedFromRecording(Learned):
 
     @property
     def of_law(self) -> Benefit | None:
-        """What feedforward of the law does, with the observer where that was asked for."""
+        """What feedforward of the law does, with the observer where that is written."""
         if self.trial is None or self.benefit is None:
             return None
-        own = self.benefit.variant.feedforward_model == self.trial.benefit.variant.feedforward_model
-        return self.benefit if own else self.trial.benefit
+        own = self.trial.benefit.variant.feedforward_kind
+        return self.benefit if self.benefit.variant.feedforward_kind == own else self.trial.benefit
 
     @property
     def feedforward(self) -> Compensator:
         """The feedforward that is written, at the share of its force tried."""
         if self.benefit is None:
             return Compensator("compensator", "compensator", self.friction)
-        model = self.benefit.variant.feedforward_model
-        return Compensator("compensator", model, self._shared(self.benefit))
+        model, law = self.benefit.variant.feedforward_kind
+        return Compensator("compensator", model, self._shared(self.benefit), law=law)
+
+    @property
+    def run(self) -> str:
+        """What ``tracking`` ran, in words."""
+        if self.trial is None or self.benefit is None:
+            return ""
+        name, share = self.trial.compared.chosen.name, self.benefit.share
+        run = f"the feedforward of {name}" if self.choice == BOTH else name
+        if self.choice not in (FEEDFORWARD, BOTH):
+            run = f"feedforward of the law {self.estimation.law.title}, which is not written,"
+        return f"{run} at {share:g} of its force" if share != 1.0 else run
 
     def _shared(self, benefit: Benefit) -> dict[str, float]:
         return benefit.variant.share(self.estimation.law, benefit.share).feedforward
@@ -154,11 +159,8 @@ class LearnedFromRecording(Learned):
         """Return the same with the compensator at its whole force, whatever that does."""
         if self.trial is None:
             return self
-        observed, compared = self.trial.observed, self.trial.compared
-        if observed and observed.both:
-            observed = replace(observed, both=observed.both.whole())
-        trial = replace(self.trial, benefit=self.trial.benefit.whole(), observed=observed)
-        return replace(self, trial=replace(trial, compared=compared and compared.whole()))
+        benefit, compared = self.trial.benefit.whole(), self.trial.compared.whole()
+        return replace(self, trial=replace(self.trial, benefit=benefit, compared=compared))
 
     @property
     def refusal(self) -> str:
@@ -182,29 +184,33 @@ class LearnedFromRecording(Learned):
 
     @property
     def observer(self) -> Compensator | None:
-        """The observer that was designed; None for none."""
-        observed = self.trial.observed if self.trial else None
-        return observed.designed.observer if observed and observed.designed else None
+        """The observer that is written; None for none."""
+        designed = self.trial.compared.chosen.designed if self.trial else None
+        return designed.observer if designed else None
 
     @property
     def observer_refusal(self) -> str:
         """Why the observer should not be written; empty where there is no reason."""
-        if self.trial is None or self.trial.observed is None:
+        if self.trial is None:
             return self._untried or "no disturbance observer was tried"
-        return self._doubt or self.trial.observed.refusal(self.choice)
+        chosen = self.trial.compared.chosen
+        if chosen.designed is None:
+            return "an observer does not reduce the mean tracking error"
+        return self._doubt or ("" if chosen.acceptable else self.trial.compared.sentence)
 
     def writes(self, *, force: bool = False) -> Choice:
         """Return what is written: the choice without what is refused, unless it is forced.
 
-        Forced, the feedforward that the default includes is written beside an observer, too.
+        Forced, the feedforward of the law is written where nothing is chosen.
         """
-        feedforward = self.choice in (FEEDFORWARD, BOTH) and (force or not self.refusal)
-        feedforward |= force and self.choice == OBSERVER and not self.asked
-        if self.observer is None or self.choice not in (OBSERVER, BOTH):
-            return FEEDFORWARD if feedforward else ""
-        if self.observer_refusal and not force:
-            return FEEDFORWARD if feedforward else ""
-        return BOTH if feedforward else OBSERVER
+        choice = self.choice
+        if force:
+            return choice or (FEEDFORWARD if self.asked == AUTO else "")
+        feedforward = choice in (FEEDFORWARD, BOTH) and not self.refusal
+        observer = choice in (OBSERVER, BOTH) and not self.observer_refusal
+        if feedforward and observer:
+            return BOTH
+        return FEEDFORWARD if feedforward else OBSERVER if observer else ""
 
     @property
     def _doubt(self) -> str:

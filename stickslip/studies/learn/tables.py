@@ -36,9 +36,9 @@ from stickslip.presentation.scale import (
     velocity_scale,
 )
 from stickslip.presentation.table import Column, Row, Table, scaled, share, units
+from stickslip.trial.benefit import MotionErrors, by_motion
 from stickslip.trial.candidates import CompensatorComparison
-from stickslip.trial.guards import Benefit, TrialError
-from stickslip.trial.observed import ObserverTrial
+from stickslip.trial.guards import Benefit
 
 
 def parameters(estimation: Estimation) -> Table:
@@ -101,25 +101,21 @@ def laws(estimation: Estimation) -> Table:
 
 
 RATIOS = (
+    Column("share", lambda row: size_or_dash(row["share"]), "share", "Share of its force"),
     Column("fitted", ".3g", "fitted drive", "Fitted drive"),
     Column("mean", ".3g", "mean", "Mean"),
-    Column("worst", ".4g", "worst", "Worst"),
+    Column("worst", ".4g", "worst motion", "Worst motion"),
 )
 """Errors relative to those without compensation: of the fitted drive the geometric mean over the
-commands, that over all drives, and the largest."""
-ACCEPTABLE = Column(
-    "acceptable",
-    text=lambda row: "" if row["acceptable"] else "worse than none",
-    head="Never worse",
-    cell=lambda row: "yes" if row["acceptable"] else "no",
-)
+motions, that over all drives, and the largest median over the drives of a level of friction."""
 
 
 def ratios(benefit: Benefit | None) -> dict[str, float]:
     """Return the values of ``RATIOS``; 1 without compensation."""
     if benefit is None:
-        return {"fitted": 1.0, "mean": 1.0, "worst": 1.0}
-    found = benefit.fitted_ratio, benefit.mean_ratio, benefit.worst_ratio
+        return {"share": float("nan"), "fitted": 1.0, "mean": 1.0, "worst": 1.0}
+    share = benefit.share if benefit.variant.has_feedforward else float("nan")
+    found = share, benefit.fitted_ratio, benefit.mean_ratio, benefit.worst_ratio
     return dict(zip((column.name for column in RATIOS), found, strict=True))
 
 
@@ -129,32 +125,17 @@ def compensators(compared: CompensatorComparison) -> Table:
         Column("compensator", text="", title="compensator", head="Compensator"),
         *RATIOS,
         Column("Ms", text=".3g", title="Ms", head="$M_s$"),
-        ACCEPTABLE,
+        Column(
+            "acceptable",
+            text=lambda row: "" if row["acceptable"] else "worse than none",
+            head="Worse than none",
+            cell=lambda row: "" if row["acceptable"] else "yes",
+        ),
     )
     rows = [
         {"compensator": row.name, "Ms": row.sensitivity, "acceptable": row.acceptable}
         | ratios(row.benefit)
         for row in compared.rows
-    ]
-    return Table(columns, rows)
-
-
-def parts(observed: ObserverTrial) -> Table:
-    """Return what feedforward, disturbance observer and both leave of that error."""
-    columns = (
-        Column("part", text="", title="compensation", head="Compensation"),
-        Column("share"),
-        *RATIOS,
-        ACCEPTABLE,
-    )
-    rows = [
-        {
-            "part": name,
-            "share": one.share if one.variant.has_feedforward else float("nan"),
-            "acceptable": one.acceptable,
-        }
-        | ratios(one)
-        for name, one in observed.parts.items()
     ]
     return Table(columns, rows)
 
@@ -184,35 +165,50 @@ def findings(estimation: Estimation, found: Iterable[Finding]) -> Table:
     return Table(columns, [vars(finding) for finding in ordered])
 
 
-def errors(benefit: Benefit) -> Iterator[tuple[str, str, Table]]:
-    """Yield what is of a figure of the errors on the simulated drives: its name, unit, table."""
+def predicted(benefit: Benefit) -> Table:
+    """Return the error with a compensator over that without it, at each level of friction.
 
-    def command(name: str, factor: float) -> Column:
-        def both(one: TrialError, arrow: str, show: Callable[[float], str]) -> str:
-            return f"{show(factor * one.without)} {arrow} {show(factor * one.compensated)}"
-
-        def on_page(row: Row) -> str:
-            return both(row[name], "→", lambda size: number(size, 3))
-
-        def text(row: Row) -> str:
-            return both(row[name], "->", size_or_dash)
-
-        return Column(name, text, name, name, cell=on_page, words=False)
-
-    for figure, shown in benefit.tables().items():
-        factor, unit = benefit.shown(shown[0])
-        rows: dict[str, dict[str, Any]] = {}
-        for one in shown:
-            rows.setdefault(one.drive, {"drive": one.drive})[one.command] = one
-        name = Column("drive", "", "simulated drive", "Simulated drive", cell=_drive_name)
-        commands = dict.fromkeys(row.command for row in shown)
-        columns = (name, *(command(one, factor) for one in commands))
-        what = "tracking" if len(shown) == len(benefit.rows) else figure
-        yield what, unit, Table(columns, list(rows.values()))
+    A row has the median and the range over the drives in one motion.
+    """
+    names = ("motion", "figure", "speed", "friction", "drives", "ratio", "low", "high", "decides")
+    rows = []
+    for one in (*benefit.motions, *by_motion(benefit.beyond)):
+        row, (low, high) = one.rows[0], one.span
+        values = row.command, row.figure, row.speed, one.level, len(one.rows), one.median.ratio
+        rows.append(dict(zip(names, (*values, low, high, one in benefit.motions), strict=True)))
+    return Table([Column(name) for name in names], rows)
 
 
-def _drive_name(row: Row) -> str:
-    return str(row["drive"]).replace(" x ", " × ").replace("+-", "±")
+def errors(benefit: Benefit) -> Iterator[tuple[str, Table]]:
+    """Yield a figure of the errors on the simulated drives and its table, as ``predicted``."""
+
+    def motion(name: str) -> Column:
+        def both(one: MotionErrors, show: Callable[[float], str]) -> str:
+            low, high = map(show, one.span)
+            return show(one.median.ratio) + (f" ({low} to {high})" if low != high else "")
+
+        return Column(
+            name,
+            lambda row: both(row[name], size_or_dash),
+            name,
+            name,
+            cell=lambda row: both(row[name], lambda size: number(size, 2)),
+            words=False,
+        )
+
+    every = [*benefit.motions, *by_motion(benefit.beyond)]
+    for figure in dict.fromkeys(one.rows[0].figure for one in every):
+        rows: dict[float, dict[str, Any]] = {}
+        for one in every:
+            if one.rows[0].figure == figure:
+                friction = "as in the log" if one.level == 1.0 else f"{one.level:g} times"
+                friction += "" if one in benefit.motions else ", not counted"
+                row = rows.setdefault(one.level, {"friction": friction})
+                row[one.rows[0].command] = one
+        motions = dict.fromkeys(one.rows[0].command for one in every)
+        name = Column("friction", "", "friction", "Friction")
+        ordered = [rows[level] for level in sorted(rows)]
+        yield figure, Table((name, *map(motion, motions)), ordered)
 
 
 def tracking_scales(tracking: Tracking, motion: Motion) -> tuple[Scale, Scale]:

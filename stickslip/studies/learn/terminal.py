@@ -13,9 +13,6 @@ from stickslip.logs import Motion
 from stickslip.studies.learn import tables
 from stickslip.trial.candidates import CompensatorComparison
 from stickslip.trial.guards import Benefit, Hold
-from stickslip.trial.observed import ObserverTrial
-
-TRACKING = "\ntracking error relative to none, on the same simulated drives and commands:"
 
 
 def print_laws(estimation: Estimation) -> None:
@@ -27,13 +24,13 @@ def print_laws(estimation: Estimation) -> None:
     print()
 
 
-def print_benefit(benefit: Benefit, file: TextIO | None = None) -> None:
-    """Print a row for each drive and a column for each command."""
+def print_benefit(benefit: Benefit, name: str, file: TextIO | None = None) -> None:
+    """Print a row for each level of friction and a column for each motion."""
     share = "" if benefit.share == 1.0 else f" at {benefit.share:g} of its force"
-    for what, unit, table in tables.errors(benefit):
+    for figure, table in tables.errors(benefit):
         print(
-            f"\nRMS {what} error of simulated drives [{unit}], "
-            f"without -> with the compensator{share}:\n{table.text()}",
+            f"\nRMS error of {figure} with {name}{share} over that without compensation, median of"
+            f" simulated drives (least to largest):\n{table.text()}",
             file=file,
         )
 
@@ -50,23 +47,10 @@ def print_holds(holds: Mapping[str, Hold]) -> None:
         )
 
 
-def print_parts(observed: ObserverTrial) -> None:
-    """Print what feedforward, disturbance observer and both leave of the error of none."""
-    if observed.designed is None:
-        print(f"\n{observed.reason}")
-        return
-    print(TRACKING, tables.parts(observed).text(), sep="\n")
-    designed = observed.designed
-    print(
-        f"peak sensitivity {designed.sensitivity:.3g} with the observer, {designed.without:.3g} "
-        f"without; recommended: {observed.recommended or 'none of them'}"
-    )
-
-
 def print_compared(compared: CompensatorComparison) -> None:
     """Print what each compensator leaves of the error of none, and which one is chosen."""
-    print(TRACKING, tables.compensators(compared).text(), sep="\n")
-    print(compared.sentence)
+    print("\ntracking error relative to none, on the same simulated drives and motions:")
+    print(tables.compensators(compared).text(), compared.sentence, sep="\n")
 
 
 def print_tracking(tracking: Tracking, motion: Motion) -> None:

@@ -61,7 +61,7 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
         )
         recording = _at_rest(recording, recording.t, commanded_velocity(recording))
     reference = loop if learned.loops.known or not known else None
-    drive = LearnedDrive(estimation.law.name, estimation.parameters, learned.compensator, reference)
+    drive = LearnedDrive(estimation.law.name, estimation.parameters, learned.feedforward, reference)
     try:
         with candidate_fmus(drive.law) as fmus:
             runs = simulate(fmus, recording, gains, drive, force_limit=reading.force_limit)

@@ -19,12 +19,13 @@ from stickslip.evaluation.tracking import (
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.logs import Recording
 from stickslip.servo.axis import LOOP, Axis, Datasheet
-from stickslip.servo.systems import build_fmus
+from stickslip.servo.systems import Compensator, build_fmus
 from stickslip.trial.guards import Trial
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
 VALUES = {**PAPER, "m": AXIS.m, "b": AXIS.b, "F_0": 0.0, "delay": AXIS.tau_i, "delta": 1.0}
 FRICTION = {name: VALUES[name] for name in friction_law().parameters if name in VALUES}
+COMPENSATOR = Compensator("compensator", "compensator", FRICTION)
 T = np.arange(4001) * LOOP.T_s
 COMMAND = Trapezoid(0.04, 0.4, 0.3, 0.1).sample(T)
 STEP = 1e-9
@@ -38,7 +39,7 @@ def gains_of(loop):
 def runs(loop):
     recording = Recording(T, np.zeros_like(T), velocity_command=COMMAND, encoder_step=STEP)
     with candidate_fmus() as fmus:
-        drive = LearnedDrive("lugre", VALUES, FRICTION, loop)
+        drive = LearnedDrive("lugre", VALUES, COMPENSATOR, loop)
         return simulate(fmus, recording, gains_of(loop), drive)
 
 
@@ -70,7 +71,7 @@ def test_a_cascade_is_simulated_with_its_position_loop():
     position = np.cumsum(COMMAND) * LOOP.T_s
     recording = Recording(T, np.zeros_like(T), position_command=position, encoder_step=STEP)
     with candidate_fmus() as fmus:
-        drive = LearnedDrive("lugre", VALUES, FRICTION)
+        drive = LearnedDrive("lugre", VALUES, COMPENSATOR)
         cascade = {"K_x": 30.0, "K_p": 3000.0, "K_i": 0.0}
         runs = simulate(fmus, recording, cascade, drive)
     late = np.abs(runs[NONE].position - position)[-1]

@@ -18,6 +18,7 @@ from stickslip.identification.criteria.runs import Diverged, require_bounded
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.logs import Recording
 from stickslip.servo.axis import LOOP, Axis, Datasheet
+from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.thresholds.loop_fit import RUNS_AWAY
 from stickslip.trial.guards import Bench, Drive, commands, feedforward
@@ -25,6 +26,7 @@ from stickslip.trial.guards import Bench, Drive, commands, feedforward
 AXIS = Axis(5.557, 6.6135, 1e-4)
 VALUES = {**PAPER, "m": AXIS.m, "b": AXIS.b, "F_0": 0.0, "delay": AXIS.tau_i, "delta": 1.0}
 FRICTION = {name: VALUES[name] for name in friction_law().parameters if name in VALUES}
+COMPENSATOR = Compensator("compensator", "compensator", FRICTION)
 UNSTABLE = {
     "gains ten times too high": {"K_p": 6e4, "K_i": 1e5},
     "gains of another unit": {"K_p": 6e6, "K_i": 1e7},
@@ -53,7 +55,7 @@ def test_the_loop_of_a_log_that_runs_away_has_neither_motion_nor_errors(gains):
     with candidate_fmus() as fmus, InverseModel(fmus, recording) as inverse:
         found = goodness_of_fit(inverse, VALUES, gains, check)
         with pytest.raises(Diverged):
-            simulate(fmus, recording, gains, LearnedDrive("lugre", VALUES, FRICTION))
+            simulate(fmus, recording, gains, LearnedDrive("lugre", VALUES, COMPENSATOR))
     assert found.simulated is None
     assert np.isnan([found.position, found.velocity, found.closed_loop_force]).all()
     assert found.force < 0.5

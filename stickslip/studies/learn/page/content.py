@@ -34,8 +34,6 @@ from stickslip.studies.learn.page.signals import (
 from stickslip.studies.learn.page.stretches import stretches
 from stickslip.thresholds import harm, offer
 from stickslip.trial.candidates import CompensatorComparison
-from stickslip.trial.guards import Benefit
-from stickslip.trial.observed import ObserverTrial
 
 ERRORS = {
     "force": "{0} predicted from the motion",
@@ -100,23 +98,16 @@ def _errors(estimation: Estimation, names: dict[str, str]) -> list[tuple[str, st
     ]
 
 
-def compensation(
-    benefit: Benefit,
-    observed: ObserverTrial | None = None,
-    compared: CompensatorComparison | None = None,
-) -> Section:
-    """Return the section with the table of tracking errors, and what other parts leave."""
-    relative = tables.compensators(compared) if compared else None
-    if observed and observed.designed and not compared:
-        relative = tables.parts(observed)
+def compensation(compared: CompensatorComparison) -> Section:
+    """Return the section with what each compensator leaves of the error, and what is chosen."""
+    chosen = compared.chosen
     return Section(
         "Whether compensation helps",
         "studies/learn/page/compensation.j2",
-        benefit=benefit,
-        observed=observed,
+        chosen=chosen,
         compared=compared,
-        tried=list(tables.errors(benefit)),
-        relative=relative,
+        tried=list(tables.errors(chosen.benefit)) if chosen.benefit else [],
+        relative=tables.compensators(compared),
         WORSE=harm.WORSE,
         LIMIT=offer.SENSITIVITY,
     )

@@ -22,15 +22,8 @@ LOOKS = {NONE: style.WITHOUT, FEEDFORWARD: style.WITH}
 """Variants that are drawn, with their colours."""
 
 
-def tracking_section(
-    tracking: Tracking,
-    motion: Motion,
-    share: float = 1.0,  # of the compensator's force
-    *,
-    observed: bool = False,  # whether an observer was designed, which another section shows
-    compared: bool = False,  # whether other compensators were tried, which that section shows
-) -> Section:
-    """Return the section."""
+def tracking_section(tracking: Tracking, motion: Motion, compensator: str = "") -> Section:
+    """Return the section; the compensator is named as it is written."""
     errors = tracking.errors()
     return Section(
         "Tracking without and with the compensator",
@@ -41,9 +34,7 @@ def tracking_section(
         found=tables.tracking(tracking, motion),
         scale=velocity_scale(motion, np.array([errors[NONE].velocity_rms])),
         place=WORDS[motion][0],
-        share=share,
-        observed=observed,
-        compared=compared,
+        compensator=compensator,
         NONE=NONE,
         FRICTIONLESS=FRICTIONLESS,
     )

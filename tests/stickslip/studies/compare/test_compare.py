@@ -25,11 +25,11 @@ def learned(folder, value, half, **entries):
 
 
 def test_values_intervals_and_error_ratios_stand_side_by_side(tmp_path, capsys):
-    parts = [
-        {"part": "feedforward", "share": 0.8, "fitted": 0.5, "worst": 0.9},
-        {"part": "observer", "share": None, "fitted": 0.3, "worst": 0.7},
+    rows = [
+        {"compensator": "lugre", "share": 0.8, "fitted": 0.5, "worst": 0.9},
+        {"compensator": "ekbf", "share": None, "fitted": 0.3, "worst": 0.7},
     ]
-    tried = {"compensation": "observer", "error_ratio_of_parts": parts}
+    tried = {"compensation": "observer", "compared": {"chosen": "ekbf", "compensators": rows}}
     places = [
         learned(tmp_path / "axis" / "new", 6.0, 0.1, **tried),
         learned(tmp_path / "axis" / "old", 5.0, 0.2, law="dahl", refusal="worse"),

@@ -73,7 +73,8 @@ def test_the_folder_is_whole_and_keeps_no_checkpoint(folder):
 @pytest.mark.usefixtures("learned")
 def test_searching_judging_and_trying_tell_how_far_they_are():
     judged = STEPS.index((2, 3))
-    assert STEPS[0] == (0, 3)  # starts of a fit, which ends when two lead to the same minimum
+    assert STEPS[0] == (0, 5)  # laws
+    assert (0, 3) in STEPS  # starts of a fit, which ends when two lead to the same minimum
     assert STEPS[judged : judged + 2] == [(2, 3), (3, 3)]
     tried = STEPS[judged + 2 :]
     assert tried[0][0] == 0 < tried[0][1]
@@ -171,16 +172,17 @@ def test_the_compensator_has_what_was_learned(learned, tmp_path):
 
 
 def test_it_prints_and_writes_whether_compensation_helps(learned):
-    """No error of the family grows by more than 2 %."""
+    """The median over the drives of a level grows in no motion by more than 2 %."""
     folder, document, out, error = learned
-    written = document["tracking_error"][0]["compensation"]
-    rows = [row for row in document["tracking_error"] if row["compensation"] == written]
-    assert len(rows) == len(document["family"]) * len({row["command"] for row in rows})
-    assert all(row["ratio"] <= 1.02 for row in rows)
-    table = out.split("RMS tracking error of simulated drives")[1].splitlines()
-    assert {len(line.split("->")) for line in table[2:5]} == {6}
-    first = document["tracking_error"][0]
-    assert f"{1e3 * first['without']:.3g} -> {1e3 * first['with']:.3g}" in table[2]
+    predicted = document["predicted_error"]
+    assert {row["friction"] for row in predicted if row["decides"]} == {0.7, 1.0, 1.3}
+    assert {row["friction"] for row in predicted if not row["decides"]} == {0.5, 2.0}
+    assert all(row["ratio"] <= 1.02 for row in predicted if row["decides"])
+    assert all(row["low"] <= row["ratio"] <= row["high"] for row in predicted)
+    chosen = document["compared"]["chosen"]
+    table = out.split(f"RMS error of velocity with {chosen}")[1].splitlines()
+    [row] = [one for one in predicted if (one["friction"], one["motion"]) == (2.0, "micro-steps")]
+    assert f" {row['ratio']:.3g} " in next(line for line in table if line.startswith("2 times"))
     assert "one designed for the learned mass if it shows none" in error
     report = (folder / "report.html").read_text(encoding="utf-8")
     opening = report.index("Tracking without and with the compensator")
@@ -191,15 +193,9 @@ def test_it_prints_and_writes_whether_compensation_helps(learned):
     assert errors[0] < 0.8 * errors[1]
     assert "tracking error on a trapezoid at the log's speed" in out
     assert "Whether compensation helps" in report
-    parts = {row["part"]: row for row in document["error_ratio_of_parts"]}
-    assert set(parts) == {"feedforward", "observer", "feedforward + observer"}
-    assert re.search(rf"^feedforward +{parts['feedforward']['fitted']:.3g} ", out, re.MULTILINE)
-    both = parts["feedforward + observer"]
-    recommended = both["acceptable"] and both["mean"] < parts["feedforward"]["mean"]
-    assert (document["compensation"] == "feedforward + observer") == recommended
-    assert (folder / "observer.fmu").exists() == recommended
-    assert ("export observer" in report) == recommended
-    assert document["observer"]["peak_sensitivity"]["value"] <= 2.2
+    has_observer = "observer" in document["compensation"]
+    assert (folder / "observer.fmu").exists() == has_observer
+    assert ("export observer" in report) == has_observer
 
 
 def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsys, monkeypatch):
@@ -221,7 +217,7 @@ def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsy
 
 def test_a_compensator_that_cannot_be_learned_is_refused_before_learning(log, capsys):
     refused = {
-        ("dahl",): "'dahl': --law is lugre; there are static, lugre, ekbf",
+        ("dahl", "--law", "lugre"): "'dahl': --law is lugre; there are static, lugre, ekbf",
         ("lffc",): "it is trained on the drive; 'stickslip arena --drive learned.json'",
         ("ekbf+static",): "both in this order, such as static+ekbf",
         ("ekbf", "--without", "motor_force"): "a signal that the controller lacks: motor_force",

@@ -14,8 +14,8 @@ from stickslip.identification.estimation import Search
 from stickslip.logs import Description, Finding
 from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.log_learning import learn
-from stickslip.trial.guards import Benefit
-from stickslip.trial.observed import ObserverTrial
+from stickslip.trial.candidates import Row
+from stickslip.trial.guards import Benefit, Variant
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("without_pictures")]
 
@@ -36,19 +36,34 @@ def worse(benefit):
     return Benefit(1.0, rows, rows, benefit.unit, benefit.variant)
 
 
-def untried(sound, asked=""):
+def untried(sound, asked="auto"):
     loops = ControlError("the mass is not known")
     return replace(sound, loops=loops, trial=None, tracking=None, asked=asked)
 
 
-def tried(sound, *, alone, share=1.0):
-    """Return what was learned with a feedforward that does harm, or with a share of its force."""
-    trial, observed = sound.trial, sound.trial.observed
-    harmful = worse(trial.benefit) if share == 1.0 else replace(trial.benefit, share=share)
-    observed = replace(observed, feedforward=harmful, both=None, alone=trial.benefit)
-    if not alone:
-        observed = ObserverTrial(harmful, reason="no observer is robust")
-    return replace(sound, trial=replace(trial, benefit=harmful, observed=observed))
+def only(sound, row, asked="auto"):
+    """Return what was learned where nothing but one compensator was tried beside none."""
+    compared = replace(sound.trial.compared, rows=(sound.trial.compared.rows[0], row), asked=asked)
+    benefit = row.benefit if row.designed is None else sound.trial.benefit
+    return replace(
+        sound, trial=replace(sound.trial, benefit=benefit, compared=compared), asked=asked
+    )
+
+
+def feedforward(sound, share):
+    """Return the row of feedforward of the law, at a share of its force."""
+    return Row("law", 2, 1.2, replace(sound.trial.benefit, share=share))
+
+
+def harmful(sound, asked="auto"):
+    row = feedforward(sound, 1.0)
+    return only(sound, replace(row, benefit=worse(row.benefit)), asked)
+
+
+def observer(sound):
+    chosen = sound.trial.compared.chosen
+    variant = Variant("observer", chosen.benefit.variant.chain[-1:])
+    return only(sound, replace(chosen, benefit=replace(chosen.benefit, variant=variant)))
 
 
 def doubtful(sound):
@@ -59,9 +74,10 @@ def doubtful(sound):
 FEEDFORWARD, OBSERVER = {"compensator.fmu"}, {"observer.fmu"}
 KINDS = {
     "sound": (lambda sound: sound, FMUS, FMUS),
-    "share": (lambda sound: tried(sound, alone=False, share=0.6), FEEDFORWARD, FEEDFORWARD),
-    "harmful": (lambda sound: tried(sound, alone=False), set(), FEEDFORWARD),
-    "observer": (lambda sound: tried(sound, alone=True), OBSERVER, FMUS),
+    "share": (lambda sound: only(sound, feedforward(sound, 0.6)), FEEDFORWARD, FEEDFORWARD),
+    "nothing": (harmful, set(), FEEDFORWARD),
+    "harmful": (lambda sound: harmful(sound, "law"), set(), FEEDFORWARD),
+    "observer": (observer, OBSERVER, OBSERVER),
     "doubtful": (doubtful, set(), FMUS),
     "untried": (untried, set(), FEEDFORWARD),
     "untried observer": (lambda sound: untried(sound, "ekbf"), set(), set()),
