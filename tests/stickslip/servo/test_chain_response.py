@@ -49,17 +49,6 @@ def test_it_is_that_of_the_linear_design(fmus, loop, model, rate, order, mass):
     assert found == pytest.approx(expected, rel=1e-3)
 
 
-def test_feedforward_does_not_change_it(fmus, loop):
-    with ChainResponse(fmus, loop, [Compensator("feedforward", "static_feedforward")]) as response:
-        alone = response.of(loop, {}, 6.0)
-    assert alone.peak == pytest.approx(peak_sensitivity(loop), rel=1e-3)
-    chain = [Compensator("feedforward", "static_feedforward"), Compensator("observer", "dob")]
-    with ChainResponse(fmus, loop, chain) as response:
-        both = response.of(loop, {}, 6.0)
-    with ChainResponse(fmus, loop, chain[1:]) as response:
-        assert both.peak == pytest.approx(response.of(loop, {}, 6.0).peak, rel=1e-4)
-
-
 def test_a_faster_observer_lets_more_noise_of_the_encoder_through(fmus, loop):
     with ChainResponse(fmus, loop, [Compensator("observer", "dob")]) as response:
         noise = [response.of(loop, values(observer(loop, r)), 6.0).noise for r in (0.05, 5.0, 50.0)]

@@ -34,7 +34,3 @@ def test_its_slope_is_its_derivative(delta):
     tiny = 1e-4 * SPEEDS
     differences = (level(p, SPEEDS + tiny) - level(p, SPEEDS - tiny)) / (2.0 * tiny)
     np.testing.assert_allclose(slope(p, SPEEDS), differences, rtol=1e-5, atol=1e-6)
-
-
-def test_the_exponent_of_the_paper_is_the_usual_one():
-    np.testing.assert_array_equal(level(PAPER, SPEEDS), level({**PAPER, "delta": 1.0}, SPEEDS))
