@@ -12,7 +12,7 @@ import scipy.io
 
 from stickslip.cli import main
 from stickslip.errors import RecordingError
-from stickslip.logs import Column, Description, read_recording, reader_process
+from stickslip.logs import read_recording, reader_process
 from stickslip.logs.formats import read_table
 
 FILES = {
@@ -114,12 +114,6 @@ def test_a_damaged_file_is_reported_in_one_line(kind, table, tmp_path):
         assert len(str(caught.value)) < len(str(path)) + 250
 
 
-def test_a_text_called_excel(tmp_path):
-    (tmp_path / "log.xlsx").write_text("t;x;F\n" + "0;1;2\n" * 50)
-    with pytest.raises(RecordingError, match=r"a text, not a file of Excel .* rename it to \.csv"):
-        read_recording(tmp_path / "log.xlsx")
-
-
 def test_the_content_decides_before_the_name_does(table, tmp_path):
     writers.excel(tmp_path / "log.xlsx", columns(table))
     (tmp_path / "log.xlsx").rename(tmp_path / "log.csv")
@@ -180,21 +174,6 @@ def test_a_group_with_values_and_times_is_a_signal_and_soft_links_are_left_out(t
     table = read_table(tmp_path / "log.h5")
     assert table.units == {"force": "N", "position": "mm", "time": "s"}
     np.testing.assert_allclose(table.numbers["time"], t)
-
-
-def test_scalars_of_version_7_3_may_be_named(tmp_path, table):
-    writers.matlab73(tmp_path / "log.mat", columns(table, units=False))
-    given = Description(columns={"force": Column(scale="2*gtau")})
-    recording = read_recording(tmp_path / "log.mat", given).recording
-    np.testing.assert_allclose(recording.force, 7.0 * table["force"])
-
-
-def test_a_reference_to_nothing(tmp_path):
-    with h5py.File(tmp_path / "log.h5", "w") as file:
-        file["x"] = np.array([h5py.Reference()], dtype=h5py.ref_dtype)
-        file["text"] = "hello"
-    with pytest.raises(RecordingError, match="no vectors of numbers"):
-        read_recording(tmp_path / "log.h5")
 
 
 @pytest.mark.slow

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from rigid_drive import rigid_drive
 
-from stickslip.logs import read_recording
 from stickslip.logs.grid import even_grid
 from stickslip.logs.sampling import step_of
 from stickslip.logs.table import LogTable
@@ -88,18 +87,6 @@ def test_numbers_that_are_missing():
     np.testing.assert_array_equal(grid.signals["position"], DRIVE.position[:2000])
     assert "force has no numbers in rows 2001 to 2050" in messages(grid)
     assert "3, the first in row 51" in messages(grid)
-
-
-def test_a_period_that_is_printed_coarsely(tmp_path):
-    """Three samples in 10 ms, times to a millisecond: a third of the mean step is no gap."""
-    t = np.round(np.arange(900) / 300, 3)
-    x = np.sin(np.arange(900) / 300)
-    lines = [f"{a:.3f},{b:.9f}" for a, b in zip(t, x, strict=True)]
-    path = tmp_path / "log.csv"
-    path.write_text("\n".join(["t,x", *lines]))
-    recording = read_recording(path).recording
-    assert len(recording.t) == 900
-    assert recording.T_s == pytest.approx(1 / 300, rel=1e-3)
 
 
 def test_the_step_of_an_encoder_is_found_and_other_signals_have_none():

@@ -89,6 +89,8 @@ def test_the_sensitivity_at_the_command_does_not_depend_on_an_exact_observer():
     np.testing.assert_array_equal(alone.at_command, alone.at_encoder)
     low = OpenLoop(PAPER).f < 1.0
     assert (np.abs(observed.at_encoder[low]) < 0.1 * np.abs(alone.at_encoder[low])).all()
+    silent = OpenLoop(PAPER).response(replace(observer, share=0.0))
+    np.testing.assert_array_equal(silent.at_encoder, alone.at_encoder)
 
 
 def test_a_velocity_filter_in_the_loop_counts_on_the_observers_force():
