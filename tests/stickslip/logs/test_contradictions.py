@@ -41,10 +41,9 @@ def check(check_log):
     return run
 
 
-@pytest.mark.parametrize("T_s", [1e-3, 5e-4, 3.125e-5, 2e-3])
-def test_consistent_signals_are_no_error(check, T_s):
+def test_consistent_signals_are_no_error(check):
     """A controller may run faster than its log."""
-    status, errors, out, err = check(*GAINS, f"T_s={T_s}", "--sample-period", "0.001")
+    status, errors, out, err = check(*GAINS, "T_s=3.125e-5", "--sample-period", "0.001")
     assert (status, errors, err) == (0, [], "")
     assert "differ in scale" not in out
 

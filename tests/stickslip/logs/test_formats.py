@@ -90,23 +90,14 @@ def test_the_extras_are_declared():
         assert importlib.util.find_spec(library), "the tests need it"
 
 
-def damaged(content: bytes) -> dict[str, bytes]:
-    return {
-        "half": content[: len(content) // 2],
-        "zeros": content[:64] + bytes(len(content) - 64),
-        "short": content[:40],
-        "text": b"time,x,F\n" + b"0,1,2\n" * 50,
-        "empty": b"",
-    }
-
-
 @pytest.mark.parametrize("kind", ["excel", "tdms", "mdf", "hdf5", "matlab 7.3", "cells"])
 def test_a_damaged_file_is_reported_in_one_line(kind, table, tmp_path):
     name, write = FILES[kind]
     path = tmp_path / name
     write(path, columns(table, units=kind not in WITHOUT_UNITS))
-    for content in damaged(path.read_bytes()).values():
-        path.write_bytes(content)
+    content = path.read_bytes()
+    for wrong in (content[: len(content) // 2], content[:64] + bytes(len(content) - 64)):
+        path.write_bytes(wrong)
         with pytest.raises(RecordingError) as caught:
             read_recording(path)
         assert "\n" not in str(caught.value)
@@ -174,6 +165,14 @@ def test_a_group_with_values_and_times_is_a_signal_and_soft_links_are_left_out(t
     table = read_table(tmp_path / "log.h5")
     assert table.units == {"force": "N", "position": "mm", "time": "s"}
     np.testing.assert_allclose(table.numbers["time"], t)
+
+
+def test_a_reference_to_nothing(tmp_path):
+    with h5py.File(tmp_path / "log.h5", "w") as file:
+        file["x"] = np.array([h5py.Reference()], dtype=h5py.ref_dtype)
+        file["text"] = "hello"
+    with pytest.raises(RecordingError, match="no vectors of numbers"):
+        read_recording(tmp_path / "log.h5")
 
 
 @pytest.mark.slow
