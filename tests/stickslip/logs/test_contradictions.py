@@ -195,21 +195,6 @@ def test_a_signal_that_is_unrelated_to_the_motion_is_an_error(check_log, name):
     assert "unrelated" not in check_log(pd.DataFrame(table | {name: own + noise}))[2]
 
 
-@pytest.mark.parametrize(
-    ("names", "roles"),
-    [
-        ({"velocity": "vel_mm_s", "position": "pos_mm"}, {"velocity": 1e-3, "position": 1e-3}),
-        ({"velocity": "speed mm/s", "position": "x mm"}, {"velocity": 1e-3, "position": 1e-3}),
-        ({"time": "t_us", "position": "POS_MM"}, {"time": 1e-6, "position": 1e-3}),
-    ],
-)
-def test_units_at_the_end_of_a_name_are_read(check, names, roles):
-    status, errors, out, _ = check(names=names, **roles)
-    assert (status, errors) == (0, [])
-    assumed = next(line for line in out.splitlines() if "state no unit" in line)
-    assert not [role for role in roles if f" {role} in" in assumed]
-
-
 def test_all_errors_are_printed_and_learn_reports_the_first(check, tmp_path, capsys):
     status, errors, _, err = check(names={"force": "iq"}, position=1e-3, velocity_command=1e-3)
     assert status == 1

@@ -43,7 +43,7 @@ FILES = {
     "two positions": (csv(header="t,x,q"), "which column is position, x or q?"),
     "unknown unit": (csv(header="t,x [furlong],F"), "'x'", "'furlong'", "Column(unit="),
     "current without scale": (csv(header="t,x,current_A"), "force is in A", "Column(scale="),
-    "counts without scale": (csv(header="t,x [counts],F"), "is in counts", "Column(scale="),
+    "counts without scale": (csv(header="t,x [counts],F"), "is in counts", "encoder_step"),
     "wrong delimiter": (csv().replace(b",", b":"), "no row of numbers", "'0.099:"),
     "mat of structs": (mat({"log": np.array([(1, 2), (3, 4)], dtype=[("a", "O"), ("b", "O")])}),
                        "no vectors", "log"),
@@ -103,13 +103,11 @@ def test_a_description_that_does_not_suit_the_file(name, tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("motion = 3", "expected a text"),
         ("columns = 3", "expected a table"),
         ("[columns.position]\nnam = 'x'", "did you mean 'name'"),
         ("[columns]\nposition = {index = 0}", "a number from 1"),
         ("[columns]\nposition = {name = 'x', index = 1}", "got both"),
         ("span = [1, 2, 3]", "[begin, end]"),
-        ("encoder_step = true", "expected a number"),
         ("[controller]\nK_p = 3", "controller '': expected one of P"),
         ("[controller]\nkind = 'P'\nK_p = [3]", "controller.K_p"),
     ],

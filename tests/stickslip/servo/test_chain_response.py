@@ -67,15 +67,6 @@ def test_start_values_leave_the_papers_loop_robust(fmus, loop, model):
     assert (peak > 1.0002 * alone) == feeds_back
 
 
-def test_a_slow_scale_does_not_change_it(fmus, loop):
-    """Ten thousand times as fast it would."""
-    chain = [Compensator("static", "static_feedforward"), Compensator("scale", "adaptive_scale")]
-    with ChainResponse(fmus, loop, chain) as response:
-        slow, fast = (response.of(loop, {"scale.rate": rate}, 5.0) for rate in (0.05, 500.0))
-    assert slow.peak == pytest.approx(peak_sensitivity(loop), rel=1e-3)
-    assert fast.peak > 1.05 * slow.peak
-
-
 def test_margins_are_those_of_the_open_loop(fmus, loop):
     with ChainResponse(fmus, loop, []) as response:
         found = response.of(loop, {}, 6.0)

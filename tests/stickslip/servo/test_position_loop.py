@@ -50,14 +50,6 @@ def test_the_lag_at_constant_speed(loop, share, integral):
     assert lag == pytest.approx(((1.0 - share) * 0.03 + viscous) / K_X, abs=2e-8)
 
 
-def test_without_feedforward_a_slow_outer_loop_is_a_low_pass_of_the_first_order(loop):
-    """The velocity loop is ten times faster: v = (1 - e^(-K_x t)) v_cmd."""
-    cascade = closed(loop, velocity_feedforward=0.0, K_x=20.0)
-    t = np.arange(1000) * loop.T_s
-    v, _ = cascade.response(np.full(1000, 1.0))
-    assert v == pytest.approx(1.0 - np.exp(-20.0 * t), abs=0.05)
-
-
 def test_the_sensitivity_is_that_of_the_open_loop(loop):
     """The outer loop multiplies the open loop by 1 + K_x / (velocity estimate per position)."""
     cascade = loop.changed(K_x=K_X)
