@@ -13,14 +13,6 @@ from stickslip.thresholds import offer
 COMPENSATORS = [name for name in models.model_names() if models.load_model(name).ports]
 
 
-@pytest.fixture(scope="module")
-def fmus(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("fmus")
-    for name in COMPENSATORS:
-        models.build_fmu(name, folder)
-    return folder
-
-
 def observer(loop, rate, order=1):
     weights = FilterSpecification(4e-7, 0.05, rate, order)
     return Observer(design_velocity_filter(loop.axis, loop.T_s, weights))

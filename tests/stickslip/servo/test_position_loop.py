@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from stickslip import models
 from stickslip.servo.axis import ControlError
 from stickslip.servo.frequency import frequency_response
 from stickslip.servo.sensitivity import OpenLoop, peak_sensitivity
@@ -19,18 +18,15 @@ def closed(loop, K_i=None, K_x=K_X, **changes):
 
 
 @pytest.mark.parametrize("share", [1.0, 0.4])
-def test_without_friction_the_fmus_move_as_the_nominal_loop(loop, tmp_path, share):
-    for name in ("velocity_controller", "nominal_loop"):
-        models.build_fmu(name, tmp_path)
+def test_without_friction_the_fmus_move_as_the_nominal_loop(fmus, loop, share):
     ideal = {"F_s": 1e-9, "F_c": 1e-9, "sigma_0": 1e-3, "sigma_1": 0.0, "encoder": 0, "dac": 0}
-    models.build_fmu("drive", tmp_path, start=ideal)
     cascade = closed(loop, velocity_feedforward=share)
     t = np.arange(801) * loop.T_s
     v_cmd = 0.01 * np.sin(2.0 * np.pi * 5.0 * t)
     record = ("drive.v", "drive.x", "nominal.v_r")
-    system = build_loop(tmp_path, cascade, [])
+    system = build_loop(fmus, cascade, [])
     with system.prepare(step=loop.T_s, stop=float(t[-1]), record=record) as simulation:
-        run = simulation.run({}, cascade.commands(v_cmd))
+        run = simulation.run({f"drive.{n}": x for n, x in ideal.items()}, cascade.commands(v_cmd))
     assert run["drive.v"] == pytest.approx(run["nominal.v_r"], abs=1e-9)
     v, x = cascade.response(v_cmd)
     assert run["drive.v"] == pytest.approx(v, abs=1e-9)
