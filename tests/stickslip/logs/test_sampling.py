@@ -27,6 +27,7 @@ REGULAR = {
     "1 us at 7 kHz": stepped(1 / 7000, 1e-6),
     "a clock of 32768 Hz": stepped(2.5e-4, 1 / 32768, np.floor),
     "single precision": (60.0 + K / 7000, (60.0 + K / 7000).astype(np.float32).astype(float), 1e-7),
+    "single precision from 0": (K / 7000, (K / 7000).astype(np.float32).astype(float), 2e-8),
     "a clock that drifts": (DRIFT, np.round(DRIFT, 4), 4e-5),
     "lost rows": (LOST * 2.5e-4, np.round(LOST * 2.5e-4, 4), 2e-6),
 }
