@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,38 +57,28 @@ def covariance(jacobian: Array, residual: Array) -> Array:
     return np.asarray(variance * np.linalg.pinv(jacobian.T @ jacobian))
 
 
-def _drive(name: str, unit: str, symbol: str, meaning: str, shown_by: str | None) -> LawParameter:
-    force, length = force_and_length(unit)
-    return LawParameter(
-        name=name,
-        unit=unit,
-        description=meaning,
-        start=(0.0,),
-        low=float("-inf"),
-        high=float("inf"),
-        display=None,
-        symbol=symbol,
-        coordinate="log" if name == "m" else "linear",
-        shown_by=shown_by,
-        choices=(),
-        force=force,
-        length=length,
-    )
-
-
+_drive = partial(LawParameter, start=(0.0,), low=-np.inf, high=np.inf, display=None, choices=())
 DRIVE = {
     parameter.name: parameter
     for parameter in (
-        _drive("m", "kg", "$m$", "Inertia", shown_by="quick ramps of velocity"),
         _drive(
-            "b", "N.s/m", "$b$", "Viscous friction", shown_by="constant speeds over the whole range"
+            "m", "kg", "Inertia", symbol="$m$", coordinate="log", force=1, length=-1,
+            shown_by="quick ramps of velocity",
         ),
-        _drive("F_0", "N", "$F_0$", "Constant force against the motor", shown_by=None),
         _drive(
-            "delay", "s", "$t_d$", "Delay of the force against its log or command", shown_by=None
+            "b", "N.s/m", "Viscous friction", symbol="$b$", coordinate="linear", force=1,
+            length=-1, shown_by="constant speeds over the whole range",
+        ),
+        _drive(
+            "F_0", "N", "Constant force against the motor", symbol="$F_0$", coordinate="linear",
+            force=1, length=0,
+        ),
+        _drive(
+            "delay", "s", "Delay of the force against its log or command", symbol="$t_d$",
+            coordinate="linear", force=0, length=0,
         ),
     )
-}
+}  # fmt: skip
 """The parameters that every drive has, whatever its friction law."""
 
 PAPER = {
@@ -282,7 +272,7 @@ class ParameterSpace:
         bounds = np.array([values[bounded[n]] if n in bounded else 1.0 for n in self.names])
         q[log] = np.log(q[log] / bounds[log])
         q[~log] = q[~log] / self.units[~log]
-        return np.asarray(np.clip(q, self.lower, self.upper), dtype=float)
+        return self.inside(q)
 
     def decode(self, q: Array) -> dict[str, float]:
         """Return the values by name, in SI units, with the constants."""

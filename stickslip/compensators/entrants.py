@@ -138,21 +138,20 @@ def _is_text(value: object) -> bool:
     return isinstance(value, str) and bool(value)
 
 
-def _fits(key: str, value: object) -> bool:
-    """Whether a value of a file of ports is of its kind, or a table of such values."""
-    fits, what = _EXPECTED[key]
-    if what == "a text":
-        return fits(value)
-    return isinstance(value, Mapping) and all(map(fits, value.values()))
+def _table_of(fits: Callable[[Any], bool]) -> Callable[[object], bool]:
+    return lambda value: isinstance(value, Mapping) and all(map(fits, value.values()))
 
 
 _EXPECTED: dict[str, tuple[Callable[[object], bool], str]] = {
     **dict.fromkeys(("name", "title", "output"), (_is_text, "a text")),
-    **dict.fromkeys(("inputs", "learned"), (_is_text, "a table of texts")),
-    **dict.fromkeys(("values", "frozen"), (_is_number, "a table of numbers")),
-    "axis": (lambda value: _is_text(value) or _is_number(value), "a table of texts and numbers"),
+    **dict.fromkeys(("inputs", "learned"), (_table_of(_is_text), "a table of texts")),
+    **dict.fromkeys(("values", "frozen"), (_table_of(_is_number), "a table of numbers")),
+    "axis": (
+        _table_of(lambda value: _is_text(value) or _is_number(value)),
+        "a table of texts and numbers",
+    ),
     "genes": (
-        lambda value: isinstance(value, list | tuple) and all(map(_is_number, value)),
+        _table_of(lambda span: isinstance(span, list | tuple) and all(map(_is_number, span))),
         "a table of [lowest, start, highest]",
     ),
 }
@@ -457,8 +456,9 @@ def own_part(fmu: Path, ports: Path | Mapping[str, Any]) -> Part:
     if not {"inputs", "output"} <= table.keys():
         raise UsageError(f"{where}: expected inputs and output")
     for key, value in table.items():
-        if not _fits(key, value):
-            raise UsageError(f"{where}: {key}: expected {_EXPECTED[key][1]}, got {value!r:.80}")
+        fits, expected = _EXPECTED[key]
+        if not fits(value):
+            raise UsageError(f"{where}: {key}: expected {expected}, got {value!r:.80}")
     inputs, axis, genes = (table.get(key, {}) for key in ("inputs", "axis", "genes"))
     learned, frozen = table.get("learned", {}), table.get("frozen", {})
     for key, words, known in (

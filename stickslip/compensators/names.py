@@ -12,20 +12,16 @@ from stickslip.fmi.messages import suggestion
 
 
 @cache
-def _text() -> bytes:
-    return files(__package__).joinpath("entrants.toml").read_bytes()
-
-
 def content() -> dict[str, Any]:
     """Return ``entrants.toml``: a table for each part, ``combinations`` and ``behind``."""
-    return parse_toml(_text())
+    return parse_toml(files(__package__).joinpath("entrants.toml").read_bytes())
 
 
 @cache
 def part_names() -> tuple[str, ...]:
     """Return the names of all parts: those of ``entrants.toml``, then what enters without one."""
-    tables = content()
-    del tables["combinations"], tables["behind"]
+    further = ("combinations", "behind")
+    tables = {name: table for name, table in content().items() if name not in further}
     used = {table.get("model") for table in tables.values()} | {"compensator"}
     blocks = (name for name in models.model_names() if name not in used)
     added = (name for name in blocks if models.load_model(name).ports is not None)

@@ -252,8 +252,7 @@ class LearnedFile:
 
         Raises UsageError when there is none, or its values are not valid.
         """
-        entry = self.document.get("observer")
-        entry = entry if isinstance(entry, dict) else {}
+        entry = self._observer
         if "parameters" not in entry:
             raise UsageError(
                 f"{self.path}: contains no disturbance observer: "
@@ -264,8 +263,12 @@ class LearnedFile:
     @property
     def observer_refusal(self) -> str:
         """Why the observer should not be exported; empty by default."""
+        return str(self._observer.get("refusal") or "")
+
+    @property
+    def _observer(self) -> dict[str, Any]:
         entry = self.document.get("observer")
-        return str(entry.get("refusal") or "") if isinstance(entry, dict) else ""
+        return entry if isinstance(entry, dict) else {}
 
     @property
     def standard_errors(self) -> dict[str, float]:

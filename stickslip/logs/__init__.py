@@ -10,16 +10,15 @@ from stickslip.logs.description import (
     load_description,
 )
 from stickslip.logs.excitation import Excitation, TurnAround, excitation
-from stickslip.logs.motion import Delay, aligned, force_delay, samples_late, signal_delay
+from stickslip.logs.motion import aligned, force_delay, samples_late, signal_delay
 from stickslip.logs.plausibility import check_units, implausible_mass
 from stickslip.logs.reading import Reading, raise_errors, read_recording
-from stickslip.logs.recording import Finding, Motion, Recording, Severity
+from stickslip.logs.recording import Finding, Motion, Recording
 
 __all__ = [
     "ROLES",
     "Column",
     "Controller",
-    "Delay",
     "Description",
     "Excitation",
     "Finding",
@@ -27,7 +26,6 @@ __all__ = [
     "Motion",
     "Reading",
     "Recording",
-    "Severity",
     "TurnAround",
     "aligned",
     "check_recording",

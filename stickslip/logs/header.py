@@ -214,17 +214,17 @@ def _is_time(name: str) -> bool:
 def _above(above: list[list[str]]) -> tuple[list[str], list[str | None]]:
     """Return names and units from the lines right above the data."""
     places = [k for k, row in enumerate(above) if not states_units(row)] or [len(above) - 1]
-    best = max(places, key=lambda k: (sum(map(_has_role, above[k][:_SCORED])), k))
+
+    def signals(row: list[str]) -> int:
+        return sum(role_named(split_unit(field)[0]) is not None for field in row[:_SCORED])
+
+    best = max(places, key=lambda k: (signals(above[k]), k))
     split = [split_unit(field) for field in above[best]]
     stated = next((row for row in above[best + 1 :] if states_units(row)), None)
     if stated is None and states_units(above[best]):
         stated = above[best]
     units = [unbracketed(field) or None for field in stated] if stated else [u for _, u in split]
     return [name for name, _ in split], units
-
-
-def _has_role(field: str) -> bool:
-    return role_named(split_unit(field)[0]) is not None
 
 
 def _titled(

@@ -159,8 +159,7 @@ def _corrections(reading: Reading, ends: dict[str, float]) -> str:
         elif unit := _unit_for(reading, role, ends[role]):
             options.append(f"<unit {role}={unit.name}>")
     if not options:
-        names = " ".join(f"{role}=UNIT" for role in known)
-        return f"give their units with <unit {names}>"
+        return f"give their units with <unit {' '.join(f'{role}=UNIT' for role in known)}>"
     return f"give {' or '.join(options)}" + (", whichever is wrong" if len(options) > 1 else "")
 
 
@@ -259,9 +258,7 @@ def _against_motion(reading: Reading, mass: float, coulomb: float) -> Finding:
     """Return the error of a force whose sign is not that of the position."""
     kg, N = ("kg m^2", "N m") if reading.recording.rotary else ("kg", "N")
     figure = f"F = m a + b v + F_c sign(v) gives m = {mass:.3g} {kg} and F_c = {coulomb:.3g} {N}"
-    scale = reading.description.column("force").scale
-    before = "" if scale is None else f"{scale}*"
-    advice = f"give <scale force={before}-1>, which turns its sign"
+    advice = f"give {_scaled(reading, 'force', -1)}, which turns its sign"
     return Finding("error", "the force acts against the motion", figure, advice)
 
 

@@ -71,9 +71,7 @@ def _leaf(found: Any) -> Any:
     if isinstance(found, np.ndarray) and found.dtype.kind in "mM":
         since: Any = found.ravel() - (found.ravel()[:1] if found.dtype.kind == "M" else 0)
         return since / np.timedelta64(1, "s")
-    if _is_numbers(found):
-        return found
-    if isinstance(found, str):
+    if _is_numbers(found) or isinstance(found, str):
         return found
     kind = found.dtype.kind if isinstance(found, np.ndarray) else type(found).__name__
     return _KINDS.get(kind, "objects")

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.signal import correlate, correlation_lags, find_peaks
 
+from stickslip.logs.grid import runs
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import transfer
 
@@ -36,7 +37,7 @@ def same_command(first: Array, second: Array, T_s: float) -> list[Stretch]:
     lags = _lags(first, second)
     while True:
         candidates = [list(_runs(first, second, lag, free, T_s=T_s, least=least)) for lag in lags]
-        motion = [sum(_motion(first, run) for run in runs) for runs in candidates]
+        motion = [sum(_motion(first, run) for run in several) for several in candidates]
         if not motion or not max(motion):
             return sorted(found, key=lambda run: run.first)
         for run in candidates[int(np.argmax(motion))]:
@@ -59,8 +60,8 @@ def period(command: Array, T_s: float) -> int | None:
         lag = int(lags[k])
         if not transfer.STRETCH / T_s < lag <= n / 2:
             continue
-        runs = list(_runs(command, command, lag, (everywhere, everywhere), T_s=T_s, least=1))
-        if [run.n for run in runs] == [n - lag]:
+        found = list(_runs(command, command, lag, (everywhere, everywhere), T_s=T_s, least=1))
+        if [run.n for run in found] == [n - lag]:
             return lag
     return None
 
@@ -128,9 +129,8 @@ def _runs(
     # A sample more or less: the logs are not sampled at the same instants of the command.
     same = (b <= maximum_filter1d(a, 3) + tolerance) & (b >= minimum_filter1d(a, 3) - tolerance)
     same &= free[0][one] & free[1][other]
-    ends = np.flatnonzero(np.diff(same, prepend=False, append=False))
-    for left, right in zip(ends[::2], ends[1::2], strict=True):
-        run = Stretch(begin + int(left), begin - lag + int(left), int(right - left))
+    for left, right in runs(same):
+        run = Stretch(begin + left, begin - lag + left, right - left)
         if run.n >= least and _motion(first, run):
             yield run
 

@@ -200,15 +200,16 @@ class AdsRig(RemoteRig):
 
     def _said(self, fault: int, value: float) -> str:
         """Return what ended a motion, in words."""
-        of_limits = (self._watch.position, self._watch.speed, self._watch.force)
-        exceeded = (*of_limits, self._watch.following)
+        of_limits = ("position", "speed", "force", "following_error")
         others = {
             5: "position or force is not finite",
             6: f"no heartbeat for {self._heartbeat:g} s",
             7: "stopped by the program",
             8: "the controller says that the axis is not ready",
         }
-        return exceeded[fault - 1](value) if fault <= len(exceeded) else others[fault]
+        if fault <= len(of_limits):
+            return self._watch.exceeded(of_limits[fault - 1], value)
+        return others[fault]
 
     def _end(self, asked: Mapping[str, Any]) -> dict[str, Any]:
         self._put("stop", asked["motion"])

@@ -139,15 +139,13 @@ def refuse(limits: RigLimits, command: Command) -> None:
     """
     watch = Watch(limits, command.T_s)
     driven = command.added_force if command.force is None else command.force
-    checks: list[tuple[Array, Callable[[float], str]]] = []
-    if driven is not None:
-        checks.append((driven, watch.force))
+    checks = {} if driven is None else {"force": driven}
     if command.velocity is not None:
-        path = command.T_s * np.concatenate([[0.0], np.cumsum(command.velocity)])
-        checks += [(command.velocity, watch.speed), (path, watch.position)]
-    for values, fault in checks:
+        checks["speed"] = command.velocity
+        checks["position"] = command.T_s * np.concatenate([[0.0], np.cumsum(command.velocity)])
+    for what, values in checks.items():
         for value in (float(values.max()), float(values.min())):
-            if found := fault(value):
+            if found := watch.exceeded(what, value):
                 raise LimitError(f"the command exceeds a limit, nothing has moved: {found}")
 
 
@@ -242,13 +240,8 @@ class Rig(ABC):
     def run(self, command: Command) -> Log:
         """Run a motion within the limits and return its log, n values each.
 
-        Raises
-        ------
-        LimitError
-            When the command exceeds a limit, before anything moves, or when the motion did.
-        RigError
-            When the motion did not end as commanded, it is not known how it ended, or its log is
-            not one of this command.
+        Raises what ``move`` does; also LimitError when the command exceeds a limit, before anything
+        moves, and RigError when the log is not one of this command.
         """
         if self.limits is not None:
             refuse(self.limits, command)
@@ -345,16 +338,10 @@ class Rig(ABC):
         *,
         compensated: bool = True,
     ) -> AbstractContextManager[Callable[[Array], float]]:
-        """Return the cost function of a compensator on the drive: Fig. 3.
+        """Return the cost function of a compensator on the drive, with ``trials`` for candidates.
 
-        Its argument are the parameters (k,) in the order of the law.
-
-        Parameters
-        ----------
-        v_cmd : (n,) training command, one value a sample [m/s]
-        cost : evaluates the recorded ``drive.x_enc`` and ``nominal.v_r``
-        fixed : parameters of the compensator that no candidate has
-        compensated : whether the compensator's force reaches the drive
+        Its argument are the parameters (k,) in the order of the law; ``cost`` evaluates the
+        recorded ``drive.x_enc`` and ``nominal.v_r``.
         """
         trials = self.trials(v_cmd, loop, feed, fixed, compensated=compensated)
         return _TrialCost(trials, estimated(self.law), cost)

@@ -6,9 +6,9 @@ import io
 import json
 import logging
 import zipfile
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, cast
@@ -187,7 +187,7 @@ def open_rig(path: Path | str, law: str = "lugre") -> tuple[Rig, Limits]:
         sheet = Datasheet(
             **_section(content, "datasheet", Datasheet, ("mass", "peak_force", "encoder_step"))
         )
-        limits = RigLimits(**_section(content, "limits", RigLimits, _names(RigLimits)))
+        limits = RigLimits(**_section(content, "limits", RigLimits, RigLimits.__annotations__))
         experiment = Limits(**_section(content, "experiment", Limits, ()))
         name, rig = _kind(content)
         further = inspect.signature(rig).parameters.values()
@@ -215,16 +215,12 @@ def _kind(keys: Collection[str]) -> tuple[str, Callable[..., Rig]]:
         raise UsageError(f"{installed[found[0]].value} cannot be imported ({fault})") from None
 
 
-def _names(kind: type) -> list[str]:
-    return [field.name for field in fields(kind)]
-
-
 def _section(
-    content: dict[str, Any], name: str, kind: type, needed: Sequence[str]
+    content: dict[str, Any], name: str, kind: type, needed: Iterable[str]
 ) -> dict[str, Any]:
     """Take a section out of the file; return its values by name."""
     table: dict[str, Any] = checked({name: content.pop(name, {})}, {name: TABLE})[name]
-    kinds = {one: PAIR if one in PAIRS else NUMBER for one in _names(kind)}
+    kinds = {one: PAIR if one in PAIRS else NUMBER for one in kind.__annotations__}
     for one in needed:
         if one not in table:
             raise UsageError(f"{name}.{one} is missing; expected {kinds[one][1]}, in SI units")

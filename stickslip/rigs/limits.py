@@ -55,27 +55,20 @@ class Watch:
         self._last: deque[float] = deque(maxlen=1 + self.span)
         self._commanded: float | None = None
 
-    def position(self, x: float) -> str:
-        """Return what is wrong with a position [m], or an empty text."""
-        low, high = self.limits.travel
-        return "" if low <= x <= high else f"position {x:.6g} m; expected {low:g} to {high:g} m"
+    def exceeded(self, what: str, value: float) -> str:
+        """Return which limit a value exceeds, or an empty text.
 
-    def speed(self, v: float) -> str:
-        """Return what is wrong with a velocity [m/s], or an empty text."""
-        most = self.limits.speed
-        return "" if abs(v) <= most else f"speed {abs(v):.4g} m/s; expected at most {most:g} m/s"
-
-    def force(self, F: float) -> str:
-        """Return what is wrong with a force [N], or an empty text."""
-        most = self.limits.force
-        return "" if abs(F) <= most else f"force {abs(F):.4g} N; expected at most {most:g} N"
-
-    def following(self, error: float) -> str:
-        """Return what is wrong with a following error [m], or an empty text."""
-        most = self.limits.following_error
-        if abs(error) <= most:
+        It is a ``position`` [m], ``speed`` [m/s], ``force`` [N] or ``following_error`` [m].
+        """
+        if what == "position":
+            low, high = self.limits.travel
+            within, expected = low <= value <= high, f"{low:g} to {high:g} m"
+            return "" if within else f"position {value:.6g} m; expected {expected}"
+        most, unit = getattr(self.limits, what), {"speed": "m/s", "force": "N"}.get(what, "m")
+        if abs(value) <= most:
             return ""
-        return f"following error {abs(error):.4g} m; expected at most {most:g} m"
+        name = what.replace("_", " ")
+        return f"{name} {abs(value):.4g} {unit}; expected at most {most:g} {unit}"
 
     def sample(self, x: float, F: float, v_cmd: float | None) -> str:
         """Take the next sample; return which limit it exceeds, or an empty text.
@@ -88,9 +81,9 @@ class Watch:
         self._last.append(x)
         full = len(self._last) == self._last.maxlen
         v = (x - self._last[0]) / (self.T_s * (len(self._last) - 1)) if full else 0.0
-        found = self.position(x) or self.speed(v) or self.force(F)
+        signals = [("position", x), ("speed", v), ("force", F)]
         if v_cmd is not None:
             self._commanded = x if self._commanded is None else self._commanded
-            found = found or self.following(self._commanded - x)
+            signals.append(("following_error", self._commanded - x))
             self._commanded += self.T_s * v_cmd
-        return found
+        return next(filter(None, (self.exceeded(*one) for one in signals)), "")

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-Array = NDArray[np.float64]
+from stickslip.servo.axis import Array
 
 _SHARES = np.geomspace(1e-5, 1.0, 4001)[:-1]  # of half the sample rate
 

@@ -18,12 +18,11 @@ import control
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.servo.axis import Axis
+from stickslip.servo.axis import Array, Axis
 from stickslip.servo.frequency import respond
 from stickslip.servo.velocity_filter import Observer
 from stickslip.servo.velocity_loop import VelocityLoop, known_force, plant_and_estimator
 
-Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 LOWEST = 1e-5  # lowest frequency that is evaluated, as a share of the sample rate
 FREQUENCIES = 600  # frequencies that are evaluated, evenly spaced in the logarithm

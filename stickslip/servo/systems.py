@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -177,11 +177,8 @@ def build_loop(
     force, referenced = _add_feedforward(system, fmus, loop, compensators, feed=feed)
     _add_servo(system, fmus, loop, drive)
     _expose(system, loop, ["controller", "nominal"], referenced if feed == "command" else [])
-    for compensator in compensators:
-        for variable, role in compensator.ports.inputs.items():
-            if role in _MEASURED:
-                place = _MEASURED[role].format(drive=drive)
-                system.connect(place, f"{compensator.name}.{variable}")
+    for role, place in _measured(compensators):
+        system.connect(_MEASURED[role].format(drive=drive), place)
     if force is not None and connected:
         system.connect(force, "controller.F_ff")
         if loop.velocity_filter is not None:
@@ -199,14 +196,20 @@ def lone_chain(
     system = cosim.System("chain")
     force, referenced = _add_chain(system, fmus, loop, compensators)
     taken: dict[str, list[str]] = {"v_ref": referenced}
-    for compensator in compensators:
-        for variable, role in compensator.ports.inputs.items():
-            if role in _MEASURED:
-                taken.setdefault(role, []).append(f"{compensator.name}.{variable}")
+    for role, place in _measured(compensators):
+        taken.setdefault(role, []).append(place)
     for role, places in taken.items():
         if places:
             system.expose(role, *places)
     return system, str(force)
+
+
+def _measured(compensators: Sequence[Compensator]) -> Iterator[tuple[str, str]]:
+    """Yield the role and the place of each input that takes a measured signal."""
+    for one in compensators:
+        for variable, role in one.ports.inputs.items():
+            if role in _MEASURED:
+                yield role, f"{one.name}.{variable}"
 
 
 def _add_feedforward(

@@ -4,7 +4,6 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from stickslip.servo.axis import Datasheet
-from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 
@@ -21,7 +20,8 @@ def tuned_pi(loop: VelocityLoop) -> VelocityLoop:
     Source: Astrom and Hagglund, Advanced PID Control, ISA 2006, section 6.2 (integral gain
     optimisation).
     """
-    z = _points(loop)
+    frequencies = np.geomspace(0.1, 0.999 * 0.5 / loop.T_s, FREQUENCIES)  # [Hz]
+    z = np.exp(2j * np.pi * frequencies * loop.T_s)
     limit = float(np.abs(1.0 / (1.0 + loop.open_loop(z))).max())
     integrator = loop.T_s * z / (z - 1.0)
     plant = loop.open_loop(z) / (loop.K_p + loop.K_i * integrator)
@@ -43,13 +43,6 @@ def tuned_pi(loop: VelocityLoop) -> VelocityLoop:
     return close_velocity_loop(
         loop.axis, loop.T_s, loop.tau_f, float(found.x), K_i=-float(found.fun)
     )
-
-
-def _points(loop: VelocityLoop) -> Array:
-    """Return e^(j w T_s) at frequencies (n,) from 0.1 Hz to half the sample rate."""
-    half = 0.5 / loop.T_s
-    frequencies = np.geomspace(0.1, 0.999 * half, FREQUENCIES)
-    return np.asarray(np.exp(2j * np.pi * frequencies * loop.T_s))
 
 
 UNKNOWN_SHARE = 0.25  # deviation of the change of friction in 1 s, over Coulomb friction

@@ -14,6 +14,8 @@ quantisation follows the same difference equations.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
+from inspect import signature
 from typing import Any
 
 import control
@@ -23,12 +25,6 @@ from scipy.integrate import cumulative_trapezoid
 from stickslip.servo import frequency
 from stickslip.servo.axis import Array, Axis, ControlError, LoopSpecification, check
 from stickslip.servo.velocity_filter import VelocityFilter
-
-GIVEN = (
-    *("axis", "T_s", "tau_f", "K_p", "K_i"),
-    *("m_ff", "velocity_filter", "K_x", "velocity_feedforward"),
-)
-"""What a loop is designed from."""
 
 
 @dataclass(frozen=True)
@@ -70,12 +66,12 @@ class VelocityLoop:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as what it is designed from, for python-control's systems do not."""
-        return _closed, (self._given,)
+        return partial(close_velocity_loop, **self._given), ()
 
     @property
     def _given(self) -> dict[str, Any]:
         """Arguments of ``close_velocity_loop``."""
-        return {name: getattr(self, name) for name in GIVEN}
+        return {name: getattr(self, name) for name in signature(close_velocity_loop).parameters}
 
     def commands(self, v_cmd: Array) -> dict[str, Array]:
         """Return the inputs of the loop for velocities (n,) [m/s], one a sample.
@@ -110,7 +106,7 @@ class VelocityLoop:
         ControlError
             When it is unstable.
         """
-        return _closed({**self._given, **changes})
+        return close_velocity_loop(**{**self._given, **changes})
 
     def margins(self) -> dict[str, float]:
         """Return crossover and closed-loop bandwidth [Hz], phase [deg] and gain margin [dB]."""
@@ -130,11 +126,7 @@ class VelocityLoop:
 
 
 def design_velocity_loop(
-    axis: Axis,
-    specification: LoopSpecification,
-    *,
-    m_ff: float = 0.0,
-    velocity_filter: VelocityFilter | None = None,
+    axis: Axis, specification: LoopSpecification, *, velocity_filter: VelocityFilter | None = None
 ) -> VelocityLoop:
     """Find the PI gains with the crossover and phase margin of the specification.
 
@@ -164,7 +156,7 @@ def design_velocity_loop(
             f"phase margin {s.phase_margin:g} deg at {s.bandwidth:g} Hz is out of reach: a PI "
             f"controller leaves {least:.1f} to {most:.1f} deg there; {change}"
         )
-    gains: dict[str, Any] = {"K_p": float(K_p), "K_i": float(K_i), "m_ff": m_ff}
+    gains = {"K_p": float(K_p), "K_i": float(K_i)}
     return close_velocity_loop(axis, s.T_s, s.tau_f, **gains, velocity_filter=velocity_filter)
 
 
@@ -246,11 +238,6 @@ POSITION_LOOP = 75.4 / 849.0  # gain of the position loop, over the velocity loo
 def position_loop(loop: VelocityLoop) -> VelocityLoop:
     """Return the cascade of a velocity loop and a proportional position controller."""
     return loop.changed(K_x=POSITION_LOOP * loop.K_p / loop.axis.m)
-
-
-def _closed(given: dict[str, Any]) -> VelocityLoop:
-    """Return the loop that was pickled."""
-    return close_velocity_loop(**given)
 
 
 def _with_position(closed: control.StateSpace, K_x: float, share: float) -> control.StateSpace:

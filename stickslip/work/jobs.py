@@ -109,7 +109,12 @@ def run_jobs(
                 on_done(item, job(item, seed))
             return
         stop = threading.Event()
-        further = (_stopper(stop),) if isinstance(executor, Threads) else ()
+
+        def check(_: str) -> None:
+            if stop.is_set():
+                raise _Stop("interrupted")
+
+        further = (check,) if isinstance(executor, Threads) else ()
 
         def at_once() -> int:
             """Return two for each thread of a cluster, whose workers may become more or fewer."""
@@ -173,11 +178,3 @@ def _alone(submit: Callable[[Item], Future[Outcome]], item: Item) -> Outcome:
         if outcome is not None:
             return outcome
     return Outcome(reason=DIED)
-
-
-def _stopper(stop: threading.Event) -> OnStage:
-    def check(_: str) -> None:
-        if stop.is_set():
-            raise _Stop("interrupted")
-
-    return check

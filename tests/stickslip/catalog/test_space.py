@@ -10,6 +10,7 @@ import pytest
 import stickslip
 from stickslip import models
 from stickslip.catalog.parameters import (
+    DRIVE,
     ParameterSpace,
     estimated,
     force_and_length_of,
@@ -73,19 +74,19 @@ def test_prior_residuals_count_standard_deviations(space):
     assert moved == pytest.approx(2.0 * np.log(2.0))
 
 
-@pytest.mark.parametrize(
-    ("name", "linear", "rotary", "exponents"),
-    [
-        ("m", "kg", "kg.m2", (1, -1)),
-        ("b", "N.s/m", "N.m.s/rad", (1, -1)),
-        ("v_s", "m/s", "rad/s", (0, 1)),
-        ("F_c", "N", "N.m", (1, 0)),
-        ("sigma_0", "N/m", "N.m/rad", (1, -1)),
-    ],
-)
-def test_units_and_their_exponents(name, linear, rotary, exponents):
-    assert (unit_of(name), unit_of(name, rotary=True)) == (linear, rotary)
-    assert force_and_length_of(name) == exponents
+UNITS = {"m": "kg kg.m2", "b": "N.s/m N.m.s/rad", "v_s": "m/s rad/s", "F_c": "N N.m"}
+EXPONENTS = {
+    "m": (1, -1), "b": (1, -1), "v_s": (0, 1), "F_c": (1, 0), "F_0": (1, 0), "delay": (0, 0),
+    "sigma_0": (1, -1), "K_p": (1, -1), "K_i": (1, -1), "I_x": (1, -1), "u_max": (1, 0),
+    "tau_f": (0, 0), "no_gain": (0, 0),
+}  # fmt: skip
+
+
+def test_units_and_the_exponents_of_parameters_and_gains():
+    assert {name: f"{unit_of(name)} {unit_of(name, rotary=True)}" for name in UNITS} == UNITS
+    assert {name: force_and_length_of(name) for name in EXPONENTS} == EXPONENTS
+    for one in DRIVE.values():
+        assert (one.force, one.length) == force_and_length(one.unit)
 
 
 @pytest.mark.parametrize("law", models.law_names())
@@ -118,14 +119,6 @@ def test_units_of_a_rotary_drive_are_those_of_its_motion(name):
         expected = {"kg": mass, "m": 2 * mass, "s": base.get("s", 0), "rad": radians}
         assert of == {unit: power for unit, power in expected.items() if power}
         assert (rotary.display in DISPLAY[rotary.unit]) if one.display else rotary.display is None
-
-
-def test_gains_have_the_exponents_of_their_units():
-    gains = {"K_p": (1, -1), "K_i": (1, -1), "I_x": (1, -1), "u_max": (1, 0), "tau_f": (0, 0)}
-    assert {name: force_and_length_of(name) for name in (*gains, "no_gain")} == {
-        **gains,
-        "no_gain": (0, 0),
-    }
 
 
 def test_no_module_outside_the_catalog_lists_the_parameters_of_lugre():

@@ -11,13 +11,10 @@ sys.path.insert(0, str(Path(__file__).parent))  # rigid_drive
 
 from rigid_drive import rigid_drive
 
-from stickslip.catalog.parameters import PAPER
 from stickslip.cli import main
 from stickslip.logs import Recording
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.axis import LOOP, Axis, Datasheet
-from stickslip.servo.systems import build_fmus
-from stickslip.servo.velocity_loop import design_velocity_loop
+from stickslip.servo.axis import LOOP, Datasheet
 
 DATA = Path(__file__).resolve().parents[4] / "shared" / "data"
 
@@ -74,12 +71,9 @@ def check_log(tmp_path, capsys):
 
 
 @pytest.fixture(scope="session")
-def drive_log(tmp_path_factory):
+def drive_log(fmus, loop):
     """Return a function that records the paper's drive under a velocity command (n,)."""
-    folder = tmp_path_factory.mktemp("rig")
-    build_fmus(folder, {})
-    rig = FmuRig(folder, Datasheet(), LOOP.T_s)
-    loop = design_velocity_loop(Axis(PAPER["m"], PAPER["b"], 1e-4), LOOP)
+    rig = FmuRig(fmus, Datasheet(), LOOP.T_s)
 
     def record(v) -> Recording:
         log = rig.follow(v, loop)

@@ -43,36 +43,6 @@ def test_a_controller_without_its_command():
     assert not findings(replace(DRIVE, force=None), "error", controller=known)
 
 
-def test_saturation():
-    """A force at its extreme is limited if more is commanded, by less is one that was asked for."""
-    for low, high in ((-6.0, 6.0), (-1e3, 6.0)):
-        clipped = np.clip(DRIVE.force, low, high)
-        limited = replace(DRIVE, force=clipped, force_command=DRIVE.force)
-        told = findings(limited).split("force saturates at ")[1]
-        assert float(told.split(":")[0]) == 6.0
-        share = np.mean((clipped == low) | (clipped == high))
-        assert float(told.split(": ")[1].split("%")[0]) == pytest.approx(100 * share, rel=0.1)
-        for command in (None, clipped):
-            assert "saturates" not in findings(replace(limited, force_command=command))
-    assert "saturates" not in findings(DRIVE)
-    most, alone = np.abs(DRIVE.force).max(), replace(DRIVE, position_command=None)
-    assert "saturates" in findings(alone, force_limit=most)
-    assert "saturates" not in findings(DRIVE, force_limit=most)  # it follows its command there
-    assert "saturates" not in findings(DRIVE, force_limit=80.0)
-    assert "exceeds the force limit" in findings(DRIVE, force_limit=1.0)
-
-
-def test_short_slow_and_coarse():
-    assert "short" in findings(rigid_drive(n=400))
-    assert "few encoder steps: 40" in findings(
-        replace(DRIVE, position=np.round(DRIVE.position / 1e-3) * 1e-3, encoder_step=1e-3)
-    )
-    steady = replace(DRIVE, position=0.01 * DRIVE.t, velocity=None)
-    found = findings(steady, "warning")
-    assert "b and F_c are hard to separate" in found
-    assert "0 reversals" in found
-
-
 def test_findings_on_a_rotary_drive_are_in_radians():
     found = findings(replace(DRIVE, motion="rotary"))
     assert "rad/s^2" in found

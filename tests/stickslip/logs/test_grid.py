@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from rigid_drive import rigid_drive
 
-from stickslip.logs import read_recording
 from stickslip.logs.grid import even_grid
 from stickslip.logs.sampling import step_of
 from stickslip.logs.table import LogTable
@@ -50,32 +49,22 @@ def test_a_command_with_corners_is_drawn_by_lines():
     assert np.abs(grid.signals["velocity_command"]).max() <= 1.0
 
 
-def test_short_gaps_are_filled_and_long_ones_cut():
-    short = np.delete(np.arange(3000), [100, 101, 102, 900])
-    grid = even_grid(TABLE, DRIVE.t[short], {"position": DRIVE.position[short]})
-    assert len(grid.t) == 3000
-    np.testing.assert_allclose(grid.signals["position"], DRIVE.position, atol=1e-9)
-    assert "4 rows missing" in messages(grid)
-    long = np.delete(np.arange(3000), np.arange(1000, 1100))
-    grid = even_grid(TABLE, DRIVE.t[long], {"position": DRIVE.position[long]})
-    np.testing.assert_array_equal(grid.signals["position"], DRIVE.position[1100:])
-    assert "a gap in time" in messages(grid)
-    assert "rows 1001 to 2900" in messages(grid)
-
-
-def test_the_longest_gap_that_is_filled():
-    """Five missing samples in a row are filled in, six split the log: rows or numbers."""
-    for n in range(1, 8):
-        missing = np.arange(1000, 1000 + n)
-        rows = np.delete(np.arange(3000), missing)
-        force = DRIVE.force.copy()
-        force[missing] = np.nan
-        for t, signals in (
-            (DRIVE.t[rows], {"position": DRIVE.position[rows]}),
-            (DRIVE.t, {"position": DRIVE.position, "force": force}),
-        ):
-            used = 3000 if n <= 5 else 2000 - n
-            assert len(even_grid(TABLE, t, signals).t) == used
+@pytest.mark.parametrize("n", [1, 5, 6, 100])
+def test_short_gaps_are_filled_and_long_ones_cut(n):
+    """Rows or numbers: five missing samples in a row are filled in, six split the log."""
+    missing = np.arange(1000, 1000 + n)
+    rows = np.delete(np.arange(3000), missing)
+    force = DRIVE.force.copy()
+    force[missing] = np.nan
+    used = slice(None) if n <= 5 else slice(1000 + n, None)
+    whole = {"position": DRIVE.position, "force": force}
+    for t, signals in ((DRIVE.t[rows], {"position": DRIVE.position[rows]}), (DRIVE.t, whole)):
+        grid = even_grid(TABLE, t, signals)
+        expected = DRIVE.position[used]
+        np.testing.assert_allclose(grid.signals["position"], expected, rtol=0, atol=1e-9)
+        if t is not DRIVE.t:
+            said = f"{n} rows missing" if n <= 5 else f"rows 1001 to {3000 - n}"
+            assert said in messages(grid)
 
 
 def test_numbers_that_are_missing():
@@ -88,18 +77,6 @@ def test_numbers_that_are_missing():
     np.testing.assert_array_equal(grid.signals["position"], DRIVE.position[:2000])
     assert "force has no numbers in rows 2001 to 2050" in messages(grid)
     assert "3, the first in row 51" in messages(grid)
-
-
-def test_a_period_that_is_printed_coarsely(tmp_path):
-    """Three samples in 10 ms, times to a millisecond: a third of the mean step is no gap."""
-    t = np.round(np.arange(900) / 300, 3)
-    x = np.sin(np.arange(900) / 300)
-    lines = [f"{a:.3f},{b:.9f}" for a, b in zip(t, x, strict=True)]
-    path = tmp_path / "log.csv"
-    path.write_text("\n".join(["t,x", *lines]))
-    recording = read_recording(path).recording
-    assert len(recording.t) == 900
-    assert recording.T_s == pytest.approx(1 / 300, rel=1e-3)
 
 
 def test_the_step_of_an_encoder_is_found_and_other_signals_have_none():

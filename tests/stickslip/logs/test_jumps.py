@@ -71,6 +71,7 @@ def test_full_turns(read, low):
     angle = DRIVE.position / 0.01 * 360.0
     recording, found = read("t [s],angle [deg],torque [N.m]", x=wrapped(angle, 360.0, low))
     moved(recording, np.radians(angle))
+    assert recording.motion == "rotary"
     assert "position restarts, and was counted on: 6.28319 rad" in found
 
 

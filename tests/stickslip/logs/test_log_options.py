@@ -3,12 +3,11 @@
 import argparse
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from stickslip.commandline.log_options import add_log_options, description_of
 from stickslip.errors import UsageError
-from stickslip.logs import Column, Description, load_description, read_recording
+from stickslip.logs import Column, Description, load_description
 
 TOML = """
 motion = "rotary"
@@ -17,6 +16,7 @@ force_limit = 4.5
 sample_period = 0.001
 span = [1, 9.5]
 tau_i = 1e-4
+confirm = ["mass"]
 delimiter = ";"
 decimal = ","
 
@@ -50,6 +50,7 @@ WHOLE = Description(
     sample_period=1e-3,
     span=(1.0, 9.5),
     tau_i=1e-4,
+    confirm=("mass",),
     delimiter=";",
     decimal=",",
 )
@@ -101,24 +102,6 @@ def test_options_with_units():
 def test_another_controller_drops_the_gains_of_the_file(config):
     given = described("--config", config, "--controller", "PI", "--gain", "K_p=7", "K_i=2")
     assert given.gains == {"K_p": "7", "K_i": "2"}
-
-
-def test_options_alone_read_a_log(tmp_path):
-    t = np.arange(300) * 1e-3
-    path = tmp_path / "log.csv"
-    rows = zip(t * 1e3, np.sin(t) * 1e3, np.cos(t) * 4, t, strict=True)
-    path.write_text("\n".join(",".join(map(repr, map(float, row))) for row in rows))
-    reading = read_recording(
-        path,
-        described(
-            *("--column", "time=1", "position=2", "force=3", "position_command=4"),
-            *("--unit", "time=ms", "position=mm", "force=A", "--scale", "force=0.25"),
-            *("--controller", "P", "--gain", "P_x=100"),
-        ),
-    )
-    np.testing.assert_allclose(reading.recording.position, np.sin(t), rtol=1e-12)
-    np.testing.assert_allclose(reading.recording.force, np.cos(t), rtol=1e-12)
-    assert reading.controller.P_x == 100.0
 
 
 @pytest.mark.parametrize(

@@ -69,12 +69,6 @@ def test_names_and_units_are_taken_from_the_header(table, tmp_path, style):
     assert any("detected by their names" in str(finding) for finding in reading.findings)
 
 
-def test_preamble_comments_and_a_row_of_units(table, tmp_path):
-    rows = (table * [1e3, 1e6, 1.0, 1.0]).to_csv(index=False, header=False, sep=";")
-    head = "Log of axis 2\n# made by a tester\n\nTime;x;F;v_cmd\nms;um;N;m/s\n"
-    equals(read_recording(written(tmp_path, head + rows)).recording, table)
-
-
 def test_a_header_behind_a_comment_sign(table, tmp_path):
     stream = io.StringIO()
     np.savetxt(stream, table.to_numpy(), header="t x F v_cmd", fmt="%.17g")
@@ -142,20 +136,6 @@ def test_scalars_of_a_mat_file_may_be_named(table, tmp_path):
     equals(reading.recording, table)
     assert reading.controller.K_x == 160.0
     assert reading.controller.K_p == 840.0
-
-
-def test_a_rotary_drive(tmp_path):
-    """Degrees that start at 0 each turn, torque from a current, both by the owner's scale."""
-    t = np.arange(1000) * 1e-3
-    angle, torque = 9.0 * t**2 * np.pi, np.cos(t)
-    text = pd.DataFrame(
-        {"t": t, "angle [deg]": np.rad2deg(angle) % 360.0, "current_A": torque / 0.25}
-    ).to_csv(index=False)
-    given = Description(columns={"force": Column(scale=0.25)})
-    recording = read_recording(written(tmp_path, text), given).recording
-    assert recording.motion == "rotary"
-    np.testing.assert_allclose(recording.position, angle, atol=1e-9)
-    np.testing.assert_allclose(recording.force, torque, atol=1e-12)
 
 
 def test_a_span_an_offset_and_a_given_period(table, tmp_path):

@@ -68,5 +68,7 @@ def test_a_limit_is_found_where_the_error_of_the_motion_grows(limits, noise):
 def test_a_limit_is_found_where_the_force_command_is_larger():
     command = 16.0 * np.sin(2 * np.pi * (0.3 * T + 0.04 * T**2))
     log = run(command, b=90.0, limits=(-11.0, 13.0))
-    assert "saturates at 13" in said(log)
+    told = said(log).split("saturates at 13: ")[1]
+    share = np.mean((log.force > 12.8) | (log.force < -10.8))
+    assert float(told.split("%")[0]) == pytest.approx(100 * share, rel=0.1)
     assert "saturates" not in said(replace(log, force_command=log.force))

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 pytest.importorskip("pyads", reason="pyads is not installed: pip install 'stickslip[ads]'")
-from stickslip import AdsRig, Command, Datasheet, FmuRig, RigLimits
+from stickslip import AdsRig, Datasheet, FmuRig
 from stickslip.errors import LimitError, RigError, UsageError
 from stickslip.rigs import ads_rig
 from stickslip.rigs.remote import RemoteRig
 from stickslip.servo import axis
 from stickslip.thresholds import rig_motion
 from tests.stickslip.rigs.plc import controller
+from tests.stickslip.rigs.test_socket import WIDE, command_of
 
 pytestmark = [
     pytest.mark.skipif(
@@ -28,17 +29,10 @@ pytestmark = [
 ]
 T_S = axis.LOOP.T_s
 PUSH, STEP = np.full(2000, 20.0), np.full(2000, 0.1)  # N, m/s
-WIDE = RigLimits(travel=(-0.2, 0.2), speed=1.0, force=250.0, following_error=0.05)
 
 
 def rig_at(ip, limits=WIDE, **how):
     return AdsRig(f"{ip}.1.1", Datasheet(), limits, **how)
-
-
-def command_of(rig, n=450):
-    t = np.arange(n) * rig.T_s
-    v = 0.03 * np.sin(2 * np.pi * 5 * t)
-    return Command(rig.T_s, rig.loop, velocity=v, added_force=2.0 * np.sign(v))
 
 
 @pytest.fixture(autouse=True)
@@ -68,8 +62,7 @@ def test_the_function_block_runs_what_the_fmus_run(fmus):
         again = rig.run(command)  # returns to 0 before
         assert abs(again.x_enc[0]) <= 2e-5
         np.testing.assert_allclose(again.x_enc, expected.x_enc, atol=1e-4)
-        force = np.full(400, 20.0)
-        pushed = rig.push(force)
+        pushed = rig.push(np.full(400, 20.0))
         assert pushed.x_enc[-1] > 5e-3
         np.testing.assert_allclose(pushed.F_m[50:], 20.0, rtol=0.05)
 
@@ -95,9 +88,12 @@ def test_a_limit_aborts_in_the_controller(fmus, limits, move, said):
         assert plc["k"] < 2000
 
 
-def test_a_drive_that_nobody_watches_stops(fmus, monkeypatch):
-    with controller(fmus, T_S, heartbeat=0.2) as (plc, ip), rig_at(ip) as rig:
-        monkeypatch.setattr(RemoteRig, "_stop", lambda *_: None)
+@pytest.mark.parametrize(("heartbeat", "fault"), [(0.2, 6), (5.0, 7)])
+def test_a_program_that_dies_or_is_interrupted_stops_the_drive(fmus, monkeypatch, heartbeat, fault):
+    """One that dies does not say so; the drive stops without its heartbeat."""
+    with controller(fmus, T_S, heartbeat=heartbeat) as (plc, ip), rig_at(ip) as rig:
+        if fault == 6:
+            monkeypatch.setattr(RemoteRig, "_stop", lambda *_: None)
 
         def read(asked):
             if asked["motion"] == rig._number and plc["k"] > 100:
@@ -108,29 +104,11 @@ def test_a_drive_that_nobody_watches_stops(fmus, monkeypatch):
         with pytest.raises(KeyboardInterrupt):
             rig.follow(np.full(4000, 0.02), rig.loop)
         time.sleep(1.0)
-        assert (plc["state"], plc["fault"]) == (0, 6)
+        assert (plc["state"], plc["fault"]) == (0, fault)
         where = plc.measured[0]
         assert 0.0 < where < 0.05
         time.sleep(0.1)
         assert plc.measured[0] == where
-
-
-def test_a_program_that_is_interrupted_stops_the_drive(fmus, monkeypatch):
-    with controller(fmus, T_S, heartbeat=5.0) as (plc, ip), rig_at(ip) as rig:
-
-        def read(asked):
-            if plc["k"] > 100:
-                raise KeyboardInterrupt
-            return AdsRig._read(rig, asked)
-
-        monkeypatch.setattr(rig, "_read", read)
-        with pytest.raises(KeyboardInterrupt):
-            rig.follow(np.full(4000, 0.02), rig.loop)
-        time.sleep(0.5)
-        assert (plc["state"], plc["fault"]) == (0, 7)
-        with rig_at(ip) as another:
-            another.follow(np.full(100, 0.01), another.loop)
-        assert plc["fault"] == 0
 
 
 def test_a_connection_that_is_lost_is_one_error_and_the_drive_stops(fmus):
@@ -148,24 +126,15 @@ def test_a_connection_that_is_lost_is_one_error_and_the_drive_stops(fmus):
     ("name", "value", "said"),
     [
         ("fault", 99, "its answer to 'read' is not of protocol 1: KeyError 99"),
-        ("protocol", 2, "its answer to 'hello' is not of protocol 1: ValueError protocol 2"),
-        ("T_s", math.nan, "not of protocol 1: ValueError T_s = nan s"),
-        ("heartbeat", -1.0, "not of protocol 1: ValueError .* heartbeat = -1"),
         ("k", 10**6, r"MAIN\.rig\.x_log\[\d+\]: symbol not found"),
     ],
 )
 def test_a_controller_that_says_nonsense_is_one_error(fmus, name, value, said):
-    with controller(fmus, T_S) as (plc, ip):
+    with controller(fmus, T_S) as (plc, ip), rig_at(ip) as rig:
         plc.running = False
-        if name in ("protocol", "T_s", "heartbeat"):
-            plc.block.variables[name] = value
-            with pytest.raises(RigError, match=said):
-                rig_at(ip)
-            return
-        with rig_at(ip) as rig:
-            plc.block.variables[name] = value
-            with pytest.raises(RigError, match=said):
-                rig._request("read", motion=1, **{"from": 10**6 - 1 if name == "k" else 0})
+        plc.block.variables[name] = value
+        with pytest.raises(RigError, match=said):
+            rig._request("read", motion=1, **{"from": 10**6 - 1 if name == "k" else 0})
 
 
 def test_two_programs_do_not_move_one_drive(fmus):

@@ -43,27 +43,22 @@ def test_a_candidate_costs_the_same_as_in_the_loop_of_fmus(fmus, compensated):
     assert costs[0] == costs[1]
 
 
+FORCE = np.array([0.0, -51.0])
+
+
 @pytest.mark.parametrize(
-    ("limits", "message"),
+    ("limits", "signals", "message"),
     [
-        ({"travel": (-0.01, 0.005)}, "position 0.01 m; expected -0.01 to 0.005 m"),
-        ({"speed": 0.05}, "speed 0.1 m/s; expected at most 0.05 m/s"),
+        ({"travel": (-0.01, 0.005)}, {}, "position 0.01 m; expected -0.01 to 0.005 m"),
+        ({"speed": 0.05}, {}, "speed 0.1 m/s; expected at most 0.05 m/s"),
+        ({"force": 50.0}, {"velocity": None, "force": FORCE}, "force 51 N; expected at most 50 N"),
+        ({"force": 50.0}, {"velocity": np.zeros(2), "added_force": FORCE}, "force 51 N"),
     ],
 )
-def test_a_command_beyond_a_limit_moves_nothing(limits, message):
+def test_a_command_beyond_a_limit_moves_nothing(limits, signals, message):
     rig = Ideal(replace(WIDE, **limits))
     with pytest.raises(LimitError, match=f"nothing has moved: {message}"):
-        rig.follow(np.full(200, 0.1), rig.loop)
-    assert not rig.moved
-
-
-def test_nor_does_a_force_beyond_the_limit():
-    rig = Ideal(replace(WIDE, force=50.0))
-    with pytest.raises(LimitError, match="nothing has moved: force 51 N; expected at most 50 N"):
-        rig.push(np.array([0.0, -51.0]))
-    added = Command(rig.T_s, rig.loop, velocity=np.zeros(2), added_force=np.array([0.0, 51.0]))
-    with pytest.raises(LimitError, match="nothing has moved"):
-        rig.run(added)
+        rig.run(Command(rig.T_s, rig.loop, **{"velocity": np.full(200, 0.1), **signals}))
     assert not rig.moved
 
 
@@ -141,11 +136,9 @@ def test_an_error_of_move_ends_the_learning_after_that_motion(fmus, kind):
     ("change", "said"),
     [
         (lambda log: log.table(), "move returned a DataFrame; expected ss.Log"),
-        (lambda log: Log(log.t, np.nan * log.t, log.F_m), "x_enc of the log is nan in sample 0"),
         (lambda log: Log(1e3 * log.t, log.x_enc, log.F_m), "a spacing of 0.5 s; expected T_s = 0"),
         (lambda log: Log(1.02 * log.t, log.x_enc, log.F_m), "Give times in seconds"),
         (lambda log: Log(0.0 * log.t, log.x_enc, log.F_m), "does not rise at sample 1"),
-        (lambda log: Log(log.t[1:], log.x_enc[1:], log.F_m[1:]), "a log of 99 samples"),
     ],
 )
 def test_a_log_that_is_not_of_the_command_is_no_limit(change, said):

@@ -151,14 +151,6 @@ def test_a_package_of_others_adds_a_kind_of_rig(tmp_path, learned, monkeypatch, 
         assert said in capsys.readouterr().err
 
 
-def test_what_learn_does_not_recommend_is_not_run_on_a_drive(fmus, described, learned, capsys):
-    learned.write_text(json.dumps(json.loads(learned.read_text()) | {"refusal": "it is too big"}))
-    with served(fmus) as (drive, port):
-        assert main(["validate", str(learned), "--rig", str(described(port))]) != 0
-        assert "does not recommend it: it is too big; not run" in capsys.readouterr().err
-        assert drive.motion == 0
-
-
 def test_learn_takes_a_rig_instead_of_a_log(fmus, described, tmp_path, monkeypatch, capsys):
     asked = []
 

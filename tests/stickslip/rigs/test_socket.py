@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -137,94 +137,71 @@ def test_messages_that_are_lost_late_or_doubled_change_nothing(fmus):
     assert min(counts.values()) > 0, counts
 
 
-class Raw:
-    """A client that sends what it is told to."""
+def load(rig, motion=1, n=4000):
+    """Load a motion of n samples, request by request; return what starts it."""
+    signals = {"v_cmd": np.full(n, 0.02)}
+    for k in range(0, n, 500):
+        part = {"v_cmd": signals["v_cmd"][k : k + 500].tolist()}
+        rig._request("load", motion=motion, values=part, **{"from": k})
+    loop = dict.fromkeys(LOOP, 0.0) | {"K_p": 1500.0, "K_i": 1e5, "tau_f": 5e-4}
+    loop["velocity_feedforward"] = 1.0
+    return {"samples": n, "crc": crc_of(signals), "loop": loop, "limits": asdict(WIDE)}
 
-    def __init__(self, port):
-        self._socket = socket.create_connection(("localhost", port))
-        self._seq, self._lines = itertools.count(1), Lines()
-        self.last = self.ask("hello", protocol=1)
 
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self._socket.close()
-
-    def ask(self, what, **fields):
-        heard = {"heard": getattr(self, "last", {}).get("clock", 0.0)}
-        message = {"seq": next(self._seq), "session": "a", "do": what, **heard, **fields}
-        self._socket.sendall(line_of(message))
-        while received := self._socket.recv(65536):
-            for reply in self._lines.messages(received):
-                self.last = reply
-                return reply
-        raise ConnectionError("closed")
-
-    def load(self, motion=1, n=4000):
-        signals = {"v_cmd": np.full(n, 0.02)}
-        for k in range(0, n, 500):
-            part = {"v_cmd": signals["v_cmd"][k : k + 500].tolist()}
-            self.ask("load", motion=motion, values=part, **{"from": k})
-        loop = dict.fromkeys(LOOP, 0.0) | {"K_p": 1500.0, "K_i": 1e5, "tau_f": 5e-4}
-        loop["velocity_feedforward"] = 1.0
-        limits = {"travel": [-1, 1], "speed": 1, "force": 250, "following_error": 1}
-        return {"samples": n, "crc": crc_of(signals), "loop": loop, "limits": limits}
+def read(rig, begin=0, **fields):
+    return rig._request("read", motion=1, **{"from": begin}, **fields)
 
 
 def test_a_drive_that_nobody_asks_about_stops(fmus):
-    with served(fmus, fast=False, heartbeat=0.2) as (drive, port), Raw(port) as raw:
-        start = raw.load()
-        raw.ask("start", motion=1, **start)
-        heard = raw.last["clock"]
+    with served(fmus, fast=False, heartbeat=0.2) as (drive, port), rig_at(port) as rig:
+        heard = rig._request("start", motion=1, **load(rig))["clock"]
         for _ in range(5):  # the same heartbeat again and again does not count
             time.sleep(0.06)
-            raw.ask("read", motion=1, heard=heard, **{"from": 10**6})
+            read(rig, 10**6, heard=heard)
         time.sleep(0.4)
-        reply = raw.ask("read", motion=1, **{"from": 0})
+        reply = read(rig)
         assert reply["state"] == "aborted"
         assert "no heartbeat for 0.2 s" in reply["reason"]
         assert 0.1 < reply["samples"] * T_S < 0.5
         assert drive.state == "idle"
-        where = raw.last["position"]
         time.sleep(0.05)
-        assert raw.ask("read", motion=1, **{"from": 0})["position"] == where
+        assert read(rig)["position"] == reply["position"]
 
 
 def test_a_start_is_obeyed_once_and_never_late(fmus):
-    with served(fmus, heartbeat=0.2) as (drive, port), Raw(port) as raw:
-        start, heard = raw.load(n=200), raw.last["clock"]
+    with served(fmus, heartbeat=0.2) as (drive, port), rig_at(port) as rig:
+
+        def refused(what, said, **fields):
+            with pytest.raises(RigError, match=said):
+                rig._request(what, **{"motion": 1, **fields})
+
+        start, heard = load(rig, n=200), rig._heard
         time.sleep(0.25)
-        late = raw.ask("start", motion=1, **start, heard=heard)
-        assert "older than 0.2 s" in late["error"]
+        refused("start", r"older than 0\.2 s", **start, heard=heard)
         assert drive.motion == 0
-        assert "not what was sent" in raw.ask("start", motion=1, **{**start, "crc": 1})["error"]
-        raw.ask("start", motion=1, **start)
-        while raw.ask("read", motion=1, **{"from": 0})["state"] != "done":
+        refused("start", "not what was sent", **{**start, "crc": 1})
+        rig._request("start", motion=1, **start)
+        while (reply := read(rig))["state"] != "done":
             pass
-        where = raw.last["position"]
-        assert raw.ask("start", motion=1, **start)["state"] == "done"
-        assert raw.ask("read", motion=1, **{"from": 0})["position"] == where
-        assert "has been started" in raw.ask("load", motion=1, values={}, **{"from": 0})["error"]
-        for wrong in ("jump", "start"):
-            assert "error" in raw.ask(wrong, motion=2)
-        assert "protocol 1" in raw.ask("load", motion="x")["error"]
+        assert rig._request("start", motion=1, **start)["state"] == "done"
+        assert read(rig)["position"] == reply["position"]
+        refused("load", "has been started", values={}, **{"from": 0})
+        refused("jump", "expected hello, load, start", motion=2)
+        refused("start", "is not loaded", motion=2, **start)
+        refused("load", "protocol 1", motion="x")
 
 
 def test_garbage_neither_ends_nor_moves_a_drive(fmus):
     garbage = [b"GET / HTTP/1.1\r\n\r\n", b"[" * 100_000 + b"\n", b"null\n", b"\xff\n", b"{}\n"]
-    with served(fmus) as (drive, port), rig_at(port) as rig, ExitStack() as held:
+    with served(fmus) as (drive, port), rig_at(port) as rig:
         for line in garbage:
             with socket.create_connection(("localhost", port)) as connection:
                 connection.sendall(line)
                 connection.recv(1000)
-        for _ in range(60):  # more than the server keeps
-            held.enter_context(socket.create_connection(("localhost", port)))
         broken = replace(rig.loop, K_p=-1e300)
         with pytest.raises(RigError, match="the controller refuses its loop"):
             rig.follow(np.zeros(10), broken)
         assert (drive.state, drive.motion) == ("idle", 0)
-        held.close()
         assert len(rig.run(command_of(rig)).t) == 450
 
 
@@ -293,13 +270,10 @@ def test_the_example_moves_a_served_drive_within_its_limits_and_keeps_the_logs(
 
 def test_a_limit_that_is_infinite_is_sent_as_one(fmus):
     inf = float("inf")
-    with served(fmus) as (drive, port):
-        wide = RigLimits((-inf, inf), inf, inf, inf)
-        with rig_at(port, wide) as rig:
-            assert len(rig.run(command_of(rig)).t) == 450
-            assert drive._watch.limits == wide
-        with rig_at(port, replace(wide, force=3.0)) as rig, pytest.raises(LimitError, match="3 N"):
-            rig.run(Command(rig.T_s, rig.loop, velocity=np.full(400, 0.02)))
+    wide = RigLimits((-inf, inf), inf, inf, inf)
+    with served(fmus) as (drive, port), rig_at(port, wide) as rig:
+        assert len(rig.run(command_of(rig)).t) == 450
+        assert drive._watch.limits == wide
 
 
 def test_what_cannot_be_sent_is_no_lost_connection(fmus):
@@ -322,29 +296,31 @@ def test_connections_that_are_held_keep_nobody_out(fmus, sent):
     with served(fmus, fast=False) as (drive, port), ExitStack() as held:
         hold(64)
         begun = time.monotonic()
-        with Raw(port) as raw:
-            raw.ask("start", motion=1, **raw.load(n=20_000))
-            hold(200)
-            assert raw.ask("read", motion=1, **{"from": 0})["state"] == "moving"  # is not dropped
+        rig = held.enter_context(rig_at(port))
+        rig._request("start", motion=1, **load(rig, n=20_000))
+        place = rig._socket
+        hold(200)
+        assert read(rig)["state"] == "moving"
+        assert rig._socket is place  # it was not dropped
+        rig._disconnect()
         hold(100)
-        with Raw(port) as raw:  # of the same session
-            raw.ask("stop", motion=1)
-            assert time.monotonic() - begun < 5.0
-            while raw.ask("read", motion=1, **{"from": 0})["state"] == "stopping":
-                pass
-            assert drive.reason == "stopped by the program"
+        rig._request("stop", motion=1)  # of the same session
+        assert time.monotonic() - begun < 5.0
+        while read(rig)["state"] == "stopping":
+            pass
+        assert drive.reason == "stopped by the program"
 
 
 @pytest.mark.parametrize("line", [b'{"seq": 1}\n' * 50, b'{"session": "x"}\n' * 5000])
 def test_a_client_that_does_not_read_delays_no_sample(fmus, line):
-    with served(fmus, fast=False) as (_, port), Raw(port) as raw, ExitStack() as held:
-        raw.ask("start", motion=1, **raw.load(n=20_000))
+    with served(fmus, fast=False) as (_, port), rig_at(port) as rig, ExitStack() as held:
+        rig._request("start", motion=1, **load(rig, n=20_000))
         for _ in range(3):
             flood = held.enter_context(socket.create_connection(("localhost", port)))
             flood.setblocking(False)
             with suppress(OSError):
                 while True:
                     flood.sendall(line)
-        reply = raw.ask("read", motion=1, **{"from": 0})
+        reply = read(rig)
         assert reply["state"] == "moving"
         assert reply["late"] < 0.8  # a second and more while the server waited for one of them

@@ -50,18 +50,3 @@ def test_the_adapted_feedforward_holds_its_error_on_a_drifting_drive(
     assert adapted < cold + 0.15 * (fixed - cold)
     warm = 1.0 - drift * (1.0 - np.exp(-SECONDS / DRIFT_TIME))
     assert result["scale.s"][-1] == pytest.approx(warm, abs=0.03)
-
-
-def test_behind_a_feedforward_it_leaves_the_loop_as_it_is_at_the_rate_0(fmus, loop):
-    """Bit for bit."""
-    still = [*FIXED, Compensator("scale", "adaptive_scale", {"rate": 0.0})]
-    without, beside = (track(fmus, loop, chain)[1] for chain in (FIXED, still))
-    for name in without.names:
-        assert without[name].tobytes() == beside[name].tobytes()
-
-
-def test_without_a_drift_it_stays(fmus, loop):
-    """With noise, and an encoder of 10 um."""
-    noisy = {"noise": True, "noise_x": 1e-6, "noise_F": 0.5, "encoder_step": 1e-5}
-    _, result = track(fmus, loop, ADAPTED, **noisy)
-    assert np.abs(result["scale.s"] - 1.0).max() < 0.02

@@ -1,10 +1,8 @@
 """The position loop around a velocity loop: its nominal response and its sensitivity."""
 
-import control
 import numpy as np
 import pytest
 
-from stickslip import models
 from stickslip.servo.axis import ControlError
 from stickslip.servo.frequency import frequency_response
 from stickslip.servo.sensitivity import OpenLoop, peak_sensitivity
@@ -20,28 +18,19 @@ def closed(loop, K_i=None, K_x=K_X, **changes):
 
 
 @pytest.mark.parametrize("share", [1.0, 0.4])
-def test_without_friction_the_fmus_move_as_the_nominal_loop(loop, tmp_path, share):
-    for name in ("velocity_controller", "nominal_loop"):
-        models.build_fmu(name, tmp_path)
+def test_without_friction_the_fmus_move_as_the_nominal_loop(fmus, loop, share):
     ideal = {"F_s": 1e-9, "F_c": 1e-9, "sigma_0": 1e-3, "sigma_1": 0.0, "encoder": 0, "dac": 0}
-    models.build_fmu("drive", tmp_path, start=ideal)
     cascade = closed(loop, velocity_feedforward=share)
     t = np.arange(801) * loop.T_s
     v_cmd = 0.01 * np.sin(2.0 * np.pi * 5.0 * t)
     record = ("drive.v", "drive.x", "nominal.v_r")
-    system = build_loop(tmp_path, cascade, [])
+    system = build_loop(fmus, cascade, [])
     with system.prepare(step=loop.T_s, stop=float(t[-1]), record=record) as simulation:
-        run = simulation.run({}, cascade.commands(v_cmd))
+        run = simulation.run({f"drive.{n}": x for n, x in ideal.items()}, cascade.commands(v_cmd))
     assert run["drive.v"] == pytest.approx(run["nominal.v_r"], abs=1e-9)
     v, x = cascade.response(v_cmd)
     assert run["drive.v"] == pytest.approx(v, abs=1e-9)
     assert run["drive.x"] == pytest.approx(x, abs=1e-8)
-    if share < 1.0:
-        return
-    plain = control.forced_response(loop.nominal, inputs=v_cmd).outputs
-    x_cmd = cascade.commands(v_cmd)["x_cmd"]
-    with_position = np.abs(run["drive.x"] - x_cmd).max()
-    assert with_position < 0.5 * np.abs(np.cumsum(plain - v_cmd) * loop.T_s).max()
 
 
 @pytest.mark.parametrize("share", [0.0, 0.6, 1.0])
@@ -55,14 +44,6 @@ def test_the_lag_at_constant_speed(loop, share, integral):
     viscous = 0.0 if integral else loop.axis.b * 0.03 / loop.K_p
     # The velocity estimate is exact at constant speed; the first sample ends at T_s.
     assert lag == pytest.approx(((1.0 - share) * 0.03 + viscous) / K_X, abs=2e-8)
-
-
-def test_without_feedforward_a_slow_outer_loop_is_a_low_pass_of_the_first_order(loop):
-    """The velocity loop is ten times faster: v = (1 - e^(-K_x t)) v_cmd."""
-    cascade = closed(loop, velocity_feedforward=0.0, K_x=20.0)
-    t = np.arange(1000) * loop.T_s
-    v, _ = cascade.response(np.full(1000, 1.0))
-    assert v == pytest.approx(1.0 - np.exp(-20.0 * t), abs=0.05)
 
 
 def test_the_sensitivity_is_that_of_the_open_loop(loop):

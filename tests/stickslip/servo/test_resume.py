@@ -3,26 +3,15 @@
 import numpy as np
 import pytest
 
-from stickslip import cosim, models
-from stickslip.catalog.parameters import LUGRE, PAPER
-from stickslip.servo.axis import Axis
+from stickslip import cosim
 from stickslip.servo.systems import paper_loop
-from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 
 STEP, HALF, STOP = 5e-4, 0.1, 0.25
 
 
-@pytest.fixture(scope="module", params=[2, 3])
-def system(request, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("fmus")
-    for name in models.model_names():
-        models.build_fmu(name, folder, fmi=request.param)
-    loop = design_velocity_loop(Axis(PAPER["m"], PAPER["b"]), LoopSpecification(60.0, 60.0))
-    return paper_loop(folder, loop, {name: PAPER[name] for name in LUGRE})
-
-
-def command(t):
-    return 0.02 * np.sin(40 * t)
+@pytest.fixture
+def system(fmus, loop):
+    return paper_loop(fmus, loop, {})
 
 
 @pytest.mark.parametrize("record", [{"every": 7}, {"keep": "last"}])
@@ -31,7 +20,7 @@ def test_a_record_continues_where_it_was_saved(system, tmp_path, record):
     names = ["drive.x_enc", "controller.u"]
     spec = {"step": STEP, "stop": STOP}
     spec["record"] = cosim.Record(names, **record, sum_of_squares=sums)
-    inputs = {"v_cmd": command}
+    inputs = {"v_cmd": lambda t: 0.02 * np.sin(40 * t)}
     with system.prepare(**spec) as simulation:
         whole = simulation.run(inputs=inputs)
         first = simulation.run(inputs=inputs, until=HALF)

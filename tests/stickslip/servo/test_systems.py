@@ -6,7 +6,7 @@ import pytest
 from stickslip import cosim, models
 from stickslip.catalog.parameters import PAPER
 from stickslip.servo.axis import Axis
-from stickslip.servo.systems import BLOCKS, Compensator, build_loop, paper_loop
+from stickslip.servo.systems import BLOCKS, Compensator, build_loop
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 
 SINE = cosim.SineSweep(frequency=(1.0, 1.0), amplitude=(0.01, 0.01), duration=1.0)
@@ -24,13 +24,6 @@ def run(system, **parameters):
 
 def error(result) -> float:
     return float(np.sqrt(np.mean((result["drive.v"] - result["nominal.v_r"]) ** 2)))
-
-
-def test_the_papers_loop_is_a_chain_of_one(fmus, loop):
-    chain = [Compensator("compensator", "compensator", {"F_c": 5.0})]
-    one, other = run(build_loop(fmus, loop, chain)), run(paper_loop(fmus, loop, {"F_c": 5.0}))
-    assert one.names == other.names
-    assert one.values.tobytes() == other.values.tobytes()
 
 
 @pytest.mark.parametrize(
@@ -96,16 +89,6 @@ def test_a_correction_reduces_what_wrong_bristles_leave(fmus, loop):
     assert left(1.0) < 0.95 * left(0.5) < 0.95 * 0.98 * left(0.0)
 
 
-def test_an_observer_of_an_axis_without_friction_finds_nothing(fmus, loop):
-    """But for the drive, which puts two constant forces in place of the lagging one."""
-    smooth = {"drive.encoder": False, "drive.dac": False, "drive.F_c": 1e-9, "drive.F_s": 1e-9}
-    without = run(build_loop(fmus, loop, []), **smooth)
-    observed = run(build_loop(fmus, loop, [Compensator("dob", "dob")]), **smooth)
-    assert np.abs(observed["dob.d_hat"]).max() < 0.02
-    assert np.abs(observed["dob.d_hat"][200:]).max() < 1e-3
-    np.testing.assert_allclose(observed["drive.v"], without["drive.v"], atol=0.02 / loop.K_p)
-
-
 def learned(fmus, loop, model, names, values, seconds=6.0, **drive):
     """Learn in the loop over a sine of 0.5 Hz; return what is learned, as start values."""
     slow = cosim.SineSweep(frequency=(0.5, 0.5), amplitude=(0.02, 0.02), duration=seconds)
@@ -136,28 +119,6 @@ def test_weights_learn_the_friction_of_the_drive(fmus, loop, model, names):
     np.testing.assert_allclose(F[sliding], PAPER["F_c"] * np.sign(v_r[sliding]), rtol=0.1)
     assert error(compensated) < 0.6 * error(run(build_loop(fmus, loop, [])))
     assert F.tobytes() == other["learner.F"].tobytes()
-
-
-THETA = {
-    f"theta[{i}]": name for i, name in enumerate(("F_c", "sigma_0", "sigma_1", "F_s", "v_s"), 1)
-}
-
-
-def test_the_gradient_learns_the_parameters_of_the_drive(fmus, loop):
-    """From half of each; sigma_0 is visible for some micrometres after each reversal."""
-    half = {name: 0.5 * PAPER[name] for name in ("F_c", "F_s", "sigma_0", "sigma_1")}
-    coulomb = {"drive.F_s": PAPER["F_c"]}
-    values = {**half, "gamma": 0.01, "D": 12}
-    found = learned(fmus, loop, "lugre_network", THETA, values, **coulomb)
-    assert found["F_c"] == pytest.approx(PAPER["F_c"], rel=0.02)
-    assert found["sigma_0"] > 1.02 * half["sigma_0"]
-    before, after = (
-        error(
-            run(build_loop(fmus, loop, [Compensator("learner", "lugre_network", one)]), **coulomb)
-        )
-        for one in ({**half, "gamma": 0.0}, {**found, "gamma": 0.0})
-    )
-    assert after < 0.6 * before
 
 
 def test_a_compensator_that_cannot_pass_a_force_on_comes_first(fmus, loop):
