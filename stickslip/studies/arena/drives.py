@@ -13,11 +13,11 @@ import numpy as np
 from stickslip import models
 from stickslip.compensators.entrants import SPEED
 from stickslip.errors import UsageError
-from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.learned.file import LearnedFile
 from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 from stickslip.studies.arena.drive_names import content
+from stickslip.toml_files import read_toml
 from stickslip.trial.family import axis_values
 
 AXIS = Axis(5.557, 6.6135, Datasheet().tau_i)  # That of the paper's stage
@@ -69,27 +69,22 @@ class Drive:
         """
         law, model = models.load_law(self.law), models.load_model("drive", self.law)
         true = {**{v.name: v.start for v in model.variables}, **self.parameters}
-        powers = {
-            name: law.parameters[name.partition("[")[0]].force
-            for name in true
-            if name.partition("[")[0] in law.parameters
+        stems = {name: name.partition("[")[0] for name in true}
+        powers = {n: law.parameters[s].force for n, s in stems.items() if s in law.parameters}
+        # label, command, powers of the factor by parameter, and the factor
+        changes: list[tuple[str, str, Mapping[str, float], float]] = [
+            (f"{what} x {factor:g}", robustness, names, factor)
+            for what, names in {"friction": powers, "mass": {"m": 1}, "lag": {"tau_i": 1}}.items()
+            for factor in SHARES[what]
+        ]
+        steps = {"encoder_step": 1}
+        changes += [(label, resolution, steps, factor) for label, factor in STEPS.items()]
+        changes.append((f"noise x {NOISE:g}", resolution, {"noise_x": 1, "noise_F": 1}, NOISE))
+        plain = {command: (command, dict[str, float]()) for command in (robustness, resolution)}
+        return plain | {
+            label: (command, {n: true[n] * factor**power for n, power in of.items() if power})
+            for label, command, of, factor in changes
         }
-        found: dict[str, tuple[str, dict[str, float]]] = {
-            robustness: (robustness, {}),
-            resolution: (resolution, {}),
-        }
-
-        def change(label: str, command: str, powers: Mapping[str, float], factor: float) -> None:
-            kept = {name: true[name] * factor**power for name, power in powers.items() if power}
-            found[label] = command, kept
-
-        for what, names in {"friction": powers, "mass": {"m": 1}, "lag": {"tau_i": 1}}.items():
-            for factor in SHARES[what]:
-                change(f"{what} x {factor:g}", robustness, names, factor)
-        for label, factor in STEPS.items():
-            change(label, resolution, {"encoder_step": 1}, factor)
-        change(f"noise x {NOISE:g}", resolution, {"noise_x": 1, "noise_F": 1}, NOISE)
-        return found
 
     @property
     def mass(self) -> float:
@@ -119,13 +114,9 @@ def read_drives(
 
     Raises UsageError when it cannot be read, or a drive is not well formed.
     """
-    if not isinstance(source, Path):
-        return _of_laws(_drives("drives", dict(source))[0], laws)
-    try:
-        content = parse_toml(read_limited(source, MOST_TEXT))
-    except ValueError as error:
-        raise UsageError(f"{source}: {error}") from None
-    return _of_laws(_drives(str(source), content)[0], laws)
+    if isinstance(source, Path):
+        return _of_laws(_drives(str(source), read_toml(source))[0], laws)
+    return _of_laws(_drives("drives", dict(source))[0], laws)
 
 
 def learned_drive(path: Path) -> Drive:

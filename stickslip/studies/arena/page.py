@@ -103,7 +103,8 @@ def _heat_map(
     wide, order = relative_errors(found, plan, carried=carried), ranking(found, plan)
     nominal, label = plan.nominal.name if plan.nominal else "", "carried" if carried else "here"
     rows = []
-    for one in sorted((plan.entrant(name) for name in plan.entrants), key=_knowledge):
+    entrants = map(plan.entrant, plan.entrants)
+    for one in sorted(entrants, key=lambda one: (one.knows_friction, len(one.parts) > 1)):
         cells = []
         for drive in plan.drives:
             place = drive.name, one.name, nominal if carried else drive.name
@@ -115,10 +116,6 @@ def _heat_map(
             cells.append(_cell(value) | {"figure": figure})
         rows.append((one, cells))
     return rows
-
-
-def _knowledge(one: Entrant) -> tuple[bool, bool]:
-    return one.knows_friction, len(one.parts) > 1
 
 
 def _marked(arena: Arena) -> set[tuple[str, str, str]]:

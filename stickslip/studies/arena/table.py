@@ -23,13 +23,12 @@ RELATIVE = "relative error"
 DIGITS = 6  # Significant digits of the figures
 ALL = "all"  # The command of a row that is a mean over all commands
 TUNING = {
-    "cost": "m/s",
-    "evaluations": "1",
-    "seconds": "s",
-    "soon": "s",
+    "cost": ("training error", "m/s"),
+    "evaluations": ("evaluations", "1"),
+    "seconds": ("motion", "s"),
+    "soon": ("motion until tuned", "s"),
 }
-"""Figures of ``Found`` that are rows, and their units."""
-_NAMES = {"cost": "training error", "seconds": "motion", "soon": "motion until tuned"}
+"""Figures of ``TuningResult`` that are rows, their metrics and units."""
 
 
 def arena_table(arena: Arena) -> pd.DataFrame:
@@ -180,20 +179,13 @@ def _rows(arena: Arena, place: tuple[str, str]) -> Iterator[dict[str, Any]]:
                 "median": float(np.median(values)),
                 "worst": float(np.max(values)),
             }
-        margins = {"phase margin": "rad"}
-        found = {
-            metric: (value, margins.get(metric, "1"))
-            for metric, value in validated["peaks"].items()
-        }
-        found |= {
-            metric: (value, "B" if "size" in metric else "1")
-            for metric, value in document["footprint"].items()
-        }
-        for key, unit in TUNING.items():
-            if key == "cost" and arena.plan.entrant(name).positions:
-                unit = "m"
-            found[_NAMES.get(key, key)] = (document["tuned"][tuned_on][key], unit)
-        for metric, (value, unit) in found.items():
+        units = {"phase margin": "rad", "binary size": "B", **dict(TUNING.values())}
+        if arena.plan.entrant(name).positions:
+            units["training error"] = "m"
+        found = {**validated["peaks"], **document["footprint"]}
+        found |= {metric: document["tuned"][tuned_on][key] for key, (metric, _) in TUNING.items()}
+        for metric, value in found.items():
+            unit = units.get(metric, "1")
             yield {**same, "metric": metric, "unit": unit, "median": value, "worst": value}
 
 

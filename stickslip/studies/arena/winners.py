@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -68,8 +69,12 @@ def _write(arena: Arena, drive: Drive, name: str, error: float, folder: Path) ->
         components[part.name] = {"model": part.model, "law": law, "parameters": start}
         if part.own_fmu is not None:
             shutil.copy(part.own_fmu, folder / f"{part.name}.fmu")
-        else:
-            _export(folder, part.name, part.model, law, start)
+            continue
+        given: dict[str, Any] = {"start": start, "law": law, "called": part.name}
+        models.build_fmu(part.model, folder, **given)
+        write_compensator(folder, "c", model=part.model, **given)
+        with suppress(models.UnknownModel):  # it has no structured text
+            write_compensator(folder, "st", model=part.model, **given)
     document = {
         "compensator": name,
         "drive": drive.name,
@@ -79,14 +84,3 @@ def _write(arena: Arena, drive: Drive, name: str, error: float, folder: Path) ->
         "tuned": encode(tuned_on),
     }
     write_json(document, folder / "winner.json")
-
-
-def _export(
-    folder: Path, name: str, model: str, law: str | None, start: Mapping[str, float]
-) -> None:
-    models.build_fmu(model, folder, start=start, law=law, called=name)
-    write_compensator(folder, "c", start=start, law=law, model=model, called=name)
-    try:
-        write_compensator(folder, "st", start=start, law=law, model=model, called=name)
-    except models.UnknownModel:
-        return

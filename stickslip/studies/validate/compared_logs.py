@@ -71,6 +71,11 @@ class LogComparison:
     simulated: TrackingComparison | None = None
     fault: str = ""  # why that loop could not be simulated, or empty
 
+    @property
+    def parts(self) -> int:
+        """How many parts there are."""
+        return int(self.part.max()) + 1
+
 
 def common(without: Recording, compensated: Recording) -> tuple[Recording, list[Stretch]]:
     """Return the second log on the sampling of the first, and where both have the same command.

@@ -94,14 +94,15 @@ def _drive(
 
 
 def _print_drive(reproduction: Reproduction) -> None:
-    from stickslip.papers.lugre.terminal import print_loops, print_table4
+    from stickslip.papers.lugre import tables
 
     for warning in reproduction.identification.warnings:
         warn(warning)
-    print_table4(reproduction.table4())
-    learned = reproduction.refinement
+    tables.print_table4(reproduction.table4())
+    learned, loops = reproduction.refinement, reproduction.loops
     print(f"friction: {learned.result}; {learned.remark}")
-    print_loops(reproduction.loops)
+    print("\nerror relative to tuned_pi, median [range] over friction and seeds")
+    print(tables.stages(loops).text(), loops.sentence, sep="\n")
 
 
 def _record(
@@ -109,7 +110,7 @@ def _record(
 ) -> Show:
     from stickslip.papers.lugre.record_folder import write_record_results
     from stickslip.papers.lugre.record_mode import reproduce_from_recording
-    from stickslip.papers.lugre.terminal import print_table4
+    from stickslip.papers.lugre.tables import print_table4
 
     reproduction = reproduce_from_recording(options, fmus, progress, execution)
     print_estimation(reproduction.learned.estimation)
@@ -124,8 +125,8 @@ def _published(
 ) -> Show:
     from stickslip.identification.stages import identify
     from stickslip.papers.lugre.folder import write_published_results
-    from stickslip.papers.lugre.published import study_as_published
-    from stickslip.papers.lugre.terminal import print_published
+    from stickslip.papers.lugre.published import PAPER_COST, study_as_published
+    from stickslip.papers.lugre.tables import panel
     from stickslip.rigs.fmu import FmuRig
     from stickslip.servo.axis import LOOP, Datasheet
     from stickslip.servo.systems import build_fmus
@@ -144,7 +145,13 @@ def _published(
     )
     progress.stage("writing the report")
     write_published_results(study, options, out)
-    return partial(print_published, study)
+    return partial(
+        print,
+        "from coarse starts, median over seeds and encoder phases: cost in m2/s2, then the RMS\n"
+        "error of the true velocity relative to that without compensation; there the cost is\n"
+        f"{study.cost_without:.3g}, and {PAPER_COST:.2g} at the end on the real stage (paper)\n"
+        f"{panel(study).text()}",
+    )
 
 
 def run(options: argparse.Namespace) -> Answer:

@@ -47,7 +47,7 @@ def comparison_sections(
         {FIGURES[0]: partial(draw_comparison, found, motion)},
         tracking=tables.tracking(found, motion),
         found=found,
-        n=int(found.part.max()) + 1,
+        n=found.parts,
         learned=learned,
         controller=controller,
     )

@@ -37,7 +37,7 @@ from stickslip.studies.arena.comparison import arena as arena_of
 from stickslip.studies.arena.course import Course
 from stickslip.studies.arena.drive_names import drive_names
 from stickslip.studies.arena.drives import default_drives, learned_drive, read_drives
-from stickslip.studies.arena.motion_commands import COMMANDS, moves, training
+from stickslip.studies.arena.motion_commands import COMMANDS, moves, sweep
 from stickslip.studies.arena.protocol import Plan, build, run_arena
 from stickslip.studies.arena.table import ALL, COLUMNS, RELATIVE, arena_table, relative_errors
 from stickslip.studies.arena.tuning import Budget, tune
@@ -227,7 +227,7 @@ def test_exact_feedforward_on_its_own_law_wins_over_none(built, loop):
 
 def test_tuning_comes_near_the_exact_feedforward(built, loop):
     """Within seconds of motion that allow 12 evaluations."""
-    one, sheet, duration = entrant("static"), Datasheet(), len(training(loop.T_s)) * loop.T_s
+    one, sheet, duration = entrant("static"), Datasheet(), len(sweep(loop.T_s).v_cmd) * loop.T_s
     found = tune(built, loop, one, Budget(100, 12 * duration), 0, sheet)
     assert 0 < found.evaluations <= 12
     assert found.seconds == pytest.approx(found.evaluations * duration)
