@@ -27,6 +27,7 @@ from stickslip.evaluation.tracking import (
 from stickslip.logs import Recording
 from stickslip.logs.same_command import Stretch, is_moving, period, same_command
 from stickslip.servo.measurement import Array
+from stickslip.studies.validate.log_prediction import Change
 from stickslip.thresholds import transfer
 
 Samples = NDArray[np.intp]
@@ -34,15 +35,6 @@ Samples = NDArray[np.intp]
 EDGE = 4.0
 """Periods of the low-pass of measured velocities at either end of a log that do not count."""
 PARTS = 10  # Parts of the logs where the command does not repeat
-
-
-@dataclass(frozen=True)
-class Reduction:
-    """By which share an error is smaller with the compensator, with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True)
@@ -54,7 +46,8 @@ class TrackingComparison:
     position: Mapping[str, Array]
     # by variant; a maximum is the mean over parts of the largest error in each
     errors: Mapping[str, TrackingError]
-    reductions: Mapping[str, Reduction]  # by name of the figure
+    # by which share an error is smaller with the compensator, by name of the figure
+    reductions: Mapping[str, Change]
 
 
 @dataclass(frozen=True)
@@ -224,7 +217,7 @@ def _size(key: str, parts: Array) -> float:
     return float(np.sqrt(mean)) if key.endswith("rms") else mean
 
 
-def _reduction(key: str, without: Array, compensated: Array) -> Reduction:
+def _reduction(key: str, without: Array, compensated: Array) -> Change:
     """Return the reduction of parts (k,); its standard error is a jackknife of the logarithm."""
     k = len(without)
 
@@ -236,4 +229,4 @@ def _reduction(key: str, without: Array, compensated: Array) -> Reduction:
     left = np.log([ratio(np.delete(np.arange(k), j)) for j in range(k)])
     half = float(student.ppf(0.975, k - 1) * np.sqrt((k - 1) * np.var(left)))
     low, high = (float(whole * np.exp(sign * half)) for sign in (1.0, -1.0))
-    return Reduction(1.0 - whole, 1.0 - low, 1.0 - high)
+    return Change(1.0 - whole, 1.0 - low, 1.0 - high)
