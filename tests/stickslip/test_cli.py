@@ -36,7 +36,8 @@ def test_help_and_version_come_at_once():
         command = [sys.executable, "-c", loaded, option]
         run = subprocess.run(command, check=True, capture_output=True, text=True)
         assert {*shown} <= {*run.stdout.split()}
-        assert not {"numpy", "stickslip.cosim", "fmpy"} & {*run.stdout.split()}
+        large = {"numpy", "scipy", "pandas", "lxml", "stickslip.cosim", "fmpy"}
+        assert not large & {*run.stdout.split()}
 
 
 def modules(code, *arguments):
@@ -241,15 +242,6 @@ def test_a_folder_that_cannot_be_written_is_reported_before_the_work(tmp_path, s
 def test_debug_shows_the_traceback(stage):
     with pytest.raises(ValueError, match="no variable"):
         main(["simulate", str(stage), "--set", "mm=1", "--debug"])
-
-
-def test_a_connection_to_nothing_is_reported(results, edited, tmp_path, capsys):
-    change = {'tor="F_ff"': 'tor="F_gg"'}
-    package = results / "loop.ssp"
-    broken = edited(package, tmp_path / "broken.ssp", change, "SystemStructure.ssd")
-    line = complaint(capsys, "simulate", broken)
-    assert "compensator.F_mean" in line
-    assert "controller.F_gg" in line
 
 
 @pytest.mark.parametrize(
