@@ -36,11 +36,10 @@ def with_studies(
     rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
     study = recorded = None
     if options.complete:
-        seeds = range(options.seed, options.seed + options.published_seeds)
         study = study_as_published(
             rig,
             found,
-            seeds,
+            options.all_seeds,
             feed=options.feed,
             workers=own.workers,
             on_stage=progress.stage,
@@ -55,14 +54,7 @@ def with_studies(
 def with_motions(
     reproduction: Reproduction, fmus: Path, recorded: Learned | None = None, workers: int = 1
 ) -> Reproduction:
-    """Return a reproduction with what each of its steps does in all motions.
-
-    Parameters
-    ----------
-    fmus : folder of its FMUs
-    recorded : see ``steps``
-    workers : motions side by side
-    """
+    """Return a reproduction, whose FMUs are in a folder, with what its steps do in all motions."""
     options, study = reproduction.options, reproduction.published
     entries = steps(reproduction.identification, reproduction.learned, recorded)
     rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
@@ -82,7 +74,7 @@ def reproduce_with_extras(
     stages = _Named(progress)
     parameters = (v for v in models.load_model("drive").variables if v.role == "parameter")
     effects = {v.name: True for v in parameters if v.type == "boolean"}
-    options = replace(options, loop_seeds=0, truth={**options.truth, **effects})
+    options = replace(options, seeds=0, truth={**options.truth, **effects})
     try:
         found = reproduce(options, fmus, stages, execution)
         return Extras(step_by_step(found, fmus))

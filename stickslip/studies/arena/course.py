@@ -49,12 +49,9 @@ class Course(Closing):
     def run(
         self, tuned: TunedEntrant, v_cmd: Array, drive: Mapping[str, float] | None = None
     ) -> cosim.Result:
-        """Run one command; raise SimulationError when an FMU fails.
+        """Run a command (n,) [m/s], with start values of the drive such as the seed of its noise.
 
-        Parameters
-        ----------
-        v_cmd : (n,) [m/s]
-        drive : start values of the drive, such as the seed of its noise
+        Raises SimulationError when an FMU fails.
         """
         values = dict(tuned.parameters)
         if tuned.loop is not self.loop:

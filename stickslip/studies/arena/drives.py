@@ -62,10 +62,7 @@ class Drive:
     def changes(self, robustness: str, resolution: str) -> Changes:
         """Return changed drives, and the unchanged one under the names of the commands.
 
-        Parameters
-        ----------
-        robustness : command for other friction, mass and lag
-        resolution : command for another encoder and more noise
+        One command is for other friction, mass and lag, one for another encoder and more noise.
         """
         law, model = models.load_law(self.law), models.load_model("drive", self.law)
         true = {**{v.name: v.start for v in model.variables}, **self.parameters}
@@ -93,12 +90,7 @@ class Drive:
 
 
 def default_drives(laws: Sequence[str] | None = None) -> list[Drive]:
-    """Return the drives of ``drives.toml``, and one of each law that none of them has.
-
-    Parameters
-    ----------
-    laws : only drives with one of these
-    """
+    """Return the drives of ``drives.toml``, and one of each law that none has; of some laws."""
     found, common = _drives("drives.toml", content())
     shown = {drive.law for drive in found}
     for name in models.law_names():

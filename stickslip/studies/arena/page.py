@@ -37,12 +37,7 @@ _BETTER, _WORSE = (0, 79, 134), (224, 123, 0)
 
 
 def sections(arena: Arena, found: pd.DataFrame) -> list[Section]:
-    """Return the sections of the page.
-
-    Parameters
-    ----------
-    found : see ``table.arena_table``
-    """
+    """Return the sections of the page, from what ``table.arena_table`` returns, too."""
     plan = arena.plan
     pareto = Section(
         "Error, effort and learning time",

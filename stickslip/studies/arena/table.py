@@ -78,9 +78,7 @@ def relative_errors(
 ) -> pd.DataFrame:
     """Return the errors relative to the reference, a row an entrant, a column a drive.
 
-    Parameters
-    ----------
-    carried : whether those tuned on the nominal drive are returned instead of those tuned here
+    They are of entrants that were tuned on each drive, or, carried over, on the nominal one.
     """
     rows = table[(table["metric"] == RELATIVE) & (table["command"] == command)]
     nominal = plan.nominal.name if plan.nominal else ""

@@ -44,15 +44,10 @@ LONGEST = 190.0  # Of all lines of a panel [mm]
 def drives_sections(
     parameters: Table, head: Html, file: str, errors: Table | None = None
 ) -> list[Section]:
-    """Return the sections of a page on several drives.
+    """Return the sections of a page on several drives, with a figure of this name.
 
-    Parameters
-    ----------
-    parameters : with the columns ``tables.PARAMETERS``; optionally truth, and source, which is
-        shown unless it is log; a drive that failed has a row without a parameter
-    head : what the page begins with
-    file : name of the figure's files
-    errors : of the compensators, with the columns ``tables.ERRORS``
+    The tables have the columns ``tables.PARAMETERS``, optionally truth, and source, which is shown
+    unless it is log, and ``tables.ERRORS``. A drive that failed has a row without a parameter.
     """
     table = parameters.frame()
     learned = [row for row in parameters.rows if isinstance(row.get("parameter"), str)]

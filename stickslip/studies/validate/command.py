@@ -112,20 +112,12 @@ def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str,
         read_log(path, description, learned) for path in (options.log, options.without)
     )
     found = compare_logs(compensated, without, learned)
-    recording = without.reading.recording
     print(*sentences(found), sep="\n")
     print(f"\ntracking errors, intervals from {found.parts} parts")
-    print(tracking(found, recording.motion).text())
+    print(tracking(found).text())
     if options.out:
-        names = (recording.source, compensated.reading.recording.source)
-        write_comparison(
-            found,
-            recording.motion,
-            names,
-            learned,
-            controller=without.controller,
-            folder=options.out,
-        )
+        logs = (without.reading.recording.source, compensated.reading.recording.source)
+        write_comparison(found, logs, learned, without.controller, folder=options.out)
         print(f"all results are in {options.out}; open report.html first")
     compared = {"measured": found.measured, "simulated": found.simulated}
     reductions = {kind: encode(one.reductions) for kind, one in compared.items() if one}

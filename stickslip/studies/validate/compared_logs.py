@@ -24,7 +24,7 @@ from stickslip.evaluation.tracking import (
     cutoff,
     measured_errors,
 )
-from stickslip.logs import Recording
+from stickslip.logs import Motion, Recording
 from stickslip.logs.same_command import Stretch, is_moving, period, same_command
 from stickslip.servo.measurement import Array
 from stickslip.studies.validate.log_prediction import Change
@@ -54,6 +54,7 @@ class TrackingComparison:
 class LogComparison:
     """What the compensator brought in two logs."""
 
+    motion: Motion
     t: Array  # (n,) of the common samples, in the log without compensator [s]
     v_cmd: Array  # (n,) [m/s]
     stretches: tuple[Stretch, ...]  # where in the two logs the command was the same
@@ -124,8 +125,12 @@ def compare(without: Recording, compensated: Recording, stretches: list[Stretch]
     command = commanded_velocity(without)
     part, repeated = _parts(command, stretches, without.T_s)
     measured = compared(without, compensated, first, second, part=part)
-    t, v_cmd = without.t[first], command[first]
-    return LogComparison(t, v_cmd, tuple(stretches), part, repeated=repeated, measured=measured)
+    return LogComparison(
+        *(without.motion, without.t[first], command[first], tuple(stretches)),
+        part=part,
+        repeated=repeated,
+        measured=measured,
+    )
 
 
 def compared(

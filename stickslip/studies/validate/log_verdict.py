@@ -30,9 +30,7 @@ def change_scale(name: str, found: LogPrediction, values: Values) -> tuple[float
 def verdict(found: LogPrediction, values: Values) -> tuple[str, ...]:
     """Return the verdict: whether the learned drive holds for the log, then why, a sentence each.
 
-    Parameters
-    ----------
-    values : of the learned drive by name
+    The values are those of the learned drive by name.
     """
     force, changes = found.signals["force"], dict(material(found, values))
     share = f"{100.0 * force.relative:.3g} %"

@@ -137,8 +137,9 @@ def kinds(found: LogComparison) -> Iterator[tuple[str, TrackingComparison]]:
         yield "simulated", found.simulated
 
 
-def tracking(found: LogComparison, motion: Motion) -> Table:
+def tracking(found: LogComparison) -> Table:
     """Return tracking errors without and with the compensator, and the reduction."""
+    motion = found.motion
 
     def scale(row: Row) -> Scale:
         what = velocity_scale if row["error"].startswith("velocity") else position_scale

@@ -50,11 +50,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "takes two minutes on two cores",
     }
     add_options(parser, flags, **FLAG)
-    seeds = (
-        "number of seeds that learn the loop (default 5) and that learn as published and by least "
-        "squares (default 10)"
-    )
-    add_options(parser, {"--seeds N": seeds}, type=at_least(1), dest="number")
+    seeds = "number of seeds that learn the loop, as published and by least squares (default 5)"
+    add_options(parser, {"--seeds N": seeds}, type=at_least(1), default=5, dest="number")
     coarse = (
         "start learning at these factors times the identified values, e.g. F_s=0.7 F_c=0.7 v_s=3 "
         "sigma_0=0.5 sigma_1=0.5; a parameter not named has the factor 1"
@@ -74,8 +71,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 
 LEARNED = "learned.json"
-SEEDS = ("loop_seeds", "published_seeds")
-"""The numbers of seeds among the options of a reproduction."""
 Show = Callable[[], None]  # Prints what was computed
 
 
@@ -138,7 +133,7 @@ def _published(
     study = study_as_published(
         rig,
         identification,
-        range(options.seed, options.seed + options.published_seeds),
+        options.all_seeds,
         feed=options.feed,
         workers=execution.workers,
         on_stage=progress.stage,
@@ -169,7 +164,7 @@ def run(options: argparse.Namespace) -> Answer:
         seed=options.seed,
         preset=options.algorithm,
         feed=options.feed,
-        **({} if options.number is None else dict.fromkeys(SEEDS, options.number)),
+        seeds=options.number,
         complete=options.complete,
         coarse=coarse,
     )
@@ -179,7 +174,7 @@ def run(options: argparse.Namespace) -> Answer:
         "record": (_record, RECORD_FILES),
         "published": (_published, PUBLISHED_FILES),
     }[mode]
-    options.seeds = chosen.loop_seeds if mode == "drive" else 1  # of which each has a checkpoint
+    options.seeds = chosen.seeds if mode == "drive" else 1  # of which each has a checkpoint
     out = options.out or Path("results/as_published" if options.as_published else "results/paper")
     with (
         reserved(out, files),
