@@ -68,7 +68,6 @@ COMMANDS = {
         "child",
     ),
     "check": (["check", "--allow=env=MARK", "FMU", "FMU", "FMU", "FMU"], "fmucheck-*"),
-    "build": (["build", "drive", "--out", "OUT"], "stickslip-build-*"),
     "identify": (["identify", "--out", "OUT"], "stickslip-*/drive.fmu"),
 }
 """Commands, and what there is in the temporary folder, or as a process, when they are at work."""
@@ -88,8 +87,6 @@ def test_what_ends_a_process_is_one_line_and_leaves_nothing(command, number, tmp
         names["FMU"] = str(models.build_fmu("compensator", tmp_path))
     mark = f"signals-{os.getpid()}"
     settings = {"TMPDIR": str(temporary), "PYTHONPATH": str(ROOT), "MARK": mark}
-    if command == "build":  # else there is nothing to compile
-        settings["STICKSLIP_CACHE"] = str(tmp_path / "cache")
     with subprocess.Popen(
         [sys.executable, "-m", "stickslip", *(names.get(word, word) for word in arguments)],
         env=os.environ | settings,

@@ -138,12 +138,3 @@ def test_the_command_prints_the_verdict_and_writes_tables_and_page(learned, log,
 def test_options_that_do_not_go_together_are_refused(learned, log, more, message, capsys):
     assert main(["validate", str(learned()), "--log", str(log), *more]) != 0
     assert message in capsys.readouterr().err
-
-
-def test_an_open_interval_explains_nothing(learned, log):
-    path = learned({"m": 0.9})
-    document = json.loads(path.read_text())
-    document["parameters"]["F_c"]["standard_error"] = 60.0
-    path.write_text(json.dumps(document))
-    found, _ = predicted(path, log)
-    assert found.signals["force"].intervals < 0.1
