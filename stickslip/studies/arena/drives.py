@@ -16,7 +16,7 @@ from stickslip.errors import UsageError
 from stickslip.learned.file import LearnedFile
 from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
-from stickslip.studies.arena.drive_names import content
+from stickslip.studies.arena.drive_names import content, drive_names
 from stickslip.toml_files import read_toml
 from stickslip.trial.family import axis_values
 
@@ -92,10 +92,8 @@ class Drive:
 def default_drives(laws: Sequence[str] | None = None) -> list[Drive]:
     """Return the drives of ``drives.toml``, and one of each law that none has; of some laws."""
     found, common = _drives("drives.toml", content())
-    shown = {drive.law for drive in found}
-    for name in models.law_names():
-        if name not in shown:
-            found.append(Drive(name, models.load_law(name).title, name, common))
+    for law in drive_names()[len(found) :]:  # those of laws without one
+        found.append(Drive(law, models.load_law(law).title, law, common))
     return _of_laws(found, laws)
 
 

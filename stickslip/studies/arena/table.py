@@ -101,12 +101,10 @@ def points(table: pd.DataFrame, plan: Plan) -> pd.DataFrame:
     """Return error, effort, learning time [s] and largest Ms over the drives, a row an entrant."""
     here = table[table["tuned_on"] == table["drive"]]
 
-    def wide(metric: str) -> pd.DataFrame:
-        rows = here[here["metric"] == metric]
-        return rows.pivot_table("median", "compensator", "drive")
+    def wide(metric: str, rows: pd.DataFrame = here) -> pd.DataFrame:
+        return rows[rows["metric"] == metric].pivot_table("median", "compensator", "drive")
 
-    trapezoid = here[(here["metric"] == "variation") & (here["command"] == "T")]
-    variation = trapezoid.pivot_table("median", "compensator", "drive")
+    variation = wide("variation", here[here["command"] == "T"])
     base = variation.loc["none" if "none" in variation.index else plan.reference]
     columns = {
         "error": ranking(table, plan)["mean here"],

@@ -102,7 +102,10 @@ def drives_figure(table: pd.DataFrame) -> Figure:
         other = table[table["source"].notna() & (table["source"] != "log")]
         remarks = dict(zip(other["name"], other["source"], strict=True))
         remarks |= dict.fromkeys(table["name"][table["parameter"].isna()], "failed")
-        _name_drives(first, names, remarks)
+        shown = range(0, len(names), -(-len(names) // NAMED))  # of many drives only some
+        labels = [f"{name} ({remarks[name]})" if name in remarks else name for name in names]
+        first.set_ylim(len(names) - 0.3, -0.7)
+        first.set_yticks(list(shown), [labels[k] for k in shown])
     figure.legend(handles=_legend(learned), loc="outside lower center", ncols=4)
     return figure
 
@@ -144,16 +147,6 @@ def _range(table: pd.DataFrame) -> tuple[float, float]:
     values = pd.concat(shown).to_numpy(float)
     values = values[np.isfinite(values)]
     return float(values.min()), float(values.max())
-
-
-def _name_drives(axes: Axes, names: list[str], remarks: dict[str, str]) -> None:
-    """Name the lines; of many drives only some."""
-    axes.set_ylim(len(names) - 0.3, -0.7)
-    shown = range(0, len(names), -(-len(names) // NAMED))
-    labels = [
-        f"{names[k]} ({remarks[names[k]]})" if names[k] in remarks else names[k] for k in shown
-    ]
-    axes.set_yticks(list(shown), labels)
 
 
 def _legend(table: pd.DataFrame) -> list[Line2D]:

@@ -26,18 +26,11 @@ from stickslip.studies.validate.log_prediction import LogPrediction
 from stickslip.studies.validate.log_verdict import SIGNALS, change_scale
 from stickslip.studies.validate.log_verdict import WORDS as CHANGES
 
-TITLES = {
-    "force": "{0}, inverse model",
-    "position": "{1}, loop simulated",
-    "velocity": "Velocity, loop simulated",
-    "closed_loop_force": "{0}, loop simulated",
-}
-
 
 def signal_title(name: str, motion: Motion) -> str:
     """Return what a page calls a signal."""
-    place, push = (word.capitalize() for word in WORDS[motion])
-    return TITLES[name].format(push, place)
+    place, push = WORDS[motion]
+    return SIGNALS[name].replace("position", place).replace("force", push).capitalize()
 
 
 def signal_scale(motion: Motion, name: str, size: float) -> Scale:

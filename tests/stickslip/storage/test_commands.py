@@ -10,29 +10,10 @@ from pathlib import Path
 import pytest
 
 from stickslip import models
-from stickslip.cli import main
 
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[3]
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="POSIX limits")
-def test_a_file_that_finds_no_room_is_told_and_the_older_one_stays(tmp_path, capsys):
-    import resource
-
-    out = tmp_path / "plan.csv"
-    out.write_text("older")
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, before[1]))
-    try:
-        status = main(["plan", "--force", "--out", str(out)])
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    assert status == 1
-    assert capsys.readouterr().err == f"stickslip: {out}: File too large\n"
-    assert out.read_text() == "older"
-    assert list(tmp_path.iterdir()) == [out]
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")

@@ -3,7 +3,7 @@
 import pytest
 
 from stickslip.errors import UsageError
-from stickslip.studies.fleet.table import LogSource, Variant, read_fleet
+from stickslip.studies.fleet.table import LogSource, read_fleet
 
 
 def read(tmp_path, text):
@@ -22,7 +22,7 @@ def test_rows_become_drives_with_paths_beside_the_table(tmp_path):
     )
     one, two, three = read(tmp_path, text)
     assert one.source == LogSource(tmp_path / "logs/one.csv", tmp_path / "one.toml")
-    assert two.source == Variant({"m": 10.0, "noise": 1.0})
+    assert two.source == {"m": 10.0, "noise": 1.0}
     assert three.source.log.as_posix() == "/logs/a,b.mat"
     assert one.row == {"name": "one", "log": "logs/one.csv", "config": "one.toml"}
 
