@@ -83,7 +83,12 @@ def relative_errors(
     rows = table[(table["metric"] == RELATIVE) & (table["command"] == command)]
     nominal = plan.nominal.name if plan.nominal else ""
     chosen = rows["tuned_on"] == (nominal if carried else rows["drive"])
-    wide = rows[chosen].pivot_table("median", "compensator", "drive")
+    return medians(rows[chosen], plan)
+
+
+def medians(rows: pd.DataFrame, plan: Plan) -> pd.DataFrame:
+    """Return the medians of rows of one metric, a row an entrant, a column a drive."""
+    wide = rows.pivot_table("median", "compensator", "drive")
     return wide.reindex(list(plan.entrants)).reindex(columns=[one.name for one in plan.drives])
 
 
