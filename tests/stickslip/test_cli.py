@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import stickslip as ss
 from stickslip import models
 from stickslip.cli import COMMANDS, main
 
@@ -185,10 +186,8 @@ def test_export_makes_an_fmu_of_a_linear_system(tmp_path, capsys):
     assert main(["export", "lti", str(file), "--fmi", "3", "--out", str(tmp_path)]) == 0
     fmu = tmp_path / "lag.fmu"
     assert capsys.readouterr().out.split() == [str(fmu)]
-    arguments = ["simulate", str(fmu), "--set", "lag.u=3", "--stop", "1", "--step", "0.1"]
-    assert main([*arguments, "--out", str(tmp_path / "lag.csv")]) == 0
-    run = pd.read_csv(tmp_path / "lag.csv")
-    assert run["lag.y"].to_numpy() == pytest.approx(6 * (1 - np.exp(-2 * run["time"].to_numpy())))
+    run = ss.simulate(fmu, parameters={"u": 3.0}, stop=1.0, step=0.1)
+    assert run["lag.y"] == pytest.approx(6 * (1 - np.exp(-2 * run.time)))
 
 
 @pytest.mark.slow
