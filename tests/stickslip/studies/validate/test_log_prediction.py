@@ -83,6 +83,8 @@ def test_what_differs_is_named_with_an_interval_that_contains_it(learned, log, g
     first, *reasons = verdict(found, values)
     assert first.startswith("the drive of this log differs from the learned one")
     assert any(reason.startswith("friction: -") and "%" in reason for reason in reasons)
+    share = 100.0 * changed["m"].value / values["m"]
+    assert any(reason.startswith(f"inertia: {share:+.3g} % ") for reason in reasons)
     assert ("position" in found.signals) == (gains is not None)
 
 
