@@ -113,16 +113,12 @@ class Parser(argparse.ArgumentParser):
             return known[name]
         begun = [option for option in known if option.startswith(name)]
         if not (name.startswith("--") and begun):
-            self._refuse_option(name)
+            listed = (a.option_strings for a in self._actions if a.help != argparse.SUPPRESS)
+            shown = [option for options in listed for option in options if option.startswith("--")]
+            self.error(f"there is no option {name!r}{suggestion(name, shown)}")
         if len({known[option].dest for option in begun}) > 1:
             self.error(f"{name} is short for several options: {', '.join(begun)}")
         return known[begun[0]]
-
-    def _refuse_option(self, name: str) -> NoReturn:
-        """End with the options that look like one that is not known."""
-        listed = (a.option_strings for a in self._actions if a.help != argparse.SUPPRESS)
-        shown = [option for options in listed for option in options if option.startswith("--")]
-        self.error(f"there is no option {name!r}{suggestion(name, shown)}")
 
     def _refuse(self, word: str, action: argparse.Action | None) -> NoReturn:
         """End with what is wrong with a word that follows an option, or no option."""

@@ -176,11 +176,9 @@ class Model:
         return duration / math.ceil(duration / least * (1.0 - 1e-9))
 
     def idle_inputs(self, inputs: Iterable[str]) -> dict[str, tuple[Any, str]]:
-        """Return start value and unit of the inputs without a source, signal and set value.
+        """Return start value and unit of inputs without source and set value.
 
-        Parameters
-        ----------
-        inputs : the exposed inputs that have a signal
+        Those exposed inputs that are given have a signal.
         """
         system, sources, driven = self.system, self.system.sources(), {*inputs}
         found = {}

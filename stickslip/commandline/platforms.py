@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from stickslip.errors import UsageError
 from stickslip.fmi.toolchain import PLATFORMS, Platform, host_platform
 
 
@@ -34,15 +33,8 @@ def fmu_options(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def parse_platforms(names: Sequence[str]) -> list[Platform]:
-    """Return the platforms by name, each once; raise UsageError when one is unknown."""
-    if list(names) == ["all"]:
+    """Return the platforms by name, each once."""
+    if "all" in names:
         return list(PLATFORMS.values())
-    platforms = {}
-    for name in names:
-        if name != "host" and name not in PLATFORMS:
-            raise UsageError(
-                f"--platform {name}: unknown; choose host, all or some of {', '.join(PLATFORMS)}"
-            )
-        platform = host_platform() if name == "host" else PLATFORMS[name]
-        platforms[platform.tuple] = platform
-    return list(platforms.values())
+    found = (host_platform() if name == "host" else PLATFORMS[name] for name in names)
+    return list(dict.fromkeys(found))

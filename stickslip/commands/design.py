@@ -5,15 +5,11 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from stickslip.catalog.parameters import PAPER
 from stickslip.commandline import write_files
 from stickslip.output import Answer
 from stickslip.servo.axis import LOOP, Datasheet, LoopSpecification
-
-if TYPE_CHECKING:
-    from stickslip.servo.velocity_loop import VelocityLoop
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -47,15 +43,10 @@ def run(options: argparse.Namespace) -> Answer:
             options.bandwidth, options.phase_margin, options.sample_period, options.filter
         ),
     )
-    figures = summary(loop)
+    figures = {"K_p": loop.K_p, "K_i": loop.K_i, **loop.margins()}
     for name, value in figures.items():
         print(f"{name:20} {value:.6g}")
     content = {**figures, "nominal_loop": nominal_parameters(loop)}
     files = {"design.json": json.dumps(content, indent=2) + "\n"}
     write_files(options.out, {"name": "design"}, files)
     return Answer(content)
-
-
-def summary(loop: VelocityLoop) -> dict[str, float]:
-    """Return gains [N s/m, N/m] and what ``VelocityLoop.margins`` gives."""
-    return {"K_p": loop.K_p, "K_i": loop.K_i, **loop.margins()}

@@ -10,7 +10,7 @@ from typing import Any
 from stickslip.commandline import FLAG, add_options
 from stickslip.commandline.assignments import add_set_option, split_assignments
 from stickslip.commandline.platforms import add_fmu_options, fmu_options
-from stickslip.commands.export_compensator import add_compensator, add_components, add_observer
+from stickslip.commands.export_compensator import add_compensators
 from stickslip.errors import UsageError
 from stickslip.output import Answer
 
@@ -21,7 +21,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         dest="what", metavar="compensator|observer|components|lti|rig|FILE.ssp", required=True
     )
     exports.choices = exports._name_parser_map = _Parsers()  # noqa: SLF001 - no public way
-    for add in (add_compensator, add_observer, add_components, add_lti, add_rig, add_system):
+    for add in (add_compensators, add_lti, add_rig, add_system):
         add(exports)
 
 

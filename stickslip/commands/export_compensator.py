@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,27 +25,41 @@ NAME = "compensator"  # of the command, of what it writes, and of the model that
 MOST_SAMPLES = 10_000_000  # of a validation command
 
 
-def add_compensator(exports: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = exports.add_parser(NAME, help="the tuned compensator: FMU, C or PLC code")
-    parameters = {"--parameters FILE.json": "parameters of the compensator: a learned.json"}
-    add_options(parser, parameters, type=Path, required=True)
-    add_form_option(parser)
-    force = "export the whole force, even if it makes the loop worse"
-    add_options(parser, {"--force": force}, **FLAG)
-    add_fmu_options(parser)
-    parser.set_defaults(run=export_compensator)
-
-
-def add_form_option(parser: argparse.ArgumentParser) -> None:
-    """Declare ``--as``."""
-    parser.add_argument(
-        "--as",
-        dest="form",
-        choices=["fmu", "c", "st"],
-        default="fmu",
-        help="an FMU (default), C99 for firmware, or IEC 61131-3 structured text for a PLC",
+def add_compensators(exports: argparse._SubParsersAction[Any]) -> None:
+    """Declare the commands."""
+    forms = "FMU, C or PLC code"
+    _add(
+        *(exports, NAME, export_compensator, f"the tuned compensator: {forms}"),
+        parameters="parameters of the compensator: a learned.json",
+        force="export the whole force, even if it makes the loop worse",
     )
+    _add(
+        *(exports, "observer", export_observer, f"the disturbance observer: {forms}"),
+        parameters="a learned.json with an observer",
+        force="export it even if learn refused it or the loop is not robust with it",
+    )
+    _add(
+        *(exports, "components", export_components, f"compensators that learn: {forms}"),
+        parameters="a learned.json or winner.json with components",
+    )
+
+
+def _add(
+    exports: argparse._SubParsersAction[Any],
+    name: str,
+    run: Callable[[argparse.Namespace], Answer],
+    text: str,
+    parameters: str,
+    force: str = "",
+) -> None:
+    parser = exports.add_parser(name, help=text)
+    add_options(parser, {"--parameters FILE.json": parameters}, type=Path, required=True)
+    form = "an FMU (default), C99 for firmware, or IEC 61131-3 structured text for a PLC"
+    parser.add_argument("--as", dest="form", choices=["fmu", "c", "st"], default="fmu", help=form)
+    if force:
+        add_options(parser, {"--force": force}, **FLAG)
+    add_fmu_options(parser)
+    parser.set_defaults(run=run)
 
 
 def export_compensator(options: argparse.Namespace) -> Answer:
@@ -138,18 +153,6 @@ def write_as(options: argparse.Namespace, model: str, **given: Any) -> list[Path
     return [models.build_fmu(model, options.out, **given, **fmu_options(options))]
 
 
-def add_observer(exports: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = exports.add_parser("observer", help="the disturbance observer: FMU, C or PLC code")
-    parameters = {"--parameters FILE.json": "a learned.json with an observer"}
-    add_options(parser, parameters, type=Path, required=True)
-    add_form_option(parser)
-    force = "export it even if learn refused it or the loop is not robust with it"
-    add_options(parser, {"--force": force}, **FLAG)
-    add_fmu_options(parser)
-    parser.set_defaults(run=export_observer)
-
-
 def export_observer(options: argparse.Namespace) -> Answer:
     """Write the observer with its designed gains and print the paths.
 
@@ -176,7 +179,6 @@ def export_observer(options: argparse.Namespace) -> Answer:
 
 
 def _refusals(learned: LearnedFile, observer: Compensator) -> list[str]:
-
     found = []
     if learned.observer_refusal:
         found.append(f"learn does not recommend the observer: {learned.observer_refusal}")
@@ -199,16 +201,6 @@ def _peak(loop: VelocityLoop, observer: Compensator, speed: float) -> float:
         models.build_fmu(observer.model, folder)
         with ChainResponse(folder, loop, [observer], abs(speed)) as response:
             return response.of(loop, {}, friction=0.0).peak
-
-
-def add_components(exports: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = exports.add_parser("components", help="compensators that learn: FMU, C or PLC code")
-    parameters = {"--parameters FILE.json": "a learned.json or winner.json with components"}
-    add_options(parser, parameters, type=Path, required=True)
-    add_form_option(parser)
-    add_fmu_options(parser)
-    parser.set_defaults(run=export_components)
 
 
 def export_components(options: argparse.Namespace) -> Answer:

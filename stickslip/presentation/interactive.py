@@ -139,12 +139,12 @@ def _rounded(values: Array) -> list[float | None]:
 
 def plain(text: str) -> str:
     """Return a label without the marks of mathematical text."""
-    text = re.sub(r"\\([a-z]+)", lambda found: _letter(found[1]), text)
+
+    def letter(found: re.Match[str]) -> str:
+        try:
+            return unicodedata.lookup(f"GREEK SMALL LETTER {found[1]}")
+        except KeyError:
+            return found[1]
+
+    text = re.sub(r"\\([a-z]+)", letter, text)
     return re.sub(r"[${}]", "", text.replace("^2", "²"))
-
-
-def _letter(name: str) -> str:
-    try:
-        return unicodedata.lookup(f"GREEK SMALL LETTER {name}")
-    except KeyError:
-        return name

@@ -67,12 +67,7 @@ class Section:
 
 
 def render(title: str, sections: Iterable[Section], pictures: Mapping[str, Picture]) -> str:
-    """Return a page as HTML.
-
-    Parameters
-    ----------
-    pictures : the figures by name, in the order of their numbers
-    """
+    """Return a page as HTML; the figures are in the order of their numbers."""
     opened = {name: picture.panels for name, picture in pictures.items() if picture.panels}
     return fill(
         "presentation/page.j2",
@@ -86,18 +81,10 @@ def render(title: str, sections: Iterable[Section], pictures: Mapping[str, Pictu
 def write_page(
     folder: Path, title: str, sections: Sequence[Section], file: str = "report.html"
 ) -> list[Path]:
-    """Write each figure as PNG and SVG, and the page.
+    """Write each figure as PNG and SVG, and the page; return the files, the page last.
 
-    Raises OSError when the folder cannot be written.
-
-    Parameters
-    ----------
-    folder : is made if it is absent; each file of the same name is replaced atomically
-    file : name of the page
-
-    Returns
-    -------
-    the files written, the page last
+    The folder is made if it is absent, and each file of the same name replaced atomically. Raises
+    OSError when it cannot be written.
     """
     drawn = {name: draw for section in sections for name, draw in section.figures.items()}
     pictures = {name: Picture.of(draw) for name, draw in drawn.items()}

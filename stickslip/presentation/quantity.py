@@ -38,9 +38,9 @@ def parameter_unit(name: str) -> str:
     return _SHOWN[given][1] if given in _SHOWN else unit(given)
 
 
-def parameter_value(name: str, value: float, digits: int = 5) -> str:
+def parameter_value(name: str, value: float) -> str:
     """Return a value, given in SI, in that unit."""
-    return number(value * _factor(name), digits)
+    return number(value * _factor(name), 5)
 
 
 def parameter_estimate(name: str, estimate: Estimate) -> str:
@@ -66,12 +66,10 @@ def number(value: float, digits: int = 4) -> str:
         return "–"
     if value == 0.0:
         return "0"
-    exponent = math.floor(math.log10(abs(value)))
-    if _exponent(value):
+    if exponent := _exponent(value):
         mantissa = number(round(value / 10.0**exponent, digits - 1), digits)
         return f"{mantissa}{_power(exponent)}"
-    decimals = digits - 1 - exponent
-    text = _fixed(value, decimals)
+    text = _fixed(value, digits - 1 - math.floor(math.log10(abs(value))))
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 

@@ -15,16 +15,9 @@ COLUMNS = 700  # More than a printed page's width resolves
 
 
 def thinned(t: Array, signal: Array, columns: int = COLUMNS) -> tuple[Array, Array]:
-    """Return the least and the largest value of each stretch of time, in their order.
+    """Return a signal (n,) at times (n,) with at most 2 columns values, which draw the same line.
 
-    Parameters
-    ----------
-    t, signal : (n,) of any length
-    columns : so many stretches; a signal of at most two values each stays as it is
-
-    Returns
-    -------
-    two arrays of at most 2 columns values, which draw the same line
+    They are the least and the largest of each stretch of time, in their order.
     """
     if len(t) <= 2 * columns:
         return t, signal
@@ -55,13 +48,7 @@ class Scale:
 
     @classmethod
     def of(cls, size: float, unit: str) -> Scale:
-        """Return the prefix with which a size reads as 1 or more.
-
-        Parameters
-        ----------
-        size : of what is shown, in SI units
-        unit : the SI unit, as it is printed
-        """
+        """Return the prefix with which a size in an SI unit, as printed, reads as 1 or more."""
         fitting = (prefix for prefix in PREFIXES if SLACK * prefix <= size)
         prefix = next(fitting, min(PREFIXES)) if size > 0.0 else 1.0
         return cls(1.0 / prefix, PREFIXES[prefix] + unit)

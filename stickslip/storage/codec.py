@@ -28,13 +28,9 @@ Unit = str | Mapping[str, str] | Callable[[str], str]
 
 
 def entry(unit: Unit = "", key: str = "", *, stored: bool = True) -> dict[str, Any]:
-    """Return the metadata of a field of a dataclass.
+    """Return the metadata of a field: unit and name in files, and whether they have it.
 
-    Parameters
-    ----------
-    unit : of its value; stated in files
-    key : its name in files, by default that of the field
-    stored : whether files have it
+    The name is by default that of the field.
     """
     return {"unit": unit, "key": key, "stored": stored}
 
@@ -46,12 +42,7 @@ def units(kind: Any) -> dict[str, str]:
 
 
 def encode(value: Any, of_drive: Callable[[str], str] = str) -> Any:
-    """Return a value as plain data.
-
-    Parameters
-    ----------
-    of_drive : from the unit of a linear drive to that of the drive at hand
-    """
+    """Return a value as plain data; ``of_drive`` turns units of a linear drive to those at hand."""
     if isinstance(value, Mapping):
         return {str(name): encode(one, of_drive) for name, one in value.items()}
     if isinstance(value, list | tuple):

@@ -115,12 +115,9 @@ def hash_of(path: Path) -> str:
 def refuse_foreign(folder: Path, names: Iterable[str]) -> None:
     """Refuse to replace or delete files that the manifest does not list as they are.
 
-    Raises UsageError when there is a file of another origin, or one that was changed; it names the
-    first, or OSError when a link, a folder or a device is in the way; it names it.
-
-    Parameters
-    ----------
-    names : of the files, with ``/`` between the parts; they may be absent
+    The files, with ``/`` between the parts of their names, may be absent. Raises UsageError when
+    there is one of another origin, or one that was changed; it names the first, or OSError when a
+    link, a folder or a device is in the way; it names it.
     """
     listed: Mapping[str, str] = {}
     if os.path.lexists(folder / MANIFEST):

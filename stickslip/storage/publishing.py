@@ -60,15 +60,11 @@ def staged(
 ) -> Iterator[Path]:
     """Give a folder to write in; at the end of the block its files are the folder's new set.
 
-    Raises UsageError when another process writes there, or a file to be replaced is the user's, or
-    ResultsError when the folder is removed meanwhile, or OSError when a file cannot be written; the
-    old set is then as it was.
-
-    Parameters
-    ----------
-    folder : is made if it is absent
-    command : name and options of the command, for manifest.json, which is written here
-    without : names of files that must not stay, unless written now, whichever command wrote them
+    The folder is made if it is absent. manifest.json has name and options of the command. Files
+    ``without`` must not stay, unless written now, whichever command wrote them. Raises UsageError
+    when another process writes there, or a file to be replaced is the user's, or ResultsError when
+    the folder is removed meanwhile, or OSError when a file cannot be written; the old set is then
+    as it was.
     """
     with locked(folder):
         complete(folder)

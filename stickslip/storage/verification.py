@@ -40,12 +40,9 @@ class Verdict:
 def verify(folder: Path, without: Sequence[str] = ()) -> Verdict:
     """Compare a folder with its manifest; what a killed process left ready is moved in first.
 
+    Files of the patterns ``without`` are not compared, such as those a repository leaves out.
     Raises ResultsError when there is no such folder or no manifest in it, or UsageError when
     another process is replacing the results.
-
-    Parameters
-    ----------
-    without : patterns of files that are not compared, such as those a repository leaves out
     """
     if not folder.is_dir():
         raise ResultsError(f"{folder}: there is no such folder")

@@ -87,11 +87,7 @@ class Mismatch(Closing):
     """How unlike those of the drive the errors of a model are: the cost of a search.
 
     It pickles. Use it in a ``with`` block. The errors are those of the drive, see ``errors_of``.
-
-    Attributes
-    ----------
-    start : a model with what was identified, and with the noise with which it errs most like the
-        drive, and its mismatch
+    ``start`` is a model with what was identified, and the noise with which it errs most like it.
     """
 
     fatal = (cosim.CosimError,)
@@ -156,12 +152,7 @@ class Mismatch(Closing):
 
 
 class LawSearch:
-    """The search of a law's parameters.
-
-    Attributes
-    ----------
-    model : the best so far
-    """
+    """The search of a law's parameters; ``model`` is the best so far."""
 
     def __init__(self, cost: Mismatch) -> None:
         self._cost = cost

@@ -139,23 +139,21 @@ def refine(study: Study) -> Refinement:
         runs = bench.run(fit(study, runs).values)
     now, then = (relative_errors(motion, slow, one.gaps[2], study.rig.T_s) for one in (runs, start))
     ratio, what = max((now[name] / then[name], name) for name in now)
-    if runs.cost <= kept.FIT_WORSE * start.cost and ratio <= kept.FIT_WORSE:
-        final = fit(study, runs)
-        values = runs.values
-        estimates = {n: Estimate(x, x * final.errors[n]) for n, x in values.items()}
-        remark = (
-            f"in slow motions the fit leaves at most {ratio:.3g} times the error of what "
-            f"learning began with ({what})"
-        )
-        return Refinement(
-            estimates, final.alone, runs.training_cost, "refined", runs=bench.runs, remark=remark
-        )
+    chosen: Chosen = "refined"
     remark = (
-        f"the fit costs {runs.cost / start.cost:.3g} times as much as what learning began with "
-        f"and leaves up to {ratio:.3g} times its error in slow motions ({what}); expected at most "
-        f"{kept.FIT_WORSE:g} times each"
+        f"in slow motions the fit leaves at most {ratio:.3g} times the error of what "
+        f"learning began with ({what})"
     )
-    alone = fit(study, start).alone
+    if not (runs.cost <= kept.FIT_WORSE * start.cost and ratio <= kept.FIT_WORSE):
+        remark = (
+            f"the fit costs {runs.cost / start.cost:.3g} times as much as what learning began with "
+            f"and leaves up to {ratio:.3g} times its error in slow motions ({what}); expected at "
+            f"most {kept.FIT_WORSE:g} times each"
+        )
+        runs, chosen = start, "start"
+    final, estimates = fit(study, runs), dict(study.start)
+    if chosen == "refined":
+        estimates = {n: Estimate(x, x * final.errors[n]) for n, x in runs.values.items()}
     return Refinement(
-        dict(study.start), alone, start.training_cost, "start", runs=bench.runs, remark=remark
+        estimates, final.alone, runs.training_cost, chosen, runs=bench.runs, remark=remark
     )

@@ -47,7 +47,7 @@ def without_pictures(monkeypatch):
 
 
 def reproduced(fmus: Path) -> Reproduction:
-    return with_motions(reproduce(Options(loop_seeds=1), fmus, SILENT, Execution(2)), fmus)
+    return with_motions(reproduce(Options(seeds=1), fmus, SILENT, Execution(2)), fmus)
 
 
 @pytest.fixture(scope="session")

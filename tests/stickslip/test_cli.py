@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import stickslip as ss
 from stickslip import models
 from stickslip.cli import COMMANDS, main
 
@@ -36,7 +37,8 @@ def test_help_and_version_come_at_once():
         command = [sys.executable, "-c", loaded, option]
         run = subprocess.run(command, check=True, capture_output=True, text=True)
         assert {*shown} <= {*run.stdout.split()}
-        assert not {"numpy", "stickslip.cosim", "fmpy"} & {*run.stdout.split()}
+        large = {"numpy", "scipy", "pandas", "lxml", "stickslip.cosim", "fmpy"}
+        assert not large & {*run.stdout.split()}
 
 
 def modules(code, *arguments):
@@ -184,10 +186,8 @@ def test_export_makes_an_fmu_of_a_linear_system(tmp_path, capsys):
     assert main(["export", "lti", str(file), "--fmi", "3", "--out", str(tmp_path)]) == 0
     fmu = tmp_path / "lag.fmu"
     assert capsys.readouterr().out.split() == [str(fmu)]
-    arguments = ["simulate", str(fmu), "--set", "lag.u=3", "--stop", "1", "--step", "0.1"]
-    assert main([*arguments, "--out", str(tmp_path / "lag.csv")]) == 0
-    run = pd.read_csv(tmp_path / "lag.csv")
-    assert run["lag.y"].to_numpy() == pytest.approx(6 * (1 - np.exp(-2 * run["time"].to_numpy())))
+    run = ss.simulate(fmu, parameters={"u": 3.0}, stop=1.0, step=0.1)
+    assert run["lag.y"] == pytest.approx(6 * (1 - np.exp(-2 * run.time)))
 
 
 @pytest.mark.slow
@@ -241,15 +241,6 @@ def test_a_folder_that_cannot_be_written_is_reported_before_the_work(tmp_path, s
 def test_debug_shows_the_traceback(stage):
     with pytest.raises(ValueError, match="no variable"):
         main(["simulate", str(stage), "--set", "mm=1", "--debug"])
-
-
-def test_a_connection_to_nothing_is_reported(results, edited, tmp_path, capsys):
-    change = {'tor="F_ff"': 'tor="F_gg"'}
-    package = results / "loop.ssp"
-    broken = edited(package, tmp_path / "broken.ssp", change, "SystemStructure.ssd")
-    line = complaint(capsys, "simulate", broken)
-    assert "compensator.F_mean" in line
-    assert "controller.F_gg" in line
 
 
 @pytest.mark.parametrize(

@@ -88,8 +88,3 @@ def test_arrays_are_lists():
 def test_what_is_of_another_kind_is_named(change, message):
     with pytest.raises(ValueError, match=message):
         decode(Whole, PLAIN | change)
-
-
-def test_a_missing_entry_is_named():
-    with pytest.raises(ValueError, match="Part: 'size' is missing"):
-        decode(Part, {})

@@ -59,8 +59,6 @@ def test_a_row_of_the_table_gives_its_run_again(stage):
             inputs = pd.DataFrame({"u": [PUSH, PUSH]}, index=[0.0, STOP])
             ends.append(end_of_stage(simulation.run(given, inputs)))
     assert ends == [table["end"][2]] * 6
-    with pytest.raises(ss.Fault, match=r"a parameter comes twice: stage\.F_c"):
-        ss.simulate(stage, parameters={"F_c": 1.0, "stage.F_c": 2.0}, **RUN)
     with pytest.raises(ss.Fault, match="workers must be a whole number and at least 1, got '2'"):
         ss.sweep(stage, {"F_c": [0.2]}, {"end": end}, workers="2", **RUN)
 

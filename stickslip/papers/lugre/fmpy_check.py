@@ -43,13 +43,9 @@ class SecondOpinion:
 def second_opinion(
     fmu: Path, system: cosim.System, loop: VelocityLoop, commands: Mapping[str, Array]
 ) -> SecondOpinion:
-    """Run the loop over velocity commands, and the compensator alone in FMPy.
+    """Run the loop over velocity commands (n,) [m/s], and the compensator alone in FMPy.
 
-    Parameters
-    ----------
-    fmu : the compensator by itself, as it is deployed
-    system : ``paper_loop`` with the same compensator
-    commands : by name (n,) [m/s], one value a sample
+    The FMU is the compensator as it is deployed, the system ``paper_loop`` with it.
     """
     comparisons = {}
     for name, v_cmd in commands.items():

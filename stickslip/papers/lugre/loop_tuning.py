@@ -6,13 +6,14 @@ drive with its friction times a factor.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
+from stickslip import ga
 from stickslip.catalog.parameters import HIGH, LOW, friction_law
 from stickslip.evaluation.motions import MOTIONS, Motion
 from stickslip.evaluation.validation import PHASES, beginnings, covered
@@ -97,12 +98,13 @@ class LoopTuning:
 
     def fitness(self) -> pd.DataFrame:
         """Return the course of the searches: seed, generation, evaluations, best and mean cost."""
-        tables = []
-        for one in self.learned:
-            table = one.algorithm.convergence()
-            table.insert(0, "seed", one.seed)
-            tables.append(table)
-        return pd.concat(tables, ignore_index=True)
+        return courses((one.seed, one.algorithm) for one in self.learned)
+
+
+def courses(searches: Iterable[tuple[int, ga.Optimiser]]) -> pd.DataFrame:
+    """Return the course of searches by their seeds: seed, and the columns of ``convergence``."""
+    tables = {seed: search.convergence() for seed, search in searches}
+    return pd.concat(tables, names=["seed"]).reset_index("seed").reset_index(drop=True)
 
 
 def spread(median: float, low: float, high: float) -> str:

@@ -21,6 +21,7 @@ from stickslip.evaluation.motions import MOTIONS, TRAINING
 from stickslip.evaluation.validation import PHASES, summary
 from stickslip.fmi.process import Threads
 from stickslip.identification.stages import Identification
+from stickslip.papers.lugre.loop_tuning import courses
 from stickslip.papers.lugre.steps import UNCOMPENSATED
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.measurement import Array
@@ -99,14 +100,9 @@ class PublishedStudy:
         ``runs`` counts as the paper does, the elite of each generation included; ``evaluations``
         leaves it out, because its cost is known.
         """
-        tables = []
-        for one in self.seeds[OURS]:
-            assert one.algorithm is not None  # noqa: S101 - our reading searches
-            table = one.algorithm.convergence()
-            table.insert(0, "seed", one.seed)
-            table.insert(3, "runs", table["generation"] * ga.PAPER.population)
-            tables.append(table)
-        return pd.concat(tables, ignore_index=True)
+        table = courses((one.seed, one.algorithm) for one in self.seeds[OURS] if one.algorithm)
+        table.insert(3, "runs", table["generation"] * ga.PAPER.population)
+        return table
 
     def learned(self) -> pd.DataFrame:
         """Tabulate the five parameters and the cost: seed, quantity, unit, a column a method."""

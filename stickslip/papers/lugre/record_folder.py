@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -9,9 +10,11 @@ import pandas as pd
 from stickslip.fmi.files import atomic_write
 from stickslip.logs import Recording
 from stickslip.papers.lugre.folder import command_of, write_loop
-from stickslip.papers.lugre.page.record import FIGURES, sections
+from stickslip.papers.lugre.page.diagrams import draw_loops
+from stickslip.papers.lugre.page.section import section
+from stickslip.papers.lugre.page.validation import validation_section
 from stickslip.papers.lugre.record_mode import RecordReproduction
-from stickslip.presentation.page import picture_files
+from stickslip.presentation.page import Section, picture_files
 from stickslip.rigs.contract import commissioning_loop
 from stickslip.servo.axis import Datasheet
 from stickslip.storage import staged
@@ -25,7 +28,7 @@ from stickslip.studies.learn.recorded import gains_of
 RECORD_FILES = (
     *("table2.csv", "table4.csv", "fitness.csv", "profiles.csv"),
     *("recording.csv", "recording.toml", "learned.json", "compensator.fmu", "loop.ssp"),
-    *picture_files(FIGURES),
+    *picture_files(["fig2_loops", "fig6_tracking"]),
     *REPORT,
 )
 """What ``write_record_results`` writes."""
@@ -52,7 +55,15 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
         write_loop(reproduction.system, loop, staging / "loop.ssp", reproduction.options)
         write_json(recording_document(learned), staging / "learned.json")
         build_part(learned, deployed_feedforward(learned), "compensator", staging)
-        write_estimation_report(estimation, learned.findings, staging, sections(reproduction))
+        write_estimation_report(estimation, learned.findings, staging, _sections(reproduction))
+
+
+def _sections(reproduction: RecordReproduction) -> list[Section]:
+    """Return the sections on the loop that was designed on the learned parameters."""
+    loop = reproduction.learned.designed.plain
+    draw = partial(draw_loops, loop, reproduction.truth, reproduction.options)
+    loops = section("The loops", "record", reproduction, {"fig2_loops": draw})
+    return [validation_section(reproduction.validation), loops]
 
 
 def _table(recording: Recording) -> pd.DataFrame:

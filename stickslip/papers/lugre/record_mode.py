@@ -73,14 +73,7 @@ def learn_from_recording(
 def reproduce_from_recording(
     options: Options, fmus: Path, progress: Progress, execution: Execution | None = None
 ) -> RecordReproduction:
-    """Run the whole; FMUs are built into the folder ``fmus``, which must stay.
-
-    Raises
-    ------
-    models.ModelError, toolchain.ToolchainError
-    stickslip.errors.IdentificationError, stickslip.servo.axis.ControlError
-        When the drive does not show what is looked for, or its loop cannot be designed.
-    """
+    """Run the whole; FMUs are built into the folder ``fmus``. Raises as ``reproduce``."""
     rig = build_rig(options, fmus, progress)
     search = Search(options.preset, execution=execution or Execution())
     learned = learn_from_recording(rig, options.seed, search, progress)

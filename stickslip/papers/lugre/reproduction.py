@@ -50,12 +50,17 @@ class Options:
     # genetic algorithm for a recording
     preset: str = "default"
     feed: Feed = "nominal"  # what drives the compensator
-    loop_seeds: int = 5  # how many seeds search the loop, ``seed`` the first; 0 for none
-    published_seeds: int = 5  # how many seeds learn as published
+    # how many seeds search the loop and learn as published, ``seed`` the first; 0 for no loop
+    seeds: int = 5
     complete: bool = False  # take all steps: learn as published and from one recording, too
     # factors by name on what identification found, to begin learning there; see
     # ``stickslip/tuning/learning.py``
     coarse: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def all_seeds(self) -> range:
+        """The seeds."""
+        return range(self.seed, self.seed + self.seeds)
 
 
 @dataclass(frozen=True)
@@ -153,11 +158,8 @@ def reproduce(
 ) -> Reproduction:
     """Run the whole paper; FMUs are built into the folder ``fmus``, which must stay.
 
-    Raises
-    ------
-    models.ModelError, toolchain.ToolchainError
-    stickslip.errors.IdentificationError, stickslip.servo.axis.ControlError
-        When the drive does not show what is looked for, or its loop cannot be designed.
+    Raises ModelError, ToolchainError, or IdentificationError, ControlError when the drive does not
+    show what is looked for, or its loop cannot be designed.
     """
     rig = build_rig(options, fmus, progress)
     found = learn_on_rig(
@@ -168,7 +170,7 @@ def reproduce(
         progress=progress,
     )
     searched = None
-    if options.loop_seeds:
+    if options.seeds:
         searched = _tuned(options, rig, found, progress, execution or Execution())
     result = validated(options, rig, found, progress)
     return Reproduction(
@@ -193,9 +195,9 @@ def _tuned(
     study = replace(study, models=fit_models(study, progress.generation, execution))
     searched = with_law_found(study, options, progress)
     learned = []
-    for seed in range(options.seed, options.seed + options.loop_seeds):
+    for seed in options.all_seeds:
         progress.stage(f"learning the loop, seed {seed}")
-        own, how = replace(searched, seed=seed), execution.of_seed(seed, options.loop_seeds)
+        own, how = replace(searched, seed=seed), execution.of_seed(seed, options.seeds)
         learned.append(learn_loop(own, progress.generation, how))
     progress.stage("what each step brings")
     identified = {name: one.value for name, one in found.start.items()}

@@ -36,16 +36,16 @@ def with_studies(
     rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
     study = recorded = None
     if options.complete:
-        seeds = range(options.seed, options.seed + options.published_seeds)
         study = study_as_published(
             rig,
             found,
-            seeds,
+            options.all_seeds,
             feed=options.feed,
             workers=own.workers,
             on_stage=progress.stage,
         )
-        recorded = _recorded(rig, options, progress, own)
+        search = Search(options.preset, execution=own)
+        recorded = learn_from_recording(rig, options.seed, search, progress)
     progress.stage("all motions")
     studied = replace(reproduction, extras=extras, published=study)
     return with_motions(studied, fmus, recorded, execution.workers)
@@ -54,14 +54,7 @@ def with_studies(
 def with_motions(
     reproduction: Reproduction, fmus: Path, recorded: Learned | None = None, workers: int = 1
 ) -> Reproduction:
-    """Return a reproduction with what each of its steps does in all motions.
-
-    Parameters
-    ----------
-    fmus : folder of its FMUs
-    recorded : see ``steps``
-    workers : motions side by side
-    """
+    """Return a reproduction, whose FMUs are in a folder, with what its steps do in all motions."""
     options, study = reproduction.options, reproduction.published
     entries = steps(reproduction.identification, reproduction.learned, recorded)
     rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
@@ -73,25 +66,15 @@ def with_motions(
     return replace(reproduction, motions=motions)
 
 
-def _recorded(rig: FmuRig, options: Options, progress: Progress, execution: Execution) -> Learned:
-    """Return what one recording of the drive gives."""
-    search = Search(options.preset, execution=execution)
-    return learn_from_recording(rig, options.seed, search, progress)
-
-
-def all_effects() -> dict[str, float]:
-    """Return every Boolean parameter of the drive, switched on."""
-    variables = models.load_model("drive").variables
-    return {v.name: True for v in variables if v.role == "parameter" and v.type == "boolean"}
-
-
 def reproduce_with_extras(
     options: Options, fmus: Path, progress: Progress, execution: Execution
 ) -> Extras:
     """Take the steps on the drive with all effects on; ``fmus`` is made."""
     fmus.mkdir()
     stages = _Named(progress)
-    options = replace(options, loop_seeds=0, truth={**options.truth, **all_effects()})
+    parameters = (v for v in models.load_model("drive").variables if v.role == "parameter")
+    effects = {v.name: True for v in parameters if v.type == "boolean"}
+    options = replace(options, seeds=0, truth={**options.truth, **effects})
     try:
         found = reproduce(options, fmus, stages, execution)
         return Extras(step_by_step(found, fmus))

@@ -22,7 +22,7 @@ from stickslip.studies.arena.budget import Budget
 from stickslip.studies.arena.drive_names import require_drives
 from stickslip.studies.arena.drives import default_drives, learned_drive, read_drives
 from stickslip.studies.arena.protocol import Arena, Plan, run_arena
-from stickslip.studies.arena.table import ALL, arena_table, ranking, relative_errors
+from stickslip.studies.arena.table import ALL, arena_table, medians, ranking, relative_errors
 from stickslip.studies.arena.writing import FILES, write_arena
 from stickslip.work.jobs import Execution
 
@@ -107,10 +107,7 @@ class Comparison:
     def sensitivity(self) -> pd.DataFrame:
         """Return the peak sensitivity Ms of each entrant as tuned on each drive."""
         rows = self.table[self.table["metric"] == "Ms"]
-        here = rows[rows["tuned_on"] == rows["drive"]]
-        found = here.pivot_table("median", "compensator", "drive")
-        plan = self.arena.plan
-        return found.reindex(list(plan.entrants)).reindex(columns=[one.name for one in plan.drives])
+        return medians(rows[rows["tuned_on"] == rows["drive"]], self.arena.plan)
 
     def plot(self) -> list[Axes]:
         """Draw the errors as heat maps: tuned on each drive, and carried over to it.

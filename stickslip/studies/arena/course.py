@@ -5,12 +5,12 @@ from __future__ import annotations
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Self
 
 import numpy as np
 
 from stickslip import cosim, models
 from stickslip.compensators.entrants import Entrant, TunedEntrant
+from stickslip.identification.criteria.runs import Closing
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_loop, nominal_parameters
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -29,7 +29,7 @@ def build_entrants(folder: Path, entrants: list[Entrant]) -> None:
             models.build_fmu(part.model, folder, law=law, called=file)
 
 
-class Course:
+class Course(Closing):
     """A loop that is prepared once and run with many values of its entrant's parameters."""
 
     def __init__(
@@ -49,12 +49,9 @@ class Course:
     def run(
         self, tuned: TunedEntrant, v_cmd: Array, drive: Mapping[str, float] | None = None
     ) -> cosim.Result:
-        """Run one command; raise SimulationError when an FMU fails.
+        """Run a command (n,) [m/s], with start values of the drive such as the seed of its noise.
 
-        Parameters
-        ----------
-        v_cmd : (n,) [m/s]
-        drive : start values of the drive, such as the seed of its noise
+        Raises SimulationError when an FMU fails.
         """
         values = dict(tuned.parameters)
         if tuned.loop is not self.loop:
@@ -72,9 +69,3 @@ class Course:
     def close(self) -> None:
         """Free the FMUs."""
         self._simulation.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()

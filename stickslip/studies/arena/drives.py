@@ -13,11 +13,11 @@ import numpy as np
 from stickslip import models
 from stickslip.compensators.entrants import SPEED
 from stickslip.errors import UsageError
-from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.learned.file import LearnedFile
 from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
-from stickslip.studies.arena.drive_names import content
+from stickslip.studies.arena.drive_names import content, drive_names
+from stickslip.toml_files import read_toml
 from stickslip.trial.family import axis_values
 
 AXIS = Axis(5.557, 6.6135, Datasheet().tau_i)  # That of the paper's stage
@@ -62,34 +62,26 @@ class Drive:
     def changes(self, robustness: str, resolution: str) -> Changes:
         """Return changed drives, and the unchanged one under the names of the commands.
 
-        Parameters
-        ----------
-        robustness : command for other friction, mass and lag
-        resolution : command for another encoder and more noise
+        One command is for other friction, mass and lag, one for another encoder and more noise.
         """
         law, model = models.load_law(self.law), models.load_model("drive", self.law)
         true = {**{v.name: v.start for v in model.variables}, **self.parameters}
-        powers = {
-            name: law.parameters[name.partition("[")[0]].force
-            for name in true
-            if name.partition("[")[0] in law.parameters
+        stems = {name: name.partition("[")[0] for name in true}
+        powers = {n: law.parameters[s].force for n, s in stems.items() if s in law.parameters}
+        # label, command, powers of the factor by parameter, and the factor
+        changes: list[tuple[str, str, Mapping[str, float], float]] = [
+            (f"{what} x {factor:g}", robustness, names, factor)
+            for what, names in {"friction": powers, "mass": {"m": 1}, "lag": {"tau_i": 1}}.items()
+            for factor in SHARES[what]
+        ]
+        steps = {"encoder_step": 1}
+        changes += [(label, resolution, steps, factor) for label, factor in STEPS.items()]
+        changes.append((f"noise x {NOISE:g}", resolution, {"noise_x": 1, "noise_F": 1}, NOISE))
+        plain = {command: (command, dict[str, float]()) for command in (robustness, resolution)}
+        return plain | {
+            label: (command, {n: true[n] * factor**power for n, power in of.items() if power})
+            for label, command, of, factor in changes
         }
-        found: dict[str, tuple[str, dict[str, float]]] = {
-            robustness: (robustness, {}),
-            resolution: (resolution, {}),
-        }
-
-        def change(label: str, command: str, powers: Mapping[str, float], factor: float) -> None:
-            kept = {name: true[name] * factor**power for name, power in powers.items() if power}
-            found[label] = command, kept
-
-        for what, names in {"friction": powers, "mass": {"m": 1}, "lag": {"tau_i": 1}}.items():
-            for factor in SHARES[what]:
-                change(f"{what} x {factor:g}", robustness, names, factor)
-        for label, factor in STEPS.items():
-            change(label, resolution, {"encoder_step": 1}, factor)
-        change(f"noise x {NOISE:g}", resolution, {"noise_x": 1, "noise_F": 1}, NOISE)
-        return found
 
     @property
     def mass(self) -> float:
@@ -98,17 +90,10 @@ class Drive:
 
 
 def default_drives(laws: Sequence[str] | None = None) -> list[Drive]:
-    """Return the drives of ``drives.toml``, and one of each law that none of them has.
-
-    Parameters
-    ----------
-    laws : only drives with one of these
-    """
+    """Return the drives of ``drives.toml``, and one of each law that none has; of some laws."""
     found, common = _drives("drives.toml", content())
-    shown = {drive.law for drive in found}
-    for name in models.law_names():
-        if name not in shown:
-            found.append(Drive(name, models.load_law(name).title, name, common))
+    for law in drive_names()[len(found) :]:  # those of laws without one
+        found.append(Drive(law, models.load_law(law).title, law, common))
     return _of_laws(found, laws)
 
 
@@ -119,13 +104,9 @@ def read_drives(
 
     Raises UsageError when it cannot be read, or a drive is not well formed.
     """
-    if not isinstance(source, Path):
-        return _of_laws(_drives("drives", dict(source))[0], laws)
-    try:
-        content = parse_toml(read_limited(source, MOST_TEXT))
-    except ValueError as error:
-        raise UsageError(f"{source}: {error}") from None
-    return _of_laws(_drives(str(source), content)[0], laws)
+    if isinstance(source, Path):
+        return _of_laws(_drives(str(source), read_toml(source))[0], laws)
+    return _of_laws(_drives("drives", dict(source))[0], laws)
 
 
 def learned_drive(path: Path) -> Drive:

@@ -107,19 +107,14 @@ def moves(T_s: float, factor: float = 1.0) -> Training:
 
 
 def sweep(T_s: float, factor: float = 1.0) -> Training:
-    """Return the sweep of ``training``, whose last pass counts."""
-    v_cmd = training(T_s, factor)
-    return Training(v_cmd, np.arange(len(v_cmd)) >= len(v_cmd) - len(v_cmd) // PASSES)
+    """Return a slow sweep, whose last pass counts, times a factor.
 
-
-def training(T_s: float, factor: float = 1.0) -> Array:
-    """Return the command (n,) [m/s] with which entrants are tuned, times a factor.
-
-    A slow sweep: what learns while it runs needs reversals that last longer than the loop takes to
-    answer, which those of the paper's sweep to 5 Hz do not.
+    What learns while it runs needs reversals that last longer than the loop takes to answer, which
+    those of the paper's sweep to 5 Hz do not.
     """
     n = round((_SWEEP.duration + _REST) / T_s)
-    return factor * np.tile(_SWEEP.sample(np.asarray(np.arange(n) * T_s)), PASSES)
+    v_cmd = factor * np.tile(_SWEEP.sample(np.asarray(np.arange(n) * T_s)), PASSES)
+    return Training(v_cmd, np.arange(PASSES * n) >= (PASSES - 1) * n)
 
 
 def _trapezoid() -> Command:

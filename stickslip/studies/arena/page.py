@@ -37,12 +37,7 @@ _BETTER, _WORSE = (0, 79, 134), (224, 123, 0)
 
 
 def sections(arena: Arena, found: pd.DataFrame) -> list[Section]:
-    """Return the sections of the page.
-
-    Parameters
-    ----------
-    found : see ``table.arena_table``
-    """
+    """Return the sections of the page, from what ``table.arena_table`` returns, too."""
     plan = arena.plan
     pareto = Section(
         "Error, effort and learning time",
@@ -103,7 +98,8 @@ def _heat_map(
     wide, order = relative_errors(found, plan, carried=carried), ranking(found, plan)
     nominal, label = plan.nominal.name if plan.nominal else "", "carried" if carried else "here"
     rows = []
-    for one in sorted((plan.entrant(name) for name in plan.entrants), key=_knowledge):
+    entrants = map(plan.entrant, plan.entrants)
+    for one in sorted(entrants, key=lambda one: (one.knows_friction, len(one.parts) > 1)):
         cells = []
         for drive in plan.drives:
             place = drive.name, one.name, nominal if carried else drive.name
@@ -115,10 +111,6 @@ def _heat_map(
             cells.append(_cell(value) | {"figure": figure})
         rows.append((one, cells))
     return rows
-
-
-def _knowledge(one: Entrant) -> tuple[bool, bool]:
-    return one.knows_friction, len(one.parts) > 1
 
 
 def _marked(arena: Arena) -> set[tuple[str, str, str]]:

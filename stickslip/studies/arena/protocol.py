@@ -158,12 +158,8 @@ def run_arena(
 ) -> Arena:
     """Run all cells; each is in ``unfinished/`` as soon as it is known.
 
-    Raises
-    ------
-    UsageError
-        When the folder holds an arena that did not end and is not to be resumed.
-    KeyboardInterrupt
-        At Ctrl-C; says what is kept.
+    Raises UsageError when the folder holds an arena that did not end and is not to be resumed, or
+    KeyboardInterrupt at Ctrl-C; it says what is kept.
     """
     unfinished = folder / UNFINISHED
     complete(unfinished)

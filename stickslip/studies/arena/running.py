@@ -20,19 +20,16 @@ def footprint(fmus: Path, one: Entrant) -> dict[str, float]:
 
     The numbers are missing for an FMU of the user, which does not tell them.
     """
+    parts = [part for part in one.parts if part.compensator is not None]
     found = {"binary size": 0.0}
-    sizes = []
-    for part in one.parts:
-        if part.compensator is None:
-            continue
+    for part in parts:
         with zipfile.ZipFile(fmus / f"{part.file}.fmu") as archive:
             members = archive.infolist()
         # The FMUs of the arena are built for the platform that runs them.
         binaries = [one.file_size for one in members if one.filename.startswith("binaries/")]
         found["binary size"] += max(binaries, default=0)
-        sizes.append(None if part.own_fmu else len(part.kept))
-    if None not in sizes:
-        found["states"] = float(sum(size or 0 for size in sizes))
+    if not any(part.own_fmu for part in parts):
+        found["states"] = float(sum(len(part.kept) for part in parts))
     return found
 
 

@@ -23,13 +23,12 @@ RELATIVE = "relative error"
 DIGITS = 6  # Significant digits of the figures
 ALL = "all"  # The command of a row that is a mean over all commands
 TUNING = {
-    "cost": "m/s",
-    "evaluations": "1",
-    "seconds": "s",
-    "soon": "s",
+    "cost": ("training error", "m/s"),
+    "evaluations": ("evaluations", "1"),
+    "seconds": ("motion", "s"),
+    "soon": ("motion until tuned", "s"),
 }
-"""Figures of ``Found`` that are rows, and their units."""
-_NAMES = {"cost": "training error", "seconds": "motion", "soon": "motion until tuned"}
+"""Figures of ``TuningResult`` that are rows, their metrics and units."""
 
 
 def arena_table(arena: Arena) -> pd.DataFrame:
@@ -79,14 +78,17 @@ def relative_errors(
 ) -> pd.DataFrame:
     """Return the errors relative to the reference, a row an entrant, a column a drive.
 
-    Parameters
-    ----------
-    carried : whether those tuned on the nominal drive are returned instead of those tuned here
+    They are of entrants that were tuned on each drive, or, carried over, on the nominal one.
     """
     rows = table[(table["metric"] == RELATIVE) & (table["command"] == command)]
     nominal = plan.nominal.name if plan.nominal else ""
     chosen = rows["tuned_on"] == (nominal if carried else rows["drive"])
-    wide = rows[chosen].pivot_table("median", "compensator", "drive")
+    return medians(rows[chosen], plan)
+
+
+def medians(rows: pd.DataFrame, plan: Plan) -> pd.DataFrame:
+    """Return the medians of rows of one metric, a row an entrant, a column a drive."""
+    wide = rows.pivot_table("median", "compensator", "drive")
     return wide.reindex(list(plan.entrants)).reindex(columns=[one.name for one in plan.drives])
 
 
@@ -104,12 +106,10 @@ def points(table: pd.DataFrame, plan: Plan) -> pd.DataFrame:
     """Return error, effort, learning time [s] and largest Ms over the drives, a row an entrant."""
     here = table[table["tuned_on"] == table["drive"]]
 
-    def wide(metric: str) -> pd.DataFrame:
-        rows = here[here["metric"] == metric]
-        return rows.pivot_table("median", "compensator", "drive")
+    def wide(metric: str, rows: pd.DataFrame = here) -> pd.DataFrame:
+        return rows[rows["metric"] == metric].pivot_table("median", "compensator", "drive")
 
-    trapezoid = here[(here["metric"] == "variation") & (here["command"] == "T")]
-    variation = trapezoid.pivot_table("median", "compensator", "drive")
+    variation = wide("variation", here[here["command"] == "T"])
     base = variation.loc["none" if "none" in variation.index else plan.reference]
     columns = {
         "error": ranking(table, plan)["mean here"],
@@ -180,20 +180,13 @@ def _rows(arena: Arena, place: tuple[str, str]) -> Iterator[dict[str, Any]]:
                 "median": float(np.median(values)),
                 "worst": float(np.max(values)),
             }
-        margins = {"phase margin": "rad"}
-        found = {
-            metric: (value, margins.get(metric, "1"))
-            for metric, value in validated["peaks"].items()
-        }
-        found |= {
-            metric: (value, "B" if "size" in metric else "1")
-            for metric, value in document["footprint"].items()
-        }
-        for key, unit in TUNING.items():
-            if key == "cost" and arena.plan.entrant(name).positions:
-                unit = "m"
-            found[_NAMES.get(key, key)] = (document["tuned"][tuned_on][key], unit)
-        for metric, (value, unit) in found.items():
+        units = {"phase margin": "rad", "binary size": "B", **dict(TUNING.values())}
+        if arena.plan.entrant(name).positions:
+            units["training error"] = "m"
+        found = {**validated["peaks"], **document["footprint"]}
+        found |= {metric: document["tuned"][tuned_on][key] for key, (metric, _) in TUNING.items()}
+        for metric, value in found.items():
+            unit = units.get(metric, "1")
             yield {**same, "metric": metric, "unit": unit, "median": value, "worst": value}
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -63,16 +63,53 @@ def validate(
     sheet: Datasheet | None = None,
 ) -> ValidationResult:
     """Run every command from several starts: other noise, other places between encoder steps."""
-    found, loop = ValidationResult(), one.base(loop)
+    found, loop, step = ValidationResult(), one.base(loop), (sheet or Datasheet()).encoder_step
     for position in (False, True):
         chosen = [command for command in commands if command.position == position]
-        if chosen and position and not one.positions:
+        if not chosen:
+            continue
+        if position and not one.positions:
             loop = position_loop(loop)
             tuned = replace(tuned, loop=tuned.loop.changed(K_x=loop.K_x))
-        if chosen:
-            step = (sheet or Datasheet()).encoder_step
-            _validate(fmus, loop, one, tuned, chosen, starts, step, found)
+        sampled = {command.name: command.sample(loop.T_s) for command in chosen}
+        with Course(fmus, loop, one, max(map(len, sampled.values())), RECORDED) as course:
+            for command in chosen:
+                for k, run in enumerate(_runs(course, tuned, sampled, command.name, starts, step)):
+                    if isinstance(run, cosim.SimulationError):
+                        found.reason = found.reason or str(run)
+                        continue
+                    for metric, (value, unit) in figures(command, run, tuned.loop).items():
+                        found.figures.setdefault((command.name, metric, unit), []).append(value)
+                    if k == 0:
+                        gap = 1e9 * run.position_error
+                        shown = gap if command.position else 1e6 * run.velocity_error
+                        found.plots[command.name] = _thinned(shown)
+                        if command.kind == "circle":
+                            found.circle = _turn(gap, command, loop.T_s)
     return found
+
+
+def _runs(
+    course: Course,
+    tuned: TunedEntrant,
+    sampled: Mapping[str, Array],  # the commands of a course (n,) [m/s] by name
+    name: str,
+    starts: int,
+    step: float,  # of the encoder, between two of which the starts lie evenly [m]
+    values: Mapping[str, float] | None = None,  # start values of the drive
+) -> Iterator[Trace | cosim.SimulationError]:
+    """Yield the run of a command from each start, or why it failed."""
+    v_cmd, T_s = sampled[name], course.loop.T_s
+    top = max(float(np.max(np.abs(one))) for one in sampled.values())
+    for k in range(starts):
+        place = step * ((k + 0.5) / starts - 0.5)
+        try:
+            run = course.run(tuned, v_cmd, {**(values or {}), "seed": k + 1, "x": place})
+            require_bounded(run["drive.v"], top)
+        except cosim.SimulationError as error:
+            yield error
+        else:
+            yield Trace.of(T_s, v_cmd, run, step)
 
 
 def validate_changed(
@@ -89,20 +126,14 @@ def validate_changed(
     loop, step, starts = one.base(loop), sheet.encoder_step, min(starts, FEW)
     commands = {name: COMMANDS[name].scaled(factor) for name in (ROBUSTNESS, RESOLUTION)}
     sampled = {name: command.sample(loop.T_s) for name, command in commands.items()}
-    top = max(float(np.max(np.abs(v_cmd))) for v_cmd in sampled.values())
     errors: dict[str, list[float]] = {}
     with Course(fmus, loop, one, max(map(len, sampled.values())), RECORDED) as course:
         for label, (name, values) in changes.items():
-            for k, place in enumerate(_places(starts, step)):
-                start = {**values, "seed": k + 1, "x": place}
-                try:
-                    run = course.run(tuned, sampled[name], start)
-                    require_bounded(run["drive.v"], top)
-                except cosim.SimulationError:
-                    continue
-                trace = Trace.of(loop.T_s, sampled[name], run, step)
-                error = figures(commands[name], trace, tuned.loop)[ERROR][0]
-                errors.setdefault(label, []).append(error)
+            errors[label] = [
+                figures(commands[name], run, tuned.loop)[ERROR][0]
+                for run in _runs(course, tuned, sampled, name, starts, step, values)
+                if isinstance(run, Trace)
+            ]
     whole = {label: np.array(found) for label, found in errors.items() if len(found) == starts}
     ratios = {
         (changes[label][0], f"{RATIO} {label}", "1"): (found / whole[changes[label][0]]).tolist()
@@ -117,46 +148,6 @@ def validate_changed(
         slope = (whole[coarse] - whole[fine]) / ((high - low) * step)
         ratios[RESOLUTION, PER_STEP, "1/s"] = slope.tolist()
     return ratios
-
-
-def _places(starts: int, step: float) -> list[float]:
-    """Return where runs start, evenly between two steps of the encoder [m]."""
-    places: list[float] = (step * ((np.arange(starts) + 0.5) / starts - 0.5)).tolist()
-    return places
-
-
-def _validate(
-    fmus: Path,
-    loop: VelocityLoop,
-    one: Entrant,
-    tuned: TunedEntrant,
-    commands: Sequence[Command],
-    starts: int,
-    encoder_step: float,
-    found: ValidationResult,
-) -> None:
-    sampled = {command.name: command.sample(loop.T_s) for command in commands}
-    n = max(len(v_cmd) for v_cmd in sampled.values())
-    top = max(float(np.max(np.abs(v_cmd))) for v_cmd in sampled.values())
-    with Course(fmus, loop, one, n, RECORDED) as course:
-        for command in commands:
-            v_cmd = sampled[command.name]
-            for k, place in enumerate(_places(starts, encoder_step)):
-                try:
-                    run = course.run(tuned, v_cmd, {"seed": k + 1, "x": place})
-                    require_bounded(run["drive.v"], top)
-                except cosim.SimulationError as error:
-                    found.reason = found.reason or str(error)
-                    continue
-                trace = Trace.of(loop.T_s, v_cmd, run, encoder_step)
-                for metric, (value, unit) in figures(command, trace, tuned.loop).items():
-                    found.figures.setdefault((command.name, metric, unit), []).append(value)
-                if k == 0:
-                    gap = 1e9 * trace.position_error
-                    shown = gap if command.position else 1e6 * trace.velocity_error
-                    found.plots[command.name] = _thinned(shown)
-                    if command.kind == "circle":
-                        found.circle = _turn(gap, command, loop.T_s)
 
 
 def sensitivities(

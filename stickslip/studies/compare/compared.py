@@ -59,14 +59,10 @@ def parameter_rows(name: str, parameters: Mapping[str, Mapping[str, Any]]) -> li
 
 
 def compare(places: Iterable[Path]) -> DriveComparison:
-    """Return what the results of ``learn``, ``reproduce`` and ``fleet`` say.
+    """Return what learned.json files say, or folders with one, or folders of a fleet.
 
     Raises UsageError when there is no learned.json at a place, or one is not valid, or OSError when
     a file cannot be read.
-
-    Parameters
-    ----------
-    places : learned.json files, folders with one, or folders of a fleet
     """
     files = [file for place in places for file in _files(place)]
     names = _names(files)

@@ -44,15 +44,10 @@ LONGEST = 190.0  # Of all lines of a panel [mm]
 def drives_sections(
     parameters: Table, head: Html, file: str, errors: Table | None = None
 ) -> list[Section]:
-    """Return the sections of a page on several drives.
+    """Return the sections of a page on several drives, with a figure of this name.
 
-    Parameters
-    ----------
-    parameters : with the columns ``tables.PARAMETERS``; optionally truth, and source, which is
-        shown unless it is log; a drive that failed has a row without a parameter
-    head : what the page begins with
-    file : name of the figure's files
-    errors : of the compensators, with the columns ``tables.ERRORS``
+    The tables have the columns ``tables.PARAMETERS``, optionally truth, and source, which is shown
+    unless it is log, and ``tables.ERRORS``. A drive that failed has a row without a parameter.
     """
     table = parameters.frame()
     learned = [row for row in parameters.rows if isinstance(row.get("parameter"), str)]
@@ -107,7 +102,10 @@ def drives_figure(table: pd.DataFrame) -> Figure:
         other = table[table["source"].notna() & (table["source"] != "log")]
         remarks = dict(zip(other["name"], other["source"], strict=True))
         remarks |= dict.fromkeys(table["name"][table["parameter"].isna()], "failed")
-        _name_drives(first, names, remarks)
+        shown = range(0, len(names), -(-len(names) // NAMED))  # of many drives only some
+        labels = [f"{name} ({remarks[name]})" if name in remarks else name for name in names]
+        first.set_ylim(len(names) - 0.3, -0.7)
+        first.set_yticks(list(shown), [labels[k] for k in shown])
     figure.legend(handles=_legend(learned), loc="outside lower center", ncols=4)
     return figure
 
@@ -149,16 +147,6 @@ def _range(table: pd.DataFrame) -> tuple[float, float]:
     values = pd.concat(shown).to_numpy(float)
     values = values[np.isfinite(values)]
     return float(values.min()), float(values.max())
-
-
-def _name_drives(axes: Axes, names: list[str], remarks: dict[str, str]) -> None:
-    """Name the lines; of many drives only some."""
-    axes.set_ylim(len(names) - 0.3, -0.7)
-    shown = range(0, len(names), -(-len(names) // NAMED))
-    labels = [
-        f"{names[k]} ({remarks[names[k]]})" if names[k] in remarks else names[k] for k in shown
-    ]
-    axes.set_yticks(list(shown), labels)
 
 
 def _legend(table: pd.DataFrame) -> list[Line2D]:

@@ -57,7 +57,7 @@ def _document(drive: Drive, seed: int, progress: Progress) -> dict[str, Any]:
         learned = learn(drive.source.log, description, seed=seed, progress=progress)
         document = log_document(learned)
     else:
-        with rig_of(drive.source.changes) as rig:
+        with rig_of(drive.source) as rig:
             learned = learn_from_recording(rig, seed, Search(), progress)
         document = recording_document(learned)
     return document | {"findings": [str(finding) for finding in learned.findings]}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -43,13 +44,9 @@ def learn_fleet(
 ) -> Fleet:
     """Learn all drives; each learned.json is in ``unfinished/`` as soon as it is known.
 
-    Raises
-    ------
-    UsageError
-        When the folder holds a study that did not end and is not to be resumed, or files of the
-        user where this one would keep what it learns.
-    KeyboardInterrupt
-        At Ctrl-C; says what is kept.
+    Raises UsageError when the folder holds a study that did not end and is not to be resumed, or
+    files of the user where this one would keep what it learns, or KeyboardInterrupt at Ctrl-C; it
+    says what is kept.
     """
     execution = execution or Execution()
     unfinished = folder / UNFINISHED
@@ -101,12 +98,7 @@ def _origin(drive: Drive) -> dict[str, Any]:
     if isinstance(drive.source, LogSource):
         for column, path in (("log", drive.source.log), ("config", drive.source.config)):
             if path is not None:
-                files[column] = _hash(path)
+                files[column] = None
+                with suppress(OSError):  # the drive will fail, and say why
+                    files[column] = digest(path)
     return {"row": dict(drive.row), "sha256": files}
-
-
-def _hash(path: Path) -> str | None:
-    try:
-        return digest(path)
-    except OSError:
-        return None  # the drive will fail, and say why

@@ -32,24 +32,18 @@ class LogSource:
 
 
 @dataclass(frozen=True)
-class Variant:
-    """A simulated drive that is recorded, by the parameters that differ from Table 2."""
-
-    changes: Changes
-
-
-@dataclass(frozen=True)
 class Drive:
     """A row of a fleet's table."""
 
     name: str  # unique, and valid as the name of a folder
-    source: LogSource | Variant  # of its recording
+    # of its recording: a log, or parameters of a simulated drive that differ from Table 2
+    source: LogSource | Changes
     row: Mapping[str, str]  # its cells as they were written, by column
 
     @property
     def kind(self) -> str:
         """What was recorded: a simulated drive, or whatever made the log."""
-        return SIMULATED if isinstance(self.source, Variant) else "log"
+        return "log" if isinstance(self.source, LogSource) else SIMULATED
 
 
 def read_fleet(path: Path) -> list[Drive]:
@@ -119,8 +113,8 @@ def _drive(folder: Path, cells: dict[str, str]) -> Drive:
     if log:
         return Drive(name, LogSource(folder / log, folder / config if config else None), row)
     try:
-        variant = Variant(drive_changes(shlex.split(changes)))
-        drive_truth(variant.changes)
+        variant = drive_changes(shlex.split(changes))
+        drive_truth(variant)
     except (ValueError, models.ModelError) as error:
         raise ValueError(f"set: {str(error).removeprefix('--set ')}") from None
     return Drive(name, variant, row)

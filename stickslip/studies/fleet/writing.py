@@ -19,7 +19,7 @@ from stickslip.studies.compare.compared import error_ratios, parameter_rows
 from stickslip.studies.compare.page import drives_sections
 from stickslip.studies.compare.tables import ERRORS, PARAMETER, PARAMETERS, UNIT, value_column
 from stickslip.studies.fleet.study import TABLE, Fleet
-from stickslip.studies.fleet.table import Drive, Variant
+from stickslip.studies.fleet.table import Drive, LogSource
 
 COLUMNS = (*PARAMETERS, *map(Column, ("criterion", "source", "truth", "reason")))
 SUMMARY = (
@@ -43,7 +43,7 @@ def fleet_table(fleet: Fleet) -> Table:
             rows.append({"name": drive.name, "reason": fleet.reasons[drive.name]})
             continue
         document = fleet.learned[drive.name]
-        truth = drive_truth(drive.source.changes) if isinstance(drive.source, Variant) else {}
+        truth = {} if isinstance(drive.source, LogSource) else drive_truth(drive.source)
         further = {"criterion": document["criterion"], "source": drive.kind}
         rows += [
             {**row, **further, "truth": truth.get(row["parameter"])}

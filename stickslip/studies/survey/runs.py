@@ -90,13 +90,9 @@ def _model(task: Task) -> Model:
 
 
 def in_fmpy(task: Task, times: Times | None, names: Iterable[str]) -> Iterator[Outcome]:
-    """Run a file in FMPy, as ``fmpy simulate`` does.
+    """Run a file in FMPy, as ``fmpy simulate`` does; it records these names, or what it chooses.
 
     Its rows of a package have the time at which the step began, which is corrected.
-
-    Parameters
-    ----------
-    names : of what is recorded; FMPy's choice where there are none
     """
     from fmpy.simulation import simulate_fmu
     from fmpy.ssp.simulation import simulate_ssp

@@ -77,12 +77,7 @@ def compare(ours: Outcome, theirs: Outcome) -> tuple[str, float, str]:
 
 
 def surveyed(folder: Path, task: Task, limit: float, *, fmpy: bool) -> tuple[str, ...]:
-    """Run a task here, and in FMPy if asked to, and return its row of the table.
-
-    Parameters
-    ----------
-    limit : of each process [s]
-    """
+    """Run a task here, and in FMPy if asked to, each at most so long [s]; return its row."""
     ours = apart(here, task, limit=limit)
     difference, signal, theirs = 0.0, "", Outcome()
     if fmpy:

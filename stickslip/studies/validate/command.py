@@ -83,16 +83,17 @@ def _on_log(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
     from stickslip.studies.validate.folder import write_log_validation
     from stickslip.studies.validate.log_validation import read_log, validate_log
     from stickslip.studies.validate.log_verdict import verdict
-    from stickslip.studies.validate.terminal import print_prediction
+    from stickslip.studies.validate.tables import signals as errors_of
 
     log = read_log(options.log, description_of(options), learned, print_findings)
-    found, values = validate_log(log, learned), learned.drive
-    print_prediction(found, values)
+    found = validate_log(log, learned)
+    first, *reasons = verdict(found, learned.drive)
+    print(f"\nverdict: {first}", *(f"  {reason}" for reason in reasons), sep="\n")
+    print("\nrecorded less predicted, RMS in SI units", errors_of(found).text(), sep="\n")
     if options.out:
         command = {"name": "validate", "log": log.reading.recording.source}
         write_log_validation(found, learned, log.controller, options.out, command=command)
         print(f"all results are in {options.out}; open report.html first")
-    first, *reasons = verdict(found, values)
     changes = encode(found.changes)
     signals = {
         name: encode(error) | {"ratio": error.ratio} for name, error in found.signals.items()
@@ -104,25 +105,19 @@ def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str,
     from stickslip.studies.validate.compared_logs import sentences
     from stickslip.studies.validate.folder import write_comparison
     from stickslip.studies.validate.log_validation import compare_logs, read_log
-    from stickslip.studies.validate.terminal import print_comparison
+    from stickslip.studies.validate.tables import tracking
 
     description = description_of(options)
     compensated, without = (
         read_log(path, description, learned) for path in (options.log, options.without)
     )
     found = compare_logs(compensated, without, learned)
-    recording = without.reading.recording
-    print_comparison(found, recording.motion)
+    print(*sentences(found), sep="\n")
+    print(f"\ntracking errors, intervals from {found.parts} parts")
+    print(tracking(found).text())
     if options.out:
-        names = (recording.source, compensated.reading.recording.source)
-        write_comparison(
-            found,
-            recording.motion,
-            names,
-            learned,
-            controller=without.controller,
-            folder=options.out,
-        )
+        logs = (without.reading.recording.source, compensated.reading.recording.source)
+        write_comparison(found, logs, learned, without.controller, folder=options.out)
         print(f"all results are in {options.out}; open report.html first")
     compared = {"measured": found.measured, "simulated": found.simulated}
     reductions = {kind: encode(one.reductions) for kind, one in compared.items() if one}
@@ -163,7 +158,7 @@ def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> di
     from stickslip.evaluation.validation import PHASES, validate
     from stickslip.identification.stages import identify
     from stickslip.papers.lugre.reproduction import drive_truth
-    from stickslip.papers.lugre.terminal import print_table4
+    from stickslip.papers.lugre.tables import print_table4
     from stickslip.rigs.fmu import rig_of
     from stickslip.servo.axis import LOOP
     from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter

@@ -24,9 +24,10 @@ from stickslip.evaluation.tracking import (
     cutoff,
     measured_errors,
 )
-from stickslip.logs import Recording
+from stickslip.logs import Motion, Recording
 from stickslip.logs.same_command import Stretch, is_moving, period, same_command
 from stickslip.servo.measurement import Array
+from stickslip.studies.validate.log_prediction import Change
 from stickslip.thresholds import transfer
 
 Samples = NDArray[np.intp]
@@ -34,15 +35,6 @@ Samples = NDArray[np.intp]
 EDGE = 4.0
 """Periods of the low-pass of measured velocities at either end of a log that do not count."""
 PARTS = 10  # Parts of the logs where the command does not repeat
-
-
-@dataclass(frozen=True)
-class Reduction:
-    """By which share an error is smaller with the compensator, with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True)
@@ -54,13 +46,15 @@ class TrackingComparison:
     position: Mapping[str, Array]
     # by variant; a maximum is the mean over parts of the largest error in each
     errors: Mapping[str, TrackingError]
-    reductions: Mapping[str, Reduction]  # by name of the figure
+    # by which share an error is smaller with the compensator, by name of the figure
+    reductions: Mapping[str, Change]
 
 
 @dataclass(frozen=True)
 class LogComparison:
     """What the compensator brought in two logs."""
 
+    motion: Motion
     t: Array  # (n,) of the common samples, in the log without compensator [s]
     v_cmd: Array  # (n,) [m/s]
     stretches: tuple[Stretch, ...]  # where in the two logs the command was the same
@@ -70,6 +64,11 @@ class LogComparison:
     # of the learned drive along the same command; None where the loop is not known
     simulated: TrackingComparison | None = None
     fault: str = ""  # why that loop could not be simulated, or empty
+
+    @property
+    def parts(self) -> int:
+        """How many parts there are."""
+        return int(self.part.max()) + 1
 
 
 def common(without: Recording, compensated: Recording) -> tuple[Recording, list[Stretch]]:
@@ -126,8 +125,12 @@ def compare(without: Recording, compensated: Recording, stretches: list[Stretch]
     command = commanded_velocity(without)
     part, repeated = _parts(command, stretches, without.T_s)
     measured = compared(without, compensated, first, second, part=part)
-    t, v_cmd = without.t[first], command[first]
-    return LogComparison(t, v_cmd, tuple(stretches), part, repeated=repeated, measured=measured)
+    return LogComparison(
+        *(without.motion, without.t[first], command[first], tuple(stretches)),
+        part=part,
+        repeated=repeated,
+        measured=measured,
+    )
 
 
 def compared(
@@ -219,7 +222,7 @@ def _size(key: str, parts: Array) -> float:
     return float(np.sqrt(mean)) if key.endswith("rms") else mean
 
 
-def _reduction(key: str, without: Array, compensated: Array) -> Reduction:
+def _reduction(key: str, without: Array, compensated: Array) -> Change:
     """Return the reduction of parts (k,); its standard error is a jackknife of the logarithm."""
     k = len(without)
 
@@ -231,4 +234,4 @@ def _reduction(key: str, without: Array, compensated: Array) -> Reduction:
     left = np.log([ratio(np.delete(np.arange(k), j)) for j in range(k)])
     half = float(student.ppf(0.975, k - 1) * np.sqrt((k - 1) * np.var(left)))
     low, high = (float(whole * np.exp(sign * half)) for sign in (1.0, -1.0))
-    return Reduction(1.0 - whole, 1.0 - low, 1.0 - high)
+    return Change(1.0 - whole, 1.0 - low, 1.0 - high)

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from stickslip.learned.file import LearnedFile
-from stickslip.logs import Motion
 from stickslip.presentation.page import picture_files, write_page
 from stickslip.storage import staged
 from stickslip.storage.writing import write_tables
@@ -51,21 +50,14 @@ def write_log_validation(
 
 
 def write_comparison(
-    found: LogComparison,
-    motion: Motion,
-    logs: tuple[str, str],
-    learned: LearnedFile,
-    controller: str,
-    folder: Path,
+    found: LogComparison, logs: tuple[str, str], learned: LearnedFile, controller: str, folder: Path
 ) -> None:
     """Write the tracking errors of two logs, without and with the compensator, and the page.
 
     Raises OSError when a file cannot be written.
     """
-    sections = comparison.comparison_sections(
-        found, motion, logs, learned.path.name, controller=controller
-    )
+    sections = comparison.comparison_sections(found, logs, learned.path.name, controller)
     command = {"name": "validate", "without": logs[0], "log": logs[1]}
     with staged(folder, command) as staging:
-        write_tables({"tracking": tables.tracking(found, motion).frame()}, staging)
+        write_tables({"tracking": tables.tracking(found).frame()}, staging)
         write_page(staging, f"{logs[1]} against {logs[0]}: what the compensator brought", sections)

@@ -59,14 +59,14 @@ class SignalError:
 
     def times(self, factor: float) -> SignalError:
         """Return it in another unit."""
-        values = (self.error, self.noise, self.intervals)
-        error, noise, intervals = (factor * value for value in values)
-        return SignalError(error, self.relative, noise, intervals)
+        return SignalError(
+            factor * self.error, self.relative, factor * self.noise, factor * self.intervals
+        )
 
 
 @dataclass(frozen=True)
 class Change:
-    """How much larger something is in the log than learned, with its 95 % interval."""
+    """By how much something differs, with its 95 % interval."""
 
     value: float
     low: float

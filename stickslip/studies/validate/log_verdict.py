@@ -20,12 +20,17 @@ SIGNALS = {
 WORDS = {"m": "inertia", "b": "viscous friction", FRICTION: "friction", "F_0": "constant force"}
 
 
+def change_scale(name: str, found: LogPrediction, values: Values) -> tuple[float, str]:
+    """Return factor and unit in which a change is told: of inertia and friction per cent."""
+    if name in ("m", FRICTION):
+        return 100.0 / (values["m"] if name == "m" else 1.0), "%"
+    return 1.0, unit_of("b" if name == "b" else "F_c", rotary=found.recording.rotary)
+
+
 def verdict(found: LogPrediction, values: Values) -> tuple[str, ...]:
     """Return the verdict: whether the learned drive holds for the log, then why, a sentence each.
 
-    Parameters
-    ----------
-    values : of the learned drive by name
+    The values are those of the learned drive by name.
     """
     force, changes = found.signals["force"], dict(material(found, values))
     share = f"{100.0 * force.relative:.3g} %"
@@ -88,12 +93,9 @@ def material(found: LogPrediction, values: Values) -> Iterator[tuple[str, Change
 
 def _sentence(name: str, change: Change, found: LogPrediction, values: Values) -> str:
     """Return what has changed, and by how much."""
-    if name in ("m", FRICTION):
-        base = values["m"] if name == "m" else 1.0
-        value, low, high = (100.0 * x / base for x in (change.value, change.low, change.high))
-        unit = "%"
-    else:
-        value, low, high = change.value, change.low, change.high
-        rotary = found.recording.rotary
-        unit = unit_of("b" if name == "b" else "F_c", rotary=rotary)
-    return f"{WORDS[name]}: {value:+.3g} {unit} against the learned, 95 % [{low:.3g}, {high:.3g}]"
+    factor, unit = change_scale(name, found, values)
+    one = change.times(factor)
+    return (
+        f"{WORDS[name]}: {one.value:+.3g} {unit} against the learned, 95 % "
+        f"[{one.low:.3g}, {one.high:.3g}]"
+    )

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.catalog.parameters import Values, unit_of
+from stickslip.catalog.parameters import Values
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.logs import Motion
 from stickslip.models.export.units import motion_unit
@@ -22,22 +22,15 @@ from stickslip.presentation.scale import (
 from stickslip.presentation.table import Column, Row, Table, scaled, share, units
 from stickslip.studies.learn.tables import error_title
 from stickslip.studies.validate.compared_logs import LogComparison, TrackingComparison
-from stickslip.studies.validate.log_prediction import FRICTION, LogPrediction
-from stickslip.studies.validate.log_verdict import SIGNALS
+from stickslip.studies.validate.log_prediction import LogPrediction
+from stickslip.studies.validate.log_verdict import SIGNALS, change_scale
 from stickslip.studies.validate.log_verdict import WORDS as CHANGES
-
-TITLES = {
-    "force": "{0}, inverse model",
-    "position": "{1}, loop simulated",
-    "velocity": "Velocity, loop simulated",
-    "closed_loop_force": "{0}, loop simulated",
-}
 
 
 def signal_title(name: str, motion: Motion) -> str:
     """Return what a page calls a signal."""
-    place, push = (word.capitalize() for word in WORDS[motion])
-    return TITLES[name].format(push, place)
+    place, push = WORDS[motion]
+    return SIGNALS[name].replace("position", place).replace("force", push).capitalize()
 
 
 def signal_scale(motion: Motion, name: str, size: float) -> Scale:
@@ -83,10 +76,7 @@ def changes(found: LogPrediction, values: Values) -> Table:
     """Return what has changed since the drive was learned, with 95 % intervals."""
 
     def shown(row: Row) -> tuple[float, str]:
-        name = row["parameter"]
-        if name in ("m", FRICTION):
-            return 100.0 / (values["m"] if name == "m" else 1.0), "%"
-        return 1.0, unit(unit_of("b" if name == "b" else "F_c", rotary=found.recording.rotary))
+        return change_scale(row["parameter"], found, values)
 
     def size(row: Row) -> str:
         return number(shown(row)[0] * row["value"], 3)
@@ -99,7 +89,7 @@ def changes(found: LogPrediction, values: Values) -> Table:
         Column("value", head="Change", cell=size),
         Column("low", head="95 % interval", cell=ends),
         Column("high"),
-        Column("unit", head="Unit", cell=lambda row: shown(row)[1], stored=False),
+        Column("unit", head="Unit", cell=lambda row: unit(shown(row)[1]), stored=False),
     )
     rows = [{"parameter": name, **vars(change)} for name, change in found.changes.items()]
     return Table(columns, rows)
@@ -140,8 +130,9 @@ def kinds(found: LogComparison) -> Iterator[tuple[str, TrackingComparison]]:
         yield "simulated", found.simulated
 
 
-def tracking(found: LogComparison, motion: Motion) -> Table:
+def tracking(found: LogComparison) -> Table:
     """Return tracking errors without and with the compensator, and the reduction."""
+    motion = found.motion
 
     def scale(row: Row) -> Scale:
         what = velocity_scale if row["error"].startswith("velocity") else position_scale

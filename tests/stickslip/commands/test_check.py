@@ -21,11 +21,6 @@ def broken(sound, edited, tmp_path):
     return edited(sound, tmp_path / "broken.fmu", {'unit="kg"': 'unit="stone"'})
 
 
-def test_a_sound_fmu_ends_with_status_0(sound, capsys):
-    assert main(["check", str(sound)]) == 0
-    assert "FMI 3.0, 0 errors, 0 warnings" in capsys.readouterr().out
-
-
 def test_an_error_ends_with_status_1_and_prints_what_to_do(broken, capsys):
     assert main(["check", str(broken)]) == 1
     out = capsys.readouterr().out
@@ -35,12 +30,13 @@ def test_an_error_ends_with_status_1_and_prints_what_to_do(broken, capsys):
 
 
 def test_json_has_every_file_and_finding(sound, broken, capsys):
+    assert main(["check", str(sound)]) == 0
+    assert "FMI 3.0, 0 errors, 0 warnings" in capsys.readouterr().out
     assert main(["check", str(sound), str(broken), "--json"]) == 1
     printed = json.loads(capsys.readouterr().out)
     assert printed["version"] == 1
     first, second = printed["files"]
-    assert first["file"] == str(sound)
-    assert first["errors"] == 0
+    assert (first["file"], first["errors"]) == (str(sound), 0)
     finding = next(f for f in second["findings"] if f["rule"] == "undefined-unit")
     words = {"severity", "rule", "place", "message", "section", "advice"}
     assert set(finding) == words | {"count", "others"}
@@ -64,13 +60,6 @@ def test_no_run_does_not_load_the_binary(tmp_path, capsys):
     assert main(["check", path]) == 1
     assert "ends-the-process" in capsys.readouterr().out
     assert main(["check", path, "--no-run"]) == 0
-
-
-@pytest.mark.slow
-def test_a_hanging_binary_is_given_up(tmp_path, capsys):
-    seed = next(seed for seed in binaries.SEEDS if seed.what == "hang")
-    assert main(["check", str(seed.make(tmp_path)), "--timeout", "1"]) == 1
-    assert "did not return in 1 s" in capsys.readouterr().out
 
 
 def test_each_fmu_of_a_package_is_checked_and_its_structure(

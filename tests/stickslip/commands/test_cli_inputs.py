@@ -51,15 +51,6 @@ def test_real_time_is_reported(stage, capsys):
     assert "real time: late" in capsys.readouterr().out
 
 
-def test_a_variant_is_chosen(stage, tmp_path, capsys):
-    system = cosim.System("loop")
-    system.add("stage", stage)
-    package = cosim.write_ssp(system, tmp_path / "a.ssp")
-    simulate(package, "--variant", "loop")
-    assert simulate(package, "--variant", "lop") != 0
-    assert "no variant 'lop'; did you mean 'loop'" in capsys.readouterr().err
-
-
 def test_an_fmu_of_another_tool_with_dots_in_names_and_no_step(stage, force, edited, tmp_path):
     name, path = force
     changes = {f'name="{name}"': f'name="axis.{name}"', r' stepSize="[^"]*"': ""}
@@ -77,7 +68,6 @@ def test_an_fmu_of_another_tool_with_dots_in_names_and_no_step(stage, force, edi
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--until", "nan"], "until = nan s is not a point in time"),
         (["--variant", "x"], "--variant names a system of an .ssp"),
         (["--hold", "u"], "--hold names columns of --input"),
         (["--timeout", "0"], "timeout is 0.0, expected a positive number$"),

@@ -77,16 +77,3 @@ def test_its_state_restores_in_another_instance(results, tmp_path):
     with system.prepare(step=STEP, stop=STOP) as simulation:
         rest = simulation.resume(state)["loop.drive.v"]
     np.testing.assert_array_equal(rest, whole[-len(rest) :])
-
-
-def test_says_what_is_wrong(results, tmp_path, capsys):
-    for option, value, said in (
-        ("--outputs", "drive.speed", "'drive.speed' matches nothing"),
-        ("--step", "-1", "expected a positive number"),
-    ):
-        command = ["export", results / "loop.ssp", "--as", "fmu", "--out", tmp_path / "x"]
-        assert main([*map(str, command), option, value]) == 1
-        (line,) = capsys.readouterr().err.strip().splitlines()
-        assert line.startswith("stickslip: ")
-        assert said in line
-        assert not list(tmp_path.rglob("*.fmu"))

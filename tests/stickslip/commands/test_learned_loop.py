@@ -75,29 +75,6 @@ def test_a_file_of_another_schema_is_refused_in_one_line(learned, schema):
     assert LearnedFile(learned(schema=2)).friction == LearnedFile(learned()).friction
 
 
-def test_a_reproduction_writes_its_loop(results, reproduction):
-    file = LearnedFile(results / "learned.json")
-    assert file.loop.K_p == reproduction.identification.loop.K_p
-    assert file.validation == VALIDATION
-    assert set(file.standard_errors) == set(LUGRE)
-
-
-@pytest.mark.parametrize(
-    ("entry", "said"),
-    [
-        ({}, "'m' is missing; expected m, b, tau_i, T_s"),
-        ([1], "expected names, each with a finite value"),
-        ({"m": 3}, "expected names, each with a finite value"),
-        ({**loop_document(LOOPS["paper"]), "m": {"value": -1.0}}, "m is -1 kg; expected above 0"),
-        ({**loop_document(LOOPS["paper"]), "K_p": {"value": 1e9}}, "unstable"),
-    ],
-)
-def test_a_loop_that_is_none_is_told(learned, entry, said):
-    with pytest.raises(UsageError, match="loop: ") as caught:
-        assert LearnedFile(learned(loop=entry)).loop
-    assert said in str(caught.value)
-
-
 def start_of(path, name):
     return cosim.Fmu(path).variables[name].start
 

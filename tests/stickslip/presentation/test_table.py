@@ -45,17 +45,6 @@ def test_files_have_units_and_no_number_that_is_not_finite():
     assert TABLE.frame()["error"].tolist() == [0.123456, math.inf]
 
 
-def test_a_further_column_is_everywhere():
-    further = Column("samples", text="d", title="samples", head="Samples")
-    rows = [{**row, "samples": 10 * k} for k, row in enumerate(TABLE.rows, 1)]
-    table = replace(TABLE, columns=(*TABLE.columns, further), rows=rows)
-    assert "samples" in table.text()
-    assert "20" in table.text()
-    assert "Samples" in table.html("")
-    assert table.records()[1]["samples"] == 20
-    assert "samples" in table.frame()
-
-
 def test_without_rows_there_are_titles():
     assert replace(TABLE, rows=[]).text() == "law  error [N]"
 

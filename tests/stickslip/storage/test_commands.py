@@ -10,29 +10,10 @@ from pathlib import Path
 import pytest
 
 from stickslip import models
-from stickslip.cli import main
 
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[3]
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="POSIX limits")
-def test_a_file_that_finds_no_room_is_told_and_the_older_one_stays(tmp_path, capsys):
-    import resource
-
-    out = tmp_path / "plan.csv"
-    out.write_text("older")
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, before[1]))
-    try:
-        status = main(["plan", "--force", "--out", str(out)])
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    assert status == 1
-    assert capsys.readouterr().err == f"stickslip: {out}: File too large\n"
-    assert out.read_text() == "older"
-    assert list(tmp_path.iterdir()) == [out]
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
@@ -68,7 +49,6 @@ COMMANDS = {
         "child",
     ),
     "check": (["check", "--allow=env=MARK", "FMU", "FMU", "FMU", "FMU"], "fmucheck-*"),
-    "build": (["build", "drive", "--out", "OUT"], "stickslip-build-*"),
     "identify": (["identify", "--out", "OUT"], "stickslip-*/drive.fmu"),
 }
 """Commands, and what there is in the temporary folder, or as a process, when they are at work."""
@@ -88,8 +68,6 @@ def test_what_ends_a_process_is_one_line_and_leaves_nothing(command, number, tmp
         names["FMU"] = str(models.build_fmu("compensator", tmp_path))
     mark = f"signals-{os.getpid()}"
     settings = {"TMPDIR": str(temporary), "PYTHONPATH": str(ROOT), "MARK": mark}
-    if command == "build":  # else there is nothing to compile
-        settings["STICKSLIP_CACHE"] = str(tmp_path / "cache")
     with subprocess.Popen(
         [sys.executable, "-m", "stickslip", *(names.get(word, word) for word in arguments)],
         env=os.environ | settings,

@@ -69,8 +69,10 @@ def test_a_file_that_came_after_a_killed_process_is_named_by_verify(folder, tmp_
         verify(folder)
     assert (folder / "c").read_text() == "mine"
     (folder / "c").unlink()
-    assert not verify(folder).faults
+    found = verify(folder)
+    assert (found.intact, found.faults) == (2, {})
     assert (folder / "c").read_text() == "new c"
+    assert not (folder / "b").exists()
 
 
 def test_absent_files_and_those_of_other_commands_are_no_obstacle(folder, put):

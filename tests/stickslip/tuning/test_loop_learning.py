@@ -112,7 +112,7 @@ def test_a_candidate_costs_more_where_its_gains_are_worse_and_none_may_be_fragil
     assert set(ratios.values()) == {1.0}
 
 
-def test_the_largest_ratio_counts_most_and_more_so_near_that_of_the_reference(monkeypatch):
+def test_the_largest_ratio_counts_most_and_more_so_near_that_of_the_reference():
     equal = {("creep", level): 0.5 for level in range(12)}
     assert mean_of(equal) == pytest.approx(0.5)
     one = equal | {("creep", 0): 0.9}
@@ -120,11 +120,6 @@ def test_the_largest_ratio_counts_most_and_more_so_near_that_of_the_reference(mo
     assert mean_of(equal | {("creep", 0): 0.6}) < 0.55
     near, over = (equal | {("creep", 0): x} for x in (0.94, 1.0))
     assert mean_of(over) - mean_of(near) > 0.15
-    monkeypatch.setattr(loop_learning, "NEAR", 2 * loop_learning.NEAR)
-    assert mean_of(over) - mean_of(near) < 0.06
-    monkeypatch.undo()
-    monkeypatch.setattr(loop_learning, "STEEP", 0.5 * loop_learning.STEEP)
-    assert mean_of(over) - mean_of(near) < 0.15
 
 
 def test_with_other_friction_a_loop_counts_as_no_better_than_as_it_was_measured(study):

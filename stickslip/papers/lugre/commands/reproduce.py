@@ -50,11 +50,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "takes two minutes on two cores",
     }
     add_options(parser, flags, **FLAG)
-    seeds = (
-        "number of seeds that learn the loop (default 5) and that learn as published and by least "
-        "squares (default 10)"
-    )
-    add_options(parser, {"--seeds N": seeds}, type=at_least(1), dest="number")
+    seeds = "number of seeds that learn the loop, as published and by least squares (default 5)"
+    add_options(parser, {"--seeds N": seeds}, type=at_least(1), default=5, dest="number")
     coarse = (
         "start learning at these factors times the identified values, e.g. F_s=0.7 F_c=0.7 v_s=3 "
         "sigma_0=0.5 sigma_1=0.5; a parameter not named has the factor 1"
@@ -74,8 +71,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 
 LEARNED = "learned.json"
-SEEDS = ("loop_seeds", "published_seeds")
-"""The numbers of seeds among the options of a reproduction."""
 Show = Callable[[], None]  # Prints what was computed
 
 
@@ -94,14 +89,15 @@ def _drive(
 
 
 def _print_drive(reproduction: Reproduction) -> None:
-    from stickslip.papers.lugre.terminal import print_loops, print_table4
+    from stickslip.papers.lugre import tables
 
     for warning in reproduction.identification.warnings:
         warn(warning)
-    print_table4(reproduction.table4())
-    learned = reproduction.refinement
+    tables.print_table4(reproduction.table4())
+    learned, loops = reproduction.refinement, reproduction.loops
     print(f"friction: {learned.result}; {learned.remark}")
-    print_loops(reproduction.loops)
+    print("\nerror relative to tuned_pi, median [range] over friction and seeds")
+    print(tables.stages(loops).text(), loops.sentence, sep="\n")
 
 
 def _record(
@@ -109,7 +105,7 @@ def _record(
 ) -> Show:
     from stickslip.papers.lugre.record_folder import write_record_results
     from stickslip.papers.lugre.record_mode import reproduce_from_recording
-    from stickslip.papers.lugre.terminal import print_table4
+    from stickslip.papers.lugre.tables import print_table4
 
     reproduction = reproduce_from_recording(options, fmus, progress, execution)
     print_estimation(reproduction.learned.estimation)
@@ -124,8 +120,8 @@ def _published(
 ) -> Show:
     from stickslip.identification.stages import identify
     from stickslip.papers.lugre.folder import write_published_results
-    from stickslip.papers.lugre.published import study_as_published
-    from stickslip.papers.lugre.terminal import print_published
+    from stickslip.papers.lugre.published import PAPER_COST, study_as_published
+    from stickslip.papers.lugre.tables import panel
     from stickslip.rigs.fmu import FmuRig
     from stickslip.servo.axis import LOOP, Datasheet
     from stickslip.servo.systems import build_fmus
@@ -137,14 +133,20 @@ def _published(
     study = study_as_published(
         rig,
         identification,
-        range(options.seed, options.seed + options.published_seeds),
+        options.all_seeds,
         feed=options.feed,
         workers=execution.workers,
         on_stage=progress.stage,
     )
     progress.stage("writing the report")
     write_published_results(study, options, out)
-    return partial(print_published, study)
+    return partial(
+        print,
+        "from coarse starts, median over seeds and encoder phases: cost in m2/s2, then the RMS\n"
+        "error of the true velocity relative to that without compensation; there the cost is\n"
+        f"{study.cost_without:.3g}, and {PAPER_COST:.2g} at the end on the real stage (paper)\n"
+        f"{panel(study).text()}",
+    )
 
 
 def run(options: argparse.Namespace) -> Answer:
@@ -162,7 +164,7 @@ def run(options: argparse.Namespace) -> Answer:
         seed=options.seed,
         preset=options.algorithm,
         feed=options.feed,
-        **({} if options.number is None else dict.fromkeys(SEEDS, options.number)),
+        seeds=options.number,
         complete=options.complete,
         coarse=coarse,
     )
@@ -172,7 +174,7 @@ def run(options: argparse.Namespace) -> Answer:
         "record": (_record, RECORD_FILES),
         "published": (_published, PUBLISHED_FILES),
     }[mode]
-    options.seeds = chosen.loop_seeds if mode == "drive" else 1  # of which each has a checkpoint
+    options.seeds = chosen.seeds if mode == "drive" else 1  # of which each has a checkpoint
     out = options.out or Path("results/as_published" if options.as_published else "results/paper")
     with (
         reserved(out, files),

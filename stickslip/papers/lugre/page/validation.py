@@ -28,12 +28,7 @@ from stickslip.servo.tuned_pi import tuned_pi
 
 
 def validation_section(validation: Validation, table4: pd.DataFrame | None = None) -> Section:
-    """Return the section on validation.
-
-    Parameters
-    ----------
-    table4 : with the columns of the velocity filter, where it was tried
-    """
+    """Return the section on validation; Table 4 may have columns of the velocity filter."""
     errors = validation.table() if table4 is None else table4
     filtered, draw = FILTERED in errors, {"fig6_tracking": partial(draw_tracking, validation)}
     values = {"rows": _rows(errors), "filtered": filtered, "CUTOFF": CUTOFF}

@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
-from stickslip.logs import Motion
 from stickslip.presentation import style
 from stickslip.presentation.page import MADE_WITH, Section
 from stickslip.presentation.quantity import number
@@ -21,15 +20,11 @@ LOOKS = {NONE: style.WITHOUT, FEEDFORWARD: style.WITH}
 
 
 def comparison_sections(
-    found: LogComparison, motion: Motion, logs: tuple[str, str], learned: str, controller: str
+    found: LogComparison, logs: tuple[str, str], learned: str, controller: str
 ) -> list[Section]:
     """Return the sections.
 
-    Parameters
-    ----------
-    logs : names of the files without and with the compensator
-    learned : name of the file of the learned drive
-    controller : that of the log, as displayed
+    The logs are named without and with the compensator, the learned drive by its file.
     """
     head = Section(
         "",
@@ -44,19 +39,19 @@ def comparison_sections(
     errors = Section(
         "Tracking errors without and with the compensator",
         "studies/validate/page/comparison.j2",
-        {FIGURES[0]: partial(draw_comparison, found, motion)},
-        tracking=tables.tracking(found, motion),
+        {FIGURES[0]: partial(draw_comparison, found)},
+        tracking=tables.tracking(found),
         found=found,
-        n=int(found.part.max()) + 1,
+        n=found.parts,
         learned=learned,
         controller=controller,
     )
     return [head, errors, MADE_WITH]
 
 
-def draw_comparison(found: LogComparison, motion: Motion) -> Figure:
+def draw_comparison(found: LogComparison) -> Figure:
     """Draw command and errors over time: measured on the left, simulated on the right."""
-    kinds = list(tables.kinds(found))
+    kinds, motion = list(tables.kinds(found)), found.motion
     figure = style.new_figure(style.PAGE if len(kinds) > 1 else 1.3 * style.COLUMN, 120.0)
     panels = figure.subplots(3, len(kinds), sharex=True, sharey="row", squeeze=False)
     gaps = np.flatnonzero(np.diff(found.t) > 1.5 * (found.t[1] - found.t[0])) + 1

@@ -25,14 +25,7 @@ FIGURES = ("prediction",)
 def log_sections(
     found: LogPrediction, values: Values, learned: str, controller: str
 ) -> list[Section]:
-    """Return the sections.
-
-    Parameters
-    ----------
-    values : of the learned drive by name
-    learned : name of the file of the learned drive
-    controller : that of the log, as displayed
-    """
+    """Return the sections, from the values of the learned drive and the name of its file."""
     motion = found.recording.motion
     errors = [
         (signal_title(name, motion), percentage(one.relative), "relative error")
@@ -53,7 +46,7 @@ def log_sections(
             "studies/validate/page/prediction.j2",
             {"prediction": partial(draw_prediction, found)},
             signals=tables.signals(found),
-            loop=_loop(found),
+            loop=found.goodness.simulated is not None,
         ),
         Section(
             "What has changed",
@@ -71,17 +64,13 @@ def log_sections(
     ]
 
 
-def _loop(found: LogPrediction) -> bool:
-    return found.goodness.simulated is not None
-
-
 def draw_prediction(found: LogPrediction) -> Figure:
     """Draw force and errors over time."""
     fit, motion = found.goodness, found.recording.motion
     t, spans = fit.t, found.spans
     inside = (t >= spans["begin"].iloc[0]) & (t <= spans["end"].iloc[-1])
     left = (fit.measured - fit.predicted)[inside]
-    rows = 2 + int(_loop(found))
+    rows = 2 + int(fit.simulated is not None)
     figure = style.new_figure(style.PAGE, 38.0 * rows + 12.0)
     panels = figure.subplots(rows, 1, sharex=True)
     style.zero_lines(*panels)

@@ -27,19 +27,12 @@ def folder(tmp_path_factory):
     return folder
 
 
-def test_all_files_are_there_and_verified(folder):
+def test_all_files_are_there_and_tell_the_seed(folder):
     assert {path.name for path in folder.iterdir()} == {*PUBLISHED_FILES, "manifest.json"}
-    assert main(["verify", str(folder)]) == 0
-
-
-def test_tables_tell_the_seed_and_count_the_runs(folder):
-    fitness = pd.read_csv(folder / "fitness.csv")
-    assert set(fitness["seed"]) == {6}
-    assert fitness["runs"].iloc[-1] == 100
-    assert set(pd.read_csv(folder / "learned.csv")["seed"]) == {6}
+    for name in ("fitness", "learned"):
+        assert set(pd.read_csv(folder / f"{name}.csv")["seed"]) == {6}
     panel = pd.read_csv(folder / "panel.csv")
     assert panel["method"].tolist() == ["start", "as_published", "logarithmic", "least_squares"]
-    assert (panel["creep_low"] <= panel["creep_high"]).all()
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ def test_last_digits_of_the_loop_leave_the_tables_within_the_tolerance(
         return Axis(m, b * (1.0 + 1e-10), sheet.tau_i)
 
     monkeypatch.setattr(Datasheet, "axis", axis)
-    found = reproduce(Options(loop_seeds=0), tmp_path, quiet)
+    found = reproduce(Options(seeds=0), tmp_path, quiet)
     tables = {"table2": found.table2(), "table4": found.table4()}
     for name, table in tables.items():
         assert differences(name, table, pd.read_csv(results / f"{name}.csv")) == []

@@ -36,9 +36,7 @@ def test_the_drive_with_all_extras_has_every_effect_and_the_same_options(
     extras, (options, fmus, execution) = run(tmp_path, quiet, monkeypatch, "validated")
     assert (extras.table4, extras.reason) == ("step by step", "")
     booleans = {v.name for v in models.load_model("drive").variables if v.type == "boolean"}
-    assert options == Options(
-        truth={"F_c": 4.0, **dict.fromkeys(booleans, True)}, seed=3, loop_seeds=0
-    )
+    assert options == Options(truth={"F_c": 4.0, **dict.fromkeys(booleans, True)}, seed=3, seeds=0)
     assert {"asymmetric", "position_dependent", "ripple", "noise"} <= booleans
     assert (fmus.name, execution.workers) == ("extras", 2)
 

@@ -37,7 +37,7 @@ from stickslip.studies.arena.comparison import arena as arena_of
 from stickslip.studies.arena.course import Course
 from stickslip.studies.arena.drive_names import drive_names
 from stickslip.studies.arena.drives import default_drives, learned_drive, read_drives
-from stickslip.studies.arena.motion_commands import COMMANDS, moves, training
+from stickslip.studies.arena.motion_commands import COMMANDS, moves, sweep
 from stickslip.studies.arena.protocol import Plan, build, run_arena
 from stickslip.studies.arena.table import ALL, COLUMNS, RELATIVE, arena_table, relative_errors
 from stickslip.studies.arena.tuning import Budget, tune
@@ -110,17 +110,6 @@ def test_a_compensator_without_an_entry_enters_with_the_parameters_of_its_model(
     assert name == "static_feedforward"
     genes = {gene.name.partition(".")[2] for gene in found[name].genes(Coarse(6.0, 0.04))}
     assert {"F_c", "v_t"} <= genes
-
-
-def test_start_values_follow_the_measured_friction_and_not_the_laws_own():
-    one = entrant("lugre")
-    few, many = (
-        {gene.name: gene.start for gene in one.problem(Coarse(friction, 0.04)).genes}
-        for friction in (3.0, 6.0)
-    )
-    assert many["lugre.F_c"] == pytest.approx(2.0 * few["lugre.F_c"])
-    assert many["lugre.v_s"] == pytest.approx(few["lugre.v_s"])
-    assert abs(np.log(many["lugre.sigma_0"] / PAPER["sigma_0"])) > 0.05
 
 
 def test_forces_and_lengths_follow_the_drive_for_every_entrant(loop):
@@ -227,7 +216,7 @@ def test_exact_feedforward_on_its_own_law_wins_over_none(built, loop):
 
 def test_tuning_comes_near_the_exact_feedforward(built, loop):
     """Within seconds of motion that allow 12 evaluations."""
-    one, sheet, duration = entrant("static"), Datasheet(), len(training(loop.T_s)) * loop.T_s
+    one, sheet, duration = entrant("static"), Datasheet(), len(sweep(loop.T_s).v_cmd) * loop.T_s
     found = tune(built, loop, one, Budget(100, 12 * duration), 0, sheet)
     assert 0 < found.evaluations <= 12
     assert found.seconds == pytest.approx(found.evaluations * duration)
@@ -440,23 +429,6 @@ def test_a_loop_is_designed_for_the_mass_that_the_file_tells(tmp_path, monkeypat
     monkeypatch.setattr(models, "build_fmu", record)
     build(tmp_path, Plan([own], ["none"]))
     assert ("velocity_controller", "own", {"u_max": 9.0}) in built
-
-
-def test_tuning_records_measurements_only_and_sets_nothing_of_the_drive(built, loop, monkeypatch):
-    seen, prepare = [], cosim.Simulation.__init__
-
-    def watch(self, specification):
-        seen.append(specification)
-        prepare(self, specification)
-
-    monkeypatch.setattr(cosim.Simulation, "__init__", watch)
-    tune(built, loop, entrant("static+ekbf"), Budget(10, 200.0), 0, Datasheet())
-    with_drive = [one for one in seen if "drive" in one.system.components]
-    assert len(with_drive) >= 2
-    for one in with_drive:
-        recorded = {n for n in cosim.Record.of(one.record).wanted if n.startswith("drive.")}
-        assert recorded <= {"drive.x_enc", "drive.F_m"}
-        assert not [name for name in one.system.parameters if name.startswith("drive.")]
 
 
 def test_the_winner_of_a_drive_is_exported_with_what_it_was_tuned_to(arena):

@@ -7,7 +7,7 @@ import pytest
 
 from stickslip.studies.arena.drives import default_drives
 from stickslip.studies.arena.metrics import Trace, figures
-from stickslip.studies.arena.motion_commands import COMMANDS, RADIUS, training
+from stickslip.studies.arena.motion_commands import COMMANDS, RADIUS, sweep
 
 T_S = 5e-4
 LOOP = default_drives(["lugre"])[0].loop
@@ -30,7 +30,7 @@ def test_a_perfect_run_has_no_error_and_needs_no_further_force(command):
 
 @pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
 def test_nothing_of_it_was_tuned_on(command):
-    v_cmd, seen = command.sample(T_S), training(T_S)
+    v_cmd, seen = command.sample(T_S), sweep(T_S).v_cmd
     length = min(len(v_cmd), len(seen))
     assert np.abs(v_cmd[:length] - seen[:length]).max() > 1e-4
 
@@ -71,19 +71,15 @@ def test_a_move_settles_when_its_error_stays_within_a_micrometre():
     assert travelled == pytest.approx(2.0 * sum((1e-6, 2e-6, 5e-6, 1e-5, 1e-4, 1e-3)), rel=1e-3)
 
 
-def test_an_overshoot_is_relative_to_the_move():
+@pytest.mark.parametrize(("rest", "beyond"), [(0, 1e-6), (1, -2e-6)])
+def test_an_overshoot_is_relative_to_the_move(rest, beyond):
     command = COMMANDS["M"]
     run = perfect(command)
-    for (begin, end), beyond in zip(command.motion.regions["10 um"], (1e-6, -2e-6), strict=True):
-        assert trace_error(command, run, begin, end, beyond) == pytest.approx(abs(beyond) / 1e-5)
-        assert trace_error(command, run, begin, end, -beyond) == 0.0
-
-
-def trace_error(command, run, begin, end, beyond):
-    """Return the overshoot of a run that is beyond its command in one rest [m]."""
-    t = T_S * np.arange(len(run.x))
-    late = run.x + np.where((t > begin + 0.1) & (t < end), beyond, 0.0)
-    return figures(command, replace(run, x=late), LOOP)["overshoot 10 um"][0]
+    (begin, end), t = command.motion.regions["10 um"][rest], T_S * np.arange(len(run.x))
+    for error, expected in ((beyond, abs(beyond) / 1e-5), (-beyond, 0.0)):
+        late = run.x + np.where((t > begin + 0.1) & (t < end), error, 0.0)
+        found = figures(command, replace(run, x=late), LOOP)
+        assert found["overshoot 10 um"][0] == pytest.approx(expected)
 
 
 def test_reversals_at_rest_are_counted_where_they_exceed_the_encoder():
@@ -97,12 +93,4 @@ def test_reversals_at_rest_are_counted_where_they_exceed_the_encoder():
         )
         found = figures(command, replace(run, x=swing), LOOP)
         assert found["reversals at rest"][0] == expected
-
-
-def test_hunting_is_the_swing_at_rest():
-    command = COMMANDS["H"]
-    run = perfect(command)
-    swing = run.x + 3e-6 * np.sin(2.0 * np.pi * 1.5 * T_S * np.arange(len(run.x)))
-    assert figures(command, replace(run, x=swing), LOOP)["error"][0] == pytest.approx(
-        6e-6, rel=0.01
-    )
+        assert found["error"][0] == pytest.approx(2.0 * size, rel=0.01)

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-from dataclasses import replace
 from functools import partial
 
 import pytest
@@ -135,15 +134,6 @@ def test_the_command_names_a_file_of_the_user_and_learns_nothing(
     assert said.count("\n") == 1
     assert [path for path in tmp_path.joinpath("out").rglob("*") if path.is_file()] == [mine]
     assert mine.read_text() == "mine"
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes")
-def test_a_log_that_is_no_file_fails_and_is_not_waited_for(drives, tmp_path):
-    os.mkfifo(tmp_path / "pipe.csv")
-    fleet = drives("a", "b")
-    source = replace(fleet[1].source, log=tmp_path / "pipe.csv")
-    fleet = learn_fleet([fleet[0], replace(fleet[1], source=source)], tmp_path / "out")
-    assert "no regular file" in fleet.reasons["b"]
 
 
 def test_a_further_column_is_on_terminal_page_and_in_files(drives, tmp_path, monkeypatch, capsys):

@@ -2,9 +2,8 @@
 
 import pytest
 
-from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.studies.fleet.table import LogSource, Variant, read_fleet
+from stickslip.studies.fleet.table import LogSource, read_fleet
 
 
 def read(tmp_path, text):
@@ -23,7 +22,7 @@ def test_rows_become_drives_with_paths_beside_the_table(tmp_path):
     )
     one, two, three = read(tmp_path, text)
     assert one.source == LogSource(tmp_path / "logs/one.csv", tmp_path / "one.toml")
-    assert two.source == Variant({"m": 10.0, "noise": 1.0})
+    assert two.source == {"m": 10.0, "noise": 1.0}
     assert three.source.log.as_posix() == "/logs/a,b.mat"
     assert one.row == {"name": "one", "log": "logs/one.csv", "config": "one.toml"}
 
@@ -31,36 +30,20 @@ def test_rows_become_drives_with_paths_beside_the_table(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "expected columns name, log, config, set"),
-        ("name,log\n", "expected a row for each drive, got none"),
-        ("name,logs\na,b\n", "row 1: expected name, log.*got 'logs'; did you mean 'log'"),
         ("name,log,log\na,b,c\n", "column 'log' is there twice"),
         ("name,config\na,b\n", "expected columns name and log, or name and set, got name, config"),
-        ("name,log\na\n", "row 2: expected 2 cells, got 1"),
         ("name,log\na,b\n,c\n", "row 3, column name: expected letters.*got nothing"),
-        ("name,log\n../a,b\n", "row 2, column name: .*got '../a'"),
         ("name,log\na,b\nA,c\n", "row 3, column name: 'A' is there already"),
         ("name,log,set\na,,\n", "row 2, column log: expected either a log or.*got nothing"),
         ("name,log,set\na,b,drive.m=1\n", "row 2, column log: .*got 'b and drive.m=1'"),
         ("name,set,config\na,drive.m=1,c\n", "row 2, column config: expected nothing.*got 'c'"),
         ("name,set\na,drive.m\n", "row 2, column set: drive.m: expected NAME=VALUE"),
         ("name,set\na,drive.mass=1\n", "row 2, column set: .*mass"),
-        ("name,set\na,drive.m=-1\n", "row 2, column set: .*m"),
-        ('name,set\na,"drive.m=1 \'"\n', "row 2, column set: No closing quotation"),
     ],
 )
 def test_a_bad_table_is_refused_in_one_line(tmp_path, text, message):
+    """Others are among the hostile inputs."""
     with pytest.raises(UsageError, match=message) as refused:
         read(tmp_path, text)
     assert str(refused.value).startswith(str(tmp_path / "fleet.csv"))
     assert "\n" not in str(refused.value)
-
-
-def test_what_is_no_table_is_refused(tmp_path, capsys):
-    picture = tmp_path / "picture.png"
-    picture.write_bytes(b"\x89PNG\r\n\xff\xfe")
-    assert main(["fleet", str(picture), "--out", str(tmp_path / "out")]) == 1
-    assert "not a CSV file in UTF-8" in capsys.readouterr().err
-    assert main(["fleet", str(tmp_path / "no.csv"), "--out", str(tmp_path / "out")]) == 1
-    assert "no.csv: No such file" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
