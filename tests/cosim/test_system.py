@@ -1,7 +1,6 @@
 """A system refuses what cannot be, names both ends, and converts units."""
 
 import math
-import pickle
 
 import numpy as np
 import pytest
@@ -100,15 +99,6 @@ def test_a_component_with_a_wrong_parameter_is_not_added(system, make):
 def test_start_values_that_cannot_be(system, name, value, message):
     with pytest.raises(cosim.ParameterError, match=message):
         system.set(name, value)
-
-
-def test_pickles(system):
-    system.connect("drive.y", "controller.u")
-    system.expose("force", "drive.u")
-    system.set("drive.k", 2.0)
-    twin = pickle.loads(pickle.dumps(system))  # noqa: S301 - our own bytes
-    assert (twin.connections, twin.inputs) == (system.connections, system.inputs)
-    assert twin.parameters == {"drive.k": 2.0}
 
 
 def test_an_algebraic_loop_is_named(make):
