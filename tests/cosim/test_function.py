@@ -50,16 +50,6 @@ def test_a_closed_loop_is_its_difference_equation(compiled):
             assert result["plant.y"] == pytest.approx(x, rel=1e-13)
 
 
-def test_an_algebraic_loop_is_solved():
-    system = cosim.System("loop")
-    system.add("a", cosim.Function(lambda t, u: 1 + u["u"] / 2, {"u": None}, {"y": None}))
-    system.add("b", cosim.Function(lambda t, u: t + u["u"] / 4, {"u": None}, {"y": None}))
-    system.connect("a.y", "b.u")
-    system.connect("b.y", "a.u")
-    result = system.prepare(**SYSTEM).run()
-    assert result["a.y"] == pytest.approx((1 + result.time / 2) / (1 - 1 / 8), rel=1e-10)
-
-
 def test_a_function_beside_an_fmu(make, version):
     """It takes part in units, exposed inputs and scenarios, and gives what the FMU in its place."""
     found = []

@@ -49,11 +49,6 @@ def test_what_is_allowed_works(hostile, caplog, behaviour, word):
     assert not told(hostile, caplog, behaviour, cosim.Isolation(allow=(word,)))
 
 
-def test_shared_memory_counts(hostile, caplog):
-    text = told(hostile, caplog, "share", cosim.Isolation(memory=100.0))
-    assert "took more than the 100 MB it may" in text
-
-
 @pytest.mark.parametrize(
     ("behaviour", "says"),
     [
