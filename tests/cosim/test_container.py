@@ -62,11 +62,6 @@ def test_equals_the_system_bit_for_bit(loop, version, coupling, tmp_path):
     assert ours["limit.y"][-1] == pytest.approx(2.0 * STOP * 5.0 * 1e-3, rel=0.02)
 
 
-def test_takes_several_steps_at_once(loop, packed):
-    coarse = in_fmpy(packed, 4 * STEP, disturbance=1.5)
-    np.testing.assert_array_equal(coarse["limit.y"], alone(loop, disturbance=1.5)["limit.y"][::4])
-
-
 def test_steps_at_times_where_rounding_shows(loop, packed):
     """From a Unix time on, the distance of two points is the step but for some 1e-7 s."""
     start = 1.7e9

@@ -1,6 +1,7 @@
 """What a run is prepared from, steps compiled for one system, and the structures of the kernel."""
 
 import ctypes
+import gc
 import re
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -48,6 +49,7 @@ N = 20_000
 def test_a_few_of_very_many_variables_are_recorded(tmp_path):
     system = cosim.System()
     system.add("mass", ring.build(tmp_path, "mass", 2, extra=N), {"u": 1.0})
+    assert gc.isenabled()  # which reading paused
     result = system.prepare(step=0.1, stop=1.0, record=["mass.copy[7]", "mass.v"]).run()
     assert result["mass.copy[7]"][-1] == result["mass.v"][-1] > 0
 

@@ -83,19 +83,6 @@ def test_an_input_holds_over_each_of_the_steps(export, version, degree):
     np.testing.assert_allclose(found, whole[1:], atol=1e-12)
 
 
-@pytest.mark.parametrize("coupling", ["jacobi", "gauss_seidel"])
-def test_both_interfaces_couple(export, version, coupling):
-    system = cosim.System()
-    system.add("me", export("oscillator", version), interface="model_exchange")
-    system.add("cs", export("oscillator", version), {"position": 0.0})
-    system.connect("me.position", "cs.force")
-    with system.prepare(step=1e-3, stop=5.0, coupling=coupling) as simulation:
-        result = simulation.run()
-        np.testing.assert_array_equal(simulation.run().values, result.values)
-    t = result.time  # x'' + 4 x = cos 2t
-    np.testing.assert_allclose(result["cs.position"], t * np.sin(2 * t) / 4, atol=0.01)
-
-
 def test_states_of_an_array(export):
     system = one(export("state_space", 3, "ME"), {"n": 2, "A": -np.eye(2), "x0": [1.0, 2.0]})
     result = system.prepare(step=0.1, stop=1.0, tolerance=FINE).run()

@@ -110,15 +110,6 @@ def test_model_exchange_takes_the_tolerance_that_fmpy_takes(export, version, exp
     np.testing.assert_array_equal(ours["a.position"], theirs["position"])
 
 
-def test_a_tenth_of_the_tolerance_is_less_error(export):
-    system = one(export("oscillator", 3, "ME"))
-    errors = []
-    for tolerance in (1e-4, 1e-6, 1e-8):
-        result = system.prepare(step=0.1, stop=5.0, tolerance=tolerance).run()
-        errors.append(abs(result["a.position"] - np.cos(2 * result.time)).max())
-    assert errors[0] > 10 * errors[1] > 100 * errors[2]
-
-
 @pytest.mark.parametrize("tolerance", [0.0, -1e-6, 1.0, float("nan")])
 def test_what_is_no_tolerance_is_refused(export, tolerance):
     system = one(export("oscillator", 3))
