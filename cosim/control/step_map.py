@@ -121,11 +121,13 @@ class StepMap:
 
     def rates(self, t: float, x: Array, u: Array) -> Array:  # noqa: ARG002 - one face
         """Return f, (n,): the states after the step."""
-        return self._run(x, [u] * 3, self.states)[1]
+        after: Array = self._run(x, [u] * 3, self.states)[1]
+        return after
 
     def shown(self, t: float, x: Array, u: Array) -> Array:  # noqa: ARG002 - one face
         """Return g, (p,)."""
-        return self._run(x, [u] * 3, self.outputs)[0]
+        begun: Array = self._run(x, [u] * 3, self.outputs)[0]
+        return begun
 
     def jacobian(self, x: Array, u: Array) -> None:
         """Return None: a step has no derivatives of its own."""
