@@ -166,3 +166,13 @@ def test_a_triggered_clock_ticks_where_its_input_is_not_0(export, interfaces):
     late = 0 if interfaces == "ME" else 1e-9  # Co-Simulation takes inputs when its next step begins
     reached = np.searchsorted(ticks + late, result.time + 1e-12, side="right")
     np.testing.assert_array_equal(result["a.by_hand_ticks"], reached)
+
+
+@pytest.mark.parametrize("start", [1e4, 1.7e9])
+def test_a_clock_ticks_at_its_times_after_a_late_start(export, interfaces, start):
+    """The intervals of these clocks are those of the run from 0 on, in steps of 0.025 s."""
+    system = one(export("clocked", 3, interfaces))
+    late = system.prepare(step=0.025, start=start, stop=start + STOP).run()
+    soon = system.prepare(step=0.025, stop=STOP).run()
+    for name in (name for name in soon.names if name.endswith("_ticks")):
+        np.testing.assert_array_equal(late[name], soon[name])
