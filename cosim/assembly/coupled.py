@@ -126,10 +126,7 @@ class Coupled:
         """Write what ``memory`` returned back."""
         if not hasattr(self, "_table"):
             return
-        for name, place in self._places().items():
-            if memory[name].shape != place.shape:
-                raise ValueError(f"{memory[name].shape} {name}, expected {place.shape}")
-            place[:] = memory[name]
+        tables.put_back(self._places(), memory)
         counts = dict(zip(_COUNTS, memory["counts"], strict=True))
         step = counts["inner"]
         if not (0 <= counts["n_past"] <= tables.MAX_PAST and 0 <= step < np.inf):

@@ -171,10 +171,7 @@ class GeneralComponent:
 
     def recall(self, memory: Mapping[str, NDArray[Any]]) -> int:
         """Go on with a ``memory`` and a new solver once the FMU has its state; return a status."""
-        for name, place in self._places().items():
-            if memory[name].shape != place.shape:
-                raise ValueError(f"{memory[name].shape} {name}, expected {place.shape}")
-            place[:] = memory[name]
+        structures.put_back(self._places(), memory)
         for name, value in zip(_TIMES, memory["times"], strict=True):
             setattr(self.c, name, float(value))
         places = ((clock, name) for clock in self._clocks() for name in _TICKS)

@@ -10,6 +10,7 @@ from fnmatch import fnmatchcase
 from typing import Literal
 from xml.etree import ElementTree as ET
 
+from stickslip.cosim.display import html_table
 from stickslip.cosim.errors import ConnectionFault, CosimError, ParameterError
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.model import DefaultExperiment
@@ -281,8 +282,8 @@ def index(system: System, order: Sequence[str], step: float, *, jacobi: bool) ->
         title=escaped(system.name),
         step=step,
         rest=_SHORTENED if all(c.varies_step for c in system.components.values()) else _WHOLE,
-        components=_html_table(("component", "model", "standard", "token"), components),
-        connections=_html_table(("from", "to"), connections),
+        components=html_table(("component", "model", "standard", "token"), components),
+        connections=html_table(("from", "to"), connections),
         delay=", each delayed by one step" if jacobi else "",
     )
 
@@ -293,9 +294,3 @@ def licences(system: System) -> str:
     for name, fmu in system.fmus("a container").items():
         lines.append(f"{name} ({fmu.name}): {fmu.description.licence or 'not stated'}")
     return "\n".join([*lines, ""])
-
-
-def _html_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    lines = [f"<tr>{''.join(f'<th>{escaped(cell)}</th>' for cell in head)}</tr>"]
-    lines += [f"<tr>{''.join(f'<td>{escaped(cell)}</td>' for cell in row)}</tr>" for row in rows]
-    return "<table>" + "\n".join(lines) + "</table>"

@@ -1,6 +1,6 @@
 """A system of FMUs over one communication step: x[k+1] = f(x[k], u[k]) and y[k] = g(x[k], u[k])."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.cosim.errors import LinearisationError, SimulationError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.run.simulation import Simulation
-from stickslip.cosim.signals.signals import Array, Input
+from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Variable
 
@@ -63,15 +63,15 @@ class StepMap:
     def put(self, x: Array, u: Array) -> None:
         """Make sure that the states are all that a step begins with."""
         x, u, later = x + 1e-3 * self.x_size, u + 0.1 * self.u_size, u - 0.1 * self.u_size
-        name, n, watched = self._simulation.spec.system.name, len(x), tuple(self._watched)
-        two = _run(self._simulation, self._start(x), self._held_inputs(u, later, later), watched)
+        name, n = self._simulation.spec.system.name, len(x)
+        two = self._run(x, [u, later, later], self._watched)
         ignored = np.abs(two[0, :n] - x) > _TOLERANCE * np.maximum(np.abs(x), self.x_size)
         if ignored.any():
             raise LinearisationError(
                 f"{name} does not start from the given values of"
                 f" {', '.join(np.array(self.states)[ignored])}; {_INSTEAD}"
             )
-        one = _run(self._simulation, self._start(two[1, :n]), self._held_inputs(later), watched)
+        one = self._run(two[1, :n], [later] * 3, self._watched)
         if names := self._off(two, two[2:], one[1:2], _HIDDEN):
             raise LinearisationError(
                 f"{name} remembers more than its states, or counts time: a second step of"
@@ -107,7 +107,7 @@ class StepMap:
         times = begin * self.dt, (begin + len(u) - 1) * self.dt
         spec = replace(self._simulation.spec, start=times[0], stop=times[1])
         with spec.prepare() as simulation:
-            return _run(simulation, self._start(x), self._held_inputs(*u), tuple(self._watched))
+            return self._run(x, u, self._watched, simulation)
 
     def _off(
         self, course: Array, expected: Array, found: Array, share: float, errors: Any = 0.0
@@ -121,38 +121,29 @@ class StepMap:
 
     def rates(self, t: float, x: Array, u: Array) -> Array:  # noqa: ARG002 - one face
         """Return f, (n,): the states after the step."""
-        return self._step(x, u, self.states, 1)
+        after: Array = self._run(x, [u] * 3, self.states)[1]
+        return after
 
     def shown(self, t: float, x: Array, u: Array) -> Array:  # noqa: ARG002 - one face
         """Return g, (p,)."""
-        return self._step(x, u, self.outputs, 0)
-
-    def _step(self, x: Array, u: Array, names: Sequence[str], row: int) -> Array:
-        rows = _run(self._simulation, self._start(x), self._held_inputs(u), names)
-        values: Array = rows[row]
-        return values
+        begun: Array = self._run(x, [u] * 3, self.outputs)[0]
+        return begun
 
     def jacobian(self, x: Array, u: Array) -> None:
         """Return None: a step has no derivatives of its own."""
 
-    def _start(self, x: Array) -> dict[str, float]:
-        return dict(zip(self.states, map(float, x), strict=True))
-
-    def _held_inputs(self, *u: Array) -> dict[str, Input]:
-        """Return inputs, each (m,), for each point in time, or one for all."""
-        values = u[0] if len(u) == 1 else np.array(u).T
-        return dict(zip(self.inputs, values, strict=True))
-
-
-def _run(
-    simulation: Simulation,
-    start: Mapping[str, float],
-    inputs: Mapping[str, Input],
-    names: Sequence[str],
-) -> Array:
-    """Return what a run gives, (steps + 1, names)."""
-    result = simulation.run(start, inputs)
-    return np.array([result[name] for name in names], dtype=float).T
+    def _run(
+        self,
+        x: Array,
+        u: Sequence[Array],
+        names: Iterable[str],
+        simulation: Simulation | None = None,
+    ) -> Array:
+        """Return what a run gives, (points, names), with inputs (m,) for each point in time."""
+        start = dict(zip(self.states, map(float, x), strict=True))
+        inputs = dict(zip(self.inputs, np.array(u).T, strict=True))
+        result = (simulation or self._simulation).run(start, inputs)
+        return np.array([result[name] for name in names], dtype=float).T
 
 
 def _states(component: str, fmu: Fmu) -> list[Variable]:

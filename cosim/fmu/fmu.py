@@ -212,8 +212,8 @@ class Fmu(Component):
         clocks = self.description.clocks
         if clocks and not self._knows_events:
             names = ", ".join(clock.name for clock in clocks)
-            reason = "the FMU has no event mode"
-            _log.warning("%s: the clocks %s never tick: %s", self.path, names, reason)
+            line = "%s: the clocks %s never tick: the FMU has no event mode"
+            _log.warning(line, self.path, names)
             return []
         return [clock for clock in clocks if clock.asked is not None]
 

@@ -109,18 +109,13 @@ class _Served:
         """Call a function of ours, which takes the specification before its arguments."""
         return {"result": function(self._specification, *arguments)}
 
-    def start(self, **arguments: Any) -> dict[str, object]:
-        return {"outputs": self._prepared.start(**arguments)}
-
-    def step(self, **arguments: Any) -> dict[str, object]:
-        return {"outputs": self._prepared.step(**arguments)}
+    def ask(self, method: str, arguments: Sequence[Any]) -> dict[str, object]:
+        """Call a method of the simulation."""
+        return {"result": getattr(self._prepared, method)(*arguments)}
 
     def save(self, path: str) -> dict[str, object]:
         self._prepared.save(path)
         return {}
-
-    def values(self, names: list[str]) -> dict[str, object]:
-        return {"values": self._prepared.values(names)}
 
     def close(self) -> dict[str, object]:
         if self._simulation:

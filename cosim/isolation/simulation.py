@@ -75,14 +75,14 @@ class IsolatedSimulation(Simulation):
         """Begin a run by steps, see Simulation; starts a child where there is none."""
         starts = by_name("parameters", parameters, ParameterError)
         with self._exclusive:
-            arguments = {"parameters": starts, "inputs": _numbers(inputs)}
-            reply = self._first_or_again(lambda: self._ask("start", arguments))
-            return dict(reply["outputs"])
+            arguments = {"method": "start", "arguments": (starts, _numbers(inputs))}
+            return dict(self._first_or_again(lambda: self._ask("ask", arguments))["result"])
 
     def step(self, inputs: Mapping[str, float] | None = None) -> dict[str, float]:
         """Do one step of a run that ``start`` has begun, see Simulation."""
         with self._exclusive:
-            return dict(self._ask("step", {"inputs": _numbers(inputs)})["outputs"])
+            arguments = {"method": "step", "arguments": (_numbers(inputs),)}
+            return dict(self._ask("ask", arguments)["result"])
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the state that the last run halted in to a file, see Simulation."""
@@ -94,8 +94,8 @@ class IsolatedSimulation(Simulation):
     def values(self, names: Sequence[str]) -> list[float]:
         """Return the values that variables have at the end of the last run, see Simulation."""
         with self._exclusive:
-            reply = self._ask("values", {"names": list(names)})
-            return [float(value) for value in reply["values"]]
+            reply = self._ask("ask", {"method": "values", "arguments": (list(names),)})
+            return [float(value) for value in reply["result"]]
 
     def close(self) -> None:
         """Free the FMUs and end the child. A closed simulation starts another when it runs."""

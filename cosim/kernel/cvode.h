@@ -5,7 +5,7 @@
 
 #include "kernel.h"
 
-enum { CV_BDF = 2, CV_NORMAL = 1, CV_TSTOP_RETURN = 1, CV_ROOT_RETURN = 2 };
+enum { CV_BDF = 2, CV_NORMAL = 1, CV_ROOT_RETURN = 2 };
 
 typedef int Rates(double t, void *states, void *rates, void *user);
 typedef int Roots(double t, void *states, double *roots, void *user);

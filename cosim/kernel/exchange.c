@@ -258,24 +258,12 @@ void end_exchange(GeneralComponent *f) {
     if (!in) {
         return;
     }
-    if (in->memory) {
-        cvode->CVodeFree(&in->memory);
-    }
-    if (in->solver) {
-        cvode->SUNLinSolFree(in->solver);
-    }
-    if (in->matrix) {
-        cvode->SUNMatDestroy(in->matrix);
-    }
-    if (in->states) {
-        cvode->N_VDestroy_Serial(in->states);
-    }
-    if (in->tolerances) {
-        cvode->N_VDestroy_Serial(in->tolerances);
-    }
-    if (in->context) {
-        cvode->SUNContext_Free(&in->context);
-    }
+    cvode->CVodeFree(&in->memory); /* as all of these, it takes NULL */
+    cvode->SUNLinSolFree(in->solver);
+    cvode->SUNMatDestroy(in->matrix);
+    cvode->N_VDestroy_Serial(in->states);
+    cvode->N_VDestroy_Serial(in->tolerances);
+    cvode->SUNContext_Free(&in->context);
     free(in);
     f->integrator = NULL;
 }

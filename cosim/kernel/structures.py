@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 import re
+from collections.abc import Mapping
 from ctypes import POINTER, Structure
 from pathlib import Path
 from typing import Any
@@ -92,6 +93,14 @@ def _fields(name: str) -> list[tuple[str, Any]]:
 def doubles(values: NDArray[np.float64]) -> Any:
     """Return a pointer to an array, which the caller must keep."""
     return values.ctypes.data_as(POINTER(ctypes.c_double))
+
+
+def put_back(places: Mapping[str, NDArray[Any]], memory: Mapping[str, NDArray[Any]]) -> None:
+    """Write what was kept of places back into them; ValueError where a shape is another."""
+    for name, place in places.items():
+        if memory[name].shape != place.shape:
+            raise ValueError(f"{memory[name].shape} {name}, expected {place.shape}")
+        place[:] = memory[name]
 
 
 class Mark(Structure):

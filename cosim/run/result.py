@@ -116,7 +116,13 @@ class Result:
         return f"Result({len(self.time)} points: {signals})"
 
     def _repr_html_(self) -> str:
-        return _summary(self.time, self._all(), self.units, self.stopped)
+        time, rows = self.time, []
+        for name, values in zip(self.names, self.values.T, strict=True):
+            some = (values.min(), values.max(), values[-1]) if len(time) else ()
+            rows.append((name, self.units[name] or "", *(f"{x:.6g}" for x in some)))
+        caption = f"{len(time)} points" + (f", {time[0]:g} to {time[-1]:g} s" if len(time) else "")
+        caption += f"; ended by {self.stopped}" if self.stopped else ""
+        return html_table(("signal", "unit", "least", "greatest", "last"), rows, caption, words=2)
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self.names)
@@ -136,9 +142,6 @@ class Result:
                 raise self._unknown(name)
             chosen[self.names[column]] = self.values[:, column]
         return _draw(self.time, chosen, self.units, axes)
-
-    def _all(self) -> dict[str, Array]:
-        return dict(zip(self.names, self.values.T, strict=True))
 
     @cached_property
     def texts(self) -> dict[str, list[str]]:
@@ -261,19 +264,6 @@ def _draw(
         panel.grid(visible=True, alpha=0.3)
     given[-1].set_xlabel(f"time [{of_time}]")
     return given
-
-
-def _summary(
-    time: Array, signals: Mapping[str, Array], units: Mapping[str, str | None], stopped: str | None
-) -> str:
-    """Return a table of the signals with unit, range and last value, as HTML."""
-    rows = []
-    for name, values in signals.items():
-        ends = (f"{x:.6g}" for x in (values.min(), values.max(), values[-1])) if len(time) else ()
-        rows.append((name, units[name] or "", *ends))
-    over = f"{len(time)} points" + (f", {time[0]:g} to {time[-1]:g} s" if len(time) else "")
-    caption = over + (f"; ended by {stopped}" if stopped else "")
-    return html_table(("signal", "unit", "least", "greatest", "last"), rows, caption, words=2)
 
 
 def with_pint(frame: pd.DataFrame, units: dict[str, Unit | None]) -> pd.DataFrame:

@@ -58,26 +58,19 @@ Tables = Mapping[str, Disturbance]
 
 
 @dataclass(frozen=True)
-class _Override(Span):
+class _Given(Span):
     name: str
     value: Input
+    replaces: bool
 
     def apply(self, time: Array, table: Disturbance) -> None:
         here = self.covers(time)
+        ends = shifted(here)
         values = np.broadcast_to(sampled(self.name, self.value, time), time.shape)
-        table.keep[here], table.add[here] = 0.0, values[here]
-        here = shifted(here)
-        table.ends[here] = ends_of(self.value, values, time)[here]
-
-
-@dataclass(frozen=True)
-class _Offset(_Override):
-    def apply(self, time: Array, table: Disturbance) -> None:
-        here = self.covers(time)
-        values = np.broadcast_to(sampled(self.name, self.value, time), time.shape)
+        if self.replaces:
+            table.keep[here] = table.add[here] = table.ends[ends] = 0.0
         table.add[here] += values[here]
-        here = shifted(here)
-        table.ends[here] += ends_of(self.value, values, time)[here]
+        table.ends[ends] += ends_of(self.value, values, time)[ends]
 
 
 @dataclass(frozen=True)
@@ -103,7 +96,7 @@ class _Noise(Span):
         table.ends[here] += noise[here]
 
 
-Event = _Override | _Keep | _Noise
+Event = _Given | _Keep | _Noise
 
 
 @dataclass(frozen=True)
@@ -132,13 +125,13 @@ class Scenario:
         self, name: str, value: Input, begin: float = -math.inf, end: float = math.inf
     ) -> Scenario:
         """Let another signal take the place of one: a number, Signal, function or array."""
-        return self._with(name, _Override(begin, end, name, value))
+        return self._with(name, _Given(begin, end, name, value, replaces=True))
 
     def offset(
         self, name: str, value: Input, begin: float = -math.inf, end: float = math.inf
     ) -> Scenario:
         """Add a number, Signal, function or array to a signal, in its unit."""
-        return self._with(name, _Offset(begin, end, name, value))
+        return self._with(name, _Given(begin, end, name, value, replaces=False))
 
     def reset(self, name: str, at: float) -> Scenario:
         """End what the methods called before this one do to a signal or parameter."""

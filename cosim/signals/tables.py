@@ -216,7 +216,8 @@ def read_parquet(data: bytes) -> dict[str, Column]:
         names = [name for name in schema.names if not _INDEX.fullmatch(name)]
         kinds = {name: schema.field(name).type for name in names if names.count(name) == 1}
         wanted = [name for name, kind in kinds.items() if _holds_numbers(pa, kind)]
-        rows, size = file.metadata.num_rows, _unpacked(file.metadata)
+        groups = map(file.metadata.row_group, range(file.metadata.num_row_groups))
+        rows, size = file.metadata.num_rows, sum(group.total_byte_size for group in groups)
         if rows * max(1, len(wanted)) > MOST_VALUES or size > 8 * MOST_BYTES:
             raise Unreadable(f"{rows} rows of {len(wanted)} columns; at most {MOST_VALUES} values")
         table = file.read(columns=wanted, use_threads=False)
@@ -240,11 +241,6 @@ def _holds_numbers(pa: Any, kind: Any) -> bool:
         or pa.types.is_floating(kind)
         or pa.types.is_boolean(kind)
     )
-
-
-def _unpacked(metadata: Any) -> int:
-    """Return how large the pages are when they are unpacked, by the file's own account."""
-    return sum(metadata.row_group(k).total_byte_size for k in range(metadata.num_row_groups))
 
 
 def _column(pa: Any, kind: Any, values: Any) -> Column:

@@ -1,8 +1,8 @@
 """A system as a block diagram in SVG: columns from inputs to outputs, feedback below."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 
 from stickslip.fmi.messages import escaped
 
@@ -29,7 +29,8 @@ class _Box:
 
     @property
     def width(self) -> float:
-        words = [self.title, self.note, *map("".join, _rows(self.inputs, self.outputs))]
+        rows = zip_longest(self.inputs, self.outputs, fillvalue="")
+        words = [self.title, self.note, *map("".join, rows)]
         return max(len(one) for one in words) * _LETTER + 24 if self.title else self.across
 
     @property
@@ -189,9 +190,3 @@ def _drawn(box: _Box) -> str:
         f' stroke="none">{escaped(text)}</text>'
         for at, level, anchor, look, text in words
     )
-
-
-def _rows(inputs: Sequence[str], outputs: Sequence[str]) -> Iterable[tuple[str, str]]:
-    n = max(len(inputs), len(outputs))
-    padded = ([*names, *[""] * (n - len(names))] for names in (inputs, outputs))
-    return zip(*padded, strict=True)

@@ -33,13 +33,6 @@ def test_a_linear_system_shows_its_response(tmp_path):
     assert data.dt == T_S
 
 
-def test_the_loop_of_fmus_shows_the_designed_bode_plot(fmus, loop):
-    found = measure_response(ideal_servo(fmus, loop), "v_cmd", ["drive.v"], F, 0.005, step=T_S)
-    designed = loop.nominal(np.exp(2j * np.pi * found.f * T_S))
-    tolerance = 1e-4 if loop.axis.tau_i > 0.0 else 1e-5
-    np.testing.assert_allclose(found.response("drive.v"), designed, rtol=0, atol=tolerance)
-
-
 def test_a_limit_shows_its_describing_function(fmus):
     """u = 205 N at most: N(A) = 2/pi (asin(s) + s sqrt(1 - s^2)) K with s = limit / (K A)."""
     system = cosim.System()
@@ -59,18 +52,6 @@ def test_a_limit_shows_its_describing_function(fmus):
         distortion = math.sqrt(max(power / (0.5 * gain**2) - 1, 0.0))
         assert found.distortion["controller.u"][0] == pytest.approx(distortion, abs=1e-5)
     assert distortion > 0.4
-
-
-def test_friction_weighs_more_on_small_amplitudes(fmus, loop):
-    system = ideal_servo(fmus, loop)
-    for name, value in {"F_s": 9.0, "F_c": 6.0, "sigma_0": 3.9e5, "sigma_1": 4.4e3}.items():
-        system.set(f"drive.{name}", value)
-    off = []
-    for amplitude in (0.002, 0.01, 0.05):
-        found = measure_response(system, "v_cmd", ["drive.v"], [5.0], amplitude, step=T_S)
-        designed = loop.nominal(np.exp(2j * np.pi * found.f * T_S))
-        off.append(abs(found.response("drive.v") / designed - 1)[0])
-    assert off[0] > 3 * off[1] > 9 * off[2] > 0.0
 
 
 def test_the_peak_of_a_resonance_is_found_by_settling_long_enough(tmp_path, caplog):
@@ -119,16 +100,17 @@ def test_what_cannot_be_measured_is_told(f, periods, message, fmus, loop):
         )
 
 
-def test_the_bode_plot_draws_designed_and_measured(fmus, loop):
+def test_the_loop_of_fmus_shows_the_designed_bode_plot(fmus, loop):
     found = measure_response(ideal_servo(fmus, loop), "v_cmd", ["drive.v"], F, 0.005, step=T_S)
+    designed = loop.nominal(np.exp(2j * np.pi * found.f * T_S))
+    tolerance = 1e-4 if loop.axis.tau_i > 0.0 else 1e-5
+    np.testing.assert_allclose(found.response("drive.v"), designed, rtol=0, atol=tolerance)
     figure = draw_bode(loop.nominal, {"measured": (found, "drive.v")}, distortion=True)
     gain, phase, distortion = figure.axes
     assert gain.get_ylabel() == "Gain [dB]"
     assert (phase.get_ylabel(), distortion.get_ylabel()) == ("Phase [deg]", "Distortion [%]")
-    designed, measured = gain.lines
-    expected = np.interp(np.log(found.f), np.log(designed.get_xdata()), designed.get_ydata())
-    np.testing.assert_allclose(measured.get_ydata(), expected, atol=0.05)
-    designed, measured = phase.lines
-    expected = np.interp(np.log(found.f), np.log(designed.get_xdata()), designed.get_ydata())
-    np.testing.assert_allclose(measured.get_ydata(), expected, atol=0.5)
+    for axes, off in ((gain, 0.05), (phase, 0.5)):
+        designed, measured = axes.lines
+        expected = np.interp(np.log(found.f), np.log(designed.get_xdata()), designed.get_ydata())
+        np.testing.assert_allclose(measured.get_ydata(), expected, atol=off)
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["designed", "measured"]

@@ -1,6 +1,5 @@
 """Small FMUs made on the spot: a gain (direct feedthrough) and an integrator."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -54,24 +53,12 @@ def describe(kind: str, version: int, units: dict[str, str]) -> str:
             attributes += (
                 ' relativeQuantity="true"' if version == 2 else ' declaredType="Difference"'
             )
+        varies = "discrete" if type_ == "String" else "continuous"
+        if causality == "parameter":
+            varies = "tunable" if name in {"k", "n", "flag"} else None
+        depends = ["u"] if name == "y" and kind == "gain" else ()
         variables.append(
-            Variable(
-                name,
-                causality,
-                start,
-                type_,
-                variability=(
-                    None
-                    if causality == "parameter" and name not in {"k", "n", "flag"}
-                    else "tunable"
-                    if causality == "parameter"
-                    else "discrete"
-                    if type_ == "String"
-                    else "continuous"
-                ),
-                depends=["u"] if name == "y" and kind == "gain" else (),
-                attributes=attributes,
-            )
+            Variable(name, causality, start, type_, varies, depends=depends, attributes=attributes)
         )
     base = "".join(f'<Unit name="{n}"><BaseUnit {b}/></Unit>' for n, b in UNITS.items())
     return fmu.describe(
@@ -114,10 +101,3 @@ def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
         return made[key]
 
     return make
-
-
-@pytest.fixture
-def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Let this test unpack into a folder of its own."""
-    monkeypatch.setitem(os.environ, "STICKSLIP_CACHE", str(tmp_path / "cache"))
-    return tmp_path / "cache"

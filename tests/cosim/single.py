@@ -1,6 +1,7 @@
-"""Systems of one FMU, and the same FMU in FMPy."""
+"""Systems of one FMU, the same FMU in FMPy, runs in two halves, and archives packed again."""
 
-from collections.abc import Mapping
+import zipfile
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -37,3 +38,55 @@ def by_fmpy(
         more["input"] = np.array(list(columns), dtype=names)
     how = {"fmi_type": "CoSimulation", "stop_time": stop, "output_interval": step, **more}
     return fmpy.simulate_fmu(str(path), output=list(output), **how)
+
+
+def saves(version: int) -> str:
+    """Return what an FMU declares whose state can be saved."""
+    word = "FMUstate" if version == 2 else "FMUState"
+    return f'canGetAndSet{word}="true" canSerialize{word}="true"'
+
+
+def halves(
+    system: cosim.System,
+    path: Path,
+    *given: Any,
+    until: float,
+    scenario: cosim.Scenario | None = None,
+    first: cosim.Scenario | None = None,
+    **how: Any,
+) -> tuple[cosim.Result, cosim.Result]:
+    """Return a whole run, and the rest of one that was halted, saved and resumed elsewhere.
+
+    Parameters
+    ----------
+    given : parameters and inputs
+    first : the scenario of the run that is halted, where it is another
+    """
+    with system.prepare(**how) as simulation:
+        whole = simulation.run(*given, scenario=scenario)
+        begun = simulation.run(*given, scenario=first or scenario, until=until)
+        np.testing.assert_array_equal(begun.values, whole.values[: len(begun.time)])
+        simulation.save(path)
+    with system.prepare(**how) as another:
+        return whole, another.resume(path, *given[1:], scenario=scenario)
+
+
+def members(path: Path) -> dict[str, bytes]:
+    """Return the members of an archive."""
+    with zipfile.ZipFile(path) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def repacked(
+    path: Path,
+    other: Path,
+    change: Callable[[str, bytes], bytes | None],
+    renamed: Callable[[str], str] = str,
+) -> Path:
+    """Pack the members of an archive again, some changed, renamed, or left out (None)."""
+    content = members(path)
+    with zipfile.ZipFile(other, "w") as archive:
+        for name, data in content.items():
+            if (new := change(name, data)) is not None:
+                archive.writestr(renamed(name), new)
+    return other

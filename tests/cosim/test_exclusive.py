@@ -72,20 +72,6 @@ def test_while_it_runs_it_is_not_closed_or_saved(system, tmp_path, isolation):
             assert result["b.y"][-1] == pytest.approx(2.0 * (1.0 + STOP))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("isolation", [None, "process"])
-def test_simulations_of_their_own_run_side_by_side(system, isolation):
-    specification = cosim.Specification(system, STEP, STOP, isolation=isolation)
-
-    def run(k):
-        with specification.prepare() as simulation:
-            return [simulation.run({"b.k": k}).values for _ in range(5)]
-
-    expected = [run(k) for k in range(4)]
-    with ThreadPoolExecutor(4) as pool:
-        np.testing.assert_array_equal(list(pool.map(run, range(4))), expected)
-
-
 def in_a_fork(do):
     """Return what a forked process makes of a call, as text."""
     reading, writing = os.pipe()

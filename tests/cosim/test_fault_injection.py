@@ -194,18 +194,6 @@ def test_discarded_steps_are_tried_in_parts(rigs, version, step, longest, parts)
     rig.arm()
 
 
-def test_a_step_that_is_discarded_to_the_end_stops_the_run(rigs, version):
-    rig = rigs(version, "plain")
-    with rig.prepare() as simulation:
-        rig.arm()
-        before = drive(simulation)
-        rig.arm("DoStep 0 2")
-        with pytest.raises(cosim.SimulationError, match=r"DoStep returned discard .* t = 0 s"):
-            drive(simulation)
-        rig.arm()
-        np.testing.assert_array_equal(drive(simulation), before)
-
-
 def test_fatal_buries_the_instances_of_other_simulations_too(rigs):
     rig = rigs(2, "plain")
     rig.arm()

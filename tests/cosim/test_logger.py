@@ -3,7 +3,6 @@
 import re
 import subprocess
 import sys
-import threading
 
 import pytest
 
@@ -55,18 +54,6 @@ def test_in_model_exchange(tmp_path, version, environment):
 
 
 @pytest.mark.parametrize("environment", FOREIGN)
-def test_in_a_process_of_its_own(tmp_path, version, environment):
-    system = pair(tmp_path, "DoStep 0 3", version, "plain", environment)
-    with (
-        system.prepare(step=0.1, stop=1.0, isolation="process") as simulation,
-        pytest.raises(cosim.SimulationError) as error,
-    ):
-        simulation.run()
-    assert SAID.search(str(error.value))
-    assert not isinstance(error.value, cosim.FmuCrashed)
-
-
-@pytest.mark.parametrize("environment", FOREIGN)
 def test_a_warning_keeps_its_message(tmp_path, version, environment, caplog):
     system = pair(tmp_path, "DoStep 4 1", version, "plain", environment)
     with system.prepare(step=0.1, stop=1.0) as simulation:
@@ -88,29 +75,6 @@ def test_a_message_does_not_pass_to_another_component_later(tmp_path, version):
     ):
         simulation.run()
     assert "the FMU says" not in str(error.value)
-
-
-def test_threads_keep_their_messages_apart(tmp_path, version):
-    errors = {}
-
-    def fail(name):
-        system = cosim.System(name)
-        path = tmp_path / f"{name}.fmu"
-        system.add(name, faults.write(path, f"{name} 0 3", version, "plain", "(void*)1"))
-        with system.prepare(step=0.1, stop=1.0) as simulation:
-            try:
-                simulation.run()
-            except cosim.SimulationError as error:
-                errors[name] = str(error)
-
-    names = ["EnterInitializationMode", "Terminate"]
-    for name in names:
-        thread = threading.Thread(target=fail, args=[name])
-        thread.start()
-        thread.join()
-    for name in names:
-        assert errors[name].startswith(f"{name}: fmi{version}{name} returned error")
-        assert "broke" in errors[name]
 
 
 @pytest.mark.parametrize("call", ["DoStep", "SetReal", "Terminate"])

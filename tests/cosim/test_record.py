@@ -1,7 +1,6 @@
 """What a record keeps is what NumPy takes from the full one, to the bit."""
 
 import csv
-import pickle
 
 import numpy as np
 import pytest
@@ -161,16 +160,10 @@ def test_a_value_that_is_not_finite_is_found_though_nothing_is_kept(make):
     system.add("b", make("gain"))
     system.connect("a.y", "b.u")
     for record in (Record(()), Record(keep="last"), Record(sum_of_squares={"b": "b.y"})):
-        with pytest.raises(cosim.SimulationError, match=r"a\.y: .*not finite.* t = 4"):
+        with pytest.raises(
+            cosim.SimulationError, match=r"^a\.y: .*not finite.* t = 4 s.*allow-nan"
+        ):
             prepare(system, record).run()
-
-
-def test_a_specification_with_a_record_pickles(system):
-    record = Record("u", every=2, sum_of_squares={"cost": Deviation("position.y", "u")})
-    simulation = prepare(system, record)
-    twin = pickle.loads(pickle.dumps(simulation.spec)).prepare()  # noqa: S301 - our own bytes
-    assert twin.spec.record == record
-    assert twin.run().sum_of_squares == simulation.run().sum_of_squares
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """An FMU that writes into its unpacked files spoils no later run."""
 
-import subprocess
 import sys
 import zipfile
 
@@ -28,14 +27,6 @@ def alone(fmu):
     system = cosim.System("alone")
     system.add("a", fmu)
     return system
-
-
-def test_every_command_finds_what_was_packed(writer):
-    for _ in range(2):
-        for how in ("--isolate", "--no-isolate"):
-            command = [sys.executable, "-m", "stickslip", "simulate", str(writer), how]
-            done = subprocess.run(command, capture_output=True, text=True)
-            assert done.returncode == 0, done.stderr
 
 
 def test_every_preparation_finds_what_was_packed(writer):

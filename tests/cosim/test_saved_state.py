@@ -1,6 +1,5 @@
 """A file of a saved state is what was saved, or is refused."""
 
-import zipfile
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +8,7 @@ import pytest
 from stickslip import cosim
 from stickslip.cosim.run.checkpoint import Checkpoint
 from tests.corpus.defects import reference
+from tests.cosim.single import repacked
 
 
 @pytest.fixture
@@ -19,16 +19,6 @@ def halted(tmp_path):
     with system.prepare(step=0.1, stop=1.0) as simulation:
         simulation.run(until=0.5)
         yield simulation, simulation.save(tmp_path / "half.state")
-
-
-def repacked(path, change):
-    """Pack the members of a state again, some changed or left out."""
-    with zipfile.ZipFile(path) as archive:
-        members = {name: archive.read(name) for name in archive.namelist()}
-    with zipfile.ZipFile(path, "w") as archive:
-        for name, content in members.items():
-            if (new := change(name, content)) is not None:
-                archive.writestr(name, new)
 
 
 def test_it_comes_back_bit_for_bit(tmp_path):
@@ -54,7 +44,7 @@ def test_it_comes_back_bit_for_bit(tmp_path):
 )
 def test_a_part_that_is_missing_is_told(halted, left_out, said):
     simulation, path = halted
-    repacked(path, lambda name, content: None if name == f"{left_out}.npy" else content)
+    repacked(path, path, lambda name, content: None if name == f"{left_out}.npy" else content)
     with pytest.raises(cosim.SimulationError, match=said):
         simulation.resume(path)
     assert len(simulation.run().time) == 11
@@ -63,7 +53,7 @@ def test_a_part_that_is_missing_is_told(halted, left_out, said):
 def test_a_row_of_another_length_is_told(halted):
     simulation, path = halted
     row = b"\x93NUMPY\1\0v\0{'descr': '<f8', 'fortran_order': False, 'shape': (1,), }\n"
-    repacked(path, lambda name, content: row + bytes(8) if name == "row.npy" else content)
+    repacked(path, path, lambda name, content: row + bytes(8) if name == "row.npy" else content)
     with pytest.raises(cosim.SimulationError, match="damaged"):
         simulation.resume(path)
 

@@ -23,13 +23,6 @@ def run(simulation, scenario, x=np.sin):
     return simulation.run(inputs={"x": x}, scenario=scenario)
 
 
-def test_events_on_one_signal_act_in_their_order(simulation):
-    scenario = Scenario().set("x", 1.0, at=0.0).add_noise("x", 0.1, 3).set("x", 2.0, at=1.0)
-    x = run(simulation, scenario)["x"]
-    assert x[:10].std() > 0
-    assert set(x[10:]) == {2.0}
-
-
 @pytest.mark.parametrize("name", ["x", "sensor.y", "plant.u"])
 def test_an_offset_adds_to_a_signal_until_it_is_reset(simulation, name):
     signal = "sensor.y" if name == "plant.u" else name

@@ -20,6 +20,7 @@ from tests.corpus.hostile.packages import (
     system,
     values,
 )
+from tests.cosim.single import members
 
 UNITS = (
     '<ssd:Units><ssc:Unit name="N"><ssc:BaseUnit kg="1" m="1" s="-2"/></ssc:Unit>'
@@ -99,16 +100,11 @@ def test_nested_systems_become_one_with_the_ways_between_them_summed_up(pack):
     assert end(system, x=1.0) == pytest.approx(3 * 2000 + 1)
 
 
-def members_of(path):
-    with zipfile.ZipFile(path) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
-
-
 def test_an_unchanged_system_is_written_as_it_was_read_to_the_byte(pack, tmp_path):
     package = pack({**NESTED, "extra/note.txt": "x", "documentation/index.html": "<p/>"})
     system, experiment = cosim.read_ssp(package)
     again = cosim.write_ssp(system, tmp_path / "again.ssp", experiment)
-    assert members_of(again) == members_of(package)
+    assert members(again) == members(package)
 
 
 def test_a_change_is_written_into_the_nesting_and_keeps_what_is_not_known(pack, tmp_path):
@@ -126,12 +122,12 @@ def test_a_change_is_written_into_the_nesting_and_keeps_what_is_not_known(pack, 
     assert again.outputs == system.outputs
     assert experiment.step == 0.25
     assert end(again, x=1.0) == end(system, x=1.0) == pytest.approx(10 * (2 * 10 + 1))
-    text = members_of(written)["SystemStructure.ssd"].decode()
+    text = members(written)["SystemStructure.ssd"].decode()
     assert "kept" in text
     assert "ElementGeometry" in text
     again.set("c.k", -1.0)  # in place this time: no binding is added
     third = cosim.write_ssp(again, tmp_path / "c.ssp")
-    assert members_of(third).keys() == members_of(written).keys()
+    assert members(third).keys() == members(written).keys()
     assert cosim.read_ssp(third)[0].parameters["c.k"] == -1.0
 
 
@@ -159,7 +155,7 @@ def test_names_with_slashes_are_written_as_nested_systems(make, tmp_path, versio
     again, _ = cosim.read_ssp(path)
     for name in ("connections", "links", "inputs", "outputs", "parameters"):
         assert getattr(again, name) == getattr(system, name)
-    text = members_of(path)["SystemStructure.ssd"].decode()
+    text = members(path)["SystemStructure.ssd"].decode()
     assert f'version="{version}"' in text
     assert ("ssc:Float64" in text) == (version == "2.0")
     if version == "1.0":
@@ -306,7 +302,7 @@ def test_versions_turn_into_each_other_where_they_can(pack, tmp_path):
     old = cosim.write_ssp(system, tmp_path / "old.ssp", version="1.0")
     read_ssd(str(old))
     new = cosim.write_ssp(cosim.read_ssp(old)[0], tmp_path / "new.ssp", version="2.0")
-    assert 'version="2.0"' in members_of(new)[STRUCTURE].decode()
+    assert 'version="2.0"' in members(new)[STRUCTURE].decode()
     system, _ = cosim.read_ssp(pack(one(two.replace("Float64", "Clock"), version="2.0")))
     with pytest.raises(cosim.SspError, match=r"line 1: SSP 1\.0 cannot express this"):
         cosim.write_ssp(system, tmp_path / "old.ssp", version="1.0")

@@ -122,22 +122,6 @@ def test_pyssp_standard_reads_any_system(make, tmp_path, seed, version):
                 file.__check_compliance__()
 
 
-def test_libcosim_opens_a_system_once_its_inputs_are_taken_away(make, tmp_path):
-    system = drawn(make, 0)
-    system.expose("x", f"{next(iter(system.components))}.u")
-    system.expose_output("y", f"{next(iter(system.components))}.y")
-    with pytest.raises(Exception, match="Unable to create execution"):
-        CosimExecution.from_ssp_file(str(cosim.write_ssp(system, tmp_path / "a.ssp", EXPERIMENT)))
-    system.inputs.clear()
-    system.outputs.clear()
-    path = cosim.write_ssp(system, tmp_path / "b.ssp", EXPERIMENT)
-    ours = jacobi(system)
-    signals = [name for name in ours if name.endswith(".y")]
-    assert in_libcosim(system, path, signals) == {
-        name: pytest.approx(ours[name][-1], rel=1e-12, abs=1e-13) for name in signals
-    }
-
-
 def test_fmpy_takes_inputs_of_the_system(make, tmp_path):
     system = cosim.System("one")
     system.add("gain", make("gain"), {"k": 3.0})

@@ -10,10 +10,9 @@ from tests.cosim.single import by_fmpy, one
 STEP, STOP = 0.05, 2.0
 
 
-@pytest.mark.parametrize(("version", "interface", "fmi"), [(3, "CS events", 2)])
-def test_a_container_gives_the_values_of_the_system(export, tmp_path, version, interface, fmi):
-    system = one(export("stair", version, interface), {"period": 0.13}, u="trigger")
-    system.add("b", export("feedthrough", version, interface))
+def test_a_container_gives_the_values_of_the_system(export, tmp_path):
+    system = one(export("stair", 3, "CS events"), {"period": 0.13}, u="trigger")
+    system.add("b", export("feedthrough", 3, "CS events"))
     system.connect("a.count", "b.Int32_in")
     system.connect("a.level", "b.Float64_in")
     system.expose("on", "b.Boolean_in")
@@ -21,7 +20,7 @@ def test_a_container_gives_the_values_of_the_system(export, tmp_path, version, i
         time = simulation.time
         u, on = np.floor(time / 0.35) % 2 > 0, time > 1.0
         ours = simulation.run(inputs={"u": u, "on": on})
-    path = cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, fmi=fmi)
+    path = cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, fmi=2)
     names = ["a.count", "a.level", "b.Int32_out", "b.Boolean_out", "b.Float64_out"]
     theirs = by_fmpy(path, STEP, STOP, *names, inputs=[time, ("u", "?", u), ("on", "?", on)])
     for name in names:
@@ -31,18 +30,15 @@ def test_a_container_gives_the_values_of_the_system(export, tmp_path, version, i
     assert theirs["b.Int32_out"].dtype == np.int32
 
 
-@pytest.mark.parametrize(("version", "fmi", "coupling"), [(2, 3, "gauss_seidel")])
-def test_model_exchange_in_a_container(export, tmp_path, version, fmi, coupling):
+def test_model_exchange_in_a_container(export, tmp_path):
     """Two oscillators and a stair, with time and state events, by the solver in the resources."""
-    system = one(
-        export("oscillator", version, "ME"), {"position": 0.5}, "force", interface="model_exchange"
-    )
-    system.add("b", export("oscillator", version, "ME"), {"position": 0.0})
-    system.add("c", export("stair", version, "ME"), {"period": 0.13})
-    system.add("d", export("ball", version, "ME"))
+    system = one(export("oscillator", 2, "ME"), {"position": 0.5}, "force")
+    system.add("b", export("oscillator", 2, "ME"), {"position": 0.0})
+    system.add("c", export("stair", 2, "ME"), {"period": 0.13})
+    system.add("d", export("ball", 2, "ME"))
     system.connect("c.count", "b.force")
-    ours = system.prepare(step=STEP, stop=STOP, coupling=coupling).run(inputs={"u": 0.25})
-    path = cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, fmi=fmi, coupling=coupling)
+    ours = system.prepare(step=STEP, stop=STOP).run(inputs={"u": 0.25})
+    path = cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, fmi=3)
     names = ["a.position", "b.position", "c.count", "d.bounces", "d.height"]
     theirs = by_fmpy(path, STEP, STOP, *names, start_values={"u": 0.25})
     for name in names:
@@ -52,9 +48,7 @@ def test_model_exchange_in_a_container(export, tmp_path, version, fmi, coupling)
 
 def test_an_input_of_a_container_holds_for_the_step(export, tmp_path):
     """An oscillator at rest under a force that steps: x = F/k (1 - cos 2 (t - t0))."""
-    system = one(
-        export("oscillator", 3, "ME"), {"position": 0.0}, "force", interface="model_exchange"
-    )
+    system = one(export("oscillator", 3, "ME"), {"position": 0.0}, "force")
     path = cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP)
     time = np.arange(0.0, STOP + STEP / 2, STEP)
     late = time > 1.0
@@ -65,7 +59,7 @@ def test_an_input_of_a_container_holds_for_the_step(export, tmp_path):
 
 
 def test_a_platform_without_the_solver_is_refused(export, tmp_path):
-    system = one(export("stair", 2, "ME"), interface="model_exchange")
+    system = one(export("stair", 2, "ME"))
     target = toolchain.PLATFORMS["aarch64-linux"]
     with pytest.raises(cosim.FmuError, match="not for aarch64-linux; use Co-Simulation, or leave"):
         cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, platforms=[target])

@@ -118,31 +118,6 @@ def test_model_exchange_has_the_events_of_fmpy_at_jumps(export, version):
     np.testing.assert_array_equal(gain, gain_of_fmpy)
 
 
-def response(t, kind):
-    """Return the solution of x'' + 4 x = F with x = 1, x' = 0 at 0: F is 1, or t, from t = 0 on."""
-    t = np.maximum(t, 0)
-    return (1 - np.cos(2 * t)) / 4 if kind == "step" else (t - np.sin(2 * t) / 2) / 4
-
-
-@pytest.mark.parametrize("begin", [0.33, 0.7])  # between two points, at one
-@pytest.mark.parametrize(
-    ("table", "kind"),
-    [
-        (lambda begin: cosim.Table([0.0, begin, begin], [0, 0, 1]), "step"),
-        (lambda begin: cosim.Table([0.0, begin], [0, 1], held=True), "step"),
-        (lambda begin: cosim.Table([0.0, begin, begin + 9], [0, 0, 9]), "ramp"),
-    ],
-)
-def test_model_exchange_follows_a_table_within_its_steps(export, begin, table, kind):
-    system = one(export("oscillator", 3, "ME"), u="force")
-    with system.prepare(step=STEP, stop=STOP, tolerance=1e-9) as simulation:
-        result = simulation.run(inputs={"u": table(begin)})
-        exact = np.cos(2 * result.time) + response(result.time - begin, kind)
-        np.testing.assert_allclose(result["a.position"], exact, atol=1e-6)
-        untouched = simulation.run(inputs={"u": 0.0})["a.position"]
-    np.testing.assert_allclose(untouched, np.cos(2 * result.time), atol=1e-6)
-
-
 @pytest.mark.parametrize("disturbed", ["a.gain", "b.position"])
 def test_within_a_step_in_parts_a_scenario_does_what_it_did_at_its_begin(export, disturbed):
     """An override that begins at 0.4 and ends at 0.6 does not act on parts of other steps."""
@@ -162,15 +137,3 @@ def test_within_a_step_in_parts_a_scenario_does_what_it_did_at_its_begin(export,
     stuck = cosim.Scenario().stick(disturbed, 0.375, 0.625)
     ours = system.prepare(**coarse).run(inputs={"u": table}, scenario=stuck)
     assert set(ours[disturbed][3:5]) == {ours[disturbed][2]}
-
-
-@pytest.mark.parametrize("kind", ["CS", "ME"])
-@pytest.mark.parametrize("start", [0.0, 1e4, 1.7e9])
-def test_a_discrete_input_jumps_at_its_row_at_any_time(export, kind, start):
-    step = 1e-5 if start == 1e4 else 1e-3
-    system = one(export("stair", 2, kind), {"period": 1e9}, u="trigger")
-    rows = np.arange(101)
-    table = cosim.Table([start + n * step for n in rows], rows // 3 % 2)
-    with system.prepare(start=start, stop=start + 100 * step, step=step) as simulation:
-        result = simulation.run(inputs={"u": table})
-    np.testing.assert_array_equal(result["u"], rows // 3 % 2)

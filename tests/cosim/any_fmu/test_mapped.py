@@ -5,7 +5,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.cosim import Coupling, Link, ValueMap
-from tests.cosim.single import one
+from tests.cosim.single import one, saves
 
 COUPLINGS = ["gauss_seidel", "jacobi", Coupling(degree=1), Coupling("iterative")]
 FLIP = Link(ValueMap.of({0: 1, 1: 0}))
@@ -28,9 +28,8 @@ def seen(system, values, coupling="gauss_seidel", **how):
 
 @pytest.mark.parametrize("coupling", COUPLINGS, ids=str)
 def test_what_has_a_pair_is_replaced_and_all_else_stays(export, version, coupling):
-    flags = "canGetAndSetFMUstate" if version == 2 else "canGetAndSetFMUState"
     link = Link(ValueMap.of({1: 20, 2: 30}))
-    system = chain(export, version, "Int32", "Int32", link, f'{flags}="true"')
+    system = chain(export, version, "Int32", "Int32", link, saves(version))
     result = seen(system, [0, 1, 2, 3, 2, 1, 0, 0], coupling)
     mapped = np.vectorize({0: 0, 1: 20, 2: 30, 3: 3}.get)(result["a.Int32_out"])
     delay = 1 if coupling == "jacobi" else 0
@@ -107,8 +106,7 @@ def test_pairs_that_do_not_fit_are_refused(export, source, target, pairs, messag
 def test_types_that_lose_nothing_connect_as_they_are(
     export, version, coupling, source, target, values
 ):
-    flags = "canGetAndSetFMUstate" if version == 2 else "canGetAndSetFMUState"
-    system = chain(export, version, source, target, Link(), f'{flags}="true"')
+    system = chain(export, version, source, target, Link(), saves(version))
     result = seen(system, values, coupling)
     given, delay = result[f"a.{source}_out"], int(coupling == "jacobi")
     assert set(given[1:]) <= set(values)

@@ -43,14 +43,6 @@ def test_a_bouncing_ball_bounces_when_the_parabola_ends(export, version):
     np.testing.assert_allclose(result["a.height"][falling], expected, atol=1e-7)
 
 
-def test_a_bouncing_ball_equals_fmpy(export, version):
-    path = export("ball", version, "ME")
-    ours = one(path).prepare(step=0.01, stop=2.0, tolerance=FINE).run()
-    theirs = fmpy_run(path, 0.01, 2.0, "height", "bounces")
-    np.testing.assert_allclose(ours["a.height"], theirs["height"], atol=1e-7)
-    np.testing.assert_array_equal(ours["a.bounces"], theirs["bounces"])
-
-
 def test_a_stair_rises_at_its_time_events(export, version):
     path = export("stair", version, "ME")
     result = one(path, {"period": 0.25}).prepare(step=0.1, stop=1.0).run()
@@ -91,35 +83,10 @@ def test_an_input_holds_over_each_of_the_steps(export, version, degree):
     np.testing.assert_allclose(found, whole[1:], atol=1e-12)
 
 
-@pytest.mark.parametrize("coupling", ["jacobi", "gauss_seidel"])
-def test_both_interfaces_couple(export, version, coupling):
-    system = cosim.System()
-    system.add("me", export("oscillator", version), interface="model_exchange")
-    system.add("cs", export("oscillator", version), {"position": 0.0})
-    system.connect("me.position", "cs.force")
-    with system.prepare(step=1e-3, stop=5.0, coupling=coupling) as simulation:
-        result = simulation.run()
-        np.testing.assert_array_equal(simulation.run().values, result.values)
-    t = result.time  # x'' + 4 x = cos 2t
-    np.testing.assert_allclose(result["cs.position"], t * np.sin(2 * t) / 4, atol=0.01)
-
-
 def test_states_of_an_array(export):
     system = one(export("state_space", 3, "ME"), {"n": 2, "A": -np.eye(2), "x0": [1.0, 2.0]})
     result = system.prepare(step=0.1, stop=1.0, tolerance=FINE).run()
     np.testing.assert_allclose(result["a.y"], np.exp(-result.time)[:, None] * [1, 2], atol=1e-6)
-
-
-def test_a_run_halts_and_goes_the_same_way(export, version, tmp_path):
-    system = one(export("oscillator", version, "ME"))
-    with system.prepare(step=0.05, stop=2.0) as simulation:
-        whole = simulation.run()
-        looked = simulation.run(progress=lambda _: None)
-        half = simulation.run(until=1.0)
-        np.testing.assert_array_equal(looked.values, whole.values)
-        np.testing.assert_array_equal(half.values, whole.values[: len(half.time)])
-        with pytest.raises(cosim.SimulationError, match="cannot serialise"):
-            simulation.save(tmp_path / "a.state")
 
 
 def test_without_its_solver_one_line_says_where_there_is_one(export, version, monkeypatch):

@@ -4,54 +4,42 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from tests.cosim.single import one
-
-WORD = {2: "FMUstate", 3: "FMUState"}
+from tests.cosim.single import halves, one, saves
 
 
-def flags(version):
-    return f'canGetAndSet{WORD[version]}="true" canSerialize{WORD[version]}="true"'
-
-
-def halves(system, path, inputs=None, parameters=None, until=1.0, **how):
+def ends(system, path, inputs=None, parameters=None, until=1.0, **how):
     """Return the end of a whole run, and the same of one that was saved and resumed elsewhere."""
     spec = {"step": 0.1, "stop": 2.0, **how}
-    with system.prepare(**spec) as simulation:
-        whole = simulation.run(parameters, inputs)
-        first = simulation.run(parameters, inputs, until=until)
-        np.testing.assert_array_equal(first.values, whole.values[: len(first.time)])
-        simulation.save(path)
-    with system.prepare(**spec) as another:
-        rest = another.resume(path, inputs)
+    whole, rest = halves(system, path, parameters, inputs, until=until, **spec)
     return whole.frame()[-len(rest.time) :], rest.frame()
 
 
 @pytest.mark.parametrize("model", ["ball", "stair"])
 @pytest.mark.parametrize("interfaces", ["CS", "CS events"])
 def test_events(export, tmp_path, model, interfaces):
-    system = one(export(model, 3, interfaces, flags(3)))
+    system = one(export(model, 3, interfaces, saves(3)))
     inputs = {}
     if model == "stair":
         system.expose("u", "a.trigger")
         inputs = {"u": cosim.Table([0.0, 0.3, 1.0, 1.55], [0, 1, 0, 1])}
-    whole, rest = halves(system, tmp_path / "a.state", inputs)
+    whole, rest = ends(system, tmp_path / "a.state", inputs)
     np.testing.assert_array_equal(rest, whole)
     assert len(np.unique(rest, axis=0)) > 3
 
 
 def test_arrays_keep_the_elements_that_are_not_fed(export, tmp_path):
-    fmu = export("state_space", 3, "CS", flags(3))
+    fmu = export("state_space", 3, "CS", saves(3))
     system = one(fmu, {"n": 2, "A": [[0.0, 1.0], [-1.0, 0.0]], "x0": [1.0, 0.0]})
     system.add("b", fmu, {"n": 2})
     system.connect("a.y", "b.u")
     system.expose("x", "a.u[2]")
-    whole, rest = halves(system, tmp_path / "a.state", {"x": np.sin}, {"a.u[1]": 0.5})
+    whole, rest = ends(system, tmp_path / "a.state", {"x": np.sin}, {"a.u[1]": 0.5})
     np.testing.assert_array_equal(rest, whole)
 
 
 @pytest.mark.parametrize("coupling", ["jacobi", cosim.Coupling("iterative")], ids=str)
 def test_other_types(export, tmp_path, coupling):
-    fmu = export("feedthrough", 3, "CS", flags(3))
+    fmu = export("feedthrough", 3, "CS", saves(3))
     system = one(fmu)
     system.add("b", fmu)
     for kind in ("Int8", "Boolean", "Float32", "Float64"):
@@ -59,25 +47,25 @@ def test_other_types(export, tmp_path, coupling):
     system.expose("x", "a.Float32_in")
     system.expose("n", "a.Int8_in")
     inputs = {"x": np.sin, "n": np.arange(21.0)}
-    whole, rest = halves(system, tmp_path / "a.state", inputs, coupling=coupling)
+    whole, rest = ends(system, tmp_path / "a.state", inputs, coupling=coupling)
     np.testing.assert_array_equal(rest, whole)
 
 
 @pytest.mark.parametrize("model", ["ball", "oscillator", "stair"])
 def test_the_solver_of_model_exchange_starts_anew(export, tmp_path, version, model):
-    system = one(export(model, version, "ME", flags(version)))
+    system = one(export(model, version, "ME", saves(version)))
     inputs = {}
     if model == "oscillator":
         system.expose("x", "a.force")
         inputs = {"x": np.sin}
-    whole, rest = halves(system, tmp_path / "a.state", inputs, tolerance=1e-8)
+    whole, rest = ends(system, tmp_path / "a.state", inputs, tolerance=1e-8)
     np.testing.assert_array_equal(rest.values[0], whole.values[0])
     np.testing.assert_allclose(rest, whole, rtol=1e-5, atol=1e-6)
     assert np.ptp(rest.values, axis=0).max() > 0.1
 
 
 def test_a_state_by_another_interface_is_refused(export, tmp_path):
-    fmu = export("oscillator", 2, "ME CS", flags(2))
+    fmu = export("oscillator", 2, "ME CS", saves(2))
     for interface in ("co_simulation", "model_exchange"):
         with one(fmu, interface=interface).prepare(step=0.1, stop=2.0) as simulation:
             if interface == "co_simulation":
@@ -100,9 +88,9 @@ JUMPS = {
 @pytest.mark.parametrize("coupling", ["gauss_seidel", cosim.Coupling("jacobi", degree=1)], ids=str)
 def test_jumps_of_a_table_are_not_made_again(export, tmp_path, version, table, until, coupling):
     """Model Exchange, saved before, at and after jumps on a point and between two."""
-    system = one(export("oscillator", version, "ME", flags(version)), u="force")
+    system = one(export("oscillator", version, "ME", saves(version)), u="force")
     how = {"tolerance": 1e-9, "coupling": coupling, "until": until}
-    whole, rest = halves(system, tmp_path / "a.state", {"u": JUMPS[table]}, **how)
+    whole, rest = ends(system, tmp_path / "a.state", {"u": JUMPS[table]}, **how)
     np.testing.assert_array_equal(rest.values[0], whole.values[0])
     np.testing.assert_allclose(rest, whole, atol=1e-6)
     np.testing.assert_array_equal(rest["a.gain"], whole["a.gain"])  # 2 force
@@ -112,8 +100,8 @@ def test_jumps_of_a_table_are_not_made_again(export, tmp_path, version, table, u
 @pytest.mark.parametrize("until", [0.1, 0.125, 0.2, 0.4, 0.475, 0.625, 1.0, 1.4, 1.875])
 def test_ticks_of_clocks_are_not_made_again(export, tmp_path, interfaces, until):
     """Saved before, at and after ticks; 0.475 has one that asks for another at the same time."""
-    system = one(export("clocked", 3, interfaces, flags(3)))
-    whole, rest = halves(system, tmp_path / "a.state", until=until, step=0.025)
+    system = one(export("clocked", 3, interfaces, saves(3)))
+    whole, rest = ends(system, tmp_path / "a.state", until=until, step=0.025)
     np.testing.assert_array_equal(rest, whole)
     assert rest["a.every_ticks"].iloc[-1] == 8
 
@@ -121,14 +109,14 @@ def test_ticks_of_clocks_are_not_made_again(export, tmp_path, interfaces, until)
 @pytest.mark.parametrize("interfaces", ["CS events", "ME"])
 def test_clocks_go_back_with_their_fmu(export, interfaces):
     """Steps that are tried again take back the ticks in them."""
-    system = one(export("clocked", 3, interfaces, flags(3)))
+    system = one(export("clocked", 3, interfaces, saves(3)))
     for name in ("b", "c"):
-        system.add(name, export("oscillator", 3, "CS", flags(3)))
+        system.add(name, export("oscillator", 3, "CS", saves(3)))
     system.connect("b.position", "c.force")
     coupling = cosim.Coupling("iterative", degree=2, adaptive=cosim.Adaptive(1e-7))
     with system.prepare(step=0.1, stop=2.0, coupling=coupling) as simulation:
         result = simulation.run()
         assert simulation.effort["rejected"] > 0
-    clocks = one(export("clocked", 3, interfaces, flags(3))).prepare(step=0.1, stop=2.0).run()
+    clocks = one(export("clocked", 3, interfaces, saves(3))).prepare(step=0.1, stop=2.0).run()
     for name in (name for name in clocks.names if name.endswith("_ticks")):
         np.testing.assert_array_equal(result[name], clocks[name])

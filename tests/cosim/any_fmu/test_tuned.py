@@ -5,7 +5,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.cosim import Scenario
-from tests.cosim.single import one
+from tests.cosim.single import halves, one, saves
 
 STEP, N = 0.1, 20
 
@@ -76,15 +76,11 @@ def test_integers_and_booleans_change_too(make):
 
 
 def test_changes_go_on_in_a_resumed_run(export, tmp_path):
-    flags = 'canGetAndSetFMUState="true" canSerializeFMUState="true"'
-    system = one(export("ball", 3, "CS events", flags))
+    system = one(export("ball", 3, "CS events", saves(3)))
     for at in (0.3, 1.0, 1.2):
         scenario = Scenario().override("a.e", 0.3, at, 1.6)  # then back to what the run began with
-        with system.prepare(step=STEP, stop=N * STEP) as simulation:
-            whole = simulation.run({"a.e": 0.9}, scenario=scenario)
-            simulation.run({"a.e": 0.9}, scenario=scenario, until=1.0)
-            path = simulation.save(tmp_path / "a.state")
-            rest = simulation.resume(path, scenario=scenario)
+        how = {"step": STEP, "stop": N * STEP, "until": 1.0, "scenario": scenario}
+        whole, rest = halves(system, tmp_path / "a.state", {"a.e": 0.9}, **how)
         np.testing.assert_array_equal(rest.values, whole.values[10:])
 
 

@@ -1,12 +1,11 @@
 """A saved state is resumed by the system that saved it, and refused by any other."""
 
-import zipfile
-
 import numpy as np
 import pytest
 
 from stickslip import cosim
 from stickslip.cosim import Link, Scaling
+from tests.cosim.single import repacked
 
 
 def ring(linear):
@@ -31,10 +30,11 @@ def reverse(system):
 def other_file(system):
     """The same description and token, another binary."""
     old = system.components["b"].path
-    new = old.with_name("other.fmu")
-    with zipfile.ZipFile(old) as archive, zipfile.ZipFile(new, "w") as copy:
-        for name in archive.namelist():
-            copy.writestr(name, archive.read(name) + (b"\0" if "binaries" in name else b""))
+    new = repacked(
+        old,
+        old.with_name("other.fmu"),
+        lambda name, content: content + b"\0" * ("binaries" in name),
+    )
     system.components["b"] = cosim.Fmu(new)
 
 

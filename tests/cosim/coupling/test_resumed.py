@@ -8,7 +8,6 @@ from fmpy.validation import validate_fmu
 
 from stickslip import cosim
 from stickslip.cosim import Adaptive, Coupling
-from stickslip.cosim.assembly.coupled import Coupled
 
 STEP, HALF, STOP = 0.01, 0.3, 0.8
 COUPLINGS = [
@@ -47,20 +46,6 @@ def test_bit_for_bit_with_every_coupling(two_masses, linear, tmp_path, version, 
     np.testing.assert_array_equal(first.values, whole.values[:n])
     np.testing.assert_array_equal(rest.values, whole.values[n - 1 :])
     assert rest.values.std() > 0
-
-
-def test_what_is_remembered_matters(two_masses, linear, tmp_path, monkeypatch):
-    """Without the points before, the same run goes another way."""
-    spec = {"step": STEP, "stop": STOP, "coupling": Coupling("jacobi", degree=2)}
-    system = two_masses.system(linear)
-    with system.prepare(**spec) as simulation:
-        whole = simulation.run()
-        simulation.run(until=HALF)
-        path = simulation.save(tmp_path / "half.state")
-    monkeypatch.setattr(Coupled, "recall", lambda *_: None)
-    with system.prepare(**spec) as another:
-        rest = another.resume(path)
-    assert not np.array_equal(rest.values[-1], whole.values[-1])
 
 
 SHORT, END = 1e-3, 0.5

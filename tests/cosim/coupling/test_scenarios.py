@@ -5,6 +5,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.cosim import Adaptive, Coupling, Scenario
+from tests.cosim.single import halves
 
 STEP, N = 0.01, 60
 COUPLINGS = [
@@ -32,15 +33,10 @@ def run(system, scenario, coupling):
     return result
 
 
-def halves(system, folder, coupling, first, scenario):
-    """Return a whole run, and the rest of one that had ``first`` as its scenario up to step 30."""
-    spec = {"step": STEP, "stop": N * STEP, "coupling": coupling}
-    with system.prepare(**spec) as simulation:
-        whole = simulation.run(scenario=scenario)
-        simulation.run(scenario=first, until=30 * STEP)
-        path = simulation.save(folder / "a.state")
-    with system.prepare(**spec) as another:
-        return whole, another.resume(path, scenario=scenario)
+def until_30(system, folder, coupling, **scenarios):
+    """Return a whole run, and the rest of one that was saved at step 30."""
+    spec = {"step": STEP, "stop": N * STEP, "coupling": coupling, "until": 30 * STEP}
+    return halves(system, folder / "a.state", **spec, **scenarios)
 
 
 @each_coupling
@@ -83,7 +79,7 @@ def test_a_scenario_that_changes_nothing_changes_no_bit(system, coupling):
 @each_coupling
 def test_a_scenario_may_begin_in_a_resumed_run(system, tmp_path, coupling):
     scenario = Scenario().set("left.y1", 2.0, at=33 * STEP).stick("right.y1", 35 * STEP)
-    whole, rest = halves(system, tmp_path, coupling, None, scenario)
+    whole, rest = until_30(system, tmp_path, coupling, first=Scenario(), scenario=scenario)
     np.testing.assert_array_equal(rest.values, whole.values[30:])
 
 
@@ -102,7 +98,7 @@ def test_a_stuck_signal_may_be_noisy_and_is_resumed(system, tmp_path, coupling):
     noise = 0.1 * np.random.default_rng(2).standard_normal(N + 1)
     scenario = Scenario().stick("left.y1", 20 * STEP, 40 * STEP).add_noise("left.y1", 0.1, 2, 0.25)
     free = run(system, None, coupling)["left.y1"]
-    whole, rest = halves(system, tmp_path, coupling, scenario, scenario)
+    whole, rest = until_30(system, tmp_path, coupling, scenario=scenario)
     np.testing.assert_array_equal(whole["left.y1"][20:25], free[19])
     np.testing.assert_array_equal(whole["left.y1"][25:40], free[19] + noise[25:40])
     np.testing.assert_array_equal(rest.values, whole.values[30:])

@@ -173,16 +173,6 @@ def test_who_forgets_to_close_leaves_nothing(hostile, children):
     assert is_gone(child)
 
 
-def test_among_many_the_culprit_is_named(tmp_path):
-    """Twenty FMUs at a time, of which the fourteenth crashes."""
-    system = cosim.System("many")
-    for i in range(20):
-        behaviour = "DoStep abort 2" if i == 13 else f"never {i}"
-        system.add(f"c{i}", fmus.write(tmp_path / f"f{i}.fmu", behaviour))
-    with pytest.raises(cosim.FmuCrashed, match=r"^c13 \(f13.fmu\): fmi2DoStep died of SIGABRT"):
-        run(system)
-
-
 def test_more_instances_than_some_can_have(tmp_path):
     fmu = cosim.Fmu(fmus.write(tmp_path / "f.fmu"))
     system = cosim.System("many")

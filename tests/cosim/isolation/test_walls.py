@@ -35,12 +35,6 @@ def made():
     made.close_files()
 
 
-def test_a_child_writes_numbers_where_the_parent_reads_them(made):
-    done = in_a_child("Shared.open(name, size).numbers[:] = 1.0, 2.0, 3.0", made)
-    assert done.returncode == 0, done.stderr
-    np.testing.assert_array_equal(made.numbers, [1.0, 2.0, 3.0])
-
-
 @pytest.mark.parametrize("call", ["ftruncate(file, 0)", "pwrite(file, b'x' * 8, 4096)"])
 def test_shared_memory_cannot_be_cut_short_or_written_as_a_file(made, call):
     """The first would end the parent by SIGBUS; the second would change results."""
