@@ -431,6 +431,7 @@ def adaptive_scale(p: Parameters) -> Columns:
     v_r = 0.05 * np.sin(2 * np.pi * 14.0 * given["time"] - 0.4) + 0.01
     share, fade = 1.0 - np.exp(-p["rate"] * STEP), np.exp(-STEP / p["tau_i"])
     s, square, known, sign, q, start = p["s_0"], 0.0, 0.0, 0.0, 0.0, 0.0
+    s = np.clip(s, p["least"], p["most"])
     F, N = [0.0], [F_m[0]]
     for k in range(200):
         last = max(k - 1, 0)

@@ -23,7 +23,7 @@ def _named(name: str, about: str, says: str, *members: bytes) -> Case:
 _NAMES = [
     _named("up", "../../evil", "would leave the folder", b"../../evil"),
     _named("absolute", "/etc/evil", "would leave the folder", b"/etc/evil"),
-    _named("drive", "C:/evil", "would leave the folder", b"C:/evil"),
+    _named("drive-relative", "C:evil", "would leave the folder", b"C:evil"),
     _named("backslash", "..\\evil", "backslash", b"..\\evil"),
     _named("nul-in-name", "a NUL in the name", "control characters", b"a.txt\0.so"),
     _named("nameless-member", "no name at all", "empty part", b""),
@@ -82,7 +82,7 @@ _DAMAGED = [
     fmu(4, "length", "a list that is too long", "missing", lambda: zipped(members(), length=10**6)),
     fmu(4, "zip64", "sizes that only a zip64 has", "4294967295 bytes", lambda: zipped(members(), length=2**32 - 1)),
     _odd("checksum", "a wrong checksum", "damaged: Bad CRC", crc=1),
-    _odd("encrypted", "a member with a password", "encrypted", flags=1),
+    _odd("encrypted", "a member with a password", "is encrypted; pack it without", flags=1),
     _odd("patch", "compressed patched data", "patched", flags=0x20),
     _odd("bzip2", "packed by bzip2", "method 12", method=12),
     _odd("no-deflate", "text that is said to be packed", "damaged", method=8, content=b"text"),

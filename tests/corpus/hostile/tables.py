@@ -154,9 +154,7 @@ CONFIGS = [
     _config("unknown", "a key that means nothing", "no key 'motionn'", b'motionn = "linear"\n'),
     _config("type", "a list where a number should be", "expected a number", b"tau_i = [1]\n"),
     _config("nan", "NaN where a number should be", "tau_i = nan", b"tau_i = nan\n"),
-    _config("huge", "an integer of 400 digits", "beyond 1e308", b"tau_i = " + b"9" * 400),
     _config("deep", "lists a hundred thousand deep", "nested too deeply", b"tau_i = " + b"[" * 100_000),
-    _config("encoding", "bytes that are no UTF-8", "line 1: byte 0xff", b"\xff\xfe"),
     _config("column", "a column that is not there", "no column 'q'", b'[columns]\nposition = "q"\n'),
     _config("unit", "a position in newtons", "position is in N", b'[columns.position]\nname = "x"\nunit = "N"\n'),
 ]  # fmt: skip
