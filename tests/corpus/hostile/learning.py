@@ -40,9 +40,9 @@ def changed(*path: str, to: Any) -> bytes:
     return json.dumps(document).encode()
 
 
-def _lti(name: str, about: str, says: str, text: str, suffix: str = ".json") -> Case:
-    file = f"system{suffix}"
-    return Case(23, f"lti-{name}", about, f"{file}: .*{says}", f"export lti {file}", {file: text})
+def _lti(name: str, about: str, says: str, text: str) -> Case:
+    files = {"system.json": text}
+    return Case(23, f"lti-{name}", about, f"system.json: .*{says}", "export lti system.json", files)
 
 
 def _zip(**members: bytes) -> bytes:

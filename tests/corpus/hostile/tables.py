@@ -64,9 +64,7 @@ def _mat(*elements: tuple[int, bytes]) -> bytes:
     return head + b"".join(struct.pack("<II", kind, len(data)) + data for kind, data in elements)
 
 
-def _matrix(
-    name: bytes, content: bytes, shape: tuple[int, ...], which: int = 6, kind: int = 9
-) -> bytes:
+def _matrix(name: bytes, content: bytes, shape: tuple[int, ...], which: int = 6) -> bytes:
     def element(kind: int, data: bytes) -> bytes:
         return struct.pack("<II", kind, len(data)) + data + bytes(-len(data) % 8)
 
@@ -74,7 +72,7 @@ def _matrix(
         element(6, struct.pack("<II", which, 0))
         + element(5, struct.pack(f"<{len(shape)}i", *shape))
         + element(1, name)
-        + element(kind, content)
+        + element(9, content)
     )
 
 

@@ -8,11 +8,11 @@ SIGMA_0, F_C = 3.9162e5, 5.999
 H = 5e-4  # s
 
 
-def cycle(amplitude: float, n: int = 200) -> np.ndarray:
-    """Return the velocity of triangular cycles from one end to the other [m/s], 2 n steps each."""
-    speed = 2.0 * amplitude / (n * H)
-    first = np.full(n // 2, speed)
-    return np.concatenate([first, np.tile(np.repeat([-speed, speed], n), 10)])
+def cycle(amplitude: float) -> np.ndarray:
+    """Return the velocity of triangular cycles from one end to the other [m/s], 400 steps each."""
+    speed = 2.0 * amplitude / (200 * H)
+    first = np.full(100, speed)
+    return np.concatenate([first, np.tile(np.repeat([-speed, speed], 200), 10)])
 
 
 @pytest.mark.parametrize("amplitude", [30e-6, 10e-6])
