@@ -278,12 +278,10 @@ class Library:
 def read_library(data: bytes) -> Library:
     """Read the headers of a shared library; NotALibrary for other formats and damaged ones."""
     try:
-        if data[:4] == _ELF:
-            machine, exports, needs = _read_elf(data)
-            return Library(frozenset({f"{machine}-linux"}), frozenset(exports), tuple(needs))
-        if data[:2] == _PE:
-            machine, exports, needs = _read_pe(data)
-            return Library(frozenset({f"{machine}-windows"}), frozenset(exports), tuple(needs))
+        for mark, read, system in ((_ELF, _read_elf, "linux"), (_PE, _read_pe, "windows")):
+            if data.startswith(mark):
+                machine, exports, needs = read(data)
+                return Library(frozenset({f"{machine}-{system}"}), frozenset(exports), tuple(needs))
         if data[:4] in _MACH_O:
             parts = _read_macho(data)
             return Library(

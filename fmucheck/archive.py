@@ -46,12 +46,7 @@ class Archive:
     @property
     def is_bomb(self) -> bool:
         """Whether unpacking would take more than a real FMU ever does."""
-        return (
-            len(self.members) > directory.MAX_MEMBERS
-            or self.bytes > directory.MAX_BYTES
-            or directory.is_inflated(self.bytes, self.packed)
-            or any(directory.is_inflated(m.file_size, m.compress_size) for m in self.members)
-        )
+        return any(map(bool, zip_bomb(self)))
 
 
 def is_unsafe(name: str) -> bool:

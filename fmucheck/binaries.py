@@ -7,6 +7,7 @@ from functools import cache
 
 from stickslip.fmi.binary import Library, NotALibrary, read_library
 from stickslip.fmi.standard import standard_files
+from stickslip.fmi.toolchain import standard_functions
 from stickslip.fmucheck.description.model import Fmu, listed
 from stickslip.fmucheck.rules import Claims, error, note, warning
 
@@ -40,10 +41,10 @@ _ONLY = {
 def required(version: int, interface: str) -> list[str]:
     """Return the names of all functions of an interface, those of optional abilities included."""
     header = standard_files("c-code") / f"fmi{version}Functions.h"
-    names = re.findall(r"^ *FMI._Export +\w+ +fmi.(\w+);", header.read_text("utf-8"), re.MULTILINE)
     only = {kind: set(words.split()) for kind, words in _ONLY[version].items()}
     foreign = set().union(*only.values()) - only.get(interface, set())
-    return [f"fmi{version}{name}" for name in names if name not in foreign]
+    every = standard_functions(header.read_text("utf-8"))
+    return [name for name in every if name[4:] not in foreign]
 
 
 _FMI2 = {

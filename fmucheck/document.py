@@ -47,9 +47,6 @@ def violations(document: Document, schema: str) -> list[tuple[str, str]]:
     return [(f"{document.name}, line {line}", message) for line, message in found]
 
 
-SCHEMAS = {2: "fmi2/fmi2ModelDescription.xsd", 3: "fmi3/fmi3ModelDescription.xsd"}
-
-
 def claimed_version(document: Document) -> str | None:
     """Return the fmiVersion that a description claims."""
     return None if document.root is None else document.root.get("fmiVersion")
@@ -104,6 +101,5 @@ def unknown_version(document: Document) -> Claims:
 @error("2.2", "2.4", "write what the schema of the standard allows")
 def schema_violation(document: Document) -> Claims:
     """It does not follow the XML schema of its version."""
-    version = checked_version(document)
-    if version:
-        yield from violations(document, SCHEMAS[version])
+    if version := checked_version(document):
+        yield from violations(document, f"fmi{version}/fmi{version}ModelDescription.xsd")

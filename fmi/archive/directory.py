@@ -14,8 +14,8 @@ from typing import IO
 
 from stickslip.fmi.messages import shown
 
-MAX_DEPTH = 64
-MAX_LENGTH = 1000  # bytes of a path
+_MAX_DEPTH = 64
+_MAX_LENGTH = 1000  # bytes of a path
 _MAX_PART = 255  # bytes, of every usual file system
 _FOLDS = sys.platform in ("win32", "darwin")
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
@@ -52,11 +52,12 @@ def _name_fault(name: str) -> str | None:
         return "has an empty part in its path; pack the archive again"
     if parts[-1] == "." and not name.endswith("/"):
         return "names a folder, and is a file; pack the archive again"
-    if len(parts) > MAX_DEPTH:
-        return f"lies {len(parts)} folders deep, expected at most {MAX_DEPTH}"
+    if len(parts) > _MAX_DEPTH:
+        return f"lies {len(parts)} folders deep, expected at most {_MAX_DEPTH}"
     length = len(name.encode())
-    if length > MAX_LENGTH or any(len(part.encode()) > _MAX_PART for part in parts):
-        return f"has a path of {length} bytes, expected at most {MAX_LENGTH}, {_MAX_PART} in a part"
+    if length > _MAX_LENGTH or any(len(part.encode()) > _MAX_PART for part in parts):
+        most = f"at most {_MAX_LENGTH}, {_MAX_PART} in a part"
+        return f"has a path of {length} bytes, expected {most}"
     if os.name == "nt":
         if ":" in name:
             return "has a colon in its name, which names a drive or a stream on Windows; rename it"
@@ -168,7 +169,8 @@ def check_members(
         place(member.orig_filename)
         if fault := _fault(member):
             raise Refused(f"member {shown(member.orig_filename)} {fault}")
-    _check_size("the archive", sum(m.file_size for m in members), _packed(members))
+    packed = sum(m.compress_size for m in members)
+    _check_size("the archive", sum(m.file_size for m in members), packed)
     spans = sorted((m.header_offset, m.compress_size, m.orig_filename) for m in members)
     for (begin, size, name), (following, _, other) in pairwise(spans):
         if begin + _LOCAL + len(name) + size > following:
@@ -207,10 +209,6 @@ def is_inflated(size: int, packed: int) -> bool:
     return size > max(LARGE, MAX_RATIO * packed)
 
 
-def _packed(members: Sequence[zipfile.ZipInfo]) -> int:
-    return sum(member.compress_size for member in members)
-
-
 def _fault(member: zipfile.ZipInfo) -> str | None:
     if is_link(member):
         return "is a symbolic link; only files are unpacked: pack the file itself"
@@ -232,7 +230,6 @@ def _check_size(what: str, size: int, packed: int) -> None:
     if size > MAX_BYTES:
         raise Refused(f"{what} has {size} bytes when unpacked; at most {MAX_BYTES} are")
     if is_inflated(size, packed):
-        grown = (
-            f"grows from {packed} to {size} bytes when unpacked, expected at most {MAX_RATIO} times"
-        )
-        raise Refused(f"{what} {grown} as much: a zip bomb; ask where it came from")
+        grown = f"grows from {packed} to {size} bytes when unpacked"
+        most = f"expected at most {MAX_RATIO} times as much: a zip bomb; ask where it came from"
+        raise Refused(f"{what} {grown}, {most}")

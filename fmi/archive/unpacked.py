@@ -126,13 +126,9 @@ def _unpacked(path: Path, room: str) -> Path:
     return folder
 
 
-def _list(folder: Path) -> Path:
-    return folder.with_suffix(".json")
-
-
 def _is_whole(folder: Path) -> bool:
     """Return whether the files are those that were unpacked; note that the folder is used."""
-    listed = _list(folder)
+    listed = folder.with_suffix(".json")
     try:
         unpacked = json.loads(listed.read_bytes())
         found = _files(folder)
@@ -185,7 +181,7 @@ def _unpack_new(file: IO[bytes], folder: Path) -> None:
         checks = extract(file, temporary / "new")
         files = _files(temporary / "new")
         unpacked = {name: [*found, checks[name]] for name, found in files.items()}
-        atomic_write(_list(folder), json.dumps(unpacked))
+        atomic_write(folder.with_suffix(".json"), json.dumps(unpacked))
         _replace(temporary / "new", folder)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)

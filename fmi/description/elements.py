@@ -248,13 +248,9 @@ def _bytes(text: str, what: str, element: Any) -> bytes:
         raise DescriptionFault(element, said) from None
 
 
-def _text(text: str, what: str, element: Any) -> str:  # noqa: ARG001 - as the others
-    return text
-
-
 _READERS: Mapping[str, Callable[[str, str, Any], Scalar]] = {
     **dict.fromkeys(FLOATS, _number),
     "Boolean": _truth,
-    "String": _text,
+    "String": lambda text, _what, _element: text,
     "Binary": _bytes,
 }

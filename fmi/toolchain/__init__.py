@@ -1,13 +1,6 @@
 """Compiles C for any platform with the ``ziglang`` package, into a cache addressed by content.
 
 It knows C files and platforms. What came with the package needs no compiler.
-
-    Fault                       base of all errors that a user can cause, in ``fmi.errors``
-    ToolchainError(RuntimeError)
-        CompilerMissing     the ``ziglang`` package is not installed
-        CompilationFailed   the compiler rejected the sources; carries its output
-        CacheUnusable       the folder of built or of temporary files cannot be written
-        WrongExports        a library does not export the requested functions
 """
 
 from stickslip.fmi.toolchain.binaries import binaries, patched, standard_functions

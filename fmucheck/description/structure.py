@@ -100,11 +100,8 @@ def unknown_in_structure(description: Description) -> Claims:
     """ModelStructure lists a variable that does not exist."""
     for unknown in description.unknowns:
         if unknown.variable is None:
-            yield unknown.place, f"no variable has {_key(description)} {unknown.key}"
-
-
-def _key(description: Description) -> str:
-    return "index" if description.version == 2 else "value reference"
+            kind = "index" if description.version == 2 else "value reference"
+            yield unknown.place, f"no variable has {kind} {unknown.key}"
 
 
 @error("2.2.8", "2.4.8", "list it once")
@@ -201,8 +198,7 @@ def kinds_do_not_match(unknown: Unknown) -> Iterator[str]:
     if unknown.dependencies is None:
         yield "dependenciesKind without dependencies"
     elif len(unknown.kinds) != len(unknown.dependencies):
-        count = f"{len(unknown.kinds)} kinds for {len(unknown.dependencies)} dependencies"
-        yield count
+        yield f"{len(unknown.kinds)} kinds for {len(unknown.dependencies)} dependencies"
 
 
 @error("2.2.8", "2.4.8", "write dependent", "unknowns")

@@ -5,6 +5,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterator
 
+from stickslip.fmi.description.attributes import flag
 from stickslip.fmi.description.variables import FLOATS, INITIALS
 from stickslip.fmucheck.description.model import (
     RANGES,
@@ -187,9 +188,8 @@ def multiple_set_of_no_input(v: Variable) -> Iterator[str]:
 @error(None, "2.4.7.4", "remove the attribute", "variables")
 def illegal_intermediate_update(v: Variable) -> Iterator[str]:
     """A parameter or a clock claims to be accessible during intermediate update."""
-    if v.given.get("intermediateUpdate") in ("true", "1") and (
-        v.causality == "parameter" or v.kind == "Clock"
-    ):
+    closed = v.causality == "parameter" or v.kind == "Clock"
+    if closed and flag(v.given, "intermediateUpdate"):
         yield "intermediateUpdate is true"
 
 
@@ -200,13 +200,10 @@ def start_outside_range(v: Variable) -> Iterator[str]:
     items = v.items
     for start in v.start_numbers:
         if (low is not None and start < low) or (high is not None and start > high):
-            yield f"start {start} is outside {_range(low, high)}"
+            ends = ["" if end is None else end for end in (low, high)]
+            yield f"start {start} is outside [{ends[0]} .. {ends[1]}]"
         elif v.kind == "Enumeration" and items and start not in items:
             yield f"start {start} is not an item of {v.given.get('declaredType')}"
-
-
-def _range(low: Number | None, high: Number | None) -> str:
-    return f"[{'' if low is None else low} .. {'' if high is None else high}]"
 
 
 def _bounds(description: Description) -> Iterator[tuple[str, Number | None, Number | None]]:
@@ -262,14 +259,11 @@ def start_not_of_type(v: Variable) -> Iterator[str]:
 def start_count(description: Description) -> Claims:
     """An array has neither one start value nor one for each element; or a scalar has several."""
     for v in description.variables:
+        if v.start is None or v.kind == "Clock":
+            continue
         expected = description.size(v)
-        count = _starts(v)
-        if count is not None and expected is not None and count not in (1, expected):
-            yield v.place, f"{count} start values for {expected} elements"
-
-
-def _starts(v: Variable) -> int | None:
-    return None if v.start is None or v.kind == "Clock" else len(v.start)
+        if expected is not None and len(v.start) not in (1, expected):
+            yield v.place, f"{len(v.start)} start values for {expected} elements"
 
 
 _MOST = 10**8  # elements

@@ -80,6 +80,7 @@ class Bench:
         callbacks = calls.Callbacks(self.description.variables)
         given = (self.description.token if token is None else token).encode()
         log = callbacks.logger3 if logger else c_void_p()
+        event_mode = self.interface.flag("hasEventMode")
         if self.description.version == 2:
             name, kind = "Instantiate", c_int(0 if self.is_exchange else 1)
             location = self.resources.absolute().as_uri().encode()
@@ -91,7 +92,7 @@ class Bench:
             arguments = [c_char_p(given), c_char_p(folder), c_bool(False), c_bool(logging)]
             end: list[Any] = [c_void_p(callbacks.environment), log]
             if self.interface.kind == "CoSimulation":
-                arguments += [c_bool(self._event_mode), c_bool(False), c_void_p(), c_size_t(0)]
+                arguments += [c_bool(event_mode), c_bool(False), c_void_p(), c_size_t(0)]
                 end.append(c_void_p())
             elif self.interface.kind == "ScheduledExecution":
                 self._nothing = [ctypes.CFUNCTYPE(None)(lambda: None) for _ in range(3)]
@@ -101,13 +102,9 @@ class Bench:
         if not handle:
             return None
         instance = Instance(self.binary, self.description, handle, callbacks)
-        instance.event_mode = self._event_mode
+        instance.event_mode = event_mode
         self._open.append(instance)
         return instance
-
-    @property
-    def _event_mode(self) -> bool:
-        return self.interface.flag("hasEventMode")
 
     def new(self, *, logging: bool = True) -> Instance:
         """Return a new instance; CallFailed when the FMU refuses."""

@@ -144,11 +144,6 @@ def references(numbers: list[int]) -> Any:
     return (ctypes.c_uint32 * len(numbers))(*numbers)
 
 
-def pointer(handle: Any) -> c_void_p:
-    """Return a handle as a pointer; ctypes would pass an int as 32 bits."""
-    return handle if isinstance(handle, c_void_p) else c_void_p(handle)
-
-
 _LIBC = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
 _LIBC.calloc.restype = c_void_p
 _LIBC.calloc.argtypes = (c_size_t, c_size_t)

@@ -41,9 +41,13 @@ def _knowns(bench: Bench) -> list[Variable]:
     return [*inputs, *states][:_MOST_COMPARED]
 
 
+def _stepped(bench: Bench) -> tuple[str, ...]:
+    """Return the groups of unknowns that are looked at between steps."""
+    return ("Output", "ContinuousStateDerivative") if bench.is_exchange else ("Output",)
+
+
 def _smooth_unknowns(bench: Bench) -> list[Unknown]:
-    groups = ("Output", "ContinuousStateDerivative") if bench.is_exchange else ("Output",)
-    every = [u for u in bench.description.unknowns if u.group in groups]
+    every = [u for u in bench.description.unknowns if u.group in _stepped(bench)]
     return [u for u in every if _scalar(u.variable)][:_MOST_COMPARED]
 
 
@@ -220,11 +224,6 @@ def _probe(run: Run, known: Variable, unknowns: list[Variable], mode: str) -> Se
 def _unknowns(bench: Bench, groups: tuple[str, ...]) -> list[Unknown]:
     chosen = (u for u in bench.description.unknowns if u.group in groups and u.variable)
     return [u for u in chosen if u.variable and u.variable in bench.observed]
-
-
-def _stepped(bench: Bench) -> tuple[str, ...]:
-    """Return the groups that are looked at between steps."""
-    return ("Output", "ContinuousStateDerivative") if bench.is_exchange else ("Output",)
 
 
 def _initial(bench: Bench) -> Iterator[Seen]:

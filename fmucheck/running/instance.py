@@ -39,7 +39,7 @@ class Instance:
         self, binary: Binary, description: Description, handle: int, callbacks: Callbacks
     ) -> None:
         self.binary, self.description = binary, description
-        self.handle, self.callbacks = calls.pointer(handle), callbacks
+        self.handle, self.callbacks = c_void_p(handle), callbacks  # an int would pass as 32 bits
         self.warned: list[str] = []
         self.broken = False
         self.two = description.version == 2

@@ -23,11 +23,10 @@ from stickslip.fmucheck import rules
 from stickslip.fmucheck.binaries import target
 from stickslip.fmucheck.description.model import Fmu
 from stickslip.fmucheck.ending import MOST_TEXT, TELLING, Ending, signal_name
-from stickslip.fmucheck.rules import Finding
+from stickslip.fmucheck.rules import Claim, Finding
 from stickslip.fmucheck.running.child import MEMORY, Job
 from stickslip.fmucheck.running.plain_run import GATES
 
-Claim = tuple[str, str]
 TIMEOUT = 20.0  # s that one rule may take
 _MOST_CHILDREN = 8
 _GRACE = 2.0  # s that the sandbox's guard may take to end after the child

@@ -8,7 +8,7 @@ import math
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from ctypes import Structure, c_char_p, c_int, c_size_t, c_void_p
 
 from stickslip.fmi.description.variables import FLOATS
@@ -17,7 +17,7 @@ from stickslip.fmucheck.rules import Claims, error, note, warning
 from stickslip.fmucheck.running.bench import Bench, Settings
 from stickslip.fmucheck.running.calls import CallFailed
 from stickslip.fmucheck.running.instance import Values
-from stickslip.fmucheck.running.run import STEPS, Run, finished, new_run, other, scale, start_of
+from stickslip.fmucheck.running.run import STEPS, finished, new_run, other, scale, start_of
 
 LOADING = {"does-not-load", "wrong-version-string", "refuses-its-token", "accepts-any-token"}
 """All that is tried of Scheduled Execution."""
@@ -192,21 +192,14 @@ def _is_open(file: int) -> bool:
     return True
 
 
-def _samples(bench: Bench) -> Iterator[tuple[Run, list[Values]]]:
-    """Yield a run and all observed values, after initialisation and after each step."""
+def _first(bench: Bench, fault: Callable[[Variable, Values], str]) -> Claims:
+    """Yield where each variable has a fault for the first time, after initialisation or a step."""
+    reported = set()
     run = new_run(bench, watching=False)
     run.begin()
-    yield run, run.instance.get(bench.observed)
-    for _ in range(STEPS):
-        run.go(1)
-        yield run, run.instance.get(bench.observed)
-
-
-def _first(bench: Bench, fault: Callable[[Variable, Values], str]) -> Claims:
-    """Yield where each variable has a fault for the first time."""
-    reported = set()
-    for run, values in _samples(bench):
-        for v, elements in zip(bench.observed, values, strict=True):
+    for steps in (0, *[1] * STEPS):
+        run.go(steps)
+        for v, elements in zip(bench.observed, run.instance.get(bench.observed), strict=True):
             if v.index not in reported and (why := fault(v, elements)):
                 reported.add(v.index)
                 yield v.place, f"{why} at t = {run.time}"

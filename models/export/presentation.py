@@ -45,7 +45,10 @@ _TILE, _INK = "#f0f4f8", "#183e60"
 
 def svg(lines: Sequence[Line]) -> str:
     """Return the icon as SVG."""
-    points = [" ".join(f"{x:g},{y:g}" for x, y in _points(line)) for line in lines]
+    points = [
+        " ".join(f"{x:g},{y:g}" for x, y in zip(line[::2], line[1::2], strict=True))
+        for line in lines
+    ]
     paths = "".join(f'<polyline points="{each}"/>' for each in points)
     inside = 100 - 2 * _EDGE
     return (
@@ -83,10 +86,6 @@ def png(lines: tuple[Line, ...]) -> bytes:
         picture = BytesIO()
         FigureCanvasAgg(figure).print_png(picture, metadata={"Software": None})  # type: ignore[no-untyped-call]
     return picture.getvalue()
-
-
-def _points(line: Line) -> list[tuple[float, float]]:
-    return list(zip(line[::2], line[1::2], strict=True))
 
 
 def terminals_and_icons(model: Model) -> str:

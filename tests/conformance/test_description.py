@@ -18,13 +18,6 @@ def test_fmpy_finds_nothing_to_complain_about(some_fmu):
     assert validate_fmu(str(some_fmu.path)) == []
 
 
-def test_every_variable_can_be_read_at_any_time(fmu, slave):
-    instance = slave(fmu)
-    assert len(instance.everything()) == len(fmu.listed)
-    instance.initialize()
-    assert len(instance.everything()) == len(fmu.listed)
-
-
 def test_start_values_of_description_and_binary_agree(fmu, slave):
     instance = slave(fmu)
     declared = {v.name: v.start for v in fmu.variables.values() if v.start is not None}
@@ -46,11 +39,6 @@ def test_description_and_model_toml_list_the_same_variables(fmu):
             variable.minimum,
             variable.maximum,
         ]
-
-
-def test_units_are_those_of_model_toml(fmu):
-    defined = {unit.name for unit in fmu.description.unitDefinitions}
-    assert defined == {v.unit for v in fmu.model.variables if v.unit}
 
 
 def test_start_values_given_to_the_exporter_reach_description_and_binary(name, tmp_path, build):

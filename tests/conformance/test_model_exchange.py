@@ -70,15 +70,6 @@ def test_derivatives_and_outputs_are_the_equations_of_the_paper(build, exchanged
         assert instance.vector("ContinuousStates").tolist() == states
 
 
-@pytest.mark.parametrize("name", CONTINUOUS)
-def test_both_versions_give_the_same_bits(build, exchanged, name):
-    second, third = (exchanged(build(name, version)).initialize() for version in (2, 3))
-    for instance in (second, third):
-        instance.api.enterContinuousTimeMode()
-    for point in second.fmu.points(40):
-        assert at(second, point) == at(third, point)
-
-
 @pytest.mark.parametrize(
     ("name", "tolerance"), [("stage", 2e-6), ("compensator", 1e-6), ("compensator+dahl", 1e-6)]
 )

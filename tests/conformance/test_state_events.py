@@ -113,22 +113,6 @@ def test_a_force_that_just_touches_static_friction(build, excess):
     assert not found["a.x"][:8].any()
 
 
-@pytest.mark.parametrize(
-    ("law", "expected", "error"),  # um after 0.25, 0.5, 1, 1.5 and 2 s
-    [
-        ("coulomb_stribeck", [0.0, 7319.09, -7246.40, 13067.32, -11306.69], 0.005),
-        ("gms", [5131.40, 25034.76, 8523.16, 32117.56, 3558.11], 0.1),
-    ],
-)
-def test_the_motion_under_a_sampled_force_is_that_of_another_program(build, law, expected, error):
-    """By fixed steps of 0.8 us, which leave GMS the larger error; the force holds for 0.5 ms."""
-    time = 5e-4 * np.arange(4001)
-    force = 9.5 * np.sin(2 * np.pi * time) + 3.0 * np.sin(2 * np.pi * 3.3 * time)
-    found = by_master(build(f"stage+{law}", 2), held(time, force[:-1]), 5e-4)
-    at = [500, 1000, 2000, 3000, 4000]
-    np.testing.assert_allclose(1e6 * found["a.x"][at], expected, atol=error)
-
-
 def test_errors_of_a_solver_are_no_events_without_end(build):
     """A tolerance of ten Stribeck velocities: steps end at velocities of the wrong sign."""
     fmu = build("stage+coulomb_stribeck", 2)

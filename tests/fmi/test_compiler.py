@@ -2,8 +2,6 @@
 
 import ctypes
 import importlib.util
-import shutil
-import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -48,13 +46,6 @@ def compilations(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     monkeypatch.setattr(compiler, "_compile", counted)
     return done
-
-
-@pytest.mark.usefixtures("fresh")
-def test_the_library_does_what_the_source_says():
-    library = toolchain.shared_library("answer", ANSWER)
-    assert ctypes.CDLL(str(library)).answer() == 42
-    assert library.name == f"answer{toolchain.host_platform().suffix}"
 
 
 @pytest.mark.usefixtures("fresh")
@@ -109,41 +100,20 @@ def test_who_asks_while_it_is_compiled_waits_for_it(compilations):
     ],
     ids=["empty", "zeros", "cut", "longer", "one bit"],
 )
-def test_a_damaged_library_is_built_again(compilations, damage):
+@pytest.mark.parametrize("end", ["", ".sha256"])
+def test_a_damaged_library_or_hash_of_it_is_built_again(compilations, damage, end):
     """The cache is written to by nobody else, but disks fill up and power fails."""
     path = toolchain.shared_library("answer", ANSWER)
-    whole = path.read_bytes()
-    path.unlink()
-    path.write_bytes(damage(whole))
+    damaged, whole = path.with_name(path.name + end), path.read_bytes()
+    content = damaged.read_bytes()
+    damaged.unlink()
+    damaged.write_bytes(damage(content))
     again = toolchain.shared_library("answer", ANSWER)
     assert again == path
     assert again.read_bytes() == whole
     assert len(compilations) == 2
     toolchain.shared_library("answer", ANSWER)
     assert len(compilations) == 2
-
-
-@pytest.mark.usefixtures("fresh")
-def test_a_library_whose_hash_is_damaged_or_gone_is_built_again(compilations):
-    path = toolchain.shared_library("answer", ANSWER)
-    beside = path.with_name(f"{path.name}.sha256")
-    beside.write_text("0")
-    toolchain.shared_library("answer", ANSWER)
-    beside.unlink()
-    toolchain.shared_library("answer", ANSWER)
-    assert len(compilations) == 3
-
-
-@pytest.mark.usefixtures("fresh")
-def test_moving_text_between_files_makes_another_file():
-    a = compiler._digest(["cc"], {"a.c": "x", "b.c": "y"})
-    b = compiler._digest(["cc"], {"a.c": "", "b.c": "xy"})
-    assert a != b
-
-
-def test_a_library_lies_in_the_cache(fresh):
-    library = toolchain.shared_library("answer", ANSWER)
-    assert library.parent.parent == fresh / "libraries"
 
 
 @pytest.mark.usefixtures("fresh")
@@ -180,20 +150,6 @@ def test_a_missing_compiler_is_named_with_the_cure(monkeypatch):
         toolchain.shared_library("answer", ANSWER)
     monkeypatch.undo()
     compiler.compiler_version.cache_clear()
-
-
-@pytest.mark.skipif(shutil.which("nm") is None, reason="nm, which lists symbols, is missing")
-@pytest.mark.usefixtures("fresh")
-def test_only_what_is_marked_is_exported():
-    files = ANSWER | {"other.c": "int other(void);\nint other(void) { return 1; }\n"}
-    library = toolchain.shared_library("answer", files)
-    listing = subprocess.run(
-        ["nm", "-D", "--defined-only", str(library)],  # noqa: S607
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert [line.split()[-1] for line in listing.stdout.splitlines()] == ["answer"]
 
 
 def test_a_cache_that_cannot_be_written_is_one_line_with_our_setting(tmp_path, monkeypatch):

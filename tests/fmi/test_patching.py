@@ -7,9 +7,7 @@ import zipfile
 import pytest
 
 from stickslip import models
-from stickslip.fmi import toolchain
 from stickslip.fmi.toolchain import PLATFORMS, ToolchainError, patched
-from stickslip.models.export.sources import START
 
 START_VALUES = {"A[1,1]": 4.25, "D": 1e-300}
 
@@ -18,25 +16,6 @@ def library_of(path):
     with zipfile.ZipFile(path) as archive:
         [name] = [one for one in archive.namelist() if one.startswith("binaries/")]
         return archive.read(name)
-
-
-def test_a_library_with_values_written_into_it_is_the_one_that_is_compiled_with_them(tmp_path):
-    fmu = models.build_fmu("nominal_loop", tmp_path, start=START_VALUES)
-    with zipfile.ZipFile(fmu) as archive:
-        start = archive.read(f"sources/{START}").decode()
-    assert "4.25,\n" in start
-    assert "1e-300,\n" in start
-    compiled = []
-    original = toolchain.shared_library
-
-    def shared_library(name, files, **how):
-        compiled.append(original(name, files | {START: start}, **how).read_bytes())
-        return original(name, files, **how)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.fmi.toolchain.shared_library", shared_library)
-        again = models.build_fmu("nominal_loop", tmp_path / "again", start=START_VALUES)
-    assert library_of(again) == compiled[0] == library_of(fmu)
 
 
 def pages(library):

@@ -12,17 +12,6 @@ from stickslip.fmi.process import cancel_all, threads
 from stickslip.fmi.toolchain import PLATFORMS, cache_directory, host_platform
 
 
-def test_names_are_those_of_the_standards():
-    assert {p.tuple: p.fmi2 for p in PLATFORMS.values()} == {
-        "x86_64-linux": "linux64",
-        "aarch64-linux": "aarch64-linux",
-        "x86_64-windows": "win64",
-        "x86_64-darwin": "darwin64",
-        "aarch64-darwin": "darwin64",
-    }
-    assert all(key == p.tuple for key, p in PLATFORMS.items())
-
-
 @pytest.mark.parametrize(
     ("system", "processor", "expected"),
     [
@@ -42,11 +31,6 @@ def test_an_unknown_host_is_named(monkeypatch):
     monkeypatch.setattr(platform, "machine", lambda: "riscv64")
     with pytest.raises(toolchain.ToolchainError, match=r"riscv64-\w+; FMUs run here on x86_64"):
         host_platform()
-
-
-def test_the_cache_lies_where_the_environment_says(monkeypatch, tmp_path):
-    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "here"))
-    assert cache_directory() == tmp_path / "here"
 
 
 @pytest.mark.parametrize(

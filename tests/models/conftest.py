@@ -201,17 +201,3 @@ def mass_run(library: ctypes.CDLL) -> Callable[..., np.ndarray]:
         return motion
 
     return run
-
-
-@pytest.fixture(scope="session")
-def training_force(fmus: Path) -> np.ndarray:
-    """Record the force [N] of the closed loop over the training command: 10 s at 2 kHz."""
-    system = cosim.System("servo")
-    for name in ("velocity_controller", "drive"):
-        system.add(name, fmus / f"{name}.fmu")
-    system.connect("velocity_controller.u", "drive.u")
-    system.connect("drive.x_enc", "velocity_controller.x_enc")
-    system.expose("v_cmd", "velocity_controller.v_cmd")
-    training = cosim.SineSweep(frequency=(0.1, 5.0), amplitude=(0.030, 0.040), duration=10.0)
-    with system.prepare(step=5e-4, stop=10.0) as simulation:
-        return simulation.run(inputs={"v_cmd": training})["velocity_controller.u"][:-1].copy()

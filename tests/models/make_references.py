@@ -431,6 +431,7 @@ def adaptive_scale(p: Parameters) -> Columns:
     v_r = 0.05 * np.sin(2 * np.pi * 14.0 * given["time"] - 0.4) + 0.01
     share, fade = 1.0 - np.exp(-p["rate"] * STEP), np.exp(-STEP / p["tau_i"])
     s, square, known, sign, q, start = p["s_0"], 0.0, 0.0, 0.0, 0.0, 0.0
+    s = np.clip(s, p["least"], p["most"])
     F, N = [0.0], [F_m[0]]
     for k in range(200):
         last = max(k - 1, 0)
@@ -512,32 +513,6 @@ def learning_signals(p: Parameters) -> Columns:
     return {"time": t, "v_r": v_r, "u": u, "F_in": F_in}
 
 
-def lffc(p: Parameters) -> Columns:
-    """Learn with hats by linear interpolation of unit vectors over the knots."""
-    given = learning_signals(p)
-    knots = np.append(0.0, np.geomspace(p["first"], p["last"], 13))
-    v_r, w, F = given["v_r"], weights(p, 2, 14), [0.0]
-    v_last, u_r, q, row, old = v_r[0], 0.0, 0.0, None, []
-    for k in range(400):
-        error = given["u"][k] - F[-1] - u_r
-        slope, mean = (v_r[k] - v_last) / STEP, (v_r[k] + v_last) / 2
-        v_last, u_r = v_r[k], p["m"] * slope + p["b"] * mean
-        v = mean + p["lead"] * slope
-        if row != int(v < 0.0):
-            row, q = int(v < 0.0), 0.0
-        mu = np.zeros((2, 14))
-        middle = q + abs(v) * STEP / 2
-        mu[row] = [np.interp(middle, knots, unit) for unit in np.eye(14)]
-        q += abs(v) * STEP
-        F.append(given["F_in"][k] + (mu * w).sum())
-        old.append(mu)
-        if k >= p["D"]:
-            before = old[k - int(p["D"])]
-            w = w + p["gamma"] * error * before / (before**2).sum()
-            w = np.clip(w, -p["F_max"], p["F_max"])
-    return {**given, "F": np.array(F)}
-
-
 def weights(p: Parameters, rows: int, columns: int) -> np.ndarray:
     """Return the weights to start with."""
     every = range(1, rows + 1), range(1, columns + 1)
@@ -547,7 +522,7 @@ def weights(p: Parameters, rows: int, columns: int) -> np.ndarray:
 def network(
     p: Parameters, w: np.ndarray, force: Network, gradient: Network, limit: np.ndarray | float
 ) -> Columns:
-    """Learn weights w, up to a limit, of force(w, y_v, y_q) along gradient(w, y_v, y_q)."""
+    """Learn weights w, up to a limit, of force(w, v, way since the reversal) along gradient."""
     given, F, old = learning_signals(p), [0.0], []
     v_r = given["v_r"]
     v_last, u_r, q, direction = v_r[0], 0.0, 0.0, 0.0
@@ -558,15 +533,34 @@ def network(
         v = mean + p["lead"] * slope
         if np.sign(v) != direction:
             direction, q = np.sign(v), 0.0
-        middle, q = q + abs(v) * STEP / 2, q + abs(v) * STEP
-        speed = np.log1p(abs(v) / p["v_0"]) / np.log1p(p["v_max"] / p["v_0"])
-        way = (middle - p["q_0"]) / (middle + p["q_0"])
-        old.append((direction * min(speed, 1.0), direction * way))
+        old.append((v, q + abs(v) * STEP / 2))
+        q += abs(v) * STEP
         F.append(given["F_in"][k] + force(w, *old[-1]))
         if k >= p["D"]:
             by = gradient(w, *old[k - int(p["D"])])
             w = np.clip(w + p["gamma"] * error * by / (by**2).sum(), -limit, limit)
     return {**given, "F": np.array(F)}
+
+
+def lffc(p: Parameters) -> Columns:
+    """Learn with hats by linear interpolation of unit vectors over the knots."""
+    knots = np.append(0.0, np.geomspace(p["first"], p["last"], 13))
+
+    def hats(_: np.ndarray, v: float, q: float) -> np.ndarray:
+        mu = np.zeros((2, 14))
+        mu[int(v < 0.0)] = [np.interp(q, knots, unit) for unit in np.eye(14)]
+        return mu
+
+    def force(w: np.ndarray, *place: float) -> np.ndarray:
+        return (w * hats(w, *place)).sum()
+
+    return network(p, weights(p, 2, 14), force, hats, p["F_max"])
+
+
+def inputs_of_network(p: Parameters, v: float, q: float) -> tuple[float, float]:
+    """Return velocity and way, each from -1 to 1 with the sign of the velocity."""
+    speed = np.log1p(abs(v) / p["v_0"]) / np.log1p(p["v_max"] / p["v_0"])
+    return np.sign(v) * min(speed, 1.0), np.sign(v) * (q - p["q_0"]) / (q + p["q_0"])
 
 
 def rbf(p: Parameters) -> Columns:
@@ -577,7 +571,8 @@ def rbf(p: Parameters) -> Columns:
         share = np.exp(-(((place - centres) / (p["width"] * 2.0 / (n - 1))) ** 2) / 2)
         return share / share.sum()
 
-    def both(_: np.ndarray, y_v: float, y_q: float) -> np.ndarray:
+    def both(_: np.ndarray, *place: float) -> np.ndarray:
+        y_v, y_q = inputs_of_network(p, *place)
         return np.outer(shares(y_v, 11), shares(y_q, 8))
 
     def force(w: np.ndarray, *place: float) -> np.ndarray:
@@ -589,8 +584,8 @@ def rbf(p: Parameters) -> Columns:
 def mlp(p: Parameters) -> Columns:
     """Learn with a hidden layer, whose gradient is from complex steps."""
 
-    def force(w: np.ndarray, y_v: float, y_q: float) -> np.ndarray:
-        return p["F_max"] * np.tanh(w[:, :3] @ [y_v, y_q, 1.0]) @ w[:, 3]
+    def force(w: np.ndarray, *place: float) -> np.ndarray:
+        return p["F_max"] * np.tanh(w[:, :3] @ [*inputs_of_network(p, *place), 1.0]) @ w[:, 3]
 
     def gradient(w: np.ndarray, *place: float) -> np.ndarray:
         moved = (w + 1e-30j * one.reshape(8, 4) for one in np.eye(32))

@@ -48,14 +48,6 @@ def test_stribeck_curve_far_above_its_velocity(g, ratio):
         assert g(v, 1.0, contact)[0] == pytest.approx(equation_4(v, contact), rel=3e-14, abs=0)
 
 
-def test_stribeck_curve_runs_from_stick_to_coulomb_force(g):
-    assert g(0.0)[0] == pytest.approx(8.999, rel=1e-15)
-    assert g(1.0)[0] == pytest.approx(5.999, rel=1e-15)
-    values = [g(v)[0] for v in np.linspace(0, 5e-3, 50)]
-    assert (np.diff(values) < 0).all()
-    assert g(-1e-3) == g(1e-3)
-
-
 @pytest.mark.parametrize("delta", [0.5, 1.0, 2.0])
 def test_slope_is_the_derivative_times_speed(g, delta):
     v, d = 4e-4, 1e-9
@@ -98,14 +90,6 @@ def test_the_damping_fades_with_the_velocity(follow):
     share = np.exp(-((v / V_D) ** 2))
     np.testing.assert_allclose(faded, none + share * (whole - none), atol=1e-12)
     assert abs(whole - faded).max() > 1.0
-
-
-@pytest.mark.parametrize(("v_d", "passive"), [(0.0, False), (V_D, True)])
-def test_a_fast_start_from_break_away_is_not_pushed(follow, v_d, passive):
-    """From z = F_s / sigma_0 the force is F_s - sigma_1 v (F_s - F_c) / F_c: -35 N at 20 mm/s."""
-    v = np.full(20, 0.02)
-    force = follow("lugre", 1e-6, v, v_d=v_d, z=F_S / SIGMA_0)["F_mean"]
-    assert (force.min() > 0.0) == passive
 
 
 def test_a_pushed_mass_against_radau(push):

@@ -23,6 +23,7 @@ CASES = [
     *(("momentum_observer", {"share": share, "coulomb": 0.0}) for share in SHARES),
     *(("momentum_observer", {"share": share, "measured": 1.0}) for share in SHARES),
     *(("adaptive_scale", {"s_0": s_0, "rate": 20.0, "q_min": 1e-5}) for s_0 in (0.5, 1.3)),
+    ("adaptive_scale", {"s_0": 40.0, "rate": 200.0, "q_min": 1e-5, "least": 0.99, "most": 1.01}),
     *(("static_feedforward", {"asymmetry": share, "b": 7.0}) for share in (-0.5, 0.3)),
     ("static_feedforward", {"v_t": 1e-12, "lead": 4e-3}),
     *(("velocity_controller", change) for change in CONTROLLERS),

@@ -13,21 +13,6 @@ PLAIN = {"tau_f": 0.0, "tau_i": 0.0, "b": 0.0, "m": 1e-6}
 """A momentum observer whose residual is the motor force."""
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_in_one_direction_the_amplitude_is_the_force(observe, sign):
-    """Friedland and Park with mu = 1, k / m = w_q gives the bits of the disturbance observer."""
-    t = np.arange(1000) * T
-    v = sign * (0.04 + 0.01 * np.sin(20 * t))
-    F_m = sign * np.where(t > 0.0, 6.0 + 3.0 * np.cos(30 * t), 0.0)
-    signals = {"x_enc": np.cumsum(v) * T, "F_m": F_m, "v_r": v}
-    force, amplitude = (
-        observe("momentum_observer", signals, coulomb=coulomb, **PLAIN) for coulomb in (False, True)
-    )
-    np.testing.assert_array_equal(sign * force["fmu.a_hat"], amplitude["fmu.a_hat"])
-    np.testing.assert_array_equal(force["fmu.F"][2:], amplitude["fmu.F"][2:])
-    assert amplitude["fmu.a_hat"].max() > 6.0
-
-
 def test_the_error_of_the_amplitude_decays_with_a_power_of_the_speed(observe):
     """a_hat = 1 - exp(-(k mu / m)(t + (1 - cos t) / 2)) for v = 1 + sin(t) / 2 and mu = 2."""
     t = np.arange(2001) * T
@@ -37,32 +22,6 @@ def test_the_error_of_the_amplitude_decays_with_a_power_of_the_speed(observe):
     found = observe("momentum_observer", signals, **options)["fmu.a_hat"]
     expected = 1.0 - np.exp(-k * mu * (t + 0.5 * (1.0 - np.cos(t))))
     np.testing.assert_allclose(found[1:], expected[:-1], atol=5e-3)
-
-
-def slid(p: dict[str, float], force: float, n: int) -> np.ndarray:
-    """Return positions (n,) of an axis that starts under a constant force."""
-    rates = np.array([[0.0, 1.0, 0.0], [0.0, -p["b"] / p["m"], 1.0 / p["m"]], [0.0, 0.0, 0.0]])
-    state, move, x = np.array([0.0, 0.0, force]), expm(rates * T), []
-    for _ in range(n):
-        x.append(state[0])
-        state = move @ state
-    return np.array(x)
-
-
-def test_the_amplitude_converges_with_the_poles_of_the_gains(observe):
-    """In one direction it is the disturbance observer's force, whose error is (A - L C A)^k."""
-    model = models.load_model("coulomb_observer")
-    p = {v.name: v.start for v in model.variables if v.role == "parameter"}
-    signals = {"x_enc": slid(p, 3.0, 300), "F_m": np.zeros(300)}
-    found = observe("coulomb_observer", {**signals, "v_r": np.full(300, -1.0)})["fmu.a_hat"]
-    rates = np.array([[0.0, 1.0, 0.0], [0.0, -p["b"] / p["m"], 1.0 / p["m"]], [0.0, 0.0, 0.0]])
-    A, L = expm(rates * T), np.array([[p["L_x"]], [p["L_v"]], [p["L_d"]]])
-    error = np.array([0.0, 0.0, 3.0])
-    for amplitude in found[1:]:
-        assert 3.0 - amplitude == pytest.approx(error[2], abs=1e-8)
-        error = (A - L @ A[:1]) @ error
-    dob = observe("dob", signals)
-    np.testing.assert_allclose(found, dob["fmu.d_hat"], rtol=0, atol=1e-9)
 
 
 def binary_axis(_t, h, x, u):
@@ -119,17 +78,6 @@ def axis(force: float, n: int, change: float = 0.0) -> np.ndarray:
         x.append(state[0])
         state = move @ state + [0.0, 0.0, change]
     return np.array(x)
-
-
-def test_its_estimate_is_that_of_the_velocity_filter(observe):
-    t = np.arange(301) * T
-    x, F, known = 1e-3 * np.sin(20 * t), 5.0 * np.cos(30 * t), 2.0 * np.sign(np.cos(20 * t))
-    signals = {"x_enc": x, "F_m": F}
-    dob = observe("dob", {**signals, "F_in": known})
-    plain = observe("velocity_filter", {**signals, "F_ff": known})
-    assert dob["fmu.d_hat"].tobytes() == plain["fmu.d_hat"].tobytes()
-    passed = np.append(0.0, known[:-1])
-    np.testing.assert_array_equal(dob["fmu.F"], passed - dob["fmu.d_hat"])
 
 
 def test_only_order_2_follows_a_ramp_without_an_error(observe):

@@ -19,19 +19,6 @@ def back_and_forth(n: int, amplitude: float = 20.0) -> np.ndarray:
     return amplitude * np.sin(2 * np.pi * 2.0 * t) * np.cos(2 * np.pi * 0.31 * t)
 
 
-def test_the_method_is_of_third_order(mass_run):
-    """Where the motion is smooth, half the sub-step leaves an eighth of the error."""
-    loading = (0.0, 0.02, 0.0)
-    force = np.array([7.0])
-    exact = mass_run("rk4", 2e-3, force, pieces=2000, start=loading)
-    errors = []
-    for n in (16, 32, 64, 128):
-        _, v, z = (mass_run("rodas3", 2e-3, force, pieces=n, start=loading) - exact)[0]
-        errors.append(np.hypot(v / exact[0, 1], z / exact[0, 2]))
-    orders = np.log2(np.divide(errors[:-1], errors[1:]))
-    assert orders == pytest.approx(3.0, abs=0.1)
-
-
 def test_the_sub_step_follows_the_cube_root_of_its_error(c):
     """The error is of order 3 in the sub-step; between bounds the next one aims at 0.5 of it."""
     error = np.geomspace(0.004, 100.0, 2001)
@@ -108,23 +95,6 @@ def test_the_contact_is_passive_where_theory_says_so(mass_run):
     lost = u * np.diff(x) - np.diff(stored)
     assert lost.min() > -1e-9  # J
     assert lost.sum() > 0.1
-
-
-def test_at_rest_nothing_moves(mass_run):
-    assert (mass_run("adaptive", STEP, np.zeros(100)) == 0.0).all()
-
-
-def test_forward_and_backward_are_mirror_images(mass_run):
-    u = back_and_forth(1000)
-    np.testing.assert_array_equal(mass_run("adaptive", STEP, u), -mass_run("adaptive", STEP, -u))
-
-
-def test_below_break_away_the_mass_holds(mass_run):
-    """F_c < u < F_s from rest ends at z = u / sigma_0 creeping, not sliding."""
-    motion = mass_run("adaptive", STEP, np.full(4000, 4.0))
-    assert motion[-1, 2] == pytest.approx(4.0 / TABLE_2["sigma_0"], rel=1e-3)
-    assert abs(motion[-1, 1]) < 1e-6
-    assert mass_run("adaptive", STEP, np.full(4000, 10.0))[-1, 1] > 0.1
 
 
 def rates(y: np.ndarray, u: float) -> np.ndarray:

@@ -57,13 +57,3 @@ def test_without_disturbance_it_knows_the_velocity(alone, axis):
     assert abs(d_hat).max() < 1e-4
     untold, _ = estimate(alone, axis, {"x_enc": x, "F_m": F_m})
     assert abs(untold - v).max() > 1e-4
-
-
-@pytest.mark.parametrize("axis", AXES, ids=str)
-def test_it_finds_a_standing_force(alone, axis):
-    d = np.where(np.arange(2000) < 200, 0.0, -3.0)
-    x, v, F_m = motion(axis, force(2000), d=d)
-    v_hat, d_hat = estimate(alone, axis, {"x_enc": x, "F_m": F_m})
-    assert abs(v_hat - v)[200:].max() > 1e-5
-    assert v_hat[-1] == pytest.approx(v[-1], abs=1e-8)
-    assert d_hat[-1] == pytest.approx(-3.0, abs=1e-4)

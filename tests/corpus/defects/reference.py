@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from stickslip.fmi import toolchain
 from tests.corpus import fmu
 
 HERE = Path(__file__).parent
@@ -19,11 +18,9 @@ _MARK = b"DEFECT=none"
 Members = dict[str, bytes]
 
 
-def binary_name(version: int, suffix: str | None = None) -> str:
+def binary_name(version: int) -> str:
     """Return the path of this machine's binary in the FMU."""
-    platform = toolchain.host_platform()
-    folder = platform.fmi2 if version == 2 else platform.tuple
-    return f"binaries/{folder}/reference{suffix or platform.suffix}"
+    return fmu.place("reference", version)
 
 
 @cache

@@ -22,21 +22,12 @@ def _named(name: str, about: str, says: str, *members: bytes) -> Case:
 
 _NAMES = [
     _named("up", "../../evil", "would leave the folder", b"../../evil"),
-    _named("up-within", "a/../../evil", "would leave the folder", b"a/../../evil"),
-    _named("up-at-the-end", "resources/..", "would leave the folder", b"resources/.."),
     _named("absolute", "/etc/evil", "would leave the folder", b"/etc/evil"),
-    _named("drive", "C:/evil", "would leave the folder", b"C:/evil"),
     _named("drive-relative", "C:evil", "would leave the folder", b"C:evil"),
-    _named("server", "//server/share/evil", "would leave the folder", b"//server/share/evil"),
     _named("backslash", "..\\evil", "backslash", b"..\\evil"),
-    _named("server-backslash", "\\\\server\\evil", "backslash", b"\\\\server\\evil"),
     _named("nul-in-name", "a NUL in the name", "control characters", b"a.txt\0.so"),
-    _named("newline", "a newline in the name", "control characters", b"a\nstickslip: all is well"),
-    _named("escape", "a terminal's escape sequence", "control characters", b"\x1b[2Ja"),
     _named("nameless-member", "no name at all", "empty part", b""),
-    _named("double-slash", "a//b", "empty part", b"a//b"),
     _named("long-name", "a name of 300 bytes", "path of 300 bytes", b"n" * 300),
-    _named("long-path", "a path of 60,000 bytes", "folders deep", b"/".join([b"n" * 199] * 300)[:-1]),
     _named("deep-folders", "100 folders deep", "folders deep|path of", b"d/" * 100 + b"a"),
     _beside(1, "twice", "two files of one name", "occurs twice", Member(b"a.txt", b"evil"), Member(b"a.txt", b"good")),
     _named("file-and-folder", "a file that others lie in", "a folder of other", b"a", b"a/b"),
@@ -46,17 +37,13 @@ _NAMES = [
 
 _LINKS = [
     _beside(2, "link-out", "a link to a file outside", "link", Member(b"a", b"/etc", mode=LINK)),
-    _beside(2, "link-up", "a link upwards", "symbolic link", Member(b"a", b"../..", mode=LINK)),
-    _beside(2, "through-link", "a link, and a member behind it", "symbolic link", Member(b"out", b"/tmp", mode=LINK), Member(b"out/evil", b"evil")),
     fmu(2, "linked-description", "the description is a link", "symbolic link", lambda: zipped([Member(DESCRIPTION.encode(), b"/etc/passwd", mode=LINK), *members(2, [DESCRIPTION])])),
     _beside(2, "pipe", "a named pipe", "special file", Member(b"pipe", mode=FIFO)),
-    _beside(2, "device-file", "a block device", "special", Member(b"disk", mode=0o060666)),
 ]  # fmt: skip
 
 
 _BOMBS = [
     fmu(3, "ratio", "70 MB of zeros in 70 kB", "zip bomb", lambda: zipped([*members(), Member(b"zeros", bytes(70 * _MB), DEFLATE)])),
-    _beside(3, "several", "many members that grow together", "zip bomb", *(Member(b"zeros%d" % i, bytes(25 * _MB), DEFLATE) for i in range(3))),
     _beside(3, "claims", "3 GB, says the header", "3000000000 bytes", Member(b"a", size=3 * 10**9)),
     fmu(3, "lies", "20 MB, though the header says 1 kB", "damaged", lambda: zipped([*members(), Member(b"zeros", bytes(20 * _MB), DEFLATE, size=1000)])),
     _beside(3, "short", "fewer bytes than the header says", "damaged", Member(b"a", b"a", 8, size=9)),
@@ -84,10 +71,7 @@ def _odd(name: str, about: str, says: str, **fields: object) -> Case:
 _DAMAGED = [
     fmu(4, "empty-file", "a file of 0 bytes", "the file is empty", bytes),
     fmu(4, "plain-text", "no archive", "not a zip archive", lambda: b"this is no archive\n" * 99),
-    fmu(4, "head-only-file", "only the first bytes", "its end is missing", lambda: b"PK\3\4"),
     fmu(4, "half", "cut off in the middle", "end is missing", lambda: _sound()[:5000]),
-    fmu(4, "cut", "the last bytes missing", "end is missing", lambda: _sound()[:-5]),
-    fmu(4, "hole", "bytes missing within", "missing", lambda: _sound()[:99] + _sound()[999:]),
     fmu(4, "flipped", "a byte is another", "damaged", _flipped),
     fmu(4, "text-before", "text before it", "20 bytes before", lambda: b"#!/bin/sh\nexit 0   \n" + _sound()),
     fmu(4, "text-behind", "text behind it", "5 bytes behind", lambda: _sound() + b"later"),
@@ -98,12 +82,9 @@ _DAMAGED = [
     fmu(4, "length", "a list that is too long", "missing", lambda: zipped(members(), length=10**6)),
     fmu(4, "zip64", "sizes that only a zip64 has", "4294967295 bytes", lambda: zipped(members(), length=2**32 - 1)),
     _odd("checksum", "a wrong checksum", "damaged: Bad CRC", crc=1),
-    _odd("encrypted", "a member with a password", "encrypted", flags=1),
-    _odd("strongly-encrypted", "strong encryption", "encrypted", flags=0x41),
+    _odd("encrypted", "a member with a password", "is encrypted; pack it without", flags=1),
     _odd("patch", "compressed patched data", "patched", flags=0x20),
     _odd("bzip2", "packed by bzip2", "method 12", method=12),
-    _odd("lzma", "packed by LZMA", "method 14", method=14),
-    _odd("method", "packed by an unknown method", "method 99", method=99),
     _odd("no-deflate", "text that is said to be packed", "damaged", method=8, content=b"text"),
     _odd("version", "needs zip 25.5", "version 25.5|zip file version", needs=255),
     _odd("two-names", "other names within than in the list", "damaged", local={"name": b"b"}),

@@ -15,9 +15,6 @@ _VERSIONS = [
     _version("missing", "no fmiVersion", "fmiVersion is", ""),
     _version("empty", "an empty one", "fmiVersion is", 'fmiVersion=""'),
     _version("1", "FMI 1.0", "fmiVersion is", 'fmiVersion="1.0"'),
-    _version("beta", "a beta of FMI 3.0", "fmiVersion is", 'fmiVersion="3.0-beta.2"'),
-    _version("future", "FMI 4.0", "fmiVersion is", 'fmiVersion="4.0"'),
-    _version("between", "FMI 2.1, which never was", "fmiVersion is", 'fmiVersion="2.1"'),
     _version("text", "no number", "fmiVersion is", 'fmiVersion="two"'),
     _version("digits", "Arabic digits", "fmiVersion is", 'fmiVersion="\u0663.\u0660"'),
     spoilt(7, "version-2-as-3", "FMI 2.0 that says 3.0", "no binary", ('"2.0"', '"3.0"')),
@@ -30,8 +27,6 @@ _NAMES = [
     _reference("large", "one above 2^32 - 1", "4294967296, expected", 'valueReference="4294967296"'),
     _reference("huge", "one of 5,000 digits", "expected an integer", f'valueReference="{"9" * 5000}"'),
     _reference("negative", "a negative one", "is -1, expected", 'valueReference="-1"'),
-    _reference("text", "one that is text", "is 'six', expected", 'valueReference="six"'),
-    _reference("fraction", "half a one", "expected an integer", 'valueReference="6.5"'),
     _reference("none", "none", "no valueReference", ""),
 ]  # fmt: skip
 
@@ -43,11 +38,6 @@ _STRUCTURE = [
 _identifier = spoils(
     10, "identifier", '<CoSimulation modelIdentifier="reference"', "<CoSimulation {}"
 )
-
-
-def _source(name: str, about: str, says: str, source: str) -> Case:
-    """Return a case of a system with a component whose FMU is said to be there."""
-    return _system(10, f"source-{name}", about, says, f'name="a" source="{source}"')
 
 
 def _system(group: int, name: str, about: str, says: str, attributes: str) -> Case:
@@ -69,25 +59,11 @@ def _system(group: int, name: str, about: str, says: str, attributes: str) -> Ca
 
 _IDENTIFIERS = [
     _identifier("up", "../../../evil", "modelIdentifier is", 'modelIdentifier="../../../evil"'),
-    _identifier("absolute", "/etc/evil", "modelIdentifier is", 'modelIdentifier="/etc/evil"'),
-    _identifier("backslash", "..\\evil", "modelIdentifier is", 'modelIdentifier="..\\evil"'),
-    _identifier("dot", "evil.so", "modelIdentifier is", 'modelIdentifier="evil.so"'),
     _identifier("empty", "nothing", "modelIdentifier is", 'modelIdentifier=""'),
     _identifier("missing", "none at all", "modelIdentifier is", ""),
     _identifier("long", "10,000 letters", "modelIdentifier is", f'modelIdentifier="{"a" * 10_000}"'),
     _identifier("device", "a device of Windows", "modelIdentifier is", 'modelIdentifier="con"'),
-    _identifier("newline", "a newline", "modelIdentifier is", 'modelIdentifier="a&#10;b"'),
     _identifier("letters", "letters that are not of C", "modelIdentifier is", 'modelIdentifier="r\u00e9f\u00e9rence"'),
-    _source("up", "an FMU above the package", "outside the package", "../../../a.fmu"),
-    _source("encoded", "one hidden by %2e%2e", "outside the package", "%2e%2e/%2e%2e/a.fmu"),
-    _source("absolute", "an FMU at /", "outside the package|names no file", "/srv/a.fmu"),
-    _source("file", "an FMU at file:///", "outside the package", "file:///srv/a.fmu"),
-    _source("web", "an FMU in the web", "outside the package", "http://example.org/a.fmu"),
-    _source("server", "an FMU on a server", "outside the package", "//server/a.fmu"),
-    _source("missing", "an FMU that is not there", "missing from the package", "resources/b.fmu"),
-    _source("nul", "a NUL in a path", "names no file|missing", "resources/a%00.fmu"),
-    _source("folder", "a folder", "missing from the package", "resources"),
-    _source("long", "a path of 10,000 letters", "names no file", "a" * 10_000),
 ]  # fmt: skip
 
 
@@ -96,18 +72,12 @@ _number = spoils(11, "number", 'min="0" max="10" start="2"')
 _NUMBERS = [
     spoilt(11, "indicators", "indicators that are no number", "numberOfEventIndicators", ('numberOfEventIndicators="1"', 'numberOfEventIndicators="many"')),
     spoilt(11, "indicators-many", "ten trillion indicators", "numberOfEventIndicators", ('numberOfEventIndicators="1"', 'numberOfEventIndicators="9999999999999"')),
-    spoilt(11, "indicators-negative", "-1 indicators", "numberOfEventIndicators", ('numberOfEventIndicators="1"', 'numberOfEventIndicators="-1"')),
     _times("infinite-stop", "a stop that is infinite", "must be finite", 'stopTime="INF" stepSize="0.1"'),
-    _times("nan-stop", "a stop that is NaN", "must be finite", 'stopTime="NaN" stepSize="0.1"'),
-    _times("infinite-alone", "an infinite stop and no step", "must be finite", 'stopTime="INF"'),
-    _times("infinite-start", "a start that is -infinite", "must be finite", 'startTime="-INF" stopTime="1"'),
     _times("nan-step", "a step that is NaN", "must be finite", 'stopTime="1" stepSize="NaN"'),
     _times("no-step", "a step of 0", "must be positive", 'stopTime="1" stepSize="0"'),
-    _times("step-back", "a step of -1 s", "must be positive", 'stopTime="1" stepSize="-1"'),
     _times("stop-first", "a stop before the start", "after start", 'startTime="2" stopTime="1" stepSize="0.1"'),
     _times("no-time", "a stop at the start", "after start", 'startTime="1" stopTime="1" stepSize="0.1"'),
     _times("too-many", "1e15 steps", "steps of the interval", 'stopTime="1e9" stepSize="1e-6"'),
-    _times("overflow", "more steps than numbers", "steps of the interval", 'stopTime="1e308" stepSize="1e-308"'),
     _times("memory", "5e9 steps", "GB", 'stopTime="5e9" stepSize="1"'),
     _times("huge", "a time that steps do not move", "lost in rounding", 'startTime="1e17" stopTime="1.0000000000000002e17" stepSize="1e-1"'),
 ]  # fmt: skip
@@ -126,11 +96,8 @@ def _length(name: str, about: str, says: str, new: str) -> Case:
 _STRUCTURAL = 'causality="structuralParameter" variability="fixed"'
 _ARRAYS = [
     _dimension("0", "0 elements", "start is 0, expected", '<Dimension start="0"/>'),
-    _dimension("negative", "-3 elements", "start is -3, expected", '<Dimension start="-3"/>'),
     _dimension("huge", "10^18 elements", "expected an integer from 1", '<Dimension start="1000000000000000000"/>'),
     _dimension("product", "1000 x 1000 x 1000 elements", "too large", '<Dimension start="1000"/>' * 3),
-    _dimension("many", "40 dimensions", "too large", '<Dimension start="1"/>' * 40),
-    _dimension("text", "three elements, in a word", "expected an integer", '<Dimension start="three"/>'),
     _dimension("neither", "a dimension of nothing", "either start or", "<Dimension/>"),
     _dimension("both", "a dimension twice", "either start or", '<Dimension start="3" valueReference="10"/>'),
     _dimension("missing", "a parameter that is not there", "refers to 99", '<Dimension valueReference="99"/>'),
@@ -152,12 +119,9 @@ def _component(name: str, about: str, says: str, written: str) -> Case:
 
 _CHARACTERS = [
     _called("formula", "an input that is a formula", "spreadsheets", "=cmd|' /C calc'!A0"),
-    _called("plus", "one that begins with +", "spreadsheets", "+1"),
-    _called("minus", "one that begins with -", "spreadsheets", "-1"),
     _called("at", "one that begins with @", "spreadsheets", "@SUM(1)"),
     _component("formula", "a component that is a formula", "spreadsheets", "=cmd"),
     _component("newline", "a newline in a component's name", "control characters", "a&#10;b"),
-    _component("long", "a formula of 10,000 letters", "spreadsheets", "=" + "a" * 10_000),
 ]  # fmt: skip
 
 _COUNT = '<Int32 name="count" valueReference="8"'
@@ -181,26 +145,18 @@ _CONSTANT = 'intervalVariability="constant"'
 _FMI3 = [
     _clock("weekly", "a clock that ticks weekly", "intervalVariability is 'weekly', expected", 'intervalVariability="weekly"'),
     _clock("nan", "a clock that ticks every NaN s", "intervalDecimal is nan, expected a finite number", f'{_CONSTANT} intervalDecimal="NaN"'),
-    _clock("back", "a clock that ticks every -1 s", r"interval of a clock is -1\.0 s", f'{_CONSTANT} intervalDecimal="-1"'),
     _clock("resolution", "a clock that counts in parts of 0", "resolution is 0, expected at least 1", f'{_CONSTANT} intervalCounter="5" resolution="0"'),
     _clock("shift", "a clock that begins before time", r"shift of a clock is -1\.0 s", f'{_CONSTANT} intervalDecimal="1" shiftDecimal="-1"'),
 ]  # fmt: skip
 
 TOLERATED = [
     spoilt(8, "name-twice", "two variables of one name", "second variable 'u'", ('"x"', '"u"')),
-    _three(8, "name-twice-3", "two of one name, FMI 3.0", "second variable 'u'", ('"x"', '"u"')),
-    _three(8, "alias-twice", "an alias of another's name", "second", ('name="position"', 'name="u"')),
     _three(8, "alias-nameless", "an alias without a name", "name of a Alias", (' name="position"', "")),
     spoilt(8, "nameless-variable", "a variable without a name", "is missing", (' name="u"', "")),
-    spoilt(8, "empty-name", "an empty name", "is missing", (' name="u"', ' name=""')),
     _three(8, "reference-twice", "one value reference for two, FMI 3.0", "has the valueReference of 'u'", ('valueReference="2"', 'valueReference="1"')),
     spoilt(9, "index-large", "an output behind the list", "index of Unknown is 99", ('index="5"', 'index="99"')),
-    spoilt(9, "index-0", "output 0, where they count from 1", "index of Unknown is 0", ('index="5"', 'index="0"')),
-    spoilt(9, "index-negative", "output -1", "is -1, which is no", ('index="5"', 'index="-1"')),
     spoilt(9, "index-text", "output y", "index is 'y'", ('index="5"', 'index="y"')),
-    spoilt(9, "index-none", "an output without index", "index is ''", ('index="5" ', "")),
     spoilt(9, "dependency", "a dependency behind the list", "is 77", ('dependencies="2 3"', 'dependencies="2 77"')),
-    spoilt(9, "dependency-text", "a dependency that is text", "'u'", ('dependencies="2 3"', 'dependencies="u"')),
     spoilt(9, "initial", "an initial unknown behind the list", "is 77", ('"4" dependencies="2 3 7"', '"77"')),
     _three(9, "output-3", "an output that is not there, FMI 3.0", "is 99", ('Output valueReference="4"', 'Output valueReference="99"')),
     spoilt(9, "derivative", "derivative of a variable behind the list", "derivative of Real is 99", ('derivative="3"', 'derivative="99"')),
@@ -215,37 +171,26 @@ TOLERATED = [
     spoilt(9, "parameter", "a parameter that varies", "read as a fixed parameter", ('causality="parameter" variability="fixed" initial="exact"', 'causality="parameter"')),
     spoilt(9, "combination", "a constant input", "does not allow: 'input', 'constant'", ('causality="input" variability="continuous"', 'causality="input" variability="constant"')),
     _number("outside", "a start above max", "outside its range 0", 'min="0" max="10" start="11"'),
-    _number("below", "a start below min", "outside its range 0", 'min="0" max="10" start="-1"'),
     _number("no-start", "a start that is NaN", "start of 'k' is nan", 'min="0" start="NaN"'),
     _number("no-range", "min above max", "above its max", 'min="10" max="0" start="5"'),
-    _number("no-min", "a min that is NaN", "min of 'k' is nan", 'min="NaN" start="5"'),
     _number("text-start", "a start that is text", "is 'two', expected a number", 'start="two"'),
     _number("comma", "a decimal comma", "is '2,5', expected a number", 'start="2,5"'),
-    _number("underscore", "what Python reads and XML does not", "expected", 'start="1_0"'),
     spoilt(11, "nominal-0", "a nominal value of 0", "nominal of 'd' is 0", ('nominal="0.5"', 'nominal="0"')),
-    spoilt(11, "nominal-nan", "one that is NaN", "nominal of 'd' is nan", ('nominal="0.5"', 'nominal="NaN"')),
-    spoilt(11, "nominal-negative", "a negative one", "nominal of 'd' is -1", ('nominal="0.5"', 'nominal="-1"')),
     spoilt(11, "nominal-infinite", "an infinite one", "nominal of 'd' is inf", ('nominal="0.5"', 'nominal="INF"')),
     spoilt(11, "whole", "half a count", "expected an integer", ('<Integer min="0" start="0"/>', '<Integer min="0" start="0.5"/>')),
     spoilt(11, "unit", "a unit of factor 0", "factor is 0", ('m="1"/><DisplayUnit', 'm="1" factor="0"/><DisplayUnit')),
-    spoilt(11, "unit-nan", "a unit of factor NaN", "factor is nan", ('m="1"/><DisplayUnit', 'm="1" factor="NaN"/><DisplayUnit')),
     spoilt(11, "exponent", "a unit of half a metre", "expected an integer", ('<BaseUnit m="1"/>', '<BaseUnit m="0.5"/>')),
     spoilt(11, "unit-nameless", "a unit of an empty name", "name of a Unit is missing", ('Unit name="1/s"', 'Unit name=""')),
-    spoilt(11, "unit-none", "a unit without a name", "name of a Unit is missing", ('Unit name="1/s"', 'Unit')),
     spoilt(11, "item", "an item of an enumeration that is text", "value of an Item", ('name="first" value="1"', 'name="first" value="one"')),
     _times("text", "a start time that is text", "startTime is 'soon'", 'startTime="soon" stopTime="1"'),
     _times("tolerance", "a tolerance that is text", "tolerance is 'small'", 'stopTime="1" tolerance="small"'),
     _dimension("starts", "two start values for three", "2 values, expected 3", '<Dimension start="3"/>', 'start="1 2"'),
     _called("newline", "a newline in a name", "control characters", "u&#10;stickslip: all is well"),
-    _called("return", "a carriage return in a name", "control characters", "u&#13;"),
-    _called("tab", "a tab in a name", "control characters", "u&#9;v"),
     _called("separator", "a line separator of Unicode", "control characters", "u&#x2028;v"),
     _called("c1", "a control character beyond ASCII", "control characters", "u&#x9b;31m"),
     spoilt(13, "name-unit", "a newline in a unit", "control characters", ('Unit name="1/s"', 'Unit name="1&#10;s"')),
     spoilt(9, "clocks-nothing", "a variable of a clock that is none, in FMI 3.0", "clocks has '99', which is no clock", (_COUNT, f'{_COUNT} clocks="99"'), version=3),
-    spoilt(9, "clocks-input", "a variable whose clock is a number", "clocks has '1', which is no clock", (_COUNT, f'{_COUNT} clocks="1"'), version=3),
     spoilt(8, "alias-taken", "an alias that has the name of a variable", "a second variable 'u'", ('<Alias name="position"', '<Alias name="u"'), version=3),
-    _start("odd-digits", "binary data of one and a half bytes", "start of 'b' is '123', expected hexadecimal", _BINARY.format('<Start value="123"/>')),
     _start("no-digits", "binary data that is text", "start of 'b' is '0g', expected hexadecimal", _BINARY.format('<Start value="0g"/>')),
 ]  # fmt: skip
 """Cases of which no run needs what is wrong: a warning says so, and they run."""

@@ -16,7 +16,6 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 enum { U, Y, K, FRAGILE, N_REALS, TIME = 99 };
@@ -113,13 +112,10 @@ static int act(Model *m) {
 #define IF(name) if (strcmp(what, name) == 0)
     IF("segv") { *(volatile int *)8 = 1; }
     IF("abort") { abort(); }
-    IF("fpe") { raise(SIGFPE); }
     IF("ill") { __builtin_trap(); }
     IF("bus") { raise(SIGBUS); }
     IF("kill") { raise(SIGKILL); }
     IF("exit0") { exit(0); }
-    IF("exit7") { exit(7); }
-    IF("_exit0") { _exit(0); }
     IF("overflow") { return overflow(NULL); }
     IF("hang") {
         for (volatile bool waiting = true; waiting;)
@@ -138,20 +134,10 @@ static int act(Model *m) {
         raise(SIGSTOP);
     }
     IF("fork") { fork(); }
-    IF("fork_away") {
-        int status = 0;
-        if (fork() == 0)
-            _exit(setsid() < 0);
-        wait(&status);
-        return status ? 3 : 0;
-    }
     IF("kill_parent") { return kill(getppid(), SIGKILL) ? 3 : 0; }
     IF("connect") { return socket(AF_INET, SOCK_STREAM, 0) < 0 ? 3 : 0; }
     IF("execute") { return system("true") != 0; }
     IF("read_home") { return open(getenv("HOME"), O_RDONLY) < 0 ? 3 : 0; }
-    IF("write_outside") {
-        return open("/var/tmp/stickslip-hostile", O_CREAT | O_WRONLY, 0600) < 0 ? 3 : 0;
-    }
     IF("share") { /* memory that RLIMIT_DATA does not count */
         for (size_t n = 1 << 24;; usleep(1000))
             memset(mmap(NULL, n, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0), 1, n);

@@ -22,9 +22,6 @@ def _reaches(name: str, behaviour: str, about: str, says: str, *, harms: bool = 
 
 CASES = [
     _reaches("home", "read_home", "reads the home folder", "tried to read .*, which the sandbox denies"),
-    _reaches("outside", "write_outside", "writes a file outside its folder", "tried to write /var/tmp/.*, which the sandbox denies", harms=True),
-    _reaches("connect", "connect", "opens a socket", "tried to open a network connection, which the sandbox denies"),
-    _reaches("fork-away", "fork_away", "forks a process that leaves its group", "tried to leave its group of processes, which the sandbox denies"),
     _reaches("kill-parent", "kill_parent", "kills the process that started it", r"tried to send a signal to process \d+, which the sandbox denies", harms=True),
     _reaches("share", "share", "takes all memory as shared mappings", "took more than the 100 MB it may"),
 ]  # fmt: skip

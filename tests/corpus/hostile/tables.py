@@ -64,9 +64,7 @@ def _mat(*elements: tuple[int, bytes]) -> bytes:
     return head + b"".join(struct.pack("<II", kind, len(data)) + data for kind, data in elements)
 
 
-def _matrix(
-    name: bytes, content: bytes, shape: tuple[int, ...], which: int = 6, kind: int = 9
-) -> bytes:
+def _matrix(name: bytes, content: bytes, shape: tuple[int, ...], which: int = 6) -> bytes:
     def element(kind: int, data: bytes) -> bytes:
         return struct.pack("<II", kind, len(data)) + data + bytes(-len(data) % 8)
 
@@ -74,7 +72,7 @@ def _matrix(
         element(6, struct.pack("<II", which, 0))
         + element(5, struct.pack(f"<{len(shape)}i", *shape))
         + element(1, name)
-        + element(kind, content)
+        + element(9, content)
     )
 
 
@@ -96,13 +94,9 @@ def _huge(path: Path) -> None:
 INPUTS = [
     _input("time-falls", "time that goes back", "line 4: time falls from 1.0 to 0.5 s", _rows("0,0", "1,1", "0.5,2")),
     _input("nan", "a value NaN", "line 3: column 'u': expected a finite number, got 'nan'", _rows("0,0", "1,nan")),
-    _input("infinite-time", "a time inf", "line 3: column 'time': .* got 'inf'", _rows("0,0", "inf,1")),
-    _input("beyond-doubles", "1e999", "column 'u': .* got '1e999'", _rows("0,1e999")),
     _input("empty-cell", "a cell that is empty", "line 3: column 'u': .* got ''", _rows("0,0", "1,")),
     _input("text", "text among numbers", "line 2: column 'u': .* got 'on'", _rows("0,on")),
-    _input("digits-of-python", "1_000, a number to Python alone", "got '1_000'", _rows("0,1_000")),
     _input("ragged", "a row that is too short", "line 3: expected 2 cells, got 1", _rows("0,0", "1")),
-    _input("decimal-comma", "a comma in numbers", "line 2: expected 2 cells, got 4", _rows("0,0,1,5")),
     _input("semicolons", "semicolons between cells", "separated by commas, got 'time;u'", _rows("0;0", head="time;u")),
     _input("no-time", "no column time", "'time' among them", _rows("0,0", head="t,u")),
     _input("column-twice", "two columns of one name", "got 'u' twice", _rows("0,1,2", head="time,u,u")),
@@ -120,8 +114,6 @@ INPUTS = [
     _input("parquet-as-csv", "a Parquet file called .csv", "not a CSV file in UTF-8", lambda _: _parquet(time=np.arange(99) / 7)),
     _input("csv-as-parquet", "a CSV file called .parquet", "in.parquet: cannot be read", _rows("0,0"), ".parquet"),
     _input("parquet-text", "texts in a Parquet file", "column 'u': expected numbers, got .*string", lambda _: _parquet(time=[0.0, 1.0], u=["a", "b"]), ".parquet"),
-    _input("parquet-dates", "dates in a Parquet file", "column 'time': .*timestamp", lambda _: _parquet(time=np.array([0], "datetime64[ns]"), u=[1.0]), ".parquet"),
-    _input("parquet-nested", "lists in a Parquet file", "column 'u': expected numbers, got list", lambda _: _parquet(time=[0.0], u=[[1.0, 2.0]]), ".parquet"),
     _input("parquet-nulls", "empty cells in a Parquet file", "not finite", lambda _: _parquet(time=[0.0, 1.0], u=[None, 2.0]), ".parquet"),
     _input("parquet-cut", "half a Parquet file", "in.parquet: cannot be read", lambda _: _parquet(time=np.arange(99.0), u=np.arange(99.0))[:400], ".parquet"),
     _input("parquet-growth", "a small Parquet file of 110 million numbers", "at most 100000000 values", lambda _: _repeated(), ".parquet"),
@@ -133,8 +125,6 @@ LOGS = [
     _log("text", "text among numbers", "column 'x': row 7: expected a number, got 'abc'", _changed(7, b"0.005,abc,1")),
     _log("ragged", "a row that is too short", "row 9: expected 3 fields", _changed(9, b"0.007")),
     _log("no-motion", "no column of position or velocity", "no column of position or velocity", LOG.replace(b"t,x,F", b"t,a,F")),
-    _log("few", "three rows", "samples; expected at least", LOG[:120]),
-    _log("header-only", "names and no values", "no row of numbers", b"t,x,F\n"),
     _log("empty", "an empty file", "empty; expected columns of numbers", b""),
     _log("binary", "bytes that are no text", "binary, not text", bytes(range(256))),
     _log("long-line", "a line of 1 MB", "row 2: 1000000 characters", lambda _: b"t,x\n" + b"1;" * 500_000 + b"\n1,2\n"),
@@ -149,9 +139,6 @@ LOGS = [
     _log("mat-text", "a text called .mat", "a text, not a file of MAT", LOG, ".mat"),
     _log("mat-7.3", "a MAT file of version 7.3 without content", "cannot be read as HDF5 or MATLAB 7.3", b"MATLAB 7.3 MAT-file".ljust(512) + b"\x89HDF\r\n\x1a\n", ".mat"),
     _log("mat-cells", "cells instead of numbers", "cannot be read as MAT, perhaps it is damaged", lambda _: _mat((14, _matrix(b"x", b"", (3, 1), which=1))), ".mat"),
-    _log("mat-shape", "a vector whose length lies", "cannot be read as MAT, perhaps it is damaged", lambda _: _mat((14, _matrix(b"x", bytes(24), (2**31 - 1, 2**31 - 1)))), ".mat"),
-    _log("mat-size", "an element longer than the file", "cannot be read as MAT, perhaps it is damaged", lambda _: _mat((14, _matrix(b"x", bytes(24), (3, 1))))[:-8], ".mat"),
-    _log("mat-dimensions", "an array of a thousand dimensions", "cannot be read as MAT, perhaps it is damaged", lambda _: _mat((14, _matrix(b"x", bytes(8), (1,) * 1000))), ".mat"),
     _log("mat-bomb", "320 MB of zeros, packed", "cannot be read as MAT, perhaps it is damaged", lambda _: _mat((15, _bomb())), ".mat"),
     _log("excel-bomb", "a workbook of 400 MB of zeros, packed", "cannot be read as Excel", lambda _: zipped([Member(b"xl/workbook.xml", bytes(400 << 20), DEFLATE)]), ".xlsx"),
     _log("tdms-cut", "a TDMS file that ends in its header", "no vectors of numbers", b"TDSm" + bytes(3), ".tdms"),
@@ -165,14 +152,9 @@ CONFIGS = [
     _config("unknown", "a key that means nothing", "no key 'motionn'", b'motionn = "linear"\n'),
     _config("type", "a list where a number should be", "expected a number", b"tau_i = [1]\n"),
     _config("nan", "NaN where a number should be", "tau_i = nan", b"tau_i = nan\n"),
-    _config("huge", "an integer of 400 digits", "beyond 1e308", b"tau_i = " + b"9" * 400),
-    _config("endless-digits", "an integer of 5,000 digits", "log.toml: not TOML", b"tau_i = " + b"9" * 5000),
     _config("deep", "lists a hundred thousand deep", "nested too deeply", b"tau_i = " + b"[" * 100_000),
-    _config("long-name", "a name of a hundred thousand parts", "nested too deeply", b"a." * 100_000 + b"b = 1\n"),
-    _config("encoding", "bytes that are no UTF-8", "line 1: byte 0xff", b"\xff\xfe"),
     _config("column", "a column that is not there", "no column 'q'", b'[columns]\nposition = "q"\n'),
     _config("unit", "a position in newtons", "position is in N", b'[columns.position]\nname = "x"\nunit = "N"\n'),
-    _config("date", "a date where a number should be", "expected a number", b"tau_i = 1979-05-27T07:32:00Z\n"),
 ]  # fmt: skip
 
 CASES = [*INPUTS, *LOGS, *CONFIGS]

@@ -79,7 +79,6 @@ def zipped(
     members: Sequence[Member],
     *,
     before: bytes = b"",
-    behind: bytes = b"",
     comment: bytes = b"",
     count: int | None = None,
     directory: int | None = None,
@@ -89,7 +88,7 @@ def zipped(
 
     Parameters
     ----------
-    before, behind : bytes around it
+    before : bytes in front of it
     count, directory, length : number of members, place and bytes of their list, as the end says
     """
     body, entries = bytearray(), bytearray()
@@ -104,4 +103,4 @@ def zipped(
         len(body) if directory is None else directory,
         len(comment),
     )
-    return b"".join((before, body, entries, end, comment, behind))
+    return b"".join((before, body, entries, end, comment))

@@ -44,12 +44,6 @@ def opened(archive):
     return folder, {p.relative_to(folder).as_posix(): p.read_bytes() for p in files}
 
 
-def test_an_archive_written_by_hand_is_one_that_zipfile_reads(archive):
-    with zipfile.ZipFile(archive) as file:
-        assert file.testzip() is None
-        assert {n: file.read(n) for n in file.namelist() if n in CONTENT} == CONTENT
-
-
 def test_what_is_unpacked_is_what_was_packed(room, archive):
     folder, content = opened(archive)
     assert content == CONTENT
@@ -167,13 +161,6 @@ def test_what_nobody_opens_for_months_goes(archive, tmp_path):
     opened(third)
     assert not forgotten.exists()
     assert opened(other)[1] == {"other": b""}
-
-
-def test_a_pipe_is_not_waited_for(room, tmp_path):
-    os.mkfifo(tmp_path / "pipe.fmu")
-    with pytest.raises(cosim.FmuError, match="is no file"):
-        unpack(tmp_path / "pipe.fmu", "room", cosim.FmuError)
-    assert not room.exists()
 
 
 LETTERS = st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), max_size=9)

@@ -83,8 +83,8 @@ def exported(tmp_path_factory):
     return export
 
 
-def of_fmu(folder: Path, case: str) -> tuple[models.Model, np.ndarray]:
-    """Return the model and its outputs (N - 1, outputs) after each step."""
+def of_fmu(folder: Path, case: str, n: int = N - 1) -> tuple[models.Model, np.ndarray, list[float]]:
+    """Return the model, its outputs (n, outputs) after each step, and what it has learned."""
     model, law, called = CASES[case]
     found = models.load_model(model, law)
     found = replace(found, name=called or found.name)
@@ -93,9 +93,19 @@ def of_fmu(folder: Path, case: str) -> tuple[models.Model, np.ndarray]:
     system.add("c", folder / f"{found.name}.fmu")
     for name in inputs:
         system.expose(name, f"c.{name}")
-    stop = (N - 1) * STEP
-    result = system.prepare(step=STEP, stop=stop, constant_step=True).run(inputs=signals(inputs))
-    return found, np.column_stack([result[f"c.{name}"] for name in outputs])[1:]
+    given = {name: values[: n + 1] for name, values in signals(inputs).items()}
+    with system.prepare(step=STEP, stop=n * STEP, constant_step=True) as simulation:
+        result = simulation.run(inputs=given)
+        columns = np.column_stack([result[f"c.{name}"] for name in outputs])[1:].copy()
+        return found, columns, [*simulation.learned().values()]
+
+
+LEARNED = {
+    name: next(iter(ports.learned.values())).partition("[")[0]
+    for name in OTHERS
+    if (ports := models.load_model(name).ports) and ports.learned
+}
+"""Members of the memory that are learned."""
 
 
 def members(model: models.Model, role: str) -> list[str]:
@@ -113,43 +123,49 @@ def driver(model: models.Model) -> str:
         for k, output in enumerate(outputs)
     )
     step = "" if model.sampled else f", ({name}_real)h"
+    learned = f"&c.memory.{LEARNED[name]}" if name in LEARNED else "NULL"
+    size = learned.replace("&", "sizeof ").replace("NULL", "0")
     return f"""
 #include <stddef.h>
 #include "{name}.h"
 __attribute__((visibility("default")))
-size_t drive(size_t n, double h, const double *in, double *out);
-size_t drive(size_t n, double h, const double *in, double *out) {{
+size_t drive(size_t n, double h, const double *in, double *out, double *learned);
+size_t drive(size_t n, double h, const double *in, double *out, double *learned) {{
     {struct} c;
+    const {name}_real *memory = (const {name}_real *){learned};
     size_t finite = 0, i = 0;
     (void)h;
     {name}_init(&c{given});
     for (; i < n; i++) {{
         finite += {name}_step(&c{step}{given});
 {kept}    }}
+    for (i = 0; memory && i < {size} / sizeof *memory; i++)
+        learned[i] = (double)memory[i];
     return finite;
 }}
 """
 
 
-def of_c(folder: Path, model: models.Model, *flags: str) -> np.ndarray:
-    """Return the outputs (N - 1, outputs) of the C."""
+def of_c(folder: Path, model: models.Model, *flags: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return the outputs (N - 1, outputs) of the C, and what it has learned, with zeros behind."""
     files = {f"{model.name}.{end}": (folder / f"{model.name}.{end}").read_text() for end in "ch"}
     files["driver.c"] = driver(model)
     library = ctypes.CDLL(str(toolchain.shared_library("every", files, flags=(*STRICT, *flags))))
     library.drive.restype = ctypes.c_size_t
     given = np.column_stack([*signals(members(model, "input")).values()])[:-1].copy()
     out = np.empty((N - 1, len(members(model, "output"))))
-    pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (given, out)]
+    learned = np.zeros(200)
+    pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (given, out, learned)]
     count = library.drive(ctypes.c_size_t(N - 1), ctypes.c_double(STEP), *pointers)
     assert count == N - 1
-    return out
+    return out, learned
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_c_in_double_is_the_fmu_bit_for_bit(exported, case):
     folder = exported(case)
-    model, expected = of_fmu(folder, case)
-    np.testing.assert_array_equal(of_c(folder, model), expected)
+    model, expected, _ = of_fmu(folder, case)
+    np.testing.assert_array_equal(of_c(folder, model)[0], expected)
     assert np.ptp(expected) > 5.0  # N
 
 
@@ -173,8 +189,8 @@ def test_c_is_valid_cpp_and_states_its_formulas(tmp_path):
 def test_c_in_float_is_near(exported, case):
     """The observer's position has 24 bits, of which one is worth some newtons in L_d."""
     folder = exported(case)
-    model, expected = of_fmu(folder, case)
-    found = of_c(folder, model, f"-D{model.name.upper()}_FLOAT")
+    model, expected, _ = of_fmu(folder, case)
+    found, _ = of_c(folder, model, f"-D{model.name.upper()}_FLOAT")
     error = np.abs(found - expected)
     assert error.max() > 0.0  # float was compiled indeed
     assert np.sqrt(np.mean(error**2)) < 0.02 * np.ptp(expected)
@@ -183,7 +199,7 @@ def test_c_in_float_is_near(exported, case):
 @pytest.mark.parametrize("case", CASES)
 def test_structured_text_agrees_with_the_fmu(exported, case):
     folder = exported(case)
-    model, expected = of_fmu(folder, case)
+    model, expected, _ = of_fmu(folder, case)
     blocks = structured_text.load((folder / f"{model.name}.st").read_text())
     block = blocks[model.name.capitalize()]
     given = signals(members(model, "input"))
@@ -196,61 +212,19 @@ def test_structured_text_agrees_with_the_fmu(exported, case):
         np.testing.assert_allclose(found, expected[k], rtol=0, atol=1e-7)
 
 
-LEARNED = {
-    name: [*dict.fromkeys(v.partition("[")[0] for v in ports.learned.values())]
-    for name in OTHERS
-    if (ports := models.load_model(name).ports) and ports.learned
-}
-"""Members of the memory that are learned."""
-
-
-def learned_by_fmu(folder: Path, name: str, n: int) -> list[float]:
-    """Return what is learned in n steps."""
-    system = cosim.System()
-    system.add("c", folder / f"{name}.fmu")
-    given = signals(members(models.load_model(name), "input"))
-    for signal in given:
-        system.expose(signal, f"c.{signal}")
-    inputs = {signal: values[: n + 1] for signal, values in given.items()}
-    with system.prepare(step=STEP, stop=n * STEP, constant_step=True) as simulation:
-        simulation.run(inputs=inputs)
-        return [*simulation.learned().values()]
-
-
 @pytest.mark.parametrize("name", LEARNED)
 def test_what_is_learned_is_read_in_c_and_structured_text(exported, name):
     """A member of the memory, and an output of the function block, from which the next begins."""
-    folder, model = exported(name), models.load_model(name)
-    (field,), struct = LEARNED[name], "".join(word.capitalize() for word in name.split("_"))
-    inputs = members(model, "input")
-    given = "".join(f", in[i * {len(inputs)} + {k}]" for k in range(len(inputs)))
-    learn = f"""
-#include "{name}.h"
-__attribute__((visibility("default"))) void learn(int n, const double *in, double *out);
-void learn(int n, const double *in, double *out) {{
-    {struct} c;
-    int i = 0;
-    {name}_init(&c{given});
-    for (; i < n; i++)
-        {name}_step(&c{given});
-    for (i = 0; i < (int)(sizeof c.memory.{field} / sizeof *out); i++)
-        out[i] = ((const double *)&c.memory.{field})[i];
-}}
-"""
-    files = {f"{name}.{end}": (folder / f"{name}.{end}").read_text() for end in "ch"}
-    library = ctypes.CDLL(str(toolchain.shared_library("learn", {**files, "learn.c": learn})))
-    rows = np.column_stack([*signals(inputs).values()]).copy()
-    expected = learned_by_fmu(folder, name, N - 1)
-    out = np.zeros(len(expected))
-    library.learn(N - 1, *(a.ctypes.data_as(ctypes.c_void_p) for a in (rows, out)))
-    np.testing.assert_array_equal(out, expected)
-
-    blocks = structured_text.load((folder / f"{name}.st").read_text())
-    block = blocks[name.capitalize()]
-    for row in rows[:200]:
-        scope = block(**dict(zip(inputs, map(float, row), strict=True)))
-    shown = next(scope[key] for key in (field, f"{field}_1") if key in scope)
-    expected = learned_by_fmu(folder, name, 200)
+    folder = exported(name)
+    model, _, expected = of_fmu(folder, name)
+    _, learned = of_c(folder, model)
+    np.testing.assert_array_equal(learned[: len(expected)], expected)
+    block = structured_text.load((folder / f"{name}.st").read_text())[name.capitalize()]
+    given = signals(members(model, "input"))
+    for k in range(200):
+        scope = block(**{one: float(values[k]) for one, values in given.items()})
+    shown = next(scope[key] for key in (LEARNED[name], f"{LEARNED[name]}_1") if key in scope)
+    _, _, expected = of_fmu(folder, name, 200)
     np.testing.assert_allclose(np.ravel(shown), expected, rtol=1e-9, atol=1e-9)
 
 

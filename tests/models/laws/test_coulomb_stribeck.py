@@ -24,16 +24,3 @@ def test_below_static_friction_it_stands_for_ever_and_friction_is_the_reaction(p
     assert not found["x"].any()
     assert not found["v"].any()
     np.testing.assert_array_equal(found["F_f"][1:], u)
-
-
-def test_break_away_is_at_static_friction_whatever_the_rate(push):
-    """LuGre breaks away earlier when the force rises slowly; here only F_s counts."""
-    for rate in (5.0, 50.0):  # N/s
-        u = rate * H * np.arange(round(12.0 / rate / H))
-        moving = np.flatnonzero(push("coulomb_stribeck", H, u)["v"])[0]
-        assert u[moving - 1] == pytest.approx(8.999, abs=2 * rate * H)
-
-
-def test_terminal_speed_balances_the_curve(push):
-    v = push("coulomb_stribeck", H, np.full(16000, 10.0))["v"][-1]
-    assert F_C + B * v == pytest.approx(10.0, rel=1e-4)

@@ -4,33 +4,27 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from stickslip import models
-
 SIGMA_0, F_C = 3.9162e5, 5.999
 H = 5e-4  # s
 
 
-def cycle(amplitude: float, n: int = 200) -> np.ndarray:
-    """Return the velocity of triangular cycles from one end to the other [m/s], 2 n steps each."""
-    speed = 2.0 * amplitude / (n * H)
-    first = np.full(n // 2, speed)
-    return np.concatenate([first, np.tile(np.repeat([-speed, speed], n), 10)])
+def cycle(amplitude: float) -> np.ndarray:
+    """Return the velocity of triangular cycles from one end to the other [m/s], 400 steps each."""
+    speed = 2.0 * amplitude / (200 * H)
+    first = np.full(100, speed)
+    return np.concatenate([first, np.tile(np.repeat([-speed, speed], 200), 10)])
 
 
-@pytest.mark.parametrize(
-    ("amplitude", "force", "loss"), [(30e-6, 5.764857, 3.666460e-4), (10e-6, 3.440773, 2.913115e-5)]
-)
-def test_the_steady_cycle_has_the_closed_form(follow, amplitude, force, loss):
+@pytest.mark.parametrize("amplitude", [30e-6, 10e-6])
+def test_the_steady_cycle_has_the_closed_form(follow, amplitude):
     """F(A) = F_c tanh a; the loss is 4 F_c^2 / sigma_0 (a - tanh a), a = sigma_0 A / F_c."""
     a = SIGMA_0 * amplitude / F_C
     v = cycle(amplitude)
     found = follow("dahl", H, v)
     assert found["F_f"][-1] == pytest.approx(F_C * np.tanh(a), rel=1e-9)
-    assert found["F_f"][-1] == pytest.approx(force, abs=1e-6)
     last = slice(-400, None)
     energy = float(np.sum(found["F_mean"][last] * v[last]) * H)
     assert energy == pytest.approx(4.0 * F_C**2 / SIGMA_0 * (a - np.tanh(a)), rel=1e-9)
-    assert energy == pytest.approx(loss, rel=1e-6)
 
 
 @pytest.mark.parametrize("i", [0.0, 0.5, 0.999999, 1.000001, 1.5, 2.0])
@@ -67,9 +61,3 @@ def test_lugre_without_damping_and_stribeck_is_dahl(follow):
     v = 0.01 * np.sin(np.arange(800) * 0.05) * np.cos(np.arange(800) * 0.003)
     lugre = follow("lugre", H, v, F_s=F_C, F_c=F_C, sigma_1=0.0)
     np.testing.assert_allclose(follow("dahl", H, v)["F_mean"], lugre["F_mean"], atol=2e-13)
-
-
-def test_parameters_declare_what_estimation_needs():
-    p = models.load_law("dahl").parameters
-    assert (p["sigma_0"].force, p["sigma_0"].length) == (1, -1)
-    assert (p["F_c"].force, p["F_c"].length, p["i"].force) == (1, 0, 0)

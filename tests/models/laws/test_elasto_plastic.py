@@ -6,7 +6,6 @@ from scipy.integrate import solve_ivp
 
 H = 5e-4  # s
 P = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4424.8}
-M, B = 5.557, 6.6135  # kg, N s/m
 
 
 def stretching(v: float, z: float, p: dict[str, float], z_ba: float) -> float:

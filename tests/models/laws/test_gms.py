@@ -23,9 +23,9 @@ def virgin(x: float) -> float:
     return float(np.minimum(K * x, W).sum())
 
 
-def path(ways: list[float], n: int = 100) -> np.ndarray:
-    """Return velocities [m/s] for ways [m] of n steps each."""
-    return np.repeat(ways, n) / (n * H)
+def path(ways: list[float]) -> np.ndarray:
+    """Return velocities [m/s] for ways [m] of 100 steps each."""
+    return np.repeat(ways, 100) / (100 * H)
 
 
 def test_the_first_way_and_the_way_back_follow_masing(follow):

@@ -6,7 +6,6 @@ from scipy.integrate import solve_ivp
 
 H = 5e-4  # s
 F_S, F_C, V_S, SIGMA_0, SIGMA_1 = 8.999, 5.999, 5.5697e-4, 3.9162e5, 4424.8
-M, B = 5.557, 6.6135  # kg, N s/m
 ONE = {f"kappa[{k}]": float(k == 4) for k in range(1, 5)}
 TWO = {
     "kappa[1]": 0.612839,
@@ -42,14 +41,6 @@ def test_minor_loops_close_in_z(follow):
     for kappa, W in ((0.25, 0.05), (0.2, 0.12), (0.15, 0.17)):
         virgin += np.minimum(kappa * SIGMA_0 * x, W * F_C)
     np.testing.assert_allclose(long[:101], virgin, atol=1e-6)
-
-
-@pytest.mark.parametrize("v", [1e-5, -3e-4, 0.02])
-def test_steady_friction_is_reached_whatever_the_elements(follow, v):
-    g = np.sign(v) * (F_C + (F_S - F_C) * np.exp(-abs(v) / V_S))
-    for exponent in (0.5, 1.0, 3.0):
-        found = follow("leuven", 1e-5 / abs(v), np.full(400, v), n_h=exponent)
-        assert found["F_mean"][-1] == pytest.approx(g, rel=1e-5)
 
 
 def stretching(v: float, q: np.ndarray, n: float) -> tuple[float, float]:

@@ -161,26 +161,6 @@ def test_discrete_systems_sample_at_their_own_period(ratio, fmi, tmp_path):
     np.testing.assert_allclose(result["f.y[1]"], delayed[due], rtol=0, atol=1e-12)
 
 
-def test_a_loop_of_discrete_systems_is_python_controls(tmp_path):
-    """PI controller with direct gain, plant without: closed by cosim and by python-control."""
-    plant = control.ss([[0.9, 0.1], [0, 0.8]], [[0], [0.1]], [[1, 0]], 0, 0.01, name="plant")
-    integral = control.ss(1, 0.2, 1, 0.6, 0.01, name="pi")
-    system = cosim.System()
-    for part in (plant, integral):
-        system.add(part.name, models.export_lti(part, tmp_path, held=True))
-    error = control.ss([], [], [], [[1, -1]], 0.01, name="error", inputs=["r", "y"])
-    system.add("error", models.export_lti(error, tmp_path, held=True))
-    system.connect("error.y[0]", "pi.u[0]")
-    system.connect("pi.y[0]", "plant.u[0]")
-    system.connect("plant.y[0]", "error.y")
-    system.expose("r", "error.r")
-    result = system.prepare(step=0.01, stop=1.0).run(inputs={"r": 1.0})
-    closed = control.feedback(plant * integral, 1)
-    expected = control.step_response(closed, result.time).outputs
-    assert expected[-1] > 0.5
-    np.testing.assert_allclose(result["plant.y[0]"], expected, rtol=0, atol=1e-12)
-
-
 @each_version
 def test_names_and_units_are_kept(fmi, tmp_path):
     system = control.ss(
