@@ -7,7 +7,7 @@ NOT_SANITIZED := --ignore tests/conformance/test_platforms.py \
 SPREAD := --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 
 .DEFAULT_GOAL := help
-.PHONY: help setup reproduce test quick thorough test-platforms check wheel docs rooms format notebooks sanitize bench clean
+.PHONY: help setup reproduce test quick thorough test-platforms check wheel docs format notebooks sanitize bench clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' Makefile
@@ -44,9 +44,6 @@ wheel: .venv/installed ## build the wheel into dist/, with all that it carries c
 
 docs: .venv/documented ## build the documentation into docs/_build, without a network
 	$(BIN)/python -m sphinx -b html -W --keep-going -q -j auto -c docs . docs/_build/html
-
-rooms: .venv/tested ## draw the rooms of stickslip/ and what each imports
-	$(BIN)/python docs/rooms.py
 
 format: .venv/checked ## format Python and C
 	$(BIN)/ruff check --fix .
