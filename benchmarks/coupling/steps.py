@@ -11,8 +11,8 @@ from pathlib import Path
 import fmpy
 import numpy as np
 
-from benchmarks import container as sealed
 from benchmarks.common import interleaved
+from benchmarks.coupling import container as sealed
 from benchmarks.coupling import ring
 from benchmarks.coupling.ring import Loops, sources
 from stickslip import cosim
