@@ -63,7 +63,10 @@ def _description(name: str, version: int, extra: int) -> str:
     listed = [line.split() for line in MODELS[name]]
     source = next(i for i, (_, kind, _) in enumerate(listed) if kind == "output")
     entries = [(i, *entry) for i, entry in enumerate(listed)]
-    entries += [(source, f"copy[{i}]", "output", "0") for i in range(extra)]
+    entries += [
+        (source if version == 2 else fmu.TIME + 1 + i, f"copy[{i}]", "output", "0")
+        for i in range(extra)
+    ]
     variables = [
         fmu.Variable(
             variable,

@@ -53,8 +53,8 @@ def test_a_resumed_run_is_the_uninterrupted_one(algorithm, tmp_path):
     assert (again.parameters, again.stopped) == (found.parameters, found.stopped)
 
 
-def test_a_restarted_and_a_noisy_search_resume_as_well(tmp_path):
-    settings = ga.Settings(patience=3, noisy=True)
+def test_a_restarted_search_resumes_as_well(tmp_path):
+    settings = ga.Settings(patience=3)
 
     def fresh():
         return ga.GeneticAlgorithm(GENES, settings, 1, limits=ga.Limits(generations=40))

@@ -91,17 +91,13 @@ def test_a_budget_may_be_used_to_the_last_evaluation():
     assert limits.spent(generations=0, evaluations=7, batch=4) is not None
 
 
-NOISY = replace(ga.PRESETS["default"], noisy=True)
-
-
 def optimiser(settings=ga.PRESETS["default"], **limits):
     return ga.GeneticAlgorithm(GENES, settings, limits=ga.Limits(**limits))
 
 
-@pytest.mark.parametrize("settings", [ga.PRESETS["default"], NOISY], ids=["plain", "noisy"])
-def test_what_is_foreseen_is_asked(settings):
-    algorithm = optimiser(settings, generations=30)
-    children = settings.population - settings.elites
+def test_what_is_foreseen_is_asked():
+    algorithm = optimiser(generations=30)
+    children = ga.DEFAULT.population - ga.DEFAULT.elites
     foreseen = algorithm.ahead
     for generation in range(12):
         asked = algorithm.ask()

@@ -62,17 +62,7 @@ INF = float("inf")
 
 def generation(costs):
     strings = np.arange(len(costs), dtype=float)[:, np.newaxis]
-    return Generation.once(strings, strings, np.array(costs))
-
-
-def test_a_repeated_cost_is_the_mean_of_all_its_runs():
-    runs = np.random.default_rng(0).random((6, 3))
-    kept = generation(runs[0])
-    for n, costs in enumerate(runs[1:], start=2):
-        kept = kept.averaged(costs[:2])
-        np.testing.assert_allclose(kept.costs[:2], runs[:n, :2].mean(axis=0), rtol=1e-14)
-    assert kept.costs[2] == runs[0, 2]
-    assert kept.runs.tolist() == [6, 6, 1]
+    return Generation(strings, np.array(costs))
 
 
 def test_a_child_takes_the_place_of_a_rival_that_is_not_better():
