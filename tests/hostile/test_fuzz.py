@@ -10,7 +10,7 @@ from campaigns.fuzz.parser import Parser
 
 pytestmark = pytest.mark.slow
 
-N = {"mat": 50}  # each forks a process
+N = {"mat": 20}  # each starts a process
 N |= dict.fromkeys(("archive", "description", "library", "csv", "json", "state", "toml"), 800)
 REFUSED = {"parquet": 1, "log_csv": 1}
 """Of the inputs that all others are made from: texts in Parquet are no inputs, though a log may
