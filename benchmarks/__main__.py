@@ -8,17 +8,17 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from benchmarks import container, learn, measurements
+from benchmarks import learn, measurements
 from benchmarks.common import table
 from benchmarks.coupling import report
 from benchmarks.learning import speed
 
-MODULES = {"coupling": report, "container": container, "learn": learn, "speed": speed}
+MODULES = {"coupling": report, "learn": learn, "speed": speed}
 BENCHMARKS = {
     **{name: (module.measure, module.__doc__) for name, module in MODULES.items()},
     **{
         name: (getattr(measurements, name), getattr(measurements, name).__doc__)
-        for name in ("workers", "isolation", "description", "many_runs", "firmware")
+        for name in ("workers", "isolation", "many_runs")
     },
 }
 KEPT = Path(__file__).parents[1] / "results" / "coupling"

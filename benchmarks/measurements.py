@@ -1,56 +1,21 @@
 """Small measurements, a function each."""
 
-import ctypes
 import gc
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
-import fmpy
 import numpy as np
 
 from benchmarks.common import COMPENSATOR, INPUTS, LOOP, interleaved, specification
 from benchmarks.coupling import ring
 from stickslip import cosim
-from stickslip.fmi import toolchain
 from stickslip.ga import SimulatedCost
-from stickslip.models.firmware import write_compensator
 
-VARIABLES, CANDIDATES = 100_000, 40
-CALLS = 200_000  # of a function in C
+CANDIDATES = 40
 STEPS, REPEATS = 10_000, 101  # of isolated runs
 RUNS, PREPARATIONS = 100_000, 2_000
-
-
-def description(folder: Path) -> dict[str, float]:
-    """A description of 100,000 variables: s to load it, and what FMPy takes to read it."""
-    taken = {}
-    for version in (2, 3):
-        path = ring.build(folder, "mass", version, extra=VARIABLES)
-        cosim.Fmu(path)
-        cases = {
-            f"cosim.Fmu, FMI {version}.0 (s)": lambda p=path: cosim.Fmu(p),
-            f"fmpy.read_model_description, FMI {version}.0 (s)": lambda p=path: (
-                fmpy.read_model_description(p, validate=False)
-            ),
-        }
-        taken |= interleaved(cases, 3)
-    return taken
-
-
-def firmware(folder: Path) -> dict[str, float]:
-    """A step of the compensator as exported C, in exponentials of the C library."""
-    files = {path.name: path.read_text() for path in write_compensator(folder, "c")}
-    files["firmware.c"] = Path(__file__).with_name("firmware.c").read_text()
-    cases = {}
-    for name, define in (("double", ()), ("float", ("-DCOMPENSATOR_FLOAT",))):
-        flags = ("-Wno-conversion", "-lm", *define)
-        library = ctypes.CDLL(str(toolchain.shared_library("firmware", files, flags=flags)))
-        cases[name] = lambda lib=library: lib.steps(ctypes.c_size_t(CALLS))
-        cases["exp"] = lambda lib=library: lib.exponentials(ctypes.c_size_t(CALLS))
-    taken = interleaved(cases, 15)
-    return {f"step in {name} / exp": taken[name] / taken["exp"] for name in ("double", "float")}
 
 
 def isolation(folder: Path) -> dict[str, float]:

@@ -195,9 +195,7 @@ def main() -> None:
     parser.add_argument("--rooms", nargs="+", metavar="ROOM", help="default: all")
     parser.add_argument("--number", type=int, default=40, metavar="N")
     parser.add_argument("--seed", default="0")
-    parser.add_argument("--again", action="store_true", help="also those that survived before")
     parser.add_argument("--limit", type=float, default=60.0, metavar="S", help="of one's tests")
-    parser.add_argument("--minutes", type=float, default=1e9, help="begin no mutant after them")
     parser.add_argument("--out", type=Path, default=Path("mutants.csv"), metavar="FILE")
     options = parser.parse_args()
     rooms = defaultdict(list)
@@ -208,16 +206,15 @@ def main() -> None:
     sample = islice(filter(None, chain.from_iterable(zip_longest(*drawn))), options.number)
     read = ((path, path.read_text(encoding="utf-8")) for path in ROOT.glob("tests/**/test_*.py"))
     texts = {path: text for path, text in read if "mark = pytest.mark.thorough" not in text}
-    rows, begun = {}, time.monotonic()
+    rows = {}
     if options.out.exists():
         with options.out.open(newline="", encoding="utf-8") as file:
             rows = {(row[0], row[1]): row[2:] for row in csv.reader(file) if row[0] != HEAD[0]}
-    done = {key for key, row in rows.items() if "::" in row[0] or not options.again}
     with TemporaryDirectory() as folder:
         copy = Path(folder)
         env, killers = checkout(copy), set()
         for mutant in sample:
-            if mutant.row in done or time.monotonic() - begun > 60.0 * options.minutes:
+            if mutant.row in rows:
                 continue
             path, since = copy / mutant.path.relative_to(ROOT), time.monotonic()
             source, end = path.read_bytes(), mutant.begin + len(mutant.old.encode())

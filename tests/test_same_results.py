@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from tests.same_results import compare, simulate_log
+from tests.same_results import compare
 
 LEARNED = {
     "parameters": {"F_c": {"value": 6.0, "unit": "N", "sentence": "well known"}},
@@ -30,12 +30,9 @@ def learned(**changed):
     ("old", "new", "expected"),
     [
         ("a,b\n1,2\n", "a,b\n1,2\n", ("equal", "")),
-        ("a,b\n1,2\n", "a,b\n1,2.0\n", ("DIFFERS", "row 2, b: 2 against 2.0")),
-        ("a,b\n1,2\n", "a,b\n1\n", ("DIFFERS", "row 2, b: 2 against nothing")),
+        ("a,b\n1,2\n", "a,b\n1,2.0\n", ("DIFFERS", "row 2: 1,2 against 1,2.0")),
         ("a,b\n1,2\n", "a,b\n", ("DIFFERS", "2 rows against 1")),
-        ("a\nwell\n1\n", "a\ngood\n2\n", ("DIFFERS", "row 3, a: 1 against 2")),
-        ("a\nwell\n", "a\ngood\n", ("DIFFERS", "texts only: row 2, a: well against good")),
-        ("a\n1\n", "a\r\n1\r\n", ("DIFFERS", "the same cells in other bytes")),
+        ("a\n1\n", "a\r\n1\r\n", ("DIFFERS", "the same rows in other bytes")),
     ],
 )
 def test_tables_are_equal_to_the_byte(tmp_path, old, new, expected):
@@ -65,9 +62,3 @@ def test_a_missing_table_differs_and_a_new_one_does_not(tmp_path):
 def test_learned_values_are_equal(tmp_path, changed, result):
     found = outcomes(tmp_path, {"learned.json": learned()}, {"learned.json": learned(**changed)})
     assert found["learned.json"][0] == result
-
-
-def test_the_log_is_the_same_each_time(tmp_path):
-    for name in "ab":
-        simulate_log(tmp_path / name)
-    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()

@@ -86,10 +86,7 @@ FRICTION = {
     "delta": 1.0,
 }
 T_S = 5e-4
-
-
-def namespace(**values: Any) -> Any:
-    return SimpleNamespace(**values)
+namespace: Any = SimpleNamespace
 
 
 def raises(call, *errors):
@@ -771,9 +768,9 @@ def is_planned(**limits):
 
 
 CASES: dict[str, tuple[Any, object, object]] = {
-    # threshold: decision, verdict with its value, and with twice or half of it
+    # threshold: decision, verdict with its value, and with twice of it, or half where /2 stands
     "harm.WORSE": (lambda: MotionErrors((TrialError(1.0, "", 1.0, 1.2),)).is_worse, True, False),
-    "harm.FALLS": (lambda: LearnSettings().friction_range[0], 0.7, 0.35),
+    "harm.FALLS/2": (lambda: LearnSettings().friction_range[0], 0.7, 0.35),
     "harm.GROWS": (lambda: LearnSettings().friction_range[1], 1.3, 2.6),
     "harm.EXPLAINS": (lambda: set(evidence()), {"lugre"}, {"lugre", "coulomb_stribeck"}),
     "harm.RESERVE": (lambda: most("F_s") > 11.7, False, True),
@@ -785,9 +782,9 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "caution.SWING": (lambda: is_at_rest(3.0, 2), True, False),
     "caution.REVERSALS": (lambda: is_at_rest(3.0, 2), True, False),
     "offer.SIMPLER": (lambda: chosen(0.92), "observer", "static"),
-    "offer.SENSITIVITY": (lambda: designed(0.5), "whole error", None),
-    "offer.WORTHWHILE": (lambda: designed(0.6), "whole error", None),
-    "offer.HIDDEN": (lambda: designed(0.5), "whole error", "reversals"),
+    "offer.SENSITIVITY/2": (lambda: designed(0.5), "whole error", None),
+    "offer.WORTHWHILE/2": (lambda: designed(0.6), "whole error", None),
+    "offer.HIDDEN/2": (lambda: designed(0.5), "whole error", "reversals"),
     "control_match.EXACT": (lambda: criterion(0.015), "inverse model", "output error"),
     "control_match.NEAR": (
         lambda: "controller differs" in verdict(controller=checked(0.07)),
@@ -795,13 +792,13 @@ CASES: dict[str, tuple[Any, object, object]] = {
         False,
     ),
     "control_match.FOREIGN": (lambda: is_foreign(0.5), True, False),
-    "control_match.OUT_OF_SCALE": (lambda: scale_of_force(0.07) > 1.9, True, False),
-    "control_match.OTHER_FORM": (
+    "control_match.OUT_OF_SCALE/2": (lambda: scale_of_force(0.07) > 1.9, True, False),
+    "control_match.OTHER_FORM/2": (
         lambda: controller_check._believed(checked(1.0), checked(0.3)).error,
         0.3,
         1.0,
     ),
-    "control_match.GAINS_SHOWN": (lambda: shows_gains(0.3), False, True),
+    "control_match.GAINS_SHOWN/2": (lambda: shows_gains(0.3), False, True),
     "transfer.SMALL": (lambda: "within" in verdict(relative=0.08), False, True),
     "transfer.MASS": (lambda: changed("m", 0.03), True, False),
     "transfer.VISCOUS": (lambda: changed("b", 7.0), True, False),
@@ -827,15 +824,15 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "curve_shown.CONTRADICTED": (lambda: not_explained(apart=2.0), True, False),
     "law_choice.STATIC": (lambda: tied(1.2), False, True),
     "law_choice.TIE": (lambda: is_less(0.1, 0.2), True, False),
-    "law_choice.MARGIN": (lambda: is_less(0.4, 0.0), True, False),
-    "law_choice.UNIDENTIFIED": (lambda: law(0.5), "gms", "coulomb_stribeck"),
+    "law_choice.MARGIN/2": (lambda: is_less(0.4, 0.0), True, False),
+    "law_choice.UNIDENTIFIED/2": (lambda: law(0.5), "gms", "coulomb_stribeck"),
     "law_choice.RISES": (lambda: seen(3.0), True, False),
     "law_choice.RISE_WORTH": (lambda: flat(1.5), False, True),
-    "law_choice.EXPONENT": (lambda: search.select(fits(0.9)).fit.noise, 0.9, 1.0),
+    "law_choice.EXPONENT/2": (lambda: search.select(fits(0.9)).fit.noise, 0.9, 1.0),
     "misfit.NOTED": (lambda: choice.is_mismatch(unexplained(0.25, 0.1)), True, False),
     "misfit.SPOILED": (lambda: warning(unexplained(0.3, 0.1)).spoils, "intervals", ""),
     "misfit.SMALLEST": (lambda: choice.is_mismatch(unexplained(0.2, 0.1)), True, False),
-    "misfit.BEATEN": (
+    "misfit.BEATEN/2": (
         lambda: choice.is_beaten(unexplained(1.0, 1.0), [predicted("gms", 0.5)]),
         True,
         False,
@@ -877,17 +874,21 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "log_content.TURN": (lambda: shows(turn_around=TurnAround(1.0, 4.0, 4.0, 99)), 0, 1),
     "log_content.TURNS": (lambda: shows(turn_around=TurnAround(1.0, 9.0, 30.0, 5)), 0, 1),
     "log_delay.REPORTED": (lambda: motion.samples_late(rigid_drive(delay=3.0)), 3, 0),
-    "log_delay.EXPLAINS": (lambda: motion.samples_late(rigid_log(delay=6.0)), 6, 0),
+    "log_delay.EXPLAINS/2": (lambda: motion.samples_late(rigid_log(delay=6.0)), 6, 0),
     "log_delay.KNOWN": (lambda: motion.Delay(0.0, 0.3).known(1.0), False, True),
-    "log_force.LIMITED": (is_limited, True, False),
+    "log_force.LIMITED/2": (is_limited, True, False),
     "log_force.AT_LIMIT": (lambda: is_cut_off(0.008, spread=0.04), False, True),
     "log_force.PILED": (lambda: is_cut_off(0.008), True, False),
     "log_force.BEYOND": (lambda: is_cut_off(0.02, beyond=0.045), True, False),
-    "log_force.EXACT": (is_low_passed, False, True),
-    "log_force.LAGGED": (lambda: force_path._is_low_pass(0.3, 1.0, 1.0, 1.0), True, False),
-    "log_force.LAGGED_ALIKE": (lambda: force_path._is_low_pass(0.3, 1.0, 0.5, 1.0), True, False),
+    "log_force.EXACT/2": (is_low_passed, False, True),
+    "log_force.LAGGED/2": (lambda: force_path._is_low_pass(0.3, 1.0, 1.0, 1.0), True, False),
+    "log_force.LAGGED_ALIKE/2": (
+        lambda: force_path._is_low_pass(0.3, 1.0, 0.5, 1.0),
+        True,
+        False,
+    ),
     "log_force.ATTENUATED": (lambda: force_path._is_low_pass(0.1, 1.0, 1.0, 0.03), True, False),
-    "log_force.AT_STATED": (lambda: saturates(6.0, 50), set(), {"saturates"}),
+    "log_force.AT_STATED/2": (lambda: saturates(6.0, 50), set(), {"saturates"}),
     "log_force.PLATEAU": (lambda: saturates(10.0, 4), {"saturates"}, set()),
     "log_force.DEMANDED": (lambda: saturates(10.0, 50, 10.7), {"saturates"}, set()),
     "log_force.SELDOM": (lambda: saturates(10.0, 12, 20.0, None), {"saturates"}, set()),
@@ -939,29 +940,8 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "rig_motion.LONGEST_STOP": (lambda: braked(1.0, stopping=4.0), "idle", "stopping"),
     "experiment.DURATION": (lambda: is_planned(duration=3.0), True, False),
     "experiment.SLOWEST": (lambda: is_planned(rate=150.0), True, False),
-    "experiment.FASTEST": (lambda: is_planned(rate=8e4), True, False),
-    "experiment.SAMPLES": (lambda: is_planned(duration=300.0, rate=5e4), True, False),
-}
-HALVED = {
-    "harm.FALLS",
-    "offer.SENSITIVITY",
-    "offer.WORTHWHILE",
-    "offer.HIDDEN",
-    "control_match.OUT_OF_SCALE",
-    "control_match.OTHER_FORM",
-    "control_match.GAINS_SHOWN",
-    "law_choice.MARGIN",
-    "law_choice.UNIDENTIFIED",
-    "law_choice.EXPONENT",
-    "misfit.BEATEN",
-    "log_delay.EXPLAINS",
-    "log_force.LIMITED",
-    "log_force.EXACT",
-    "log_force.LAGGED",
-    "log_force.LAGGED_ALIKE",
-    "log_force.AT_STATED",
-    "experiment.FASTEST",
-    "experiment.SAMPLES",
+    "experiment.FASTEST/2": (lambda: is_planned(rate=8e4), True, False),
+    "experiment.SAMPLES/2": (lambda: is_planned(duration=300.0, rate=5e4), True, False),
 }
 
 
@@ -969,13 +949,14 @@ HALVED = {
 def test_a_threshold_decides(name, monkeypatch):
     decide, before, after = CASES[name]
     assert decide() == before
-    factor = 0.5 if name in HALVED else 2.0
+    name, _, half = name.partition("/")
+    factor = 0.5 if half else 2.0
     monkeypatch.setattr(f"{thresholds.__name__}.{name}", factor * NAMES[name][0])
     assert decide() == after
 
 
 def test_every_threshold_has_a_case_and_a_meaning():
-    assert set(CASES) == set(NAMES)
+    assert {name.partition("/")[0] for name in CASES} == set(NAMES)
     assert all(text for _, text in NAMES.values())
 
 

@@ -89,8 +89,10 @@ _CALLS = ("DoStep", "Reset", "EnterInitializationMode", "ExitInitializationMode"
 class Loops:
     """The functions of loops.c for one FMI version."""
 
-    def __init__(self, version: int, library: Path | None = None) -> None:
-        self._library = ctypes.CDLL(str(library or compiled(version)))
+    def __init__(self, version: int) -> None:
+        files = {file: (HERE / file).read_text() for file in ("ring.h", "loops.c")} | headers()
+        library = toolchain.shared_library("loops", files, flags=(f"-DFMI={version}",))
+        self._library = ctypes.CDLL(str(library))
         self._fmus = [_Fmu(name, version) for name in MODELS]
         table = [address for fmu in self._fmus for address in fmu.table]
         self._library.use((ctypes.c_void_p * len(table))(*table))
@@ -111,15 +113,6 @@ class Loops:
     in_turn = partialmethod(_run, "in_turn")  # the same in Gauss-Seidel order
     calls_in_turn = partialmethod(_run, "calls_in_turn")  # the calls of such a step alone
     fused = partialmethod(_run, "fused")
-
-
-def sources() -> dict[str, str]:
-    files = {file: (HERE / file).read_text() for file in ("ring.h", "loops.c")}
-    return headers() | files
-
-
-def compiled(version: int) -> Path:
-    return toolchain.shared_library("loops", sources(), flags=(f"-DFMI={version}",))
 
 
 class _Fmu:

@@ -1,20 +1,18 @@
 """What a step of the ring costs, and one candidate, relative to the plain C loop; other masters."""
 
 import json
-import shutil
 import subprocess
 import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 
-import fmpy
 import numpy as np
 
-from benchmarks import container as sealed
 from benchmarks.common import interleaved
+from benchmarks.coupling import container as sealed
 from benchmarks.coupling import ring
-from benchmarks.coupling.ring import Loops, sources
+from benchmarks.coupling.ring import Loops
 from stickslip import cosim
 
 LINKS = [
@@ -143,9 +141,6 @@ def measure(folder: Path, version: int) -> dict[str, float]:
         IN_TURN: lambda: loops.in_turn(N),
         "calls alone, Gauss-Seidel": lambda: loops.calls_in_turn(N),
     }
-    if gcc := _with_gcc(folder, version):
-        cases["plain C loop, by gcc"] = lambda: gcc.plain(N)
-        cases["plain C loop, by gcc, Gauss-Seidel"] = lambda: gcc.in_turn(N)
     for name, options in {
         "cosim, Jacobi": {"coupling": "jacobi"},
         "cosim, Jacobi, two signals recorded": {"coupling": "jacobi", "record": ["mass.*"]},
@@ -182,11 +177,6 @@ def measure_candidate(folder: Path, version: int) -> dict[str, float]:
         CANDIDATE_LOOP: lambda: loops.candidate(CANDIDATE, *gains.values()),
         CANDIDATE_IN_TURN: lambda: loops.candidate(CANDIDATE, *gains.values(), turns=True),
     }
-    if gcc := _with_gcc(folder, version):
-        for order, turns in ("", False), (", Gauss-Seidel", True):
-            cases[f"{CANDIDATE_LOOP}, by gcc{order}"] = lambda turns=turns: gcc.candidate(
-                CANDIDATE, *gains.values(), turns=turns
-            )
     for name, record in records.items():
         for coupling, order in (("jacobi", ""), ("gauss_seidel", ", Gauss-Seidel")):
             for compiled in (False, True):
@@ -214,17 +204,3 @@ def measure_peers(folder: Path) -> dict[str, float]:
 
 def _prepare(system, steps: int, **options):
     return system.prepare(step=ring.STEP, stop=steps * ring.STEP, constant_step=True, **options)
-
-
-def _with_gcc(folder: Path, version: int) -> Loops | None:
-    if not (gcc := shutil.which("gcc")):
-        print("  gcc: left out: not installed")
-        return None
-    path = folder / f"gcc{version}.so"
-    for name, text in sources().items():
-        if name.endswith(("loops.c", "ring.h")):
-            (folder / name).write_text(text)
-    headers = Path(fmpy.__file__).parent / "c-code"
-    command = [gcc, "-O2", "-fPIC", "-shared", f"-DFMI={version}", f"-I{headers}"]
-    subprocess.run([*command, str(folder / "loops.c"), "-o", str(path)], check=True)
-    return Loops(version, path)

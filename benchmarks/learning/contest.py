@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from cma import ff
 from scipy.stats import mannwhitneyu
 
 from benchmarks.learning.racers import Racer, cma, ours, pymoo_ga, race_one, scipy_de
@@ -18,26 +19,9 @@ LEVEL = 10.0
 """Mean of the noise, in its standard deviations: costs may not be negative."""
 
 
-def sphere(z: np.ndarray) -> float:
-    return float(z @ z)
-
-
-def ellipsoid(z: np.ndarray) -> float:
-    return float(np.logspace(0, 6, len(z)) @ z**2)
-
-
-def rosenbrock(z: np.ndarray) -> float:
-    z = z + 1
-    return float(np.sum(100 * (z[1:] - z[:-1] ** 2) ** 2 + (1 - z[:-1]) ** 2))
-
-
 def ackley(z: np.ndarray) -> float:
     wide = 20 * np.exp(-0.2 * np.sqrt(np.mean(z**2)))
     return float(20 + np.e - wide - np.exp(np.mean(np.cos(2 * np.pi * z))))
-
-
-def rastrigin(z: np.ndarray) -> float:
-    return float(np.sum(z**2 + 10 * (1 - np.cos(2 * np.pi * z))))
 
 
 def griewank(z: np.ndarray) -> float:
@@ -62,20 +46,8 @@ def zakharov(z: np.ndarray) -> float:
     return float(z @ z + tilt**2 + tilt**4)
 
 
-def styblinski_tang(z: np.ndarray) -> float:
-    x = z + STYBLINSKI
-    lowest = STYBLINSKI**4 - 16 * STYBLINSKI**2 + 5 * STYBLINSKI
-    return float(np.sum(x**4 - 16 * x**2 + 5 * x - lowest) / 2)
-
-
 def dixon_price(z: np.ndarray) -> float:
-    i = np.arange(1, len(z) + 1)
-    x = z + 2.0 ** (2.0 ** (1 - i) - 1)
-    return float((x[0] - 1) ** 2 + np.sum(i[1:] * (2 * x[1:] ** 2 - x[:-1]) ** 2))
-
-
-def alpine(z: np.ndarray) -> float:
-    return float(np.sum(np.abs(z * np.sin(z) + 0.1 * z)))
+    return float(ff.dixonprice(z + 2.0 ** (2.0 ** -np.arange(float(len(z))) - 1)))
 
 
 def salomon(z: np.ndarray) -> float:
@@ -86,18 +58,6 @@ def salomon(z: np.ndarray) -> float:
 def schaffer(z: np.ndarray) -> float:
     s = np.hypot(z[:-1], z[1:])
     return float(np.mean(np.sqrt(s) * (1 + np.sin(50 * s**0.2) ** 2)) ** 2)
-
-
-def steps(z: np.ndarray) -> float:
-    return float(np.sum(np.floor(np.abs(z) + 0.5) ** 2))
-
-
-def cigar(z: np.ndarray) -> float:
-    return float(z[0] ** 2 + 1e6 * z[1:] @ z[1:])
-
-
-def powers(z: np.ndarray) -> float:
-    return float(np.sum(np.abs(z) ** np.linspace(2, 6, len(z))))
 
 
 @dataclass(frozen=True)
@@ -143,7 +103,7 @@ class Instance:
     def true(self, x: np.ndarray) -> float:
         """Return the function of x, shape (k,), without noise; 0 or above."""
         plain = np.log10(x) if self._function.decades else x
-        return max(0.0, self._function.value(self._turn.T @ (plain - self._lowest)))
+        return max(0.0, float(self._function.value(self._turn.T @ (plain - self._lowest))))
 
     def __call__(self, x: np.ndarray) -> float:
         """Evaluate x, shape (k,), with noise around a level that no cost falls below."""
@@ -152,36 +112,38 @@ class Instance:
 
 
 STANDARD = {
-    "sphere": Function(sphere, -5, 5),
-    "ellipsoid": Function(ellipsoid, -5, 5),
-    "ellipsoid, rotated": Function(ellipsoid, -5, 5, rotated=True),
-    "Rosenbrock": Function(rosenbrock, -5, 10),
+    "sphere": Function(ff.sphere, -5, 5),
+    "ellipsoid": Function(ff.elli, -5, 5),
+    "ellipsoid, rotated": Function(ff.elli, -5, 5, rotated=True),
+    "Rosenbrock": Function(lambda z: ff.rosen(z + 1), -5, 10),
     "Zakharov": Function(zakharov, -5, 10),
     "Ackley": Function(ackley, -32.768, 32.768),
     "Griewank": Function(griewank, -600, 600),
     "Levy": Function(levy, -10, 10),
-    "Rastrigin": Function(rastrigin, -5.12, 5.12),
-    "Rastrigin, rotated": Function(rastrigin, -5.12, 5.12, rotated=True),
+    "Rastrigin": Function(ff.rastrigin, -5.12, 5.12),
+    "Rastrigin, rotated": Function(ff.rastrigin, -5.12, 5.12, rotated=True),
     "Schwefel": Function(schwefel, -500, 500, lowest=SCHWEFEL),
-    "Styblinski-Tang": Function(styblinski_tang, -5, 5, lowest=STYBLINSKI),
-    "sphere, noise": Function(sphere, -5, 5, noise=1.0),
-    "sphere, decades": Function(sphere, -4, 4, decades=True),
-    "ellipsoid, decades": Function(ellipsoid, -4, 4, decades=True),
+    "Styblinski-Tang": Function(
+        lambda z: ff.styblinski_tang(z + STYBLINSKI), -5, 5, lowest=STYBLINSKI
+    ),
+    "sphere, noise": Function(ff.sphere, -5, 5, noise=1.0),
+    "sphere, decades": Function(ff.sphere, -4, 4, decades=True),
+    "ellipsoid, decades": Function(ff.elli, -4, 4, decades=True),
 }
 """What is raced on."""
 FURTHER = {
-    "Rosenbrock, rotated": Function(rosenbrock, -5, 10, rotated=True),
+    "Rosenbrock, rotated": Function(lambda z: ff.rosen(z + 1), -5, 10, rotated=True),
     "Ackley, rotated": Function(ackley, -32.768, 32.768, rotated=True),
     "Levy, rotated": Function(levy, -10, 10, rotated=True),
-    "cigar, rotated": Function(cigar, -5, 5, rotated=True),
-    "powers": Function(powers, -5, 5, rotated=True),
+    "cigar, rotated": Function(ff.cigar, -5, 5, rotated=True),
+    "powers": Function(lambda z: np.sum(abs(z) ** np.linspace(2, 6, len(z))), -5, 5, rotated=True),
     "Dixon-Price": Function(dixon_price, -10, 10),
-    "Alpine": Function(alpine, -10, 10),
+    "Alpine": Function(lambda z: np.sum(abs(z * np.sin(z) + 0.1 * z)), -10, 10),
     "Salomon": Function(salomon, -100, 100),
     "Schaffer": Function(schaffer, -100, 100),
-    "steps": Function(steps, -100, 100),
-    "Rosenbrock, noise": Function(rosenbrock, -5, 10, noise=10.0),
-    "Rosenbrock, decades": Function(rosenbrock, -4, 4, decades=True),
+    "steps": Function(lambda z: np.sum(np.floor(abs(z) + 0.5) ** 2), -100, 100),
+    "Rosenbrock, noise": Function(lambda z: ff.rosen(z + 1), -5, 10, noise=10.0),
+    "Rosenbrock, decades": Function(lambda z: ff.rosen(z + 1), -4, 4, decades=True),
 }
 """Further ones."""
 OURS = "ours"

@@ -3,52 +3,18 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
-from matplotlib import pyplot as plt
 
 from benchmarks.learning.problem import cost, problem
 from benchmarks.learning.racers import race_one, racers
-
-mpl.use("Agg")
-_OURS, _PRESET = "#1b6ca8", "#c0392b"
-_OTHERS = ["#7f8c8d", "#b5651d", "#2e8b57", "#8e6bbf", "#d4a017"]
-
-
-def _draw(path: Path, problems: dict[str, dict[str, np.ndarray]]) -> None:
-    """Draw median and quartiles of the best cost (seeds, evaluations) of every racer."""
-    figure, all_axes = plt.subplots(
-        1, len(problems), figsize=(6.5 * len(problems), 5), layout="constrained", squeeze=False
-    )
-    titles = {"measured": "Encoder of 0.4 µm", "smooth": "Without encoder and DAC steps"}
-    for axes, (kind, curves) in zip(all_axes[0], problems.items(), strict=True):
-        others = iter(_OTHERS)
-        for name, costs in curves.items():
-            mine = {"ours, default": _OURS, "ours, paper's preset": _PRESET}.get(name)
-            colour = mine or next(others)
-            x = np.arange(1, costs.shape[1] + 1)
-            low, median, high = np.quantile(costs, [0.25, 0.5, 0.75], axis=0)
-            axes.plot(x, median, color=colour, linewidth=2.2 if mine else 1.4, label=name)
-            if mine:
-                axes.fill_between(x, low, high, color=colour, alpha=0.15, linewidth=0)
-        axes.set_yscale("log")
-        axes.set_xlim(0, costs.shape[1])
-        axes.set_xlabel("evaluations (1)")
-        axes.set_ylabel("best cost, median of the seeds (m²/s²)")
-        axes.set_title(titles[kind])
-        axes.grid(alpha=0.3)
-    all_axes[0][0].legend(fontsize=9)
-    figure.savefig(path, dpi=130)
-    plt.close(figure)
-
 
 PAPER = "ours, paper's preset"
 AT = (50, 100, 200, 400, 700, 1000)
 
 
 def run(folder: Path, out: Path, kinds: Sequence[str], seeds: int, budget: int) -> str:
-    """Race on these kinds of the problem; write race.csv and a figure, return what is printed."""
+    """Race on these kinds of the problem; write race.csv, return what is printed."""
     tables = []
     for kind in kinds:
         with cost(folder / kind, kind) as evaluate:
@@ -60,7 +26,6 @@ def run(folder: Path, out: Path, kinds: Sequence[str], seeds: int, budget: int) 
                     tables.append(table.assign(problem=kind, racer=name, seed=seed))
     race = pd.concat(tables, ignore_index=True)
     race.to_csv(out / "race.csv", index=False)
-    _draw(out / "race.png", {k: curves(race[race.problem == k], budget) for k in kinds})
     said = "median of {} seeds; costs in 1e-6 m2/s2, seconds of one processor"
     shown = {kind: _summary(race, kind, budget) for kind in kinds}
     tables = [f"{kind}\n{one.to_string(float_format='%.4g')}" for kind, one in shown.items()]

@@ -1,7 +1,7 @@
 """The logs of one drive, checked or learned."""
 
-from collections.abc import Collection
-from functools import cache
+from collections.abc import Callable, Collection
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from campaigns.fault_matrix.drives import DRIVES
 from campaigns.fault_matrix.faults import FAULTS, Fault, cases
 from campaigns.fault_matrix.outcome import outcome_of, remarks_of
-from campaigns.fault_matrix.recordings import Experiment, record
+from campaigns.fault_matrix.recordings import record
 from stickslip.errors import StickslipError
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import Description, raise_errors
@@ -22,58 +22,14 @@ Done = Collection[tuple[object, ...]]
 """Cells of the matrix that are not learned again."""
 
 
-def learn_all(faults: list[str], done: Done, name: str, seed: int) -> list[Row]:
-    """Return a row for each fault in a recording of one drive."""
-    with temporary_folder() as folder:
-        logs = _Logs(folder, name, seed)
-
-        @cache
-        def sound(gains: bool) -> frozenset[str]:
-            return remarks_of(*logs.written(Fault(gains=gains), "none"))
-
-        rows = []
-        for case, fault in cases(faults):
-            if (name, seed, case) not in done:
-                log = logs.written(fault, case)
-                outcome, why = outcome_of(
-                    folder, logs.drive, *log, lambda fault=fault: sound(bool(fault.gains))
-                )
-                rows.append(_row(name, seed, case, outcome, why))
-        return rows
-
-
-def check_all(faults: list[str], done: Done, name: str, seed: int) -> list[Row]:
-    """Return a row for each fault, with what reading and checking the log say about it."""
-    rows = []
-    with temporary_folder() as folder:
-        logs = _Logs(folder, name, seed)
-        for case, fault in cases(faults):
-            if (name, seed, case) not in done:
-                rows.append(_row(name, seed, case, *_checked(*logs.written(fault, case))))
-    return rows
-
-
-def _checked(path: Path, description: Description) -> tuple[str, str]:
-    try:
-        findings = read_and_check(path, description)[1]
-        raise_errors(path, findings)
-    except StickslipError as error:
-        return "error", str(error)[-250:]
-    spoils = {finding.spoils for finding in findings if finding.spoils}
-    why = " | ".join(str(f) for f in findings if f.spoils or "removed" in f.advice)
-    return max(spoils, default="silent"), why  # values before intervals
-
-
 class _Logs:
     """The logs of one drive; each experiment is recorded once."""
 
     def __init__(self, folder: Path, name: str, seed: int) -> None:
         self.folder, self.drive, self.seed = folder, DRIVES[name], seed
         build_fmus(folder, {"law": self.drive.law, **self.drive.parameters})
-        self._record = cache(self._recorded)
-
-    def _recorded(self, experiment: Experiment):
-        return record(self.folder, self.drive, experiment, self.seed)
+        self._record = cache(partial(record, folder, self.drive, seed=seed))
+        self._sound = cache(lambda gains: remarks_of(*self.written(Fault(gains=gains), "none")))
 
     def written(self, fault: Fault, case: str) -> tuple[Path, Description]:
         """Return the file of a faulty log and its description."""
@@ -84,7 +40,43 @@ class _Logs:
         log.to_csv(path, index=False)
         return path, description
 
+    def learned(self, fault: Fault, case: str) -> tuple[str, str]:
+        """Return what becomes of a log, and why."""
+        sound = partial(self._sound, bool(fault.gains))
+        return outcome_of(self.folder, self.drive, *self.written(fault, case), sound)
 
-def _row(name: str, seed: int, case: str, outcome: str, why: str) -> Row:
-    print(name, seed, case, outcome, why, sep="  ", flush=True)
-    return {"drive": name, "seed": seed, "fault": case, "outcome": outcome, "why": why}
+    def checked(self, fault: Fault, case: str) -> tuple[str, str]:
+        """Return what reading and checking a log say about it."""
+        path, description = self.written(fault, case)
+        try:
+            findings = read_and_check(path, description)[1]
+            raise_errors(path, findings)
+        except StickslipError as error:
+            return "error", str(error)[-250:]
+        spoils = {finding.spoils for finding in findings if finding.spoils}
+        why = " | ".join(str(f) for f in findings if f.spoils or "removed" in f.advice)
+        return max(spoils, default="silent"), why  # values before intervals
+
+
+def _rows(
+    outcome: Callable[[_Logs, Fault, str], tuple[str, str]],
+    faults: list[str],
+    done: Done,
+    name: str,
+    seed: int,
+) -> list[Row]:
+    """Return a row for each fault in a recording of one drive."""
+    rows: list[Row] = []
+    with temporary_folder() as folder:
+        logs = _Logs(folder, name, seed)
+        for case, fault in cases(faults):
+            if (name, seed, case) not in done:
+                what, why = outcome(logs, fault, case)
+                print(name, seed, case, what, why, sep="  ", flush=True)
+                row = {"drive": name, "seed": seed, "fault": case, "outcome": what, "why": why}
+                rows.append(row)
+    return rows
+
+
+learn_all = partial(_rows, _Logs.learned)
+check_all = partial(_rows, _Logs.checked)

@@ -43,16 +43,15 @@ class Fault:
         return log, known if self.gains else replace(known, controller="none", gains={})
 
 
-def _column(name: str, change: Callable[[np.ndarray], np.ndarray]) -> Damage:
+def _with(**changes: float | Callable[[np.ndarray], np.ndarray]) -> Damage:
+    """Change columns by factors or functions."""
+
     def damage(log: Log, known: Description, _: np.random.Generator) -> tuple[Log, Description]:
-        return log.assign(**{name: change(log[name].to_numpy())}), known
-
-    return damage
-
-
-def _times(**factors: float) -> Damage:
-    def damage(log: Log, known: Description, _: np.random.Generator) -> tuple[Log, Description]:
-        return log.assign(**{name: log[name] * factor for name, factor in factors.items()}), known
+        new = {
+            name: change(log[name].to_numpy()) if callable(change) else change * log[name]
+            for name, change in changes.items()
+        }
+        return log.assign(**new), known
 
     return damage
 
@@ -89,10 +88,6 @@ def _clipped(x: np.ndarray) -> np.ndarray:
     return np.clip(x, -limit, limit)
 
 
-def _coarse(x: np.ndarray) -> np.ndarray:
-    return 2.2 * np.round(x / 2.2)
-
-
 def _with_velocity(factor: float) -> Damage:
     def damage(log: Log, known: Description, _: np.random.Generator) -> tuple[Log, Description]:
         velocity = factor * np.gradient(log["position"], log["time"])
@@ -108,7 +103,7 @@ FORCE = ("time", "position", "force")
 FAULTS: dict[str, Fault] = {
     "none": Fault(gains=None),
     "the drive saturates": Fault(experiment=SATURATED, gains=None),
-    "force clipped in the log": Fault(_column("force", _clipped), gains=None),
+    "force clipped in the log": Fault(_with(force=_clipped), gains=None),
     "force logged before clipping": Fault(
         lambda log, known, _: (log.assign(force=log["force_command"]), known),
         SATURATED,
@@ -118,16 +113,16 @@ FAULTS: dict[str, Fault] = {
     "force 5 ms early": Fault(partial(_late, delay=-5e-3), gains=None),
     "force 1.5 ms late": Fault(partial(_late, delay=1.5e-3), gains=None),
     "2 % of rows lost": Fault(_lost, gains=None),
-    "position in mm read as m": Fault(_times(position=1e3), gains=None),
-    "mm and A read as m and N": Fault(_times(position=1e3, force=0.05), columns=FORCE, gains=False),
-    "time in ms read as s": Fault(_times(time=1e3), gains=None),
-    "command x 1000": Fault(_times(velocity_command=1e3), gains=None),
+    "position in mm read as m": Fault(_with(position=1e3), gains=None),
+    "mm and A read as m and N": Fault(_with(position=1e3, force=0.05), columns=FORCE, gains=False),
+    "time in ms read as s": Fault(_with(time=1e3), gains=None),
+    "command x 1000": Fault(_with(velocity_command=1e3), gains=None),
     "velocity x 1.3": Fault(_with_velocity(1.3), columns=VELOCITY),
     "velocity x 1000": Fault(_with_velocity(1e3), columns=VELOCITY),
-    "force x 0.3": Fault(_times(force=0.3)),
-    "force inverted": Fault(_times(force=-1.0), gains=None),
-    "force in steps of 2.2 N": Fault(_column("force", _coarse), gains=None),
-    "force filtered at 16 Hz": Fault(_column("force", _filtered), gains=None),
+    "force x 0.3": Fault(_with(force=0.3)),
+    "force inverted": Fault(_with(force=-1.0), gains=None),
+    "force in steps of 2.2 N": Fault(_with(force=lambda x: 2.2 * np.round(x / 2.2)), gains=None),
+    "force filtered at 16 Hz": Fault(_with(force=_filtered), gains=None),
     "100 Hz sampling": Fault(_slow, gains=None),
     "gains wrong by 5 %": Fault(_gains(K_p=1.05, K_i=1.05)),
     "gains wrong by 50 %": Fault(_gains(K_p=1.5, K_i=1.5)),

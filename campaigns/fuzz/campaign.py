@@ -1,20 +1,15 @@
-"""Many inputs to one parser, counted; it can be stopped and resumed."""
+"""Many inputs to one parser, counted."""
 
-import faulthandler
 import time
 import traceback
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
 
-import numpy as np
-
 from campaigns.fuzz.mutation import mutated
 from campaigns.fuzz.parser import Parser
 
 SLOW = 2.0  # s of the processor for one input
-_HANG = 600.0  # s for _ROUND inputs, after which the process ends with a traceback
-_ROUND = 1000
 
 
 @dataclass
@@ -72,37 +67,6 @@ def run(
             _save(found, i, data)
         tally.inputs += 1
     return tally
-
-
-def resume(parser: Parser, seed: int, inputs: int, state: Path, folder: Path) -> None:
-    """Feed inputs up to a number, keeping count in ``state``; print as it goes on.
-
-    A process that dies loses the last round only; ``python -X faulthandler`` says where it died.
-    """
-    state.mkdir(parents=True, exist_ok=True)
-    counts = state / "counts.txt"
-    total = np.loadtxt(counts, dtype=int) if counts.exists() else np.zeros(5, int)
-    while total[0] < inputs:
-        first, last = int(total[0]), min(inputs, int(total[0]) + _ROUND)
-        faulthandler.dump_traceback_later(_HANG, exit=True)
-        begin = time.perf_counter()
-        tally = run(parser, seed, first, last, folder, state)
-        pace = (last - first) / (time.perf_counter() - begin)
-        faulthandler.cancel_dump_traceback_later()
-        for line in (*tally.unexpected, *tally.slow):
-            print(line)
-        total += [
-            *(tally.inputs, tally.accepted, tally.refused),
-            *(len(tally.unexpected), len(tally.slow)),
-        ]
-        np.savetxt(counts, total, fmt="%d")
-        if last % (20 * _ROUND) == 0 or last == inputs:
-            n, accepted, refused, unexpected, slow = total
-            print(
-                f"{n} inputs: {accepted} accepted, {refused} refused, {unexpected} unexpected,"
-                f" {slow} slow; {pace:.0f} inputs/s",
-                flush=True,
-            )
 
 
 def _save(found: Path | None, i: int, data: bytes) -> None:

@@ -17,9 +17,32 @@ TOKENS = (
 
 
 def mutated(rng: Random, data: bytes, corpus: Sequence[bytes]) -> bytes:
-    """Return the input with one to four changes."""
+    """Return the input with one to four stretches changed."""
     for _ in range(rng.randint(1, 4)):
-        data = rng.choice(_CHANGES)(rng, data, corpus)
+        begin, end = _place(rng, data)
+        part = data[begin:end]
+        match rng.randrange(9):
+            case 0:
+                end = begin + 1
+                part = bytes(byte ^ 1 << rng.randrange(8) for byte in data[begin:end])
+            case 1:
+                part = rng.randbytes(end - begin)
+            case 2:
+                part = b""
+            case 3:
+                part *= rng.choice((2, 3, 50))
+            case 4:
+                part = rng.choice(TOKENS) + part
+            case 5:
+                part, end = b"", len(data)
+            case 6:
+                other = rng.choice(corpus)
+                first, last = _place(rng, other)
+                part = other[first:last] + part
+            case _ if found := _NUMBER.search(data, begin):
+                begin, end = found.span()
+                part = rng.choice(NUMBERS)
+        data = data[:begin] + part + data[end:]
     return data
 
 
@@ -27,54 +50,6 @@ def _place(rng: Random, data: bytes) -> tuple[int, int]:
     begin = rng.randint(0, len(data))
     return begin, min(len(data), begin + int(rng.expovariate(1 / 20)))
 
-
-def _flip(rng: Random, data: bytes, _: Sequence[bytes]) -> bytes:
-    if not data:
-        return data
-    changed, place = bytearray(data), rng.randrange(len(data))
-    changed[place] ^= 1 << rng.randrange(8)
-    return bytes(changed)
-
-
-def _overwrite(rng: Random, data: bytes, _: Sequence[bytes]) -> bytes:
-    begin, end = _place(rng, data)
-    return data[:begin] + rng.randbytes(end - begin) + data[end:]
-
-
-def _remove(rng: Random, data: bytes, _: Sequence[bytes]) -> bytes:
-    begin, end = _place(rng, data)
-    return data[:begin] + data[end:]
-
-
-def _repeat(rng: Random, data: bytes, _: Sequence[bytes]) -> bytes:
-    begin, end = _place(rng, data)
-    return data[:begin] + data[begin:end] * rng.choice((2, 3, 50)) + data[end:]
-
-
-def _insert(rng: Random, data: bytes, _: Sequence[bytes]) -> bytes:
-    place = rng.randint(0, len(data))
-    return data[:place] + rng.choice(TOKENS) + data[place:]
-
-
-def _cut(rng: Random, data: bytes, _: Sequence[bytes]) -> bytes:
-    return data[: rng.randint(0, len(data))]
-
-
-def _renumber(rng: Random, data: bytes, _: Sequence[bytes]) -> bytes:
-    found = _NUMBER.search(data, rng.randint(0, len(data)))
-    if found is None:
-        return data
-    return data[: found.start()] + rng.choice(NUMBERS) + data[found.end() :]
-
-
-def _splice(rng: Random, data: bytes, corpus: Sequence[bytes]) -> bytes:
-    other = rng.choice(corpus)
-    begin, end = _place(rng, other)
-    place = rng.randint(0, len(data))
-    return data[:place] + other[begin:end] + data[place:]
-
-
-_CHANGES = (_flip, _overwrite, _remove, _repeat, _insert, _cut, _renumber, _renumber, _splice)
 
 _TOKEN = re.compile(rb"[\w.+-]+|\s+|.", re.DOTALL)
 
@@ -94,14 +69,12 @@ def by_tokens(rng: Random, data: bytes, words: Sequence[bytes]) -> bytes:
             case 0:
                 tokens[begin:end] = []
             case 1:
-                tokens[begin:end] = tokens[begin:end] * rng.choice((2, 3, 40))
+                tokens[begin:end] *= rng.choice((2, 3, 40))
             case 2:
                 place = rng.randrange(len(tokens) + 1)
                 tokens[place:place] = tokens[begin:end]
             case 3:
-                tokens[begin : begin + 1] = [rng.choice(NUMBERS)]
-            case 4:
                 tokens[begin:begin] = [rng.choice(words)]
             case _:
-                tokens[begin : begin + 1] = [rng.choice(words)]
+                tokens[begin : begin + 1] = [rng.choice(rng.choice((NUMBERS, words)))]
     return b"".join(tokens)

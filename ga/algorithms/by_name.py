@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
@@ -29,7 +28,7 @@ ALGORITHMS = (*sorted(PRESETS), *OTHERS)
 
 
 def optimiser(
-    name: str, problem: Problem, limits: Limits | None = None, seed: int = 0, *, noisy: bool = False
+    name: str, problem: Problem, limits: Limits | None = None, seed: int = 0
 ) -> Optimiser:
     """Return a new optimiser.
 
@@ -39,17 +38,13 @@ def optimiser(
     problem : what to search
     limits : when to stop; by default after as many evaluations as the presets have
     seed : of all randomness
-    noisy : each run differs; only ``default`` and ``paper`` know what to do then
 
     Raises
     ------
     SettingsError : no such algorithm, or one that cannot search this problem
     """
     if name in PRESETS:
-        settings = replace(PRESETS[name], noisy=noisy)
-        return GeneticAlgorithm(problem.genes, settings, seed, problem.repair, limits)
+        return GeneticAlgorithm(problem.genes, PRESETS[name], seed, problem.repair, limits)
     if name not in OTHERS:
         raise SettingsError(f"no algorithm {name!r}; expected one of {', '.join(ALGORITHMS)}")
-    if noisy:
-        raise SettingsError(f"the algorithm {name!r} takes runs to be repeatable; use 'default'")
     return OTHERS[name](problem, limits or Limits(evaluations=EVALUATIONS), seed)

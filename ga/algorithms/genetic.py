@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.ga.algorithms.optimiser import Candidate, Optimiser
+from stickslip.ga.algorithms.optimiser import Optimiser
 from stickslip.ga.algorithms.settings import DEFAULT, PROGRESS, Limits, Settings
 from stickslip.ga.operators.breeding import CROSSOVERS, MUTATIONS, MutationRate
 from stickslip.ga.operators.surrogates import BRED, Origins, Surrogates
@@ -28,39 +28,15 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Generation:
-    """n candidates in order of cost; each cost is the mean of some runs.
-
-    ``strings`` (n, k), 0 to 1, are what the operators work on, ``values`` what was evaluated.
-    """
+    """Strings (n, k), 0 to 1, which the operators work on, and the costs (n,) of what they mean."""
 
     strings: Array
-    values: Array
     costs: Array
-    runs: Array
-
-    @classmethod
-    def once(cls, strings: Array, values: Array, costs: Array) -> Generation:
-        """Return candidates that were evaluated once."""
-        return cls(strings, values, costs, np.ones(len(costs)))
-
-    def candidate(self, row: int) -> Candidate:
-        """Return one of the candidates."""
-        return Candidate(self.values[row].copy(), float(self.costs[row]))
 
     def ranked(self) -> Generation:
         """Sort best first; equals keep their order."""
         order = np.argsort(self.costs, kind="stable")
-        return Generation(
-            self.strings[order], self.values[order], self.costs[order], self.runs[order]
-        )
-
-    def averaged(self, costs: Array) -> Generation:
-        """Return the generation with the first ones evaluated once more, at these costs."""
-        means, runs = self.costs.copy(), self.runs.copy()
-        again = slice(len(costs))
-        runs[again] += 1
-        means[again] += (costs - means[again]) / runs[again]
-        return Generation(self.strings, self.values, means, runs)
+        return Generation(self.strings[order], self.costs[order])
 
     def winners(self, children: Generation, settings: Settings) -> Mask:
         """Return which children (m,) take the places behind the elite (Paper, Step 4, part 4)."""
@@ -71,17 +47,9 @@ class Generation:
     def followed_by(self, children: Generation, wins: Mask) -> Generation:
         """Return the next generation: the elite, then in each place the child or its rival."""
         places = len(self.costs) - len(wins) + np.flatnonzero(wins)
-        parts = []
-        for mine, theirs in (
-            (self.strings, children.strings),
-            (self.values, children.values),
-            (self.costs, children.costs),
-            (self.runs, children.runs),
-        ):
-            new = mine.copy()
-            new[places] = theirs[wins]
-            parts.append(new)
-        return Generation(*parts).ranked()
+        strings, costs = self.strings.copy(), self.costs.copy()
+        strings[places], costs[places] = children.strings[wins], children.costs[wins]
+        return Generation(strings, costs).ranked()
 
 
 @dataclass(frozen=True)
@@ -98,7 +66,7 @@ class GeneticAlgorithm(Optimiser):
     """Ask/tell genetic algorithm on k genes.
 
     The first generation holds the start as its first row. Later ones hold only children: the
-    elite's costs are known, unless the settings say that each run differs.
+    elite's costs are known.
 
     Parameters
     ----------
@@ -132,8 +100,6 @@ class GeneticAlgorithm(Optimiser):
         self._rng = np.random.Generator(np.random.PCG64(seed))
         self._surrogates = Surrogates(len(self.genes)) if settings.surrogates else None
         self._restart(restarts=0)
-        self._earlier: Candidate | None = None
-        self._chosen: Candidate | None = None
 
     def _restart(self, restarts: int) -> None:
         self._restarts = restarts
@@ -152,7 +118,7 @@ class GeneticAlgorithm(Optimiser):
 
         The population at first and after a restart, then the population without the elite.
         """
-        if self._current is None or self.settings.noisy:
+        if self._current is None:
             return self.settings.population
         return self.settings.population - self.settings.elites
 
@@ -163,8 +129,7 @@ class GeneticAlgorithm(Optimiser):
             return self._brood.values
         self._brood = self._bred or self._next(current)
         self._bred = self._next(current) if self.settings.ahead else None
-        again = current.values[: self.settings.elites if self.settings.noisy else 0]
-        return np.vstack([self._brood.values, again])
+        return self._brood.values
 
     def _foreseen(self) -> Array:
         return super()._foreseen() if self._bred is None else self._bred.values
@@ -213,38 +178,22 @@ class GeneticAlgorithm(Optimiser):
         del values  # they are in the brood
         brood = self._brood
         assert brood is not None  # noqa: S101 - something was asked
-        n = len(brood.strings)
-        children = Generation.once(brood.strings, brood.values, costs[:n])
-        if self._current is None:
+        children, rivals = Generation(brood.strings, costs), self._current
+        if rivals is None:
             current = children.ranked()
         else:
-            rivals = self._current.averaged(costs[n:])
             wins = rivals.winners(children, self.settings)
             self._mutation.follow(brood.rates, wins)
             current = rivals.followed_by(children, wins)
         if self._surrogates is not None:
-            self._surrogates.add(children.strings, children.costs)
-            if self._current is not None:
-                self._surrogates.add(self._current.strings[: len(costs) - n], costs[n:])
-                self._surrogates.follow(
-                    brood.origins, children.strings, children.costs, float(rivals.costs.min())
-                )
+            self._surrogates.add(brood.strings, costs)
+            if rivals is not None:
+                lowest = float(rivals.costs[0])
+                self._surrogates.follow(brood.origins, brood.strings, costs, lowest)
             self._surrogates.move(current.strings[0], float(current.costs[0]))
         self._current = current
-        self._chosen = self._most_trusted(current) if self.settings.noisy else None
         self._watch(current)
         return current.costs
-
-    def _choose(self) -> Candidate | None:
-        return self._chosen
-
-    def _most_trusted(self, current: Generation) -> Candidate:
-        """Return the lowest mean of more than one run, also of earlier starts."""
-        repeated = np.flatnonzero(current.runs > 1)
-        found = current.candidate(int(repeated[0]) if repeated.size else 0)
-        if self._earlier is not None and self._earlier.cost <= found.cost:
-            return self._earlier
-        return found
 
     def _watch(self, current: Generation) -> None:
         """Count generations without progress, and restart when it is time."""
@@ -254,7 +203,6 @@ class GeneticAlgorithm(Optimiser):
         collapsed = float(np.ptp(current.strings, axis=0).max()) <= COLLAPSED
         self._settled_for = self._settled_for + 1 if collapsed and self._stale[0] else 0
         if self._at_rest() and self._restarts < self.settings.restarts:
-            self._earlier = self._chosen
             self._restart(self._restarts + 1)
 
     def _at_rest(self) -> bool:

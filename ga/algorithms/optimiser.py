@@ -84,10 +84,6 @@ class Optimiser(ABC):
         """Return why the method itself sees no point in going on, or None."""
         return None
 
-    def _choose(self) -> Candidate | None:
-        """Return the best candidate if it is not simply the cheapest evaluation so far."""
-        return None
-
     def _foreseen(self) -> Array:
         """Return the rows of the next proposal that are certain already, shape (m, k)."""
         return np.empty((0, len(self.names)))
@@ -139,7 +135,6 @@ class Optimiser(ABC):
         if self._best is None or told[lowest] < self._best.cost:
             self._best = Candidate(values[lowest].copy(), float(told[lowest]))
         generation = self._digest(values, told)
-        self._best = self._choose() or self._best
         self._record.close_generation(generation, self._best.cost)
         if self._best.cost <= self._progress[1] * (1 - PROGRESS):
             self._progress = self.evaluations, self._best.cost

@@ -52,7 +52,6 @@ class Settings:
     patience : generations in which the best cost has not fallen by 1 % after which the search
         restarts, where a bowl through all candidates is lowest or anywhere; None never does
     restarts : how often at most. A search that then comes to rest again is at its end.
-    noisy : each run differs: the elite is evaluated in each generation again, and costs its mean
 
     Raises
     ------
@@ -79,7 +78,6 @@ class Settings:
     surrogates: bool = True
     patience: int | None = 50
     restarts: int = 10
-    noisy: bool = False
 
     def __post_init__(self) -> None:
         for field, (low, high) in _RANGES.items():

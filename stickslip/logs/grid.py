@@ -90,7 +90,8 @@ def _restart(role: str, x: Array, sizes: Array, tolerance: Array) -> float | Non
         return float(exact[0])
     if step:
         return float(round(size / step) * step)
-    digits = next(d for d in range(1, 17) if abs(float(f"{size:.{d}g}") - size) <= slack / 100)
+    close = (d for d in range(1, 17) if abs(float(f"{size:.{d}g}") - size) <= slack / 100)
+    digits = next(close, 17)  # which give any size exactly
     return float(f"{size:.{digits}g}")
 
 

@@ -9,7 +9,7 @@ the family; the best of each kind are then tried on all of it, each at the best 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -193,8 +193,8 @@ def compare(
     own: Benefit,  # what feedforward of the bench's law does
     friction: Mapping[str, float],  # as fitted, with the Coulomb friction ``F_c`` [N]
     masses: tuple[float, ...],  # relative to that of the axis, at which the limit of Ms holds
-    rivals: Iterable[Variant] = (),  # feedforward of other laws that explain the log
     *,
+    rivals: Sequence[Variant] = (),  # feedforward of other laws that explain the log
     asked: str = AUTO,  # ``AUTO``, or a name for which ``law_of`` raises nothing
     absent: Sequence[str] = (),  # signals that the controller lacks
 ) -> CompensatorComparison:
@@ -237,7 +237,7 @@ class _Candidates(ExitStack):
         """Return the row of no compensation."""
         return Row("none", 0, self._without)
 
-    def best(self, rivals: Iterable[Variant]) -> list[Row]:
+    def best(self, rivals: Sequence[Variant]) -> list[Row]:
         """Return feedforwards, and the observers and combinations that do best on few drives."""
         rows = [self._feedforward(part) for part in self.offered.values() if _is_feedforward(part)]
         of_rivals = zip(rivals, self.bench.benefits(rivals), strict=True)

@@ -148,7 +148,7 @@ def try_compensator(
             best,
             friction,
             masses,
-            of_rivals(estimation, known),
+            rivals=of_rivals(estimation, known),
             asked=settings.compensator,
             absent=settings.absent,
         )

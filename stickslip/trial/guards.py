@@ -306,7 +306,7 @@ def bench_of(
     with temporary_folder() as folder:
         step, rotary = datasheet.encoder_step, loop.axis.rotary
         stiffness = loop.K_i + loop.K_p * loop.K_x
-        tried = commands(command, loop.T_s, friction, step, stiffness, rotary=rotary)
+        tried = commands(command, loop.T_s, friction, step, stiffness=stiffness, rotary=rotary)
         bench = Bench(
             folder,
             law,

@@ -53,8 +53,8 @@ def test_a_resumed_run_is_the_uninterrupted_one(algorithm, tmp_path):
     assert (again.parameters, again.stopped) == (found.parameters, found.stopped)
 
 
-def test_a_restarted_and_a_noisy_search_resume_as_well(tmp_path):
-    settings = ga.Settings(patience=3, noisy=True)
+def test_a_restarted_search_resumes_as_well(tmp_path):
+    settings = ga.Settings(patience=3)
 
     def fresh():
         return ga.GeneticAlgorithm(GENES, settings, 1, limits=ga.Limits(generations=40))
@@ -200,13 +200,3 @@ def test_what_cannot_be_repeated_is_refused():
         new().replay(kept)
     with pytest.raises(ga.CallOrderError, match="replay needs a new optimiser"):
         state.replay(kept)
-
-
-def test_a_run_may_go_on_for_longer(tmp_path):
-    path = tmp_path / "run.json"
-    ga.learn(new(), quadratic, checkpoint=path)
-    longer = new(limits=ga.Limits(evaluations=300))
-    ga.learn(longer, quadratic, checkpoint=path, resume=True)
-    whole = new(limits=ga.Limits(evaluations=300))
-    ga.learn(whole, quadratic)
-    assert longer.history.to_csv() == whole.history.to_csv()

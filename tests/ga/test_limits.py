@@ -10,7 +10,6 @@ import pytest
 from problems import GENES, quadratic
 
 from stickslip import ga
-from stickslip.ga.execution.evaluation import Evaluator
 
 
 def run(limits, cost=quadratic, algorithm="default"):
@@ -91,17 +90,13 @@ def test_a_budget_may_be_used_to_the_last_evaluation():
     assert limits.spent(generations=0, evaluations=7, batch=4) is not None
 
 
-NOISY = replace(ga.PRESETS["default"], noisy=True)
-
-
 def optimiser(settings=ga.PRESETS["default"], **limits):
     return ga.GeneticAlgorithm(GENES, settings, limits=ga.Limits(**limits))
 
 
-@pytest.mark.parametrize("settings", [ga.PRESETS["default"], NOISY], ids=["plain", "noisy"])
-def test_what_is_foreseen_is_asked(settings):
-    algorithm = optimiser(settings, generations=30)
-    children = settings.population - settings.elites
+def test_what_is_foreseen_is_asked():
+    algorithm = optimiser(generations=30)
+    children = ga.DEFAULT.population - ga.DEFAULT.elites
     foreseen = algorithm.ahead
     for generation in range(12):
         asked = algorithm.ask()
@@ -170,23 +165,6 @@ def test_nothing_is_begun_that_the_limits_forbid(limits):
         algorithm = optimiser(**limits)
         ga.learn(algorithm, cost, threads)
     assert len(evaluated) == algorithm.evaluations
-
-
-def test_what_was_begun_in_vain_is_called_off():
-    release = threading.Event()
-
-    def cost(values):
-        assert values[0] < 2 or release.wait(timeout=30)
-        return float(values[0])
-
-    rows = np.arange(1.0, 6.0).reshape(5, 1)
-    with ThreadPoolExecutor(1) as threads:
-        evaluator = Evaluator(cost, threads)
-        assert evaluator.outcomes(rows[:1], rows[1:], begins=False) == [(1.0, "")]
-        begun = [place.task.future for place in evaluator._begun.values()]
-        evaluator.dismiss()
-        assert all(future.cancelled() for future in begun[1:])  # the first may be under way
-        release.set()
 
 
 def test_a_run_that_ends_early_leaves_nothing_in_the_queue():

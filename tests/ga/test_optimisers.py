@@ -77,56 +77,16 @@ def test_restarts_leave_a_trap():
     assert median(patience=10, restarts=10) < 1e-6
 
 
-@pytest.mark.slow
-def test_where_each_run_differs_repeating_the_elite_finds_the_better_candidate():
-    """Noise of 30 % of the cost: the luckiest run is not the best candidate."""
-
-    def true_cost_of_best(noisy, seed):
-        noise = np.random.default_rng(seed)
-
-        def cost(values):
-            return float((0.05 + quadratic(values)) * np.exp(0.3 * noise.standard_normal()))
-
-        limits = ga.Limits(evaluations=500)
-        optimiser = ga.optimiser("default", ga.Problem(GENES), limits, seed, noisy=noisy)
-        best = ga.learn(optimiser, cost).best
-        return quadratic(best.values), best.cost
-
-    once, again = [
-        np.median([true_cost_of_best(noisy, seed) for seed in range(8)], axis=0)
-        for noisy in (False, True)
-    ]
-    assert again[0] < once[0]
-    assert abs(again[1] - 0.05) < 0.5 * abs(once[1] - 0.05)  # and its cost is not flattered
-
-
-def test_the_elite_of_a_noisy_search_is_run_again():
-    optimiser = ga.GeneticAlgorithm(GENES, ga.Settings(noisy=True))
-    first = optimiser.ask()
-    costs = np.arange(10.0)
-    optimiser.tell(costs)
-    second = optimiser.ask()
-    np.testing.assert_array_equal(second[-2:], first[:2])
-    optimiser.tell([*np.full(8, 99.0), 3.0, 3.0])
-    assert optimiser.best.cost == 1.5  # (0 + 3) / 2
-    np.testing.assert_array_equal(optimiser.best.values, first[0])
-
-
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    ("name", "genes", "message"),
     [
-        ({"name": "magic"}, "no algorithm 'magic'; expected one of default, paper, cma, de"),
-        ({"name": "de", "noisy": True}, "'de' takes runs to be repeatable"),
+        ("magic", GENES, "no algorithm 'magic'; expected one of default, paper, cma, de"),
+        ("cma", GENES[:1], "two genes or more"),
     ],
 )
-def test_what_cannot_be_is_named(arguments, message):
+def test_what_cannot_be_is_named(name, genes, message):
     with pytest.raises(ga.SettingsError, match=message):
-        ga.optimiser(problem=ga.Problem(GENES), **arguments)
-
-
-def test_cma_needs_two_genes():
-    with pytest.raises(ga.SettingsError, match="two genes or more"):
-        ga.optimiser("cma", ga.Problem(GENES[:1]))
+        ga.optimiser(name, ga.Problem(genes))
 
 
 @pytest.mark.parametrize("genes", [1, 2, 7])

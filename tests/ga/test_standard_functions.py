@@ -3,59 +3,35 @@
 import numpy as np
 import pytest
 
-from benchmarks.learning.contest import ackley, ellipsoid, rastrigin
-from benchmarks.learning.racers import race_one, scipy_de
+from benchmarks.learning.contest import FURTHER, STANDARD, Instance
+from benchmarks.learning.racers import ours, race_one, scipy_de
 from stickslip import ga
 
 pytestmark = pytest.mark.slow
 
-BUDGET, SEEDS, GENES = 600, 5, 5
+SEEDS, GENES = 5, 5
+RASTRIGIN = STANDARD["Rastrigin"], STANDARD["Rastrigin, rotated"]
 
 
-def median(found):
-    return float(np.median(found))
-
-
-def lowest_costs(cost, seeds, *, rotated=False, genes=GENES, budget=BUDGET, scipy=False):
-    """Return what ours and, if asked for, scipy's evolution find on a box of +-5 for each seed."""
-    ours, theirs = [], []
-    for seed in range(seeds):
-        rng = np.random.default_rng([seed, 7])
-        bottom, start = rng.uniform(-3, 3, genes), rng.uniform(-5, 5, genes)
-        turn = np.linalg.qr(rng.standard_normal((genes, genes)))[0] if rotated else np.eye(genes)
-
-        def shifted(x, turn=turn, bottom=bottom):
-            return max(0.0, cost(turn @ (x - bottom)))
-
-        problem = ga.Problem(
-            [ga.Gene(f"x{i}", -5, 5, float(x), linear=True) for i, x in enumerate(start)]
-        )
-        search = ga.optimiser("default", problem, ga.Limits(evaluations=budget), seed)
-        ours.append(ga.learn(search, shifted).best.cost)
-        assert search.evaluations <= budget
-        if scipy:
-            theirs.append(race_one(scipy_de(2), shifted, problem, seed, budget).best)
-    return ours, theirs
+def median(racer, function, budget):
+    """Return the median over seeds of the lowest cost that is found within a budget."""
+    instances = [Instance(function, GENES, seed) for seed in range(SEEDS)]
+    races = [race_one(racer, one, one.problem, k, budget) for k, one in enumerate(instances)]
+    assert all(race.evaluations <= budget for race in races)
+    return float(np.median([race.best for race in races]))
 
 
 @pytest.mark.parametrize(
-    ("cost", "rotated"), [(rastrigin, False), (ackley, True), (ellipsoid, True)]
+    "function", [RASTRIGIN[0], FURTHER["Ackley, rotated"], STANDARD["ellipsoid, rotated"]]
 )
-def test_the_median_is_below_that_of_scipy(cost, rotated):
-    ours, theirs = lowest_costs(cost, SEEDS, rotated=rotated, scipy=True)
-    assert median(ours) < median(theirs)
+def test_the_median_is_below_that_of_scipy(function):
+    assert median(ours("default"), function, 600) < median(scipy_de(2), function, 600)
 
 
-def test_the_lowest_of_many_valleys_is_found_where_genes_act_independently():
-    """The next valley of Rastrigin's function costs 0.995."""
-    ours, _ = lowest_costs(rastrigin, SEEDS, budget=1000)
-    assert median(ours) < 0.995
-
-
-def test_the_searches_anew_go_where_the_cost_is_lowest_by_and_large():
-    """Each step to the next valley of a rotated Rastrigin function, in each gene, costs about 1."""
-    ours, _ = lowest_costs(rastrigin, SEEDS, rotated=True, budget=1000)
-    assert median(ours) < GENES
+@pytest.mark.parametrize(("function", "below"), [(RASTRIGIN[0], 0.995), (RASTRIGIN[1], GENES)])
+def test_the_lowest_of_many_valleys_is_found(function, below):
+    """The next valley of Rastrigin's function costs 0.995; rotated, each of some steps to it."""
+    assert median(ours("default"), function, 1000) < below
 
 
 @pytest.mark.parametrize("genes", [30, 50])

@@ -10,7 +10,7 @@ from campaigns.fuzz.parser import Parser
 
 pytestmark = pytest.mark.slow
 
-N = {"mat": 50}  # each forks a process
+N = {"mat": 20}  # each starts a process
 N |= dict.fromkeys(("archive", "description", "library", "csv", "json", "state", "toml"), 800)
 REFUSED = {"parquet": 1, "log_csv": 1}
 """Of the inputs that all others are made from: texts in Parquet are no inputs, though a log may
@@ -51,14 +51,3 @@ def test_an_unexpected_end_is_found_and_saved(tmp_path):
     assert all("ValueError" in line for line in tally.unexpected)
     assert len(list(tmp_path.glob("*.bin"))) == len(tally.unexpected)
     assert tally.inputs == 200 == tally.accepted + tally.refused + len(tally.unexpected)
-
-
-def test_a_hunt_goes_on_where_it_was(tmp_path, capsys, monkeypatch):
-    parser = PARSERS["description"]
-    monkeypatch.setattr(campaign.faulthandler, "dump_traceback_later", lambda *_, **__: None)
-    for inputs in (30, 50):
-        campaign.resume(parser, 3, inputs, tmp_path / "state", tmp_path)
-    whole = campaign.run(parser, 3, 0, 50, tmp_path)
-    assert (
-        f"50 inputs: {whole.accepted} accepted, {whole.refused} refused" in capsys.readouterr().out
-    )

@@ -13,17 +13,12 @@ ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture(scope="module")
-def outcomes(tmp_path_factory):
+def outcomes():
     """What was found; a set that is lost makes the process fail."""
     if sys.platform == "win32":
         pytest.skip("forks")
-    script = Path(__file__).with_name("survivor.py")
-    done = subprocess.run(
-        [sys.executable, script, tmp_path_factory.mktemp("sets")],
-        env={"PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-    )
+    command = [sys.executable, "-m", "campaigns.survival", "--times", "8"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

@@ -1,16 +1,14 @@
-"""The paper's loop (10 s at 2 kHz) as one FMU, stepped by one call, relative to our kernel."""
+"""Systems as one FMU by FMPy, and FMUs stepped by calls from outside."""
 
 import tempfile
 from pathlib import Path
 
-import numpy as np
 from fmpy import extract, read_model_description
 from fmpy.container_fmu import config
 from fmpy.container_fmu.cli import create_container_fmu
 from fmpy.fmi2 import FMU2Slave
 from fmpy.model_description import CoSimulation, ModelDescription, ModelVariable
 
-from benchmarks.common import STOP, interleaved, specification
 from stickslip import cosim
 from stickslip.cosim.component import component_of
 
@@ -81,48 +79,3 @@ def start(slave: FMU2Slave) -> FMU2Slave:
     slave.enterInitializationMode()
     slave.exitInitializationMode()
     return slave
-
-
-class Instance:
-    """An FMU 2.0 that is run over and over by calls from outside."""
-
-    def __init__(self, path: Path) -> None:
-        variables = read_model_description(path).modelVariables
-        self.references = {v.name: v.valueReference for v in variables}
-        self._slave = slave(path, path.stem)
-
-    def run(self, stop: float, output: str, **inputs: float) -> float:
-        """Start again, hold the inputs, go to ``stop`` in one call; return the output's end."""
-        self._slave.reset()
-        for name, value in inputs.items():
-            self._slave.setReal([self.references[name]], [value])
-        start(self._slave).doStep(0.0, stop)
-        return self._slave.getReal([self.references[output]])[0]
-
-
-REPEATS = 21
-
-
-def measure(folder: Path) -> dict[str, float]:
-    spec = specification(folder)
-    system, step, command = spec.system, spec.step, {"v_cmd": 0.005}
-    ours = Instance(cosim.write_fmu(system, folder / "ours.fmu", step=step))
-    theirs = Instance(write(system, folder / "theirs.fmu", step, "drive.v"))
-    tables, compiled = (
-        system.prepare(step=step, stop=STOP, record=["drive.v"], compiled=compiled)
-        for compiled in (False, True)
-    )
-    jacobi = system.prepare(step=step, stop=STOP, record=["drive.v"], coupling="jacobi")
-    cases = {
-        "kernel": lambda: tables.run(inputs=command)["drive.v"][-1],
-        "kernel, compiled": lambda: compiled.run(inputs=command)["drive.v"][-1],
-        "cosim's container": lambda: ours.run(STOP, "drive.v", **command),
-        "kernel, Jacobi": lambda: jacobi.run(inputs=command)["drive.v"][-1],
-        "FMPy's container, Jacobi": lambda: theirs.run(STOP, "drive.v", **command),
-    }
-    ends = {name: run() for name, run in cases.items()}
-    if ends["cosim's container"] != ends["kernel"]:
-        raise RuntimeError(f"the container is not the kernel: {ends}")
-    np.testing.assert_allclose(ends["FMPy's container, Jacobi"], ends["kernel, Jacobi"], rtol=1e-9)
-    seconds = interleaved(cases, REPEATS)
-    return {name: seconds[name] / seconds["kernel"] for name in cases}

@@ -1,15 +1,21 @@
-"""What sets of results survive while they are written: killed processes, full disks, removal."""
+"""``python -m campaigns.survival``: what sets of results survive while they are written.
 
+Processes are killed, the disk is full and folders vanish. A set that is lost raises; else what was
+found is printed as JSON, where "recovered" means only after ``stickslip verify``.
+"""
+
+import argparse
 import errno
+import json
 import os
 import shutil
 import signal
-import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from itertools import count
@@ -57,18 +63,11 @@ def plain(folder: Path) -> Files:
     }
 
 
-def holds(folder: Path, sets: Iterable[Files]) -> str:
-    """Return ``at once`` or ``recovered`` for a folder that holds one of the sets.
-
-    Raises
-    ------
-    RuntimeError
-        When it holds none of them, or not as its manifest says, or something else is left.
-    """
-    sets = list(sets)
-    found = "at once" if plain(folder) in sets else "recovered"
+def holds(folder: Path) -> str:
+    """Return ``at once`` or ``recovered`` for a folder that holds one of the sets, and no more."""
+    found = "at once" if plain(folder) in (OLD, NEW) else "recovered"
     verdict = verify(folder)
-    if verdict.faults or plain(folder) not in sets:
+    if verdict.faults or plain(folder) not in (OLD, NEW):
         raise RuntimeError(f"{folder} holds neither set: {verdict}, {sorted(plain(folder))}")
     with locked(folder):
         pass
@@ -144,67 +143,51 @@ def once(act: Callable[[], object]) -> Callable[[], object]:
     return lambda: left.pop()() if left else None
 
 
-Write = Callable[[Path], object]
-
-
-def kill_at_each_operation(folder: Path, old: Files, new: Files) -> Counter[str]:
-    """Kill a process before each of its operations on files while it replaces a set.
-
-    Returns
-    -------
-    how often the folder held a whole set at once, and how often only after ``stickslip verify``
-    """
+def kill_at_each_operation(folder: Path) -> Counter[str]:
+    """Kill a process before each of its operations on files while it replaces a set."""
     outcomes: Counter[str] = Counter()
     for n in count(1):
         shutil.rmtree(folder, ignore_errors=True)
-        write(old, folder)
+        write(OLD, folder)
         child = os.fork()
         if not child:
             with fault(folder, die, n):
-                write(new, folder)
+                write(NEW, folder)
             os._exit(0)
         _, status = os.waitpid(child, 0)
         if status == 0:
-            if plain(folder) != new:
+            if plain(folder) != NEW:
                 raise RuntimeError(f"{folder}: not replaced by a process that was not killed")
             return outcomes
         if os.WTERMSIG(status) != signal.SIGKILL:
             raise RuntimeError(f"the process ended with {status}")
-        outcomes[holds(folder, (old, new))] += 1
+        outcomes[holds(folder)] += 1
     raise AssertionError
 
 
-def kill_at_random(
-    folder: Path, writes: tuple[Write, Write], kills: int, seed: int = 0
-) -> Counter[str]:
-    """Kill processes at random moments while they replace one set by the other, and back.
+def timed(files: Files, folder: Path) -> float:
+    """Write a set and return how long it took [s]."""
+    begin = time.perf_counter()
+    write(files, folder)
+    return time.perf_counter() - begin
 
-    Returns
-    -------
-    how often the folder held the older set, the newer one, and one only after ``stickslip verify``
-    """
-    rng = np.random.default_rng(seed)
-    sets, duration = [], 0.0
-    for each in writes:
-        begin = time.perf_counter()
-        each(folder)
-        duration = time.perf_counter() - begin
-        sets.append(plain(folder))
+
+def kill_at_random(folder: Path, kills: int) -> Counter[str]:
+    """Kill processes at random moments while they replace one set by the other, and back."""
+    rng = np.random.default_rng(0)
+    duration = timed(OLD, folder)
     outcomes: Counter[str] = Counter()
-    turn = 0
     while outcomes.total() < kills:
         older = plain(folder)
-        turn = 1 - sets.index(older)
         child = os.fork()
         if not child:
-            os.setpgid(0, 0)
-            writes[turn](folder)
+            write(NEW if older == OLD else OLD, folder)
             os._exit(0)
         time.sleep(rng.uniform(0.0, duration))
         os.kill(child, signal.SIGKILL)
         if os.waitpid(child, 0)[1] == 0:
             continue  # it was faster
-        found = holds(folder, sets)
+        found = holds(folder)
         which = "the older" if plain(folder) == older else "the newer"
         outcomes[f"{which} set, {found}"] += 1
     return outcomes
@@ -213,92 +196,41 @@ def kill_at_random(
 EXPECTED = (OSError, ResultsError, UsageError)
 
 
-def fill_at_each_operation(folder: Path, old: Files, new: Files, *, stays: bool) -> Counter[str]:
+def fill_at_each_operation(folder: Path, *, stays: bool) -> Counter[str]:
     """Let each thing asked of the file system fail for want of room; the disk may stay full."""
     outcomes: Counter[str] = Counter()
     for n in count(1):
         shutil.rmtree(folder, ignore_errors=True)
-        write(old, folder)
+        write(OLD, folder)
         said = ""
         with fault(folder, full if stays else once(full), n, deletions=False) as asked:
             try:
-                write(new, folder)
+                write(NEW, folder)
             except EXPECTED as error:
                 said = str(error)
         if asked.counted < n:
             return outcomes
-        if not said and plain(folder) != new:
+        if not said and plain(folder) != NEW:
             raise RuntimeError(f"{folder}: operation {n} failed, and nobody said so")
         left = [p.name for p in folder.glob(".stickslip-*") if p.name != ".stickslip-ready"]
         if left:
             raise RuntimeError(f"{folder}: operation {n} left {left} behind")
-        outcomes[holds(folder, (old, new))] += 1
+        outcomes[holds(folder)] += 1
     raise AssertionError
 
 
-@contextmanager
-def small_disk(folder: Path, size: int) -> Iterator[Path]:
-    """Mount a file system of some bytes.
-
-    Raises
-    ------
-    OSError
-        When this user may not.
-    """
-    folder.mkdir()
-    options = ["-o", f"size={size}"]
-    done = subprocess.run(
-        ["/bin/mount", "-t", "tmpfs", *options, "tmpfs", str(folder)], capture_output=True
-    )
-    if done.returncode:
-        folder.rmdir()
-        raise OSError(done.returncode, "cannot mount a file system here", str(folder))
-    try:
-        yield folder
-    finally:
-        subprocess.run(["/bin/umount", str(folder)], check=True)
-        folder.rmdir()
-
-
-def fill_for_real(disk: Path, old: Files, new: Files, times: int) -> Counter[str]:
-    """Write where there is ever less room; nothing but the older set may be left then."""
-    outcomes: Counter[str] = Counter()
-    write(old, disk / "results")
-    room = sum(len(content) for content in new.values())
-    for k in range(times):
-        ballast = disk / "ballast"
-        free = os.statvfs(disk).f_bavail * os.statvfs(disk).f_frsize
-        ballast.write_bytes(b"\0" * max(0, free - room * k // times))
-        try:
-            write(new, disk / "results")
-            outcomes["written"] += 1
-        except EXPECTED as error:
-            if "No space left" not in str(error):
-                raise
-            if plain(disk / "results") != old:
-                raise RuntimeError(f"{disk}: {error}, and the older set is not there") from error
-            if left := list((disk / "results").glob(".*")):
-                raise RuntimeError(f"{disk}: left behind: {left}") from error
-            outcomes["said that the disk is full, the older set intact"] += 1
-        ballast.unlink()
-        write(old, disk / "results")
-    return outcomes
-
-
-def remove_at_random(folder: Path, new: Files, times: int, seed: int = 0) -> Counter[str]:
+def remove_at_random(folder: Path, times: int) -> Counter[str]:
     """Delete the folder while it is written: no half set is taken for a whole one."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     outcomes: Counter[str] = Counter()
-    begin = time.perf_counter()
-    write(new, folder)
-    duration = time.perf_counter() - begin
+    duration = timed(NEW, folder)
     for _ in range(times):
         remover = threading.Timer(
             rng.uniform(0.0, 1.2 * duration), shutil.rmtree, (folder,), {"ignore_errors": True}
         )
         remover.start()
         try:
-            write(new, folder)
+            write(NEW, folder)
             written = True
         except EXPECTED:
             written = False
@@ -324,3 +256,25 @@ def _seen_by_verify(folder: Path) -> str:
     if set(verdict.faults.values()) - {"missing"}:
         raise RuntimeError(f"{folder}: {verdict}")
     return "verify names what is missing" if verdict.faults else "a whole set"
+
+
+def main() -> None:
+    """Try all, and print what was found."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--times", type=int, default=50, metavar="N", help="of what is at random")
+    times = parser.parse_args().times
+    os.fsync = lambda _: None  # only slows this: the machine is not switched off
+    with tempfile.TemporaryDirectory(prefix="stickslip-") as name:
+        folder = Path(name)
+        found = {
+            "killed at each operation": kill_at_each_operation(folder / "a"),
+            "killed at random": kill_at_random(folder / "b", times),
+            "full once": fill_at_each_operation(folder / "c", stays=False),
+            "full for good": fill_at_each_operation(folder / "d", stays=True),
+            "removed": remove_at_random(folder / "e", times),
+        }
+    print(json.dumps(found, indent=1))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,1 +1,0 @@
-"""What FMPy does with the malformed inputs of ``tests/corpus/hostile``."""

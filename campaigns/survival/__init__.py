@@ -1,1 +1,0 @@
-"""Results survive: processes killed, disks filled and folders removed while they are written."""
