@@ -210,7 +210,8 @@ def known_friction(estimation: Estimation, top: float, levels: tuple[float, floa
     for name in (one for one in space.friction if known[one].identifiability != IDENTIFIABLE):
         low, high = known[name].low, known[name].high
         if law.parameters[name].unit == "m/s":
-            low, high = np.clip([low, high], *(share * top for share in SHOWN)).tolist()
+            least, most = (share * top for share in SHOWN)
+            low, high = (min(max(end, least), most) for end in (low, high))
         else:
             low, high = max(low, fitted[name] / harm.WIDE), min(high, fitted[name] * harm.WIDE)
         if name in space.bounded:
