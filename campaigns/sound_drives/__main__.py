@@ -15,7 +15,6 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
@@ -23,7 +22,7 @@ from typing import Any
 
 import pandas as pd
 
-from campaigns.sound_drives.drives import Drive, draw, write_log
+from campaigns.sound_drives.drives import STICKSLIP, Drive, draw, write_log
 from campaigns.sound_drives.judging import INTERVALS, MOTIONS, judged
 
 
@@ -101,7 +100,7 @@ def learn_one(options: argparse.Namespace, number: int, of_learn: list[str]) -> 
     messages = options.out / f"{drive.name}.err"
     with messages.open("w") as stream:
         process = subprocess.Popen(
-            [sys.executable, "-m", "stickslip", *command, *of_learn],
+            [STICKSLIP, *command, *of_learn],
             stdout=subprocess.DEVNULL,
             stderr=stream,
         )

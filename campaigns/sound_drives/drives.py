@@ -7,7 +7,7 @@ import json
 import math
 import subprocess
 import sys
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +16,8 @@ from scipy.linalg import expm
 
 from campaigns.sound_drives import simulator
 
+STICKSLIP = str(Path(sys.executable).with_name("stickslip"))
+"""The command that is measured: that of the environment which runs the campaign."""
 LAWS = ("lugre", "gms", "elasto_plastic", "dahl", "coulomb_stribeck")
 ENCODER_NOISE = 0.3  # standard deviation [steps]
 DURATION = 20.0  # of a log [s]
@@ -37,7 +39,6 @@ class Drive:
     speed, acceleration, stroke : limits of its motions [m/s], [m/s2], [m]
     bandwidth : of the velocity loop [Hz]
     travel : lowest and highest position of its log [m]
-    learn : arguments of ``stickslip learn`` behind the log
     """
 
     name: str
@@ -51,12 +52,29 @@ class Drive:
     stroke: float
     bandwidth: float
     travel: tuple[float, float] = (0.0, 0.0)
-    learn: list[str] = field(default_factory=list)
+
+    @property
+    def learn(self) -> list[str]:
+        """Arguments of ``stickslip learn`` behind the log."""
+        gains = (f"{name}={value!r}" for name, value in self.gains.items())
+        return ["--controller", self.controller, "--gain", *gains]
 
     @property
     def deflection(self) -> float:
         """Presliding deflection F_c / sigma_0 [m]."""
         return self.parameters["F_c"] / self.parameters["sigma_0"]
+
+    @property
+    def controller(self) -> str:
+        """Kind of controller, as ``stickslip learn`` calls it."""
+        return "P-PI" if self.parameters["K_x"] else "PI"
+
+    @property
+    def gains(self) -> dict[str, float]:
+        """Gains that ``stickslip learn`` is told, by name."""
+        outer = ("K_x", "velocity_feedforward") if self.parameters["K_x"] else ()
+        names = (*outer, "K_p", "K_i", "tau_f", "T_s", "u_max")
+        return {name: self.parameters[name] for name in names}
 
     @property
     def truth(self) -> dict[str, float]:
@@ -71,15 +89,15 @@ class Drive:
 
     def write(self, path: Path) -> None:
         """Write it as JSON."""
-        text = json.dumps(asdict(self) | {"truth": self.truth}, indent=1)
+        told = {"learn": self.learn, "truth": self.truth}
+        text = json.dumps(asdict(self) | told, indent=1)
         path.write_text(text + "\n", encoding="utf-8")
 
     @classmethod
     def read(cls, path: Path) -> "Drive":
         """Read what ``write`` wrote."""
         values = json.loads(path.read_text(encoding="utf-8"))
-        del values["truth"]
-        return cls(**values)
+        return cls(**{one.name: values[one.name] for one in fields(cls)})
 
 
 def draw(seed: int, number: int) -> Drive:
@@ -176,17 +194,17 @@ def _spectral_radius(p: dict[str, float], gain: float) -> float:
     return float(poles[-1] if p["K_x"] else poles[-2])  # no position loop: any position stays
 
 
-def write_log(drive: Drive, folder: Path) -> Drive:
-    """Record the planned experiment; write log and drive, and return it with its command."""
-    p, unit = drive.parameters, "rad" if drive.rotary else "m"
+def write_log(drive: Drive, folder: Path, encoder_noise: float = ENCODER_NOISE) -> Drive:
+    """Record the planned experiment; write log and drive, and return it with its travel."""
+    unit = "rad" if drive.rotary else "m"
     command = _planned(drive, folder)
     v_cmd, x_cmd = command["velocity_command"], command["position_command"]
     found = simulator.run(
         drive.law,
-        p,
+        drive.parameters,
         v_cmd.to_numpy(),
         x_cmd=x_cmd.to_numpy(),
-        noise=(ENCODER_NOISE, drive.noise_F),
+        noise=(encoder_noise, drive.noise_F),
         seed=drive.seed,
     )
     log = {
@@ -198,11 +216,7 @@ def write_log(drive: Drive, folder: Path) -> Drive:
     }
     path = folder / f"{drive.name}.csv"
     pd.DataFrame(log).to_csv(path, index=False, float_format="%.10g")
-    kind = ("K_x", "velocity_feedforward") if p["K_x"] else ()
-    gains = [f"{name}={p[name]!r}" for name in (*kind, "K_p", "K_i", "tau_f", "T_s", "u_max")]
-    options = ["--controller", "P-PI" if kind else "PI", "--gain", *gains]
-    travel = float(found["x"].min()), float(found["x"].max())
-    drive = replace(drive, travel=travel, learn=options)
+    drive = replace(drive, travel=(float(found["x"].min()), float(found["x"].max())))
     drive.write(path.with_suffix(".json"))
     return drive
 
@@ -214,7 +228,7 @@ def _planned(drive: Drive, folder: Path) -> pd.DataFrame:
     limits |= {"duration": DURATION, "rate": 1.0 / drive.parameters["T_s"]}
     options = [f"--{name}={value:.6g}" for name, value in limits.items()]
     options += ["--motion", "rotary" if drive.rotary else "linear", "--out", str(path), "--force"]
-    subprocess.run([sys.executable, "-m", "stickslip", "plan", "-q", *options], check=True)
+    subprocess.run([STICKSLIP, "plan", "-q", *options], check=True)
     command = pd.read_csv(path)
     path.unlink()
     return command.rename(columns=lambda name: name.partition(" ")[0])

@@ -6,16 +6,15 @@ import math
 import re
 import statistics
 import subprocess
-import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from campaigns.sound_drives import simulator
-from campaigns.sound_drives.drives import ENCODER_NOISE, Drive
+from campaigns.sound_drives.drives import ENCODER_NOISE, STICKSLIP, Drive
 
 MOTIONS = ("fast", "slow", "creep", "move_60", "move_4")
 PREDICTED = dict(zip(("fast", "slow", "creep", "move_4", "move_60"), range(5), strict=True))
@@ -29,7 +28,7 @@ HOLDS = 1.02
 """A ratio of at most this many times the predicted one is as predicted."""
 SIGNALS = {
     "compensator": {"v_cmd": "v_cmd", "x_cmd": "x_cmd", "a_cmd": "0.0"},
-    "observer": {"x_enc": "x_enc", "F_m": "F_m", "F_in": "F", "v_r": "compensator.outputs.v_r"},
+    "observer": {"x_enc": "x_enc", "F_m": "F_m", "F_in": "F", "v_r": "v_r"},
 }
 """Inputs of what is exported as C, and what ``simulator.c`` or the glue gives them."""
 
@@ -91,15 +90,14 @@ def error(
     return float(np.sqrt(np.mean((driven["v"] - linear["v"]) ** 2)))
 
 
-def exported(learned: Path, folder: Path) -> ctypes.CDLL | None:
-    """Return what was written as a compiled compensator, exported as C; None if nothing was."""
-    names = [name for name in SIGNALS if (learned / f"{name}.fmu").exists()]
-    if not names:
-        return None
+def exported(learned: Path, names: Sequence[str], folder: Path) -> ctypes.CDLL:
+    """Return what was written, exported as C and compiled.
+
+    Raises subprocess.CalledProcessError when it cannot be exported.
+    """
     for name in names:
         options = ["--parameters", str(learned / "learned.json"), "--as", "c", "--out", str(folder)]
-        command = [sys.executable, "-m", "stickslip", "export", name, *options]
-        subprocess.run(command, check=True, capture_output=True)
+        subprocess.run([STICKSLIP, "export", name, *options], check=True, capture_output=True)
     glue = folder / "glue.c"
     glue.write_text(_glue({name: (folder / f"{name}.h").read_text() for name in names}))
     return simulator.compiled(folder / "added.so", glue, *(folder / f"{n}.c" for n in names))
@@ -115,7 +113,11 @@ def _glue(headers: Mapping[str, str]) -> str:
         lines += [f'#include "{name}.h"', f"static {name.capitalize()} {name};"]
         begin.append(f"    {name}_init(&{name}, {taken});")
         step.append(f"    F = {name}_step(&{name}, {taken}) ? {name}.outputs.{force} : 0.0;")
-    signature = "(double v_cmd, double x_cmd, double x_enc, double F_m) {\n    double F = 0.0;"
+        if name == "compensator":
+            step.append("    v_r = compensator.outputs.v_r;")
+    signature = (
+        "(double v_cmd, double x_cmd, double x_enc, double F_m) {\n    double F = 0.0, v_r = v_cmd;"
+    )
     lines += [f"void begin{signature}", *begin, "}", f"double added{signature}", *step]
     return "\n".join([*lines, "    return F;", "}", ""])
 
@@ -133,33 +135,40 @@ def judged(drive: Drive, learned: Path, said: str = "") -> dict[str, Any]:
         "drive": drive.name,
         "law": drive.law,
         "motion": "rotary" if drive.rotary else "linear",
-        "controller": drive.learn[1],
+        "controller": drive.controller,
         "steps": round(drive.deflection / p["encoder"], 1),
     }
     if not path.exists():
         lines = [line for line in said.splitlines() if "error:" in line] or said.splitlines()
         return row | {"written": "", "why": lines[-1] if lines else "no learned.json"}
     document = json.loads(path.read_text(encoding="utf-8"))
-    with tempfile.TemporaryDirectory() as folder:
-        compensator = exported(learned, Path(folder))
-        by_level = {one: {} for one in LEVELS}
-        if compensator:
-            by_level = {one: ratios(drive, one, compensator) for one in LEVELS}
+    names = [name for name in SIGNALS if (learned / f"{name}.fmu").exists()]
     row |= {"written": "", "why": str(document.get("refusal", "")).partition("\n")[0]}
-    if compensator:
-        row |= _written(document)
-        row |= {name: round(ratio, 4) for name, ratio in by_level[1.0].items()}
-        row["mean"] = round(statistics.geometric_mean(by_level[1.0].values()), 4)
-        worst = {level: round(max(found.values()), 4) for level, found in by_level.items()}
-        row |= {"worst": worst[1.0], "worst_0.7": worst[0.7], "worst_1.3": worst[1.3]}
+    if names:
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                compensator = exported(learned, names, Path(folder))
+            except subprocess.CalledProcessError as error:
+                return row | {"why": f"not exported: {error.stderr}"}
+            by_level = {level: ratios(drive, level, compensator) for level in LEVELS}
+        row |= _written(document, names) | _measured(by_level)
         row |= _predictions(document, by_level[1.0])
     return row | _intervals(document, drive.truth)
 
 
-def _written(document: Mapping[str, Any]) -> dict[str, Any]:
-    share = document.get("share", {}).get("value", math.nan)
-    chosen = document.get("compared", {}).get("chosen", document.get("compensation", "?"))
-    return {"written": str(chosen), "share": round(share, 3), "why": ""}
+def _written(document: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
+    chosen = document.get("compared", {}).get("chosen", document.get("compensation", names[0]))
+    share = document.get("share", {}).get("value", 1.0) if "compensator" in names else 1.0
+    return {"written": chosen, "share": round(share, 3), "why": ""}
+
+
+def _measured(by_level: Mapping[float, Mapping[str, float]]) -> dict[str, float]:
+    found = {**by_level[1.0], "mean": statistics.geometric_mean(by_level[1.0].values())}
+    found |= {
+        "worst" if level == 1.0 else f"worst_{level:g}": max(each.values())
+        for level, each in by_level.items()
+    }
+    return {name: round(ratio, 4) for name, ratio in found.items()}
 
 
 def _predictions(document: Mapping[str, Any], true: Mapping[str, float]) -> dict[str, Any]:

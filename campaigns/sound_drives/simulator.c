@@ -111,8 +111,8 @@ static double missing(int law, const Drive *d, const Contact *s, double x, doubl
 }
 
 /* mean velocity over h: the root of ``missing``, bracketed and then found by the Illinois rule */
-static double mean_velocity(int law, const Drive *d, const Contact *s, double x, double v,
-                            double h, double u) {
+static double mean_velocity(int law, const Drive *d, const Contact *s, double x, double v, double h,
+                            double u) {
     double tolerance = 1e-9 * (d->F_c + fabs(u)), w0 = v, w1 = v;
     double f0 = missing(law, d, s, x, v, v, h, u), f1 = f0, step = -0.5 * f0 * h / d->m;
     if (fabs(f0) <= tolerance)
@@ -156,26 +156,26 @@ static double after_stiction(const Drive *d, double x, double v, double h, doubl
     return side * 0.5 * (a + b);
 }
 
-static void substep(int law, const Drive *d, Contact *s, double *x, double *v, double h,
-                    double u) {
+static void substep(int law, const Drive *d, Contact *s, double *x, double *v, double h, double u) {
     if (law == COULOMB_STRIBECK) {
         double next = after_stiction(d, *x, *v, h, u);
         *x += 0.5 * h * (*v + next);
         *v = next;
         return;
     }
-    double w = mean_velocity(law, d, s, *x, *v, h, u);
-    friction(law, d, s, *x, w, h);
+    double middle = *x + 0.5 * h * *v, w = mean_velocity(law, d, s, middle, *v, h, u);
+    friction(law, d, s, middle, w, h);
     *x += h * w;
     *v = 2.0 * w - *v;
 }
 
-/* n samples: position of the encoder, force of the motor, true velocity and position. Inputs (n,):
-   commands, feedforward force or NULL, and noise of encoder [steps] and measured force [N]. */
+/* n samples: position of the encoder, commanded force, measured force, true velocity and position.
+   Inputs (n,): commands, feedforward force or NULL, and noise of encoder [steps] and measured
+   force [N]. */
 __attribute__((visibility("default"))) void
 record(int law, const Drive *d, int n, const double *v_cmd, const double *x_cmd, const double *F_ff,
        const double *noise_x, const double *noise_F, Begin begin, Added added, int substeps,
-       double *x_enc, double *force, double *v_out, double *x_out) {
+       double *x_enc, double *commanded, double *force, double *v_out, double *x_out) {
     Contact s = {0};
     double x = 0.0, v = 0.0, integral = 0.0, estimate = 0.0, last = 0.0, limited = 0.0;
     double weight = d->tau_f > 0.0 ? 1.0 - exp(-d->T_s / d->tau_f) : 1.0;
@@ -200,6 +200,7 @@ record(int law, const Drive *d, int n, const double *v_cmd, const double *x_cmd,
         if (limited == u || (u - limited) * e < 0.0) /* anti-windup */
             integral = next;
         x_enc[k] = shown;
+        commanded[k] = u;
         force[k] = limited + noise_F[k];
         v_out[k] = v;
         x_out[k] = x;

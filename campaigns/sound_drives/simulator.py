@@ -66,7 +66,7 @@ def run(
     seed: int = 0,
     compensator: ctypes.CDLL | None = None,
 ) -> dict[str, np.ndarray]:
-    """Run a drive along a command; return encoder, force, v and x, (n,) each.
+    """Run a drive along a command.
 
     Parameters
     ----------
@@ -74,13 +74,18 @@ def run(
     v_cmd, x_cmd, F_ff : velocities [m/s], positions [m] and feedforward forces [N], (n,) each
     noise : standard deviations of the encoder [steps] and of the measured force [N]
     compensator : a library with the functions ``begin`` and ``added`` of ``simulator.c``
+
+    Returns
+    -------
+    dict
+        (n,) each: encoder [m], commanded and measured force [N], true v [m/s] and x [m]
     """
     T_s, n = parameters["T_s"], len(v_cmd)
     rng = np.random.default_rng(seed)
     inputs = [v_cmd, positions(v_cmd, T_s) if x_cmd is None else x_cmd, F_ff]
     inputs += [deviation * rng.standard_normal(n) for deviation in noise]
     arrays = [None if one is None else np.ascontiguousarray(one, dtype=float) for one in inputs]
-    columns = {name: np.empty(n) for name in ("encoder", "force", "v", "x")}
+    columns = {name: np.empty(n) for name in ("encoder", "commanded", "force", "v", "x")}
     _simulator().record(
         LAWS.index(law),
         ctypes.byref(_Drive(**{**DEFAULTS, **parameters})),

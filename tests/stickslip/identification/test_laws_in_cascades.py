@@ -2,17 +2,16 @@
 
 import pytest
 
-from campaigns.random_drives import random_drive, record
-from stickslip.identification.estimation import LearnSettings, Task, candidate_fmus, learn
+import stickslip as ss
+from campaigns.sound_drives.__main__ import recorded
 
 
 @pytest.mark.thorough
-def test_a_drive_that_sticks_and_slips_is_learned_within_intervals():
-    drive = random_drive(27, cascade=True, sound=True)
-    assert (drive.law, bool(drive.K_x)) == ("coulomb_stribeck", True)
-    recording, gains = record(drive, 27)
-    with candidate_fmus(drive.law) as fmus:
-        learned = learn(Task(fmus, recording, gains, LearnSettings(law=drive.law, seed=27)))
-    for name, known in learned.known.items():
-        assert known.low <= drive.parameters[name] <= known.high, (name, known)
-    assert {learned.known[name].identifiability for name in ("m", "F_c")} == {"identifiable"}
+def test_a_drive_that_sticks_and_slips_is_learned_within_intervals(tmp_path):
+    drive = recorded(1, 14, tmp_path)
+    assert (drive.law, bool(drive.parameters["K_x"])) == ("coulomb_stribeck", True)
+    known = ss.Description(controller="P-PI", gains=drive.gains)
+    learned = ss.learn(tmp_path / f"{drive.name}.csv", known, law=drive.law)
+    for name, truth in drive.truth.items():
+        found = learned.estimation.known[name]
+        assert found.low <= truth <= found.high, (name, found)
