@@ -152,7 +152,7 @@ def judged(drive: Drive, learned: Path, said: str = "") -> dict[str, Any]:
                 return row | {"why": f"not exported: {error.stderr}"}
             by_level = {level: ratios(drive, level, compensator) for level in LEVELS}
         row |= _written(document, names) | _measured(by_level)
-        row |= _predictions(document, by_level[1.0])
+        row |= _predictions(document, row, by_level[1.0])
     return row | _intervals(document, drive.truth)
 
 
@@ -171,12 +171,15 @@ def _measured(by_level: Mapping[float, Mapping[str, float]]) -> dict[str, float]
     return {name: round(ratio, 4) for name, ratio in found.items()}
 
 
-def _predictions(document: Mapping[str, Any], true: Mapping[str, float]) -> dict[str, Any]:
+def _predictions(
+    document: Mapping[str, Any], written: Mapping[str, Any], true: Mapping[str, float]
+) -> dict[str, Any]:
     """Return the ratios on the fitted drive, and how many hold on the worst drive of the family."""
-    found: dict[str, list[float]] = {}
+    found: dict[tuple[str, float], list[float]] = {}
     for one in document.get("tracking_error", []):
-        if one["compensation"] == document.get("compensation") and one["figure"] == "velocity":
-            found.setdefault(one["drive"], []).append(one["ratio"])
+        tried = {"written": one["compensation"].partition(",")[0], "share": round(one["share"], 3)}
+        if tried.items() <= written.items() and one["figure"] == "velocity":
+            found.setdefault((one["drive"], one.get("friction", 1.0)), []).append(one["ratio"])
     family = [one for one in found.values() if len(one) == len(MOTIONS)]
     if not family:
         return {}

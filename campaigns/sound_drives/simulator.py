@@ -21,7 +21,7 @@ PARAMETERS = (
 )
 DEFAULTS = {"delta": 1.0, "period": 1.0, "velocity_feedforward": 1.0, "u_max": math.inf}
 SUBSTEP = 5e-5  # [s]
-CACHE = Path(tempfile.gettempdir()) / f"sound_drives.{os.getuid()}"
+CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "sound_drives"
 _Doubles = ctypes.POINTER(ctypes.c_double)
 
 
@@ -31,7 +31,7 @@ class _Drive(ctypes.Structure):
 
 def compiled(library: Path, *sources: Path) -> ctypes.CDLL:
     """Return a shared library made of C files."""
-    flags = ["-O2", "-shared", "-fPIC", "-fno-sanitize=undefined", "-o", str(library)]
+    flags = ["-O2", "-shared", "-fno-sanitize=undefined", "-o", str(library)]
     compiler = [sys.executable, "-m", "ziglang", "cc"]
     subprocess.run([*compiler, *flags, *map(str, sources), "-lm"], check=True)
     return ctypes.CDLL(str(library))
@@ -43,7 +43,7 @@ def _simulator() -> ctypes.CDLL:
     source = Path(__file__).with_name("simulator.c")
     library = CACHE / f"{hashlib.sha256(source.read_bytes()).hexdigest()[:20]}.so"
     if not library.exists():
-        CACHE.mkdir(exist_ok=True)
+        CACHE.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=CACHE) as folder:
             compiled(Path(folder) / library.name, source)
             (Path(folder) / library.name).replace(library)
