@@ -1,15 +1,10 @@
 """Drives whose friction is not LuGre's, recorded by a program that shares nothing with ours."""
 
-import ctypes
-from functools import cache
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
-from stickslip.fmi import toolchain
+from campaigns.sound_drives import simulator
 
-LAWS = ("lugre", "dahl", "gms", "elasto_plastic", "ideal_stiction")
 T_S = 5e-4
 GAINS = {"K_p": 1681.0, "K_i": 137167.0, "tau_f": 5e-4, "T_s": T_S}
 STAGE = {
@@ -25,25 +20,7 @@ STAGE = {
     **GAINS,
     "encoder": 4e-7,
     "u_max": 1e9,
-    "integral": 0.0,
 }
-_Doubles = ctypes.POINTER(ctypes.c_double)
-
-
-class _Drive(ctypes.Structure):
-    _fields_ = [
-        (name, ctypes.c_double)
-        for name in (
-            *("m", "b", "F_s", "F_c", "v_s", "sigma_0", "sigma_1", "uneven", "period"),
-            *("K_p", "K_i", "tau_f", "T_s", "encoder", "u_max", "integral"),
-        )
-    ]
-
-
-@cache
-def _library():
-    source = (Path(__file__).parent / "drives.c").read_text()
-    return ctypes.CDLL(str(toolchain.shared_library("drives", {"drives.c": source})))
 
 
 def run(law, v_cmd, feedforward=None, **changes):
@@ -52,18 +29,9 @@ def run(law, v_cmd, feedforward=None, **changes):
     GMS has the damping of its elements in sigma_1, which is 1000 N s/m by default.
     """
     values = {**STAGE, **({"sigma_1": 1000.0} if law == "gms" else {}), **changes}
-    v_cmd = np.ascontiguousarray(v_cmd, dtype=float)
-    columns = {name: np.empty(len(v_cmd)) for name in ("position", "commanded", "applied", "v")}
-    ff = None if feedforward is None else np.ascontiguousarray(feedforward, dtype=float)
-    pointers = [None if a is None else a.ctypes.data_as(_Doubles) for a in (v_cmd, ff)]
-    _library().record(
-        LAWS.index(law),
-        ctypes.byref(_Drive(**values)),
-        len(v_cmd),
-        *pointers,
-        10,
-        *(column.ctypes.data_as(_Doubles) for column in columns.values()),
-    )
+    found = simulator.run(law, values, v_cmd, F_ff=feedforward)
+    renamed = {"position": "encoder", "commanded": "commanded", "applied": "force", "v": "v"}
+    columns = {name: found[column] for name, column in renamed.items()}
     return {"t": np.arange(len(v_cmd)) * values["T_s"], **columns, "v_cmd": v_cmd}
 
 

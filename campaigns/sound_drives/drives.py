@@ -1,0 +1,234 @@
+"""Sound drives drawn at random, their logs, and what is true of them.
+
+A rotary drive is a linear one behind a radius: read rad for m, N m for N, kg m2 for kg.
+"""
+
+import json
+import math
+import subprocess
+import sys
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.linalg import expm
+
+from campaigns.sound_drives import simulator
+
+STICKSLIP = str(Path(sys.executable).with_name("stickslip"))
+"""The command that is measured: that of the environment which runs the campaign."""
+LAWS = ("lugre", "gms", "elasto_plastic", "dahl", "coulomb_stribeck")
+ENCODER_NOISE = 0.3  # standard deviation [steps]
+DURATION = 20.0  # of a log [s]
+MARGIN = 2.0
+"""Factor of the controller gains with which the loop is still stable, free and where it sticks."""
+DAMPING = {"lugre": (0.3, 1.2), "elasto_plastic": (0.3, 1.2), "gms": (0.1, 0.5)}
+"""sigma_1 / (2 sqrt(sigma_0 m))."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A drive in its loop.
+
+    Attributes
+    ----------
+    parameters : of the simulator, by name
+    seed : of the noise of its log
+    noise_F : standard deviation of the measured force [N]
+    speed, acceleration, stroke : limits of its motions [m/s], [m/s2], [m]
+    bandwidth : of the velocity loop [Hz]
+    travel : lowest and highest position of its log [m]
+    """
+
+    name: str
+    seed: int
+    law: str
+    rotary: bool
+    parameters: dict[str, float]
+    noise_F: float
+    speed: float
+    acceleration: float
+    stroke: float
+    bandwidth: float
+    travel: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def learn(self) -> list[str]:
+        """Arguments of ``stickslip learn`` behind the log."""
+        gains = (f"{name}={value!r}" for name, value in self.gains.items())
+        return ["--controller", self.controller, "--gain", *gains]
+
+    @property
+    def deflection(self) -> float:
+        """Presliding deflection F_c / sigma_0 [m]."""
+        return self.parameters["F_c"] / self.parameters["sigma_0"]
+
+    @property
+    def controller(self) -> str:
+        """Kind of controller, as ``stickslip learn`` calls it."""
+        return "P-PI" if self.parameters["K_x"] else "PI"
+
+    @property
+    def gains(self) -> dict[str, float]:
+        """Gains that ``stickslip learn`` is told, by name."""
+        outer = ("K_x", "velocity_feedforward") if self.parameters["K_x"] else ()
+        names = (*outer, "K_p", "K_i", "tau_f", "T_s", "u_max")
+        return {name: self.parameters[name] for name in names}
+
+    @property
+    def truth(self) -> dict[str, float]:
+        """What the intervals should hold; friction is the mean over the travel of the log."""
+        p = self.parameters
+        x = np.linspace(*self.travel, 2001) - p["origin"]
+        along = 1.0 + float(np.mean(p["uneven"] * np.sin(2.0 * np.pi * x / p["period"])))
+        found = {name: p[name] for name in ("m", "b", "v_s", "sigma_0")}
+        found |= {name: along * p[name] for name in ("F_c", "F_s")}
+        absent = {"dahl": ("v_s", "F_s"), "coulomb_stribeck": ("sigma_0",)}.get(self.law, ())
+        return {name: value for name, value in found.items() if name not in absent}
+
+    def write(self, path: Path) -> None:
+        """Write it as JSON."""
+        told = {"learn": self.learn, "truth": self.truth}
+        text = json.dumps(asdict(self) | told, indent=1)
+        path.write_text(text + "\n", encoding="utf-8")
+
+    @classmethod
+    def read(cls, path: Path) -> "Drive":
+        """Read what ``write`` wrote."""
+        values = json.loads(path.read_text(encoding="utf-8"))
+        return cls(**{one.name: values[one.name] for one in fields(cls)})
+
+
+def draw(seed: int, number: int) -> Drive:
+    """Return the drive of this number; laws, kinds of motion and loops take turns."""
+    rng = np.random.default_rng([seed, number])
+    while True:
+        drive = _candidate(rng, number)
+        if _usable(drive):
+            return drive
+
+
+def _candidate(rng: np.random.Generator, number: int) -> Drive:
+    def log(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    law, rotary = LAWS[number % len(LAWS)], number % 2 == 1
+    radius = log(5e-3, 3e-2) if rotary else 1.0
+    m = log(2e-5, 2e-2) if rotary else log(0.3, 60.0)
+    F_c = m * log(0.3, 3.0) / radius
+    F_s = F_c * rng.uniform(1.05, 2.0)
+    speed, acceleration = log(0.03, 0.2) / radius, log(1.0, 8.0) / radius
+    b = F_c * log(0.05, 0.6) / speed
+    encoder = 2.0 * math.pi / 2 ** int(rng.integers(17, 23)) if rotary else log(5e-8, 5e-6)
+    sigma_0 = F_c / (encoder * log(4.0, 400.0))
+    T_s, bandwidth = float(rng.choice([1e-3, 5e-4, 1e-4])), rng.uniform(18.0, 45.0)
+    K_p = 2.0 * math.pi * bandwidth * m * rng.uniform(0.8, 1.2)  # for the mass of a data sheet
+    cascade = number // 2 % 2 == 1
+    parameters = {
+        "m": m,
+        "b": b,
+        "F_c": F_c,
+        "F_s": F_c if law == "dahl" else F_s,
+        "v_s": log(5e-4, 1e-2) / radius,
+        "delta": float(rng.choice([1.0, 2.0])),
+        "sigma_0": sigma_0,
+        "sigma_1": 2.0 * math.sqrt(sigma_0 * m) * rng.uniform(*DAMPING.get(law, (0.0, 0.0))),
+        "asymmetry": rng.uniform(-0.05, 0.05),
+        "uneven": rng.uniform(0.0, 0.1),
+        "period": log(5e-3, 6e-2) / radius,
+        "origin": 0.0,
+        "F_0": F_c * rng.uniform(-0.05, 0.05),
+        "K_p": K_p,
+        "K_i": K_p * 2.0 * math.pi * bandwidth / rng.uniform(4.0, 8.0),
+        "K_x": 2.0 * math.pi * bandwidth / rng.uniform(5.0, 10.0) if cascade else 0.0,
+        "velocity_feedforward": float(rng.choice([1.0, rng.uniform(0.5, 1.0)])) if cascade else 1.0,
+        # a step of the encoder commands half of F_c at most
+        "tau_f": max(T_s * rng.uniform(0.5, 2.5), 2.0 * K_p * encoder / F_c),
+        "T_s": T_s,
+        "u_max": rng.uniform(1.5, 3.0) * (F_s + b * speed + m * acceleration),
+        "encoder": encoder,
+        "phase": rng.uniform(),
+    }
+    return Drive(
+        name=f"drive_{number:02}",
+        seed=number,
+        law=law,
+        rotary=rotary,
+        parameters=parameters,
+        noise_F=F_c * log(2e-3, 2e-2),
+        speed=speed,
+        acceleration=acceleration,
+        stroke=log(0.05, 0.3) / radius,
+        bandwidth=bandwidth,
+    )
+
+
+def _usable(drive: Drive) -> bool:
+    """Whether the loop has a gain margin, and stroke and speed show friction."""
+    p = drive.parameters
+    stuck = {"b": p["b"] + p["sigma_1"], "stiffness": p["sigma_0"]}
+    stable = all(
+        _spectral_radius({**p, **plant}, gain) < 1.0 - 1e-9
+        for plant in ({"stiffness": 0.0}, stuck)
+        for gain in (1.0, MARGIN)
+    )
+    room = 60.0 * drive.deflection < 0.5 * drive.stroke and 8.0 * p["v_s"] < drive.speed
+    return stable and room
+
+
+def _spectral_radius(p: dict[str, float], gain: float) -> float:
+    """Return that of the sampled loop around a mass on a spring.
+
+    The state is position, velocity, last position, velocity estimate and integral.
+    """
+    A = np.array([[0, 1, 0], [-p["stiffness"] / p["m"], -p["b"] / p["m"], 1 / p["m"]], [0, 0, 0]])
+    step, weight = expm(A * p["T_s"]), 1.0 - math.exp(-p["T_s"] / p["tau_f"])
+    x, v, last, estimate, integral = np.eye(5)
+    estimate = estimate + weight * ((x - last) / p["T_s"] - estimate)
+    e = -p["K_x"] * x - estimate
+    integral = integral + p["T_s"] * p["K_i"] * gain * e
+    moved = step @ np.array([x, v, p["K_p"] * gain * e + integral])
+    closed = np.array([moved[0], moved[1], x, estimate, integral])
+    poles = np.sort(np.abs(np.linalg.eigvals(closed)))
+    return float(poles[-1] if p["K_x"] else poles[-2])  # no position loop: any position stays
+
+
+def write_log(drive: Drive, folder: Path, encoder_noise: float = ENCODER_NOISE) -> Drive:
+    """Record the planned experiment; write log and drive, and return it with its travel."""
+    unit = "rad" if drive.rotary else "m"
+    command = _planned(drive, folder)
+    v_cmd, x_cmd = command["velocity_command"], command["position_command"]
+    found = simulator.run(
+        drive.law,
+        drive.parameters,
+        v_cmd.to_numpy(),
+        x_cmd=x_cmd.to_numpy(),
+        noise=(encoder_noise, drive.noise_F),
+        seed=drive.seed,
+    )
+    log = {
+        "time [s]": command["time"],
+        f"position [{unit}]": found["encoder"],
+        "torque [N.m]" if drive.rotary else "force [N]": found["force"],
+        f"velocity_command [{unit}/s]": v_cmd,
+        f"position_command [{unit}]": x_cmd,
+    }
+    path = folder / f"{drive.name}.csv"
+    pd.DataFrame(log).to_csv(path, index=False, float_format="%.10g")
+    drive = replace(drive, travel=(float(found["x"].min()), float(found["x"].max())))
+    drive.write(path.with_suffix(".json"))
+    return drive
+
+
+def _planned(drive: Drive, folder: Path) -> pd.DataFrame:
+    """Return the experiment that ``stickslip plan`` proposes for the limits of the drive."""
+    path = folder / f"{drive.name}.plan.csv"
+    limits = {name: getattr(drive, name) for name in ("stroke", "speed", "acceleration")}
+    limits |= {"duration": DURATION, "rate": 1.0 / drive.parameters["T_s"]}
+    options = [f"--{name}={value:.6g}" for name, value in limits.items()]
+    options += ["--motion", "rotary" if drive.rotary else "linear", "--out", str(path), "--force"]
+    subprocess.run([STICKSLIP, "plan", "-q", *options], check=True)
+    command = pd.read_csv(path)
+    path.unlink()
+    return command.rename(columns=lambda name: name.partition(" ")[0])

@@ -1,0 +1,201 @@
+"""What ``stickslip learn`` wrote, in the loop of the drive that made the log."""
+
+import ctypes
+import json
+import math
+import re
+import statistics
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from campaigns.sound_drives import simulator
+from campaigns.sound_drives.drives import ENCODER_NOISE, STICKSLIP, Drive
+
+MOTIONS = ("fast", "slow", "creep", "move_60", "move_4")
+PREDICTED = dict(zip(("fast", "slow", "creep", "move_4", "move_60"), range(5), strict=True))
+"""Motion -> place of the one that is most like it in the trial of ``learn``."""
+LEVELS = (1.0, 0.7, 1.3)
+"""F_c and F_s of the drive, relative to those at the log."""
+SEEDS = (1, 2, 3)
+REST = 0.1  # before and after each motion [s]
+INTERVALS = ("m", "b", "F_c", "F_s", "v_s", "sigma_0")
+HOLDS = 1.02
+"""A ratio of at most this many times the predicted one is as predicted."""
+SIGNALS = {
+    "compensator": {"v_cmd": "v_cmd", "x_cmd": "x_cmd", "a_cmd": "0.0"},
+    "observer": {"x_enc": "x_enc", "F_m": "F_m", "F_in": "F", "v_r": "v_r"},
+}
+"""Inputs of what is exported as C, and what ``simulator.c`` or the glue gives them."""
+
+
+def motion(drive: Drive, name: str) -> np.ndarray:
+    """Return velocities [m/s], one a sample: forward, a rest, and back; moves twice each way."""
+    p = drive.parameters
+    T_s, rest = p["T_s"], np.zeros(round(REST / p["T_s"]))
+    if name.startswith("move"):
+        length = float(name.removeprefix("move_")) * drive.deflection
+        ramp = max(math.sqrt(2.0 * length / drive.acceleration), length / drive.speed)
+        ramp = max(ramp, 1.0 / drive.bandwidth)
+        pulse = _trapezoid(length / ramp, ramp, 0.0, T_s)
+        return np.concatenate([rest, *2 * [pulse, rest], *2 * [-pulse, rest]])
+    speed = {"fast": drive.speed, "slow": 0.1 * drive.speed, "creep": 0.3 * p["v_s"]}[name]
+    ramp = max(2.0 * speed / drive.acceleration, 1.0 / drive.bandwidth)
+    longest = 0.8 * drive.stroke / speed - ramp
+    cruise = min(max(20.0 * drive.deflection / speed, 0.5), 3.0, longest)
+    pulse = _trapezoid(speed, ramp, cruise, T_s)
+    return np.concatenate([rest, pulse, rest, -pulse, rest])
+
+
+def _trapezoid(speed: float, ramp: float, cruise: float, T_s: float) -> np.ndarray:
+    corners = np.cumsum([0.0, ramp, cruise, ramp])
+    t = np.arange(round(corners[-1] / T_s) + 1) * T_s
+    return np.interp(t, corners, [0.0, speed, speed, 0.0])
+
+
+def ratios(drive: Drive, level: float, compensator: ctypes.CDLL) -> dict[str, float]:
+    """Return errors with a compensator over those without, by motion; medians over ``SEEDS``."""
+    found = {}
+    for name in MOTIONS:
+        v_cmd = motion(drive, name)
+        pairs = [[error(drive, v_cmd, level, s, c) for c in (compensator, None)] for s in SEEDS]
+        found[name] = statistics.median(w / without for w, without in pairs)
+    return found
+
+
+def error(
+    drive: Drive, v_cmd: np.ndarray, level: float, seed: int, compensator: ctypes.CDLL | None
+) -> float:
+    """Return the RMS of the true velocity minus that of the loop without friction [m/s].
+
+    The seed sets noise, the phase of the encoder and the place on the guide.
+    """
+    p, rng = drive.parameters, np.random.default_rng([seed, drive.seed])
+    friction = {name: level * p[name] for name in ("F_c", "F_s")}
+    place = {"phase": rng.uniform(), "origin": p["period"] * rng.uniform()}
+    noise = ENCODER_NOISE, drive.noise_F
+    driven = simulator.run(
+        drive.law,
+        {**p, **friction, **place},
+        v_cmd,
+        noise=noise,
+        seed=seed,
+        compensator=compensator,
+    )
+    linear = simulator.run("none", {**p, "encoder": 0.0}, v_cmd)
+    return float(np.sqrt(np.mean((driven["v"] - linear["v"]) ** 2)))
+
+
+def exported(learned: Path, names: Sequence[str], folder: Path) -> ctypes.CDLL:
+    """Return what was written, exported as C and compiled.
+
+    Raises subprocess.CalledProcessError when it cannot be exported.
+    """
+    for name in names:
+        options = ["--parameters", str(learned / "learned.json"), "--as", "c", "--out", str(folder)]
+        subprocess.run([STICKSLIP, "export", name, *options], check=True, capture_output=True)
+    glue = folder / "glue.c"
+    glue.write_text(_glue({name: (folder / f"{name}.h").read_text() for name in names}))
+    return simulator.compiled(folder / "added.so", glue, *(folder / f"{n}.c" for n in names))
+
+
+def _glue(headers: Mapping[str, str]) -> str:
+    """Return C of ``begin`` and ``added``, which call what was exported, in the order given."""
+    lines, begin, step = [], [], []
+    for name, header in headers.items():
+        inputs = re.search(rf"bool {name}_step\(\w+ \*c,([^)]*)\)", header)[1]
+        given = [SIGNALS[name][one.split()[-1]] for one in inputs.split(",")]
+        taken, force = ", ".join(given), "F_ff" if name == "compensator" else "F"
+        lines += [f'#include "{name}.h"', f"static {name.capitalize()} {name};"]
+        begin.append(f"    {name}_init(&{name}, {taken});")
+        step.append(f"    F = {name}_step(&{name}, {taken}) ? {name}.outputs.{force} : 0.0;")
+        if name == "compensator":
+            step.append("    v_r = compensator.outputs.v_r;")
+    signature = (
+        "(double v_cmd, double x_cmd, double x_enc, double F_m) {\n    double F = 0.0, v_r = v_cmd;"
+    )
+    lines += [f"void begin{signature}", *begin, "}", f"double added{signature}", *step]
+    return "\n".join([*lines, "    return F;", "}", ""])
+
+
+def judged(drive: Drive, learned: Path, said: str = "") -> dict[str, Any]:
+    """Return the row of a drive: what was written, ratios, predicted ratios, intervals.
+
+    Parameters
+    ----------
+    learned : the folder that ``stickslip learn`` wrote, if it wrote one
+    said : what it printed on standard error, for a drive of which nothing was learned
+    """
+    p, path = drive.parameters, learned / "learned.json"
+    row: dict[str, Any] = {
+        "drive": drive.name,
+        "law": drive.law,
+        "motion": "rotary" if drive.rotary else "linear",
+        "controller": drive.controller,
+        "steps": round(drive.deflection / p["encoder"], 1),
+    }
+    if not path.exists():
+        lines = [line for line in said.splitlines() if "error:" in line] or said.splitlines()
+        return row | {"written": "", "why": lines[-1] if lines else "no learned.json"}
+    document = json.loads(path.read_text(encoding="utf-8"))
+    names = [name for name in SIGNALS if (learned / f"{name}.fmu").exists()]
+    row |= {"written": "", "why": str(document.get("refusal", "")).partition("\n")[0]}
+    if names:
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                compensator = exported(learned, names, Path(folder))
+            except subprocess.CalledProcessError as error:
+                return row | {"why": f"not exported: {error.stderr}"}
+            by_level = {level: ratios(drive, level, compensator) for level in LEVELS}
+        row |= _written(document, names) | _measured(by_level)
+        row |= _predictions(document, row, by_level[1.0])
+    return row | _intervals(document, drive.truth)
+
+
+def _written(document: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
+    chosen = document.get("compared", {}).get("chosen", document.get("compensation", names[0]))
+    share = document.get("share", {}).get("value", 1.0) if "compensator" in names else 1.0
+    return {"written": chosen, "share": round(share, 3), "why": ""}
+
+
+def _measured(by_level: Mapping[float, Mapping[str, float]]) -> dict[str, float]:
+    found = {**by_level[1.0], "mean": statistics.geometric_mean(by_level[1.0].values())}
+    found |= {
+        "worst" if level == 1.0 else f"worst_{level:g}": max(each.values())
+        for level, each in by_level.items()
+    }
+    return {name: round(ratio, 4) for name, ratio in found.items()}
+
+
+def _predictions(
+    document: Mapping[str, Any], written: Mapping[str, Any], true: Mapping[str, float]
+) -> dict[str, Any]:
+    """Return the ratios on the fitted drive, and how many hold on the worst drive of the family."""
+    found: dict[tuple[str, float], list[float]] = {}
+    for one in document.get("tracking_error", []):
+        tried = {"written": one["compensation"].partition(",")[0], "share": round(one["share"], 3)}
+        if tried.items() <= written.items() and one["figure"] == "velocity":
+            found.setdefault((one["drive"], one.get("friction", 1.0)), []).append(one["ratio"])
+    family = [one for one in found.values() if len(one) == len(MOTIONS)]
+    if not family:
+        return {}
+    row = {f"predicted_{name}": round(family[0][PREDICTED[name]], 4) for name in MOTIONS}
+    held = [true[n] <= HOLDS * max(one[PREDICTED[n]] for one in family) for n in MOTIONS]
+    return row | {"held": sum(held)}
+
+
+def _intervals(document: Mapping[str, Any], truth: Mapping[str, float]) -> dict[str, str]:
+    found = {}
+    for name in INTERVALS:
+        entry = document.get("parameters", {}).get(name, {})
+        found[f"interval_{name}"] = "not reported"
+        if name not in truth:
+            found[f"interval_{name}"] = "no truth"
+        elif "low" in entry and entry.get("identifiability") != "not identifiable":
+            hit = entry["low"] <= truth[name] <= entry["high"]
+            found[f"interval_{name}"] = "hit" if hit else "miss"
+    return found
