@@ -189,7 +189,8 @@ def _print_written(written: Written, folder: Path) -> None:
     from stickslip.studies.learn.folder import COMPENSATOR
 
     learned, files = written.learned, written.files
-    for sentence in written.sentences:
+    told, *refused = written.sentences
+    for sentence in refused:
         warn(sentence)
     benefit = learned.benefit
     if benefit and benefit.share < 1.0 and not learned.refusal and COMPENSATOR in files:
@@ -197,10 +198,7 @@ def _print_written(written: Written, folder: Path) -> None:
         if written.forced:
             part = "the whole learned force, as --force asks for"
         print(f"{COMPENSATOR} has {part}; {benefit.reason}")
-    parts: str = learned.writes(force=written.forced)
-    if parts and learned.trial and learned.trial.compared.chosen.benefit:
-        parts += f" ({learned.trial.compared.chosen.name})"
-    print(f"written: {parts or 'no compensation'}")
+    print(told)
     print(f"all results are in {folder}; open report.html first")
 
 

@@ -50,12 +50,18 @@ class Written:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What is refused or reduced, and whether it was written nevertheless, a line each."""
-        one, found = self.learned, []
-        could = file_names(one.writes(force=True))
-        has_observer = one.choice in (OBSERVER, BOTH)
-        refusals = {COMPENSATOR: one.refusal}
-        refusals |= {OBSERVER_FMU: one.observer_refusal} if has_observer else {}
+        """What is written and why, or refused, a line each."""
+        one = self.learned
+        could, parts = file_names(one.writes(force=True)), one.writes(force=self.forced)
+        found = [f"written: {parts or 'no compensation'}"]
+        if one.trial:
+            compared = one.trial.compared
+            found[0] += (
+                f" ({compared.chosen.name}): " if parts and compared.chosen.benefit else ": "
+            )
+            found[0] += compared.sentence
+        refusals = {OBSERVER_FMU: one.observer_refusal} if one.choice in (OBSERVER, BOTH) else {}
+        refusals |= {COMPENSATOR: one.refusal} if one.choice != OBSERVER else {}
         for name, why in refusals.items():
             how = "" if self.forced or name not in could else " (--force writes it)"
             fate = "written, as --force asks for" if name in self.files else "not written"
@@ -108,7 +114,10 @@ def write_learned(
             staging,
             _trial_sections(shown),
             opening=[
-                *(Section("", "<p>{{ text }}.</p>", text=text) for text in written.sentences),
+                *(
+                    Section("", "<p>{{ text | sentence }}</p>", text=text)
+                    for text in written.sentences
+                ),
                 *_tracking_sections(shown),
             ],
             forced=force,

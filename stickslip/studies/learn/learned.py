@@ -149,8 +149,9 @@ class LearnedFromRecording(Learned):
         name, share = self.trial.compared.chosen.name, self.benefit.share
         run = f"the feedforward of {name}" if self.choice == BOTH else name
         if self.choice not in (FEEDFORWARD, BOTH):
-            run = f"feedforward of the law {self.estimation.law.title}, which is not written,"
-        return f"{run} at {share:g} of its force" if share != 1.0 else run
+            run = f"feedforward of the law {self.estimation.law.title}"
+        run = f"{run} at {share:g} of its force" if share != 1.0 else run
+        return run if self.choice in (FEEDFORWARD, BOTH) else f"{run}, which is not written"
 
     def _shared(self, benefit: Benefit) -> dict[str, float]:
         return benefit.variant.share(self.estimation.law, benefit.share).feedforward
