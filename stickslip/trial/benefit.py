@@ -6,8 +6,8 @@ that of the log, and what it may become. A compensator is acceptable where the m
 drives of a level is in no motion larger than without it: one drive may stick where another slips,
 and single runs of one that sticks and slips scatter by some per cent.
 
-In a cascade the position counts, too, and errors are against the motion without friction, because
-a loop without full velocity feedforward lags by more than friction adds.
+Errors are against the motion of the loop without friction: what is left of them is what a
+compensator can still do. In a cascade the position counts, too.
 """
 
 from __future__ import annotations
@@ -95,7 +95,10 @@ def feedforward(
 
 @dataclass(frozen=True)
 class TrialError:
-    """RMS error [m/s] or [m] on one simulated drive, without and with compensation."""
+    """RMS error [m/s] or [m] on one simulated drive, without and with compensation.
+
+    Errors are against the motion of the loop without friction.
+    """
 
     speed: float  # largest of the command [m/s]
     drive: str  # how its friction differs from the fitted one
@@ -402,12 +405,9 @@ class _Runs(ExitStack):
             )
             for command in bench.commands
         }
+        figures = ("drive.v", "drive.x") if loop.K_x else ("drive.v",)
         self.targets = {
-            command.name: dict(
-                zip(("drive.v", "drive.x"), loop.response(command.v_cmd), strict=True)
-            )
-            if loop.K_x
-            else {"drive.v": command.v_cmd}
+            command.name: dict(zip(figures, loop.response(command.v_cmd), strict=False))
             for command in bench.commands
         }
         self.bench, self.chain = bench, variant.chain
@@ -430,7 +430,7 @@ class _Runs(ExitStack):
         self.simulations[law] = self.enter_context(Runs(specification, bench.workers))
 
     def errors(self, drive: Drive, command: Command, variant: Variant) -> Errors:
-        """Return the RMS of v - v_cmd [m/s], or those of a cascade against its targets.
+        """Return the RMS errors of velocity [m/s] and, in a cascade, position [m].
 
         They are infinite when the run fails or the loop runs away.
         """

@@ -77,13 +77,11 @@ class Run:
         return self.simulation.run(values, commands)["drive.v"]
 
     def error(self, compensator: Mapping[str, float] | None = None) -> float:
-        """Return the RMS of v - v_cmd [m/s]; infinite when the run fails or the loop runs away.
+        """Return the RMS of the velocity against that of the loop without friction [m/s].
 
-        In a cascade, which may lag behind its command, it is that to the motion without friction.
+        It is infinite when the run fails or the loop runs away.
         """
-        loop, target = self.trial.loop, self.trial.v_cmd
-        if loop.K_x:
-            target, _ = loop.response(target)
+        target, _ = self.trial.loop.response(self.trial.v_cmd)
         try:
             v = self.velocity(compensator)
             require_bounded(v, float(np.max(np.abs(self.trial.v_cmd))))
