@@ -770,6 +770,11 @@ def is_planned(**limits):
 CASES: dict[str, tuple[Any, object, object]] = {
     # threshold: decision, verdict with its value, and with twice of it, or half where /2 stands
     "harm.WORSE": (lambda: MotionErrors((TrialError(1.0, "", 1.0, 1.2),)).is_worse, True, False),
+    "harm.PROMISED": (
+        lambda: MotionErrors((TrialError(1.0, "", 1.0, 0.5),)).interval,
+        (0.25, 1.0),
+        (0.125, 2.0),
+    ),
     "harm.FALLS/2": (lambda: LearnSettings().friction_range[0], 0.7, 0.35),
     "harm.GROWS": (lambda: LearnSettings().friction_range[1], 1.3, 2.6),
     "harm.EXPLAINS": (lambda: set(evidence()), {"lugre"}, {"lugre", "coulomb_stribeck"}),

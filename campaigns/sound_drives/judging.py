@@ -18,14 +18,12 @@ from campaigns.sound_drives.drives import ENCODER_NOISE, STICKSLIP, Drive
 
 MOTIONS = ("fast", "slow", "creep", "move_60", "move_4")
 PREDICTED = dict(zip(("fast", "slow", "creep", "move_4", "move_60"), range(5), strict=True))
-"""Motion -> place of the one that is most like it in the trial of ``learn``."""
+"""Motion -> place of the one that is most like it in the predictions of ``learn``."""
 LEVELS = (1.0, 0.7, 1.3)
 """F_c and F_s of the drive, relative to those at the log."""
 SEEDS = (1, 2, 3)
 REST = 0.1  # before and after each motion [s]
 INTERVALS = ("m", "b", "F_c", "F_s", "v_s", "sigma_0")
-HOLDS = 1.02
-"""A ratio of at most this many times the predicted one is as predicted."""
 SIGNALS = {
     "compensator": {"v_cmd": "v_cmd", "x_cmd": "x_cmd", "a_cmd": "0.0"},
     "observer": {"x_enc": "x_enc", "F_m": "F_m", "F_in": "F", "v_r": "v_r"},
@@ -152,7 +150,7 @@ def judged(drive: Drive, learned: Path, said: str = "") -> dict[str, Any]:
                 return row | {"why": f"not exported: {error.stderr}"}
             by_level = {level: ratios(drive, level, compensator) for level in LEVELS}
         row |= _written(document, names) | _measured(by_level)
-        row |= _predictions(document, row, by_level[1.0])
+        row |= _predictions(document, by_level[1.0])
     return row | _intervals(document, drive.truth)
 
 
@@ -171,21 +169,19 @@ def _measured(by_level: Mapping[float, Mapping[str, float]]) -> dict[str, float]
     return {name: round(ratio, 4) for name, ratio in found.items()}
 
 
-def _predictions(
-    document: Mapping[str, Any], written: Mapping[str, Any], true: Mapping[str, float]
-) -> dict[str, Any]:
-    """Return the ratios on the fitted drive, and how many hold on the worst drive of the family."""
-    found: dict[tuple[str, float], list[float]] = {}
-    for one in document.get("tracking_error", []):
-        tried = {"written": one["compensation"].partition(",")[0], "share": round(one["share"], 3)}
-        if tried.items() <= written.items() and one["figure"] == "velocity":
-            found.setdefault((one["drive"], one.get("friction", 1.0)), []).append(one["ratio"])
-    family = [one for one in found.values() if len(one) == len(MOTIONS)]
-    if not family:
+def _predictions(document: Mapping[str, Any], true: Mapping[str, float]) -> dict[str, Any]:
+    """Return the predicted ratios, and how many intervals hold the true ones."""
+    rows = [
+        one
+        for one in document.get("predicted_error", [])
+        if one["friction"] == 1.0 and one["figure"] == "velocity"
+    ]
+    if len(rows) != len(MOTIONS):
         return {}
-    row = {f"predicted_{name}": round(family[0][PREDICTED[name]], 4) for name in MOTIONS}
-    held = [true[n] <= HOLDS * max(one[PREDICTED[n]] for one in family) for n in MOTIONS]
-    return row | {"held": sum(held)}
+    found = {name: rows[PREDICTED[name]] for name in MOTIONS}
+    held = [one["low"] <= true[name] <= one["high"] for name, one in found.items()]
+    predicted = {f"predicted_{name}": round(one["ratio"], 4) for name, one in found.items()}
+    return predicted | {"held": sum(held)}
 
 
 def _intervals(document: Mapping[str, Any], truth: Mapping[str, float]) -> dict[str, str]:

@@ -144,6 +144,12 @@ class MotionErrors:
         return min(ratios), max(ratios)
 
     @property
+    def interval(self) -> tuple[float, float]:
+        """Ratios between which that of the true drive is expected."""
+        low, high = self.span
+        return low / harm.PROMISED, high * harm.PROMISED
+
+    @property
     def is_worse(self) -> bool:
         """Whether the error grows by more than allowed on half of the drives."""
         return not self.median.ratio <= harm.WORSE

@@ -168,12 +168,12 @@ def findings(estimation: Estimation, found: Iterable[Finding]) -> Table:
 def predicted(benefit: Benefit) -> Table:
     """Return the error with a compensator over that without it, at each level of friction.
 
-    A row has the median and the range over the drives in one motion.
+    A row has the median over the drives in one motion, and the interval of the true drive.
     """
     names = ("motion", "figure", "speed", "friction", "drives", "ratio", "low", "high", "decides")
     rows = []
     for one in (*benefit.motions, *by_motion(benefit.beyond)):
-        row, (low, high) = one.rows[0], one.span
+        row, (low, high) = one.rows[0], one.interval
         values = row.command, row.figure, row.speed, one.level, len(one.rows), one.median.ratio
         rows.append(dict(zip(names, (*values, low, high, one in benefit.motions), strict=True)))
     return Table([Column(name) for name in names], rows)
@@ -184,8 +184,8 @@ def errors(benefit: Benefit) -> Iterator[tuple[str, Table]]:
 
     def motion(name: str) -> Column:
         def both(one: MotionErrors, show: Callable[[float], str]) -> str:
-            low, high = map(show, one.span)
-            return show(one.median.ratio) + (f" ({low} to {high})" if low != high else "")
+            low, high = map(show, one.interval)
+            return f"{show(one.median.ratio)} ({low} to {high})"
 
         return Column(
             name,

@@ -30,7 +30,7 @@ def print_benefit(benefit: Benefit, name: str, file: TextIO | None = None) -> No
     for figure, table in tables.errors(benefit):
         print(
             f"\nRMS error of {figure} with {name}{share} over that without compensation, median of"
-            f" simulated drives (least to largest):\n{table.text()}",
+            f" simulated drives (where that of the true one is expected):\n{table.text()}",
             file=file,
         )
 
