@@ -121,8 +121,7 @@ UNEVEN = 0.1  # share by which friction differs by direction, and along the guid
 PERIOD = 0.4  # length of its variation along the guide, as a share of the travel
 _REST = 0.1  # pause between moves [s]
 _LEAST = 20  # samples in a move
-_STEPS = 5.0  # presliding deflection in encoder steps where no stiffness is known
-_DEFLECTION = 1e-4  # the same over the command's speed [s], without an encoder
+_DEFLECTION = 1e-4  # presliding deflection over the command's speed where no stiffness is known [s]
 
 
 @dataclass(frozen=True)
@@ -212,9 +211,7 @@ def commands(
         t = np.arange(round((slower.corners()[-1] + slower.begin) / T_s) + 1) * T_s
         found.append(Command(f"{1e3 * slower.height:.3g} {unit}", slower.sample(t)))
     for name, (deflections, steps, share) in MOVES.items():
-        length = max(
-            deflections * deflection(friction, command, encoder_step), steps * encoder_step
-        )
+        length = max(deflections * deflection(friction, command), steps * encoder_step)
         length = min(length, share * travel(command))
         found.append(Command(name, _moves(length, command, T_s)))
     return tuple(found)
@@ -225,11 +222,11 @@ def travel(command: Trapezoid) -> float:
     return abs(command.height) * (command.plateau + abs(command.height) / command.slope)
 
 
-def deflection(friction: Values, command: Trapezoid, encoder_step: float = 0.0) -> float:
-    """Return the presliding deflection F_c / sigma_0 [m], or a small one for this encoder."""
+def deflection(friction: Values, command: Trapezoid) -> float:
+    """Return the presliding deflection F_c / sigma_0 [m], or one typical of the speed."""
     if "sigma_0" in friction:
         return friction["F_c"] / friction["sigma_0"]
-    return _STEPS * encoder_step or _DEFLECTION * abs(command.height)
+    return _DEFLECTION * abs(command.height)
 
 
 def _creep(friction: Values, command: Trapezoid) -> float:

@@ -306,7 +306,10 @@ def bench_of(
     with temporary_folder() as folder:
         step, rotary = datasheet.encoder_step, loop.axis.rotary
         stiffness = loop.K_i + loop.K_p * loop.K_x
-        tried = commands(command, loop.T_s, friction, step, stiffness=stiffness, rotary=rotary)
+        # A law without presliding does not tell how small a small move is, but a rival may.
+        contact = next((one.parameters for one in drives if "sigma_0" in one.parameters), {})
+        known = {**contact, **friction}
+        tried = commands(command, loop.T_s, known, step, stiffness=stiffness, rotary=rotary)
         bench = Bench(
             folder,
             law,
