@@ -113,9 +113,13 @@ CREEP = (0.3, 0.003, 0.03)
 """Speed of creep over the Stribeck velocity, and its bounds as shares of the log's speed; the
 geometric mean of both where no such velocity is known."""
 SLIPS = (3.0, 5.0)  # times that an integral needs to break away in creep, and most of them [s]
-MOVES = {"micro-steps": (4.0, 10.0, 0.01), "short moves": (60.0, 100.0, 0.1)}
+MOVES = {
+    "micro-steps": (4.0, 10.0, 0.01),
+    "short moves": (60.0, 100.0, 0.1),
+    "smallest moves": (0.0, 20.0, 0.01),
+}
 """Lengths of small moves: in presliding deflections, at least in encoder steps, and at most as a
-share of the travel."""
+share of the travel; the last of a law that does not tell how far a drive moves before it slips."""
 BEYOND = (0.5, 2.0)  # levels of friction that decide nothing, and are shown beside the others
 UNEVEN = 0.1  # share by which friction differs by direction, and along the guide
 PERIOD = 0.4  # length of its variation along the guide, as a share of the travel
@@ -198,6 +202,7 @@ def commands(
     stiffness: float = math.inf,  # force per travel of a loop whose drive is held [N/m]
     *,
     rotary: bool = False,
+    is_static: bool = False,  # whether the law has no presliding
 ) -> tuple[Command, ...]:
     """Return the commands: a trapezoid at two speeds, creep that slides, and small moves."""
     unit = motion_unit("mm/s", rotary=rotary)
@@ -211,6 +216,8 @@ def commands(
         t = np.arange(round((slower.corners()[-1] + slower.begin) / T_s) + 1) * T_s
         found.append(Command(f"{1e3 * slower.height:.3g} {unit}", slower.sample(t)))
     for name, (deflections, steps, share) in MOVES.items():
+        if not (deflections or (encoder_step and is_static)):
+            continue
         length = max(deflections * deflection(friction, command), steps * encoder_step)
         length = min(length, share * travel(command))
         found.append(Command(name, _moves(length, command, T_s)))

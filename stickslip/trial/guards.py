@@ -309,7 +309,8 @@ def bench_of(
         # A law without presliding does not tell how small a small move is, but a rival may.
         contact = next((one.parameters for one in drives if "sigma_0" in one.parameters), {})
         known = {**contact, **friction}
-        tried = commands(command, loop.T_s, known, step, stiffness=stiffness, rotary=rotary)
+        kind = {"rotary": rotary, "is_static": "sigma_0" not in friction}
+        tried = commands(command, loop.T_s, known, step, stiffness=stiffness, **kind)
         bench = Bench(
             folder,
             law,
