@@ -25,11 +25,11 @@ from campaigns.never_worse import Drive as Commanded
 from stickslip.cosim import Simulation
 from stickslip.fmi.process import temporary_folder
 from stickslip.identification.estimation import LearnSettings
-from stickslip.logs import aligned, samples_late
+from stickslip.logs import aligned, read_and_check, samples_late
 from stickslip.servo.systems import Compensator, build_fmus, build_loop
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
-from stickslip.studies.learn.log_learning import read_and_check, with_trial
+from stickslip.studies.learn.log_learning import with_trial
 from stickslip.trial.compensator_trial import loops_of_log
 from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER
 

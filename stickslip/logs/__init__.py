@@ -1,5 +1,6 @@
 """Logs of drives: read, checked, put on an even grid."""
 
+from stickslip.logs.checked import read_and_check
 from stickslip.logs.checks import check_recording
 from stickslip.logs.description import (
     ROLES,
@@ -35,6 +36,7 @@ __all__ = [
     "implausible_mass",
     "load_description",
     "raise_errors",
+    "read_and_check",
     "read_recording",
     "samples_late",
     "signal_delay",
