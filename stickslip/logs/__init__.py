@@ -15,6 +15,7 @@ from stickslip.logs.motion import aligned, force_delay, samples_late, signal_del
 from stickslip.logs.plausibility import check_units, implausible_mass
 from stickslip.logs.reading import Reading, raise_errors, read_recording
 from stickslip.logs.recording import Finding, Motion, Recording
+from stickslip.logs.stretch import shortened
 
 __all__ = [
     "ROLES",
@@ -39,5 +40,6 @@ __all__ = [
     "read_and_check",
     "read_recording",
     "samples_late",
+    "shortened",
     "signal_delay",
 ]
