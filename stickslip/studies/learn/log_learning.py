@@ -24,7 +24,6 @@ from stickslip.logs import (
     raise_errors,
     read_and_check,
     samples_late,
-    shortened,
 )
 from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Rig
@@ -116,12 +115,11 @@ def learn(
         raise_errors(path, findings)
         progress.findings(findings)
         recording = aligned(reading.recording, samples_late(reading.recording))
-        recording, found = shortened(recording)
         reading = replace(reading, recording=recording)
         if isinstance(source, Rig):
-            found = (*found, *check_rig(reading))
-        progress.findings(found)
-        findings = (*findings, *found)
+            found = tuple(check_rig(reading))
+            progress.findings(found)
+            findings = (*findings, *found)
         gains, design = reading.controller.parameters(), partial(loops_of_log, reading)
         learned = learn_recording(
             recording, gains, design, findings, settings=chosen, progress=progress
