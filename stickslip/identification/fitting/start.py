@@ -172,8 +172,7 @@ def _curve(model: InverseModel, recording: Recording, delay: float) -> FrictionC
 def _curve_of(
     position: bytes, force: bytes, T_s: float, step: float, delay: float
 ) -> FrictionCurve | None:
-    signals = (np.frombuffer(signal) for signal in (position, force))
-    return friction_curve(*signals, T_s, step, delay=delay)
+    return friction_curve(np.frombuffer(position), np.frombuffer(force), T_s, step, delay=delay)
 
 
 def _line(model: InverseModel, top: float) -> tuple[float, float, float, float, float]:
