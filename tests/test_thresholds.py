@@ -44,6 +44,7 @@ from stickslip.logs import (
     plausibility,
     same_command,
     sampling,
+    shortened,
     units,
 )
 from stickslip.logs import reading as log_reading
@@ -487,6 +488,11 @@ def is_rigid(samples):
         return motion.rigid(DRIVE, motion.kinematics(DRIVE)) is not None
 
 
+def is_cut(samples, T_s):
+    t = T_s * np.arange(samples)
+    return bool(shortened(Recording(t, np.sin(t)))[1])
+
+
 def is_short(duration, samples):
     t = np.linspace(0.0, duration, samples)
     return bool(list(checks._signals(Recording(t, np.sin(t), np.sin(t)), Controller())))
@@ -867,6 +873,8 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "log_content.FEWEST": (lambda: on_grid(samples=30) == ["refused"], False, True),
     "log_content.DURATION": (lambda: is_short(1.5, 9000), False, True),
     "log_content.SAMPLES": (lambda: is_short(9.0, 700), False, True),
+    "log_content.LONGEST": (lambda: is_cut(450_000, T_s=1e-4), True, False),
+    "log_content.MOST": (lambda: is_cut(150_000, T_s=1e-3), True, False),
     "log_content.TRAVEL": (lambda: is_short_travel(150), False, True),
     "log_content.MOVING": (lambda: shows(moving=0.15), 0, 1),
     "log_content.SLIDING": (lambda: is_rigid(70), True, False),

@@ -12,9 +12,8 @@ from campaigns.fault_matrix.outcome import outcome_of, remarks_of
 from campaigns.fault_matrix.recordings import record
 from stickslip.errors import StickslipError
 from stickslip.fmi.process import temporary_folder
-from stickslip.logs import Description, raise_errors
+from stickslip.logs import Description, raise_errors, read_and_check
 from stickslip.servo.systems import build_fmus
-from stickslip.studies.learn.log_learning import read_and_check
 
 CELL = ("drive", "seed", "fault")
 Row = dict[str, object]

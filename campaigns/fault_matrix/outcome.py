@@ -12,11 +12,10 @@ import stickslip as ss
 from campaigns.fault_matrix.drives import Drive, steady
 from stickslip.errors import StickslipError
 from stickslip.evaluation.motions import VALIDATION
-from stickslip.logs import Description, Finding, raise_errors
+from stickslip.logs import Description, Finding, raise_errors, read_and_check
 from stickslip.models import build_fmu
 from stickslip.servo.systems import Compensator, build_loop
 from stickslip.studies.learn.learned import LearnedFromRecording
-from stickslip.studies.learn.log_learning import read_and_check
 
 MASS_TOLERANCE = 0.02
 FRICTION_TOLERANCE = 0.05

@@ -16,11 +16,10 @@ from stickslip.cosim.ssp.structure import Package
 from stickslip.errors import StickslipError, UsageError
 from stickslip.ga.execution import checkpoint
 from stickslip.learned.file import LearnedFile
-from stickslip.logs import Description, load_description, raise_errors
+from stickslip.logs import Description, load_description, raise_errors, read_and_check
 from stickslip.models.errors import LtiError
 from stickslip.models.lti.system import read_lti
 from stickslip.studies.fleet.table import read_fleet
-from stickslip.studies.learn.log_learning import read_and_check
 from tests.corpus.defects.reference import members, pack
 from tests.corpus.hostile.packages import (
     bound,

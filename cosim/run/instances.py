@@ -98,6 +98,7 @@ class Instances:
         self.moved = np.ctypeslib.as_array(moved)
         run.moved, run.began = moved, (ctypes.c_double * run.width)()
         self.coupled.attach(run)
+        self._known: dict[frozenset[str], Settings] = {}
         self._attach_settings(system.parameters)
         self._instantiate()
 
@@ -127,8 +128,10 @@ class Instances:
         return StateAccess(name, version, self.libraries[name], instance, self._mark_fatal)
 
     def _attach_settings(self, names: Iterable[str]) -> None:
-        system = self.plan.spec.system
-        self._settings = Settings(system, names, self.libraries, self.general)
+        system, key = self.plan.spec.system, frozenset(names)
+        if key not in self._known:
+            self._known[key] = Settings(system, names, self.libraries, self.general)
+        self._settings = self._known[key]
         for name, slot in self.slots.items():
             self._settings.attach(name, slot)
 

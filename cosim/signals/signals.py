@@ -265,15 +265,15 @@ def sampled(name: str, signal: Input, time: Array) -> Array:
             f"input {name!r}: expected numbers in the unit of the input, got a quantity in"
             f" {signal.units}; give the magnitude of quantity.to(unit)"
         )
-    wrong = f"input {name!r}: expected numbers, got {printable(repr(signal), 80)}"
+    wrong = f"input {name!r}: expected numbers, got "  # a run of numbers formats none of them
     kind = getattr(getattr(signal, "dtype", None), "kind", "")
     if isinstance(signal, str | bytes | complex) or kind == "c":
-        raise SignalError(wrong)
+        raise SignalError(wrong + printable(repr(signal), 80))
     try:
         plain: Any = signal
         values = np.asarray(np.ma.filled(plain, np.nan), dtype=np.float64)
     except (TypeError, ValueError):
-        raise SignalError(wrong) from None
+        raise SignalError(wrong + printable(repr(signal), 80)) from None
     if values.ndim and values.shape != time.shape:
         raise SignalError(
             f"input {name!r} has the shape {values.shape}, expected {time.shape}:"

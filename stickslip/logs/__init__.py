@@ -1,5 +1,6 @@
 """Logs of drives: read, checked, put on an even grid."""
 
+from stickslip.logs.checked import read_and_check
 from stickslip.logs.checks import check_recording
 from stickslip.logs.description import (
     ROLES,
@@ -14,6 +15,7 @@ from stickslip.logs.motion import aligned, force_delay, samples_late, signal_del
 from stickslip.logs.plausibility import check_units, implausible_mass
 from stickslip.logs.reading import Reading, raise_errors, read_recording
 from stickslip.logs.recording import Finding, Motion, Recording
+from stickslip.logs.stretch import shortened
 
 __all__ = [
     "ROLES",
@@ -35,7 +37,9 @@ __all__ = [
     "implausible_mass",
     "load_description",
     "raise_errors",
+    "read_and_check",
     "read_recording",
     "samples_late",
+    "shortened",
     "signal_delay",
 ]

@@ -144,9 +144,10 @@ class Picture:
 
 def _settle(figure: Figure) -> None:
     """Place the axes for good, to six digits: the layout's solver varies in the last ones."""
-    if figure.get_layout_engine() is None:
+    engine = figure.get_layout_engine()
+    if engine is None:
         return
-    figure.draw_without_rendering()
+    engine.execute(figure)
     figure.set_layout_engine(None)
     for axes in figure.axes:
         left, bottom, width, height = (round(side, 6) for side in axes.get_position().bounds)

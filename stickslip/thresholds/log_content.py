@@ -8,6 +8,10 @@ DURATION = Threshold(1.0, unit="s")
 """Duration below which there is a warning that the log is short."""
 SAMPLES = Threshold(500)
 """The same in samples."""
+LONGEST = Threshold(30, "plans last 20 s", unit="s")
+"""Duration above which only the stretch that shows most of the drive is learned from."""
+MOST = Threshold(100_000, unit="samples")
+"""The same in samples; a stretch has the larger of both."""
 TRAVEL = Threshold(100, unit="encoder steps")
 """Travel below which there is a warning that the encoder is coarse."""
 MOVING = Threshold(0.1)

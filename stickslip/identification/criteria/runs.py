@@ -47,7 +47,7 @@ def candidate_fmus(law: str = "lugre") -> Iterator[Path]:
         yield folder
 
 
-RECENT = 64  # number of runs whose results a criterion keeps: some Jacobians of a fit
+RECENT = 12  # number of runs whose results a criterion keeps: those of one Jacobian
 
 T = TypeVar("T")
 R = TypeVar("R")

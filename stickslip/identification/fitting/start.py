@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -163,8 +164,15 @@ def begin(model: InverseModel, recording: Recording, scale: Scale = SI) -> Start
 def _curve(model: InverseModel, recording: Recording, delay: float) -> FrictionCurve | None:
     if model.measures_friction:
         return None
-    position, force = position_of(recording), measured_force(recording)
-    return friction_curve(position, force, model.T_s, recording.encoder_step, delay=delay)
+    signals = (position_of(recording).tobytes(), measured_force(recording).tobytes())
+    return _curve_of(*signals, model.T_s, recording.encoder_step, delay)
+
+
+@lru_cache(1)  # every law that is compared asks for that of the same signals
+def _curve_of(
+    position: bytes, force: bytes, T_s: float, step: float, delay: float
+) -> FrictionCurve | None:
+    return friction_curve(np.frombuffer(position), np.frombuffer(force), T_s, step, delay=delay)
 
 
 def _line(model: InverseModel, top: float) -> tuple[float, float, float, float, float]:

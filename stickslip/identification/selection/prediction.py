@@ -20,6 +20,7 @@ from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.fitting.fit import (
     BLOCKS,
     DRAWS,
+    ROUGH,
     Fit,
     fit,
     inverse_information,
@@ -260,8 +261,10 @@ def _fitted(inverse: InverseModel, candidate: Candidate, scale: Scale) -> Fit:
     with InverseModel(inverse.fmus, thinned, cutoff, law=candidate.law) as thin:
         criterion = thin.over(space)
         starts = [space.encode(start.line), *_points(criterion, start, space)]
-        found = select(variants(criterion, fit(criterion, starts)), law_choice.EXPONENT).fit
-    return fit(inverse.over(found.space), [found.q])
+        found = select(
+            variants(criterion, fit(criterion, starts, ROUGH), ROUGH), law_choice.EXPONENT
+        ).fit
+    return fit(inverse.over(found.space), [found.q], ROUGH)
 
 
 def _thinned(recording: Recording) -> Recording:

@@ -40,6 +40,7 @@ so that it is not that of a steady speed while a drive sticks and slips."""
 GUARDS = (0.32, 0.64)  # distances from rows that are not used, in periods of the cut-off
 HARMONICS, KNOTS, STEPS = 40, 10, 6  # bases along the guide, over speed, and since a reversal
 LONGEST = 1 << 6  # largest number of samples in a row
+ENOUGH = 50_000  # rows, of which more make nothing sharper
 SPEEDS = 12
 SPAN = (0.03, 0.97)  # quantiles of the speeds between which the curve is given
 DEGREES = 40  # degrees of freedom of the variance within one regression
@@ -158,6 +159,8 @@ def friction_curve(
 def _samples_per_row(position: Array, T_s: float, noise: float) -> int:
     """Return the least number, a power of two, with which noise does not bias the mass."""
     q = 2
+    while len(position) // q > ENOUGH:
+        q *= 2
     while q < LONGEST and len(position) // (4 * q) > curve_shown.ROWS:
         cutoff = SHARE / (q * T_s)
         a = derivative(derivative(smoothed(position, T_s, cutoff), T_s), T_s)

@@ -119,18 +119,17 @@ def run(options: argparse.Namespace) -> Answer:
         raise UsageError("--rig: expected no log, no description of one, and no --check")
     if options.compensator != "auto":
         require_parts(options.compensator)
-    from stickslip.studies.learn.folder import FILES
-    from stickslip.trial.candidates import law_of
-
-    law_of(options.compensator, options.law, options.without)
     if options.check:
-        from stickslip.logs import raise_errors
-        from stickslip.studies.learn.log_learning import read_and_check
+        from stickslip.logs import raise_errors, read_and_check
 
         findings = read_and_check(options.log, description)[1]
         print_findings(findings)
         raise_errors(options.log, findings)
         return Answer({"findings": [str(finding) for finding in findings]})
+    from stickslip.studies.learn.folder import FILES
+    from stickslip.trial.candidates import law_of
+
+    law_of(options.compensator, options.law, options.without)
     with reserved(options.out, FILES):
         return Answer(_learn(options, description))
 

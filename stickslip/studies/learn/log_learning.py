@@ -20,10 +20,9 @@ from stickslip.logs import (
     Reading,
     aligned,
     check_recording,
-    check_units,
     implausible_mass,
     raise_errors,
-    read_recording,
+    read_and_check,
     samples_late,
 )
 from stickslip.output import SILENT, Progress
@@ -35,16 +34,6 @@ from stickslip.studies.learn.tracking import with_tracking
 from stickslip.thresholds import control_match
 from stickslip.trial.candidates import law_of
 from stickslip.trial.compensator_trial import loops_of_log, try_compensator
-
-
-def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
-    """Read a log and return it with its findings, errors included.
-
-    Raises RecordingError, UsageError when it cannot be read.
-    """
-    reading = read_recording(path, description, strict=False)
-    checks = check_recording(reading.recording, reading.controller, reading.force_limit)
-    return reading, (*reading.findings, *check_units(reading), *checks)
 
 
 def check_rig(reading: Reading) -> Iterator[Finding]:

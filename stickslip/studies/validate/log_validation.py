@@ -15,11 +15,18 @@ from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.motion import recording_scale
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.learned.file import LearnedFile
-from stickslip.logs import Description, Finding, Reading, aligned, raise_errors, samples_late
+from stickslip.logs import (
+    Description,
+    Finding,
+    Reading,
+    aligned,
+    raise_errors,
+    read_and_check,
+    samples_late,
+)
 from stickslip.logs.description import Controller
 from stickslip.logs.reading import with_velocity_command
 from stickslip.servo.velocity_loop import VelocityLoop
-from stickslip.studies.learn.log_learning import read_and_check
 from stickslip.studies.validate.compared_logs import LogComparison, common, compare, compared
 from stickslip.studies.validate.log_prediction import LogPrediction, predict_log
 

@@ -8,8 +8,7 @@ import pytest
 from synthetic_predictions import predicted
 
 from stickslip.identification.selection import choose, predictions
-from stickslip.logs import load_description
-from stickslip.studies.learn.log_learning import read_and_check
+from stickslip.logs import load_description, read_and_check
 from tests.kept import further
 
 ROOT = Path(__file__).resolve().parents[4]
