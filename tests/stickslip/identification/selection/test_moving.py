@@ -59,3 +59,10 @@ def test_the_regression_predicts_what_it_was_not_fitted_to():
     fitted = np.linalg.lstsq(np.column_stack([np.sign(V), RIGID])[MOVES], other[MOVES])[0]
     rest = (other - np.column_stack([np.sign(V), RIGID]) @ fitted)[MOVES]
     assert compared(NOISE, other).regression > 1.05 * np.sqrt(np.mean(rest**2))
+
+
+def test_each_fold_of_a_short_recording_leaves_something_to_fit():
+    for n in (600, 1100, 2700, 40_000):
+        split = list(folds(n, 65))
+        assert all(fold.fitted.sum() > 65 for fold in split)
+        assert np.all(sum(fold.held_out.astype(int) for fold in split) == 1)
