@@ -62,7 +62,7 @@ def is_less(one: Array, other: Array) -> bool:
     Either the difference of the mean squares or their ratio must be significant: where one law
     fails in few blocks only, the difference has a large standard error.
     """
-    if np.mean(one) > law_choice.MARGIN**2 * np.mean(other):
+    if len(one) < 2 or np.mean(one) > law_choice.MARGIN**2 * np.mean(other):
         return False
     least = np.finfo(float).tiny
     ratio = np.log(np.maximum(other, least) / np.maximum(one, least))
