@@ -23,7 +23,7 @@ from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.runs import Diverged, require_bounded
 from stickslip.identification.estimation import LearnSettings
 from stickslip.identification.estimation import task as estimation_task
-from stickslip.identification.fitting import bootstrap, identifiability, search
+from stickslip.identification.fitting import bootstrap, identifiability, search, start
 from stickslip.identification.fitting.identifiability import (
     LEVELS,
     NOT_IDENTIFIABLE,
@@ -48,7 +48,7 @@ from stickslip.logs import (
     units,
 )
 from stickslip.logs import reading as log_reading
-from stickslip.logs.excitation import Excitation, TurnAround, _one_way
+from stickslip.logs.excitation import Excitation, TurnAround, is_one_way
 from stickslip.planning import Limits
 from stickslip.rigs import ads_rig, contract, remote, served_drive
 from stickslip.rigs.ads_rig import AdsRig
@@ -506,7 +506,7 @@ def is_short_travel(steps):
 def one_way(share):
     v = np.where(np.arange(1000) < 1000 * share, -1.0, 1.0)
     with patch("stickslip.logs.excitation.sliding", lambda *_: np.full(1000, True)):
-        return _one_way(namespace(T_s=T_S), namespace(v=v))
+        return is_one_way(namespace(T_s=T_S), namespace(v=v))
 
 
 TABLE: Any = namespace(path="log.csv", row=int, part=lambda _: TABLE)
@@ -833,6 +833,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "curve_shown.CERTAIN": (curve, {"ripple"}, set()),
     "curve_shown.VARIES": (lambda: not_explained(varying=0.007), True, False),
     "curve_shown.CONTRADICTED": (lambda: not_explained(apart=2.0), True, False),
+    "curve_shown.NEGATIVE": (lambda: start._massless(-3.0, 1.0, "")[0].spoils, "intervals", ""),
     "law_choice.STATIC": (lambda: tied(1.2), False, True),
     "law_choice.TIE": (lambda: is_less(0.1, 0.2), True, False),
     "law_choice.MARGIN/2": (lambda: is_less(0.4, 0.0), True, False),

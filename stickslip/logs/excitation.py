@@ -70,7 +70,7 @@ def excitation(recording: Recording) -> Excitation:
         slow_samples=int(np.sum(slow)),
         speeds=(float(low), float(high)),
         reversals=len(turns),
-        one_way=_one_way(recording, motion),
+        one_way=is_one_way(recording, motion),
         spacing=float(np.median(np.diff(turns))) if len(turns) > 1 else np.inf,
         acceleration=float(np.quantile(np.abs(motion.a), 0.99)),
         mass=float(fit[0]) if np.isfinite(inertial) else np.nan,
@@ -80,7 +80,7 @@ def excitation(recording: Recording) -> Excitation:
     )
 
 
-def _one_way(recording: Recording, motion: Kinematics) -> bool:
+def is_one_way(recording: Recording, motion: Kinematics) -> bool:
     """Tell whether fast motion, if there is any, has one direction."""
     ahead = motion.v[sliding(motion, recording.T_s)] > 0.0
     share = float(np.mean(ahead)) if len(ahead) else 0.5

@@ -107,7 +107,8 @@ def _low_passed(recording: Recording) -> Finding | None:
     every = rigid_columns(motion, recording.T_s)
     force = spline(recording.t + late)
     plain, mass = _fitted(drive.columns, force[drive.used])
-    if plain <= log_force.EXACT**2 * float(np.sum(drive.force[drive.used] ** 2)):
+    whole = float(np.sum(drive.force[drive.used] ** 2))
+    if mass <= 0.0 or plain <= log_force.EXACT**2 * whole:  # else of a drive that hardly slides
         return None
     trials = []
     for lag in LAGS:

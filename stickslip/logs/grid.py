@@ -67,7 +67,7 @@ def continuous(
             figure += f"{table.row(first)}"
             findings.append(Finding("note", f"{role} restarts, and was counted on", figure))
         elif role == "position" and at.size:
-            findings.append(_jumped(table, t, known[at], sizes, unit=per))
+            findings.append(_jumped(table, t, signals[role], known[at], sizes, unit=per))
     return signals
 
 
@@ -150,15 +150,25 @@ def _blank(
     findings.append(Finding("warning", what, figure, "filled in"))
 
 
-def _jumped(table: LogTable, t: Array, at: NDArray[np.intp], sizes: Array, unit: str) -> Finding:
-    """Return the error of a position that jumps, with the longest part that does not."""
+def _jumped(
+    table: LogTable, t: Array, x: Array, at: NDArray[np.intp], sizes: Array, unit: str
+) -> Finding:
+    """Return the error of a position (n,) that jumps, with the longest part that does not.
+
+    In a part, smaller jumps may stand out than in the whole.
+    """
     first = int(np.argmax(np.abs(sizes)))
     figure = f"by {quantity(float(sizes[first]), unit, 4)} in row {table.row(int(at[first]) + 1)}"
     if at.size > 1:
         figure += f", and {at.size - 1} times more"
-    edges = np.concatenate([[0], at + 1, [len(t)]])
-    k = int(np.argmax(np.diff(edges)))
-    span = t[[edges[k], edges[k + 1] - 1]] + np.mean(np.diff(t)) * np.array([2.0, -2.0])
+    begin, end = 0, len(t)
+    while at.size:
+        edges = np.concatenate([[begin], at + 1, [end]])
+        k = int(np.argmax(np.diff(edges)))
+        begin, end = edges[k] + 2, edges[k + 1] - 2
+        known = begin + np.flatnonzero(np.isfinite(x[begin:end]))
+        at = known[jumps(t[known], x[known])[0]] if len(known) > log_content.FEWEST else at[:0]
+    span = t[[begin, end - 1]]
     advice = f"cut the log there; <span {span[0]:.9g} {span[1]:.9g}> is its longest part"
     return Finding("error", "the position jumps, as no drive can", figure, advice)
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
-from stickslip.logs.excitation import excitation
+from stickslip.logs.excitation import excitation, is_one_way
 from stickslip.logs.motion import FARTHEST, Kinematics, basis, kinematics
 from stickslip.logs.reading import Reading
 from stickslip.logs.recording import Finding, Motion, Recording
@@ -78,12 +78,14 @@ def _unrelated(b: str, a: str, figure: str) -> Finding:
 
 
 def _shared(recording: Recording, force: Array, motion: Kinematics) -> float:
-    """Return the share of a force (n,) like that of a rigid drive, 1 where it hardly moves.
+    """Return the share of a force (n,) like that of a rigid drive, 1 where that is not known.
 
-    The force may be late; most of a chance likeness is that of slow motions.
+    It is not where the drive hardly moves, or in one direction only: a force that rises until the
+    drive breaks away is not like its motion. The force may be late; most of a chance likeness is
+    that of slow motions.
     """
     moving = np.abs(motion.v) > motion.floor
-    if np.mean(moving) < log_unit.MOVING:
+    if np.mean(moving) < log_unit.MOVING or is_one_way(recording, kinematics(recording)):
         return 1.0
     way = smoothed(np.sign(motion.v) * moving, recording.T_s, motion.cutoff)
     columns, _ = basis(np.column_stack([np.ones_like(way), motion.v, motion.a, way]))

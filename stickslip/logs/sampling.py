@@ -21,9 +21,10 @@ def step_of(signal: Array) -> float:
     """Return the step of which all differences of a signal (n,) are multiples; 0 if there is none.
 
     Differences within the rounding of doubles at the size of the signal are ignored. A filtered
-    signal, or one with all its digits, has no step.
+    signal, or one with all its digits, has no step, and one that only rises evenly shows none.
     """
-    differences = np.abs(np.diff(signal[np.isfinite(signal)]))
+    signed = np.diff(signal[np.isfinite(signal)])
+    differences = np.abs(signed)
     if not len(differences):
         return 0.0
     floor = 256 * np.finfo(float).eps * float(np.max(np.abs(signal[np.isfinite(signal)])))
@@ -37,7 +38,9 @@ def step_of(signal: Array) -> float:
         counts = differences / step
         whole = np.abs(counts - np.round(counts)) < 0.05 + floor / step
         if step > 4 * floor and np.mean(whole & (counts > 0.5)) >= SHARE:
-            return step
+            usual = np.round(np.median(signed) / step)
+            even = usual != 0.0 and np.mean(np.round(signed / step) == usual) >= SHARE
+            return 0.0 if even else step
     return 0.0
 
 

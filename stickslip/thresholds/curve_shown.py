@@ -12,3 +12,5 @@ VARIES = Threshold(5e-3, "decision 66")
 """The same as a share of friction, above which the force decides instead of the simulated loop."""
 CONTRADICTED = Threshold(1.5, "decision 82")
 """Distance of a law from the curve, in half-widths of that, above which the curve decides."""
+NEGATIVE = Threshold(2.0, "real-logs: 4 and 15 in presliding, 0.1 and 0.3 while sliding")
+"""Negative mass of a straight line, in standard errors, from which on no value is identifiable."""

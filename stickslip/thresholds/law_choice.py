@@ -10,7 +10,8 @@ STATIC = Threshold(1.02)
 """Held-out error over that of the better of Coulomb-viscous and Coulomb-Stribeck friction, above
 which a law is not chosen, whatever the standard error."""
 UNIDENTIFIED = Threshold(0.7, "decision 60: 0.87 to 0.92 on EMPS, where no parameter is identified")
-"""Error over Coulomb's below which a law takes part though none of its parameters is identified."""
+"""Error over Coulomb's below which a law takes part though none of its parameters is identified;
+over that of another law, below which the two are not tied."""
 RISES = Threshold(2.0)
 """Standard errors by which friction must rise towards rest to be seen to do so."""
 RISE_WORTH = Threshold(1.1)

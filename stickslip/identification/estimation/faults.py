@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.catalog.parameters import Values
+from stickslip.catalog.parameters import DRIVE, Values
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import OutputError
@@ -80,7 +80,7 @@ def hidden(
             changed[name] = replace(
                 one,
                 low=LEAST * one.value,
-                high=max(one.high, strongest),
+                high=one.high if name in DRIVE else max(one.high, strongest),
                 identifiability=NOT_IDENTIFIABLE,
                 template=template,
             )

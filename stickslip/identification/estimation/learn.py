@@ -153,6 +153,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
         step(2, 3)
         faults = (
             *task.faults,
+            *start.findings,
             *found_faults(best, criterion, check, model_error, change=change),
             *held_out.findings,
         )

@@ -298,12 +298,12 @@ def conservative(
 
 
 def largest_friction(inverse: InverseModel, values: Values) -> float:
-    """Return the largest friction of a recording at standstill and creep [N].
+    """Return the largest friction of a recording at standstill and creep, or where slowest [N].
 
     It is bounded by what was measured and by what the values predict, which has less noise.
     """
     speed = np.abs(inverse.motion.v[inverse.used])
-    slow = speed <= CREEP * np.quantile(speed, 0.99)
+    slow = speed <= max(CREEP * np.quantile(speed, 0.99), speed.min())
     predicted = inverse.friction(values)
     modelled = smoothed(predicted, inverse.T_s, inverse.cutoff)[inverse.used]
     measured = modelled + inverse.residual(values)

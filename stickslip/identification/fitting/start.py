@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
-from stickslip.catalog.parameters import ParameterSpace, Values, scaled_start, unit_of
+from stickslip.catalog.parameters import (
+    ParameterSpace,
+    Values,
+    covariance,
+    scaled_start,
+    unit_of,
+)
 from stickslip.errors import IdentificationError
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.motion import SI, Scale, measured_force, position_of
 from stickslip.identification.sliding.friction_curve import FrictionCurve, Interval, friction_curve
-from stickslip.logs import Recording
+from stickslip.logs import Finding, Recording
 from stickslip.servo.measurement import level
 from stickslip.thresholds import curve_shown
 
@@ -33,6 +39,7 @@ class Start:
     line: dict[str, float]  # values by name, in SI units; those of the law except F_c are guesses
     space: ParameterSpace  # with bounds and priors around them
     curve: FrictionCurve | None = None  # without a law; None where the drive slides too little
+    findings: tuple[Finding, ...] = ()  # that the mass does not show
 
     def restored(self, scale: Scale) -> Start:
         """Return line and curve of a scaled recording in SI units; ``space`` stays scaled."""
@@ -119,19 +126,27 @@ def begin(model: InverseModel, recording: Recording, scale: Scale = SI) -> Start
     top = float(np.quantile(np.abs(v[model.used]), 0.999))
     if top <= 0.0:
         raise IdentificationError(f"{recording.source}: the drive does not move")
-    m, b, F_c, F_0, delay = _line(model, top)
-    if F_c <= 0.0 or (m <= 0.0 and not model.measures_friction):
+    whole = _line(model, top)
+    fewer = (("b",),) if whole["m"] > 0.0 else (("m",), ("m", "b"))
+    tried = [whole, *(_line(model, top, without) for without in fewer if not _is_shown(whole))]
+    at = next((one for one in tried if _is_shown(one)), None)
+
+    def said(name: str, value: float) -> str:
+        return f"{value / scale.of(name):.3g} {unit_of(name, rotary=recording.rotary)}"
+
+    straight = f"F = m a + b v + F_c sign(v) gives m = {said('m', whole['m'])}"
+    pushed = float(model.force[model.used] @ v[model.used]) > 0.0
+    if at is None or (at is not whole and not pushed):
         advice = "check signs and units of force and position (<scale force=-1> turns a sign)"
-        if float(model.force[model.used] @ v[model.used]) > 0.0:
+        if pushed:
             advice = "log a faster motion that slides further and accelerates: stickslip plan"
-        given = {
-            name: f"{value / scale.of(name):.3g} {unit_of(name, rotary=recording.rotary)}"
-            for name, value in {"m": m, "F_c": F_c}.items()
-        }
         raise IdentificationError(
-            f"{recording.source}: F = m a + b v + F_c sign(v) gives m = {given['m']} and F_c = "
-            f"{given['F_c']}; expected both above 0: {advice}"
+            f"{recording.source}: {straight} and F_c = {said('F_c', whole['F_c'])}; expected both "
+            f"above 0: {advice}"
         )
+    error = whole["error"]
+    findings = _massless(whole["m"], error, f"{straight} +- {said('m', 2.0 * error)}")
+    m, F_c = whole["m"] + (2.0 * error if findings else 0.0), at["F_c"]
     travel = float(np.ptp(np.cumsum(v) * model.T_s))
     share = PRESLIDING[model.measures_friction]
     deflection = float(np.clip(share * travel, 3.0 * recording.encoder_step, 0.05 * travel))
@@ -151,12 +166,13 @@ def begin(model: InverseModel, recording: Recording, scale: Scale = SI) -> Start
             for one in space.parameters
         },
         "m": mass,
-        "b": max(b, 0.0),
-        "F_0": F_0,
-        "delay": delay,
+        "b": max(at["b"], 0.0),
+        "F_0": at["F_0"],
+        "delay": at["delay"],
         **space.constants,
     }
-    found = Start(line, _around(line, space, top, model), _curve(model, recording, delay))
+    curve = _curve(model, recording, at["delay"])
+    found = Start(line, _around(line, space, top, model), curve, findings)
     shown = {name: one.value for name, one in found.sliding.items()}
     return replace(found, line={**line, **shown})
 
@@ -175,25 +191,48 @@ def _curve_of(
     return friction_curve(np.frombuffer(position), np.frombuffer(force), T_s, step, delay=delay)
 
 
-def _line(model: InverseModel, top: float) -> tuple[float, float, float, float, float]:
-    """Return m, b, F_c, F_0 and the delay of least squares."""
+def _massless(m: float, error: float, figure: str) -> tuple[Finding, ...]:
+    """Return what to tell of a mass of a straight line, with its standard error, that is negative.
+
+    Where that is more than chance, the drive hardly slides, or the force is at fault.
+    """
+    if m >= 0.0:
+        return ()
+    advice = "log quicker ramps of velocity: stickslip plan --show m"
+    found = Finding("warning", "the mass does not show", figure, advice, hides=("m",))
+    certain = m < -curve_shown.NEGATIVE * error
+    return (replace(found, spoils="intervals") if certain else found,)
+
+
+def _is_shown(line: Values) -> bool:
+    """Tell whether a straight line is that of a drive."""
+    return line["F_c"] > 0.0 and line["m"] >= 0.0
+
+
+def _line(model: InverseModel, top: float, without: Collection[str] = ()) -> dict[str, float]:
+    """Return m, b, F_c, F_0 and the delay of least squares, and the standard error of m."""
     v = model.motion.v
     used = np.zeros(len(v), dtype=bool)
     used[model.used] = True
     if model.measures_friction:  # the mean force against the motion, from the work it does
         work = float(model.force[used] @ v[used])
         F_0 = 0.5 * float(np.sum(np.quantile(model.force[used], [0.1, 0.9])))
-        return 0.0, 0.0, work / float(np.abs(v[used]).sum()), F_0, 0.0
+        F_c = work / float(np.abs(v[used]).sum())
+        return dict.fromkeys(("m", "b", "delay", "error"), 0.0) | {"F_c": F_c, "F_0": F_0}
     used &= np.abs(v) > FAST * top
-    regressors = np.column_stack([model.linear, np.sign(v)])[used]
+    names = [name for name in ("m", "b", "F_0", "F_c") if name not in without]
+    every = np.column_stack([model.linear, np.sign(v)])[used]
+    regressors = every[:, [name not in without for name in ("m", "b", "F_0", "F_c")]]
     lines = []
     for delay in DELAYS * model.T_s:
         force = np.interp(model.t - delay, model.t, model.force)[used]
         found, *_ = np.linalg.lstsq(regressors, force, rcond=None)
         rest = force - regressors @ found
-        lines.append((float(rest @ rest), float(delay), found.tolist()))
-    _, delay, (m, b, F_0, F_c) = min(lines)
-    return m, b, F_c, F_0, delay
+        lines.append((float(rest @ rest), float(delay), found.tolist(), rest))
+    _, delay, found, rest = min(lines, key=lambda line: line[:2])
+    error = float(np.sqrt(covariance(regressors, rest)[0, 0]))
+    values = dict.fromkeys(("m", "b"), 0.0) | dict(zip(names, found, strict=True))
+    return values | {"delay": delay, "error": error}
 
 
 def _around(

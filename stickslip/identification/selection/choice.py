@@ -151,8 +151,8 @@ def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice
     Coulomb and viscous friction is the first, LuGre the second. None is chosen that predicts worse
     than friction without presliding. A law with more parameters takes
     part only if the recording identifies one of them at least, or if it predicts much better: the
-    best of several flexible models predicts a little better by chance. A law that fails
-    beside a regression takes no part.
+    best of several flexible models predicts a little better by chance; much better it is not tied
+    with others, even if only in few blocks. A law that fails beside a regression takes no part.
     """
     simplest = predictions[0].force
     able = [
@@ -164,6 +164,7 @@ def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice
     best = min(able, key=lambda one: one.force)
     static = [one.force for one in predictions if not presliding(one.candidate.law)]
     most = law_choice.STATIC * min(static, default=best.force)
+    most = min(most, best.force / law_choice.UNIDENTIFIED)
     tied = [one for one in able if one is best or (one.force <= most and not is_better(best, one))]
     chosen, others = tied[0], [one.candidate.title for one in tied[1:]]
     force = f"{chosen.force:.3g} {unit_of('F_c', rotary=rotary)}"

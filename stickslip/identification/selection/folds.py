@@ -17,7 +17,7 @@ from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import law_choice
 
 FOLDS = 5
-BLOCKS = 40  # blocks of equal duration; every fifth is held out at once
+BLOCKS = 40  # blocks of equal duration, fewer in a short recording; every fifth is held out at once
 
 
 @dataclass(frozen=True)
@@ -28,9 +28,9 @@ class Fold:
     held_out: NDArray[np.bool_]
 
 
-def blocks(n: int) -> NDArray[np.intp]:
+def blocks(n: int, count: int = BLOCKS) -> NDArray[np.intp]:
     """Return the block of each of n samples (n,)."""
-    return np.arange(n) * BLOCKS // n
+    return np.arange(n) * count // n
 
 
 def folds(n: int, memory: int) -> Iterator[Fold]:
@@ -39,9 +39,10 @@ def folds(n: int, memory: int) -> Iterator[Fold]:
     Each one holds out blocks from all over the recording, so that the rest visits the same speeds
     and reversals. The friction law runs along the whole motion, held out or not, so that its
     states have settled where a block begins. Samples nearer to a block than ``memory``, over which
-    the low-pass mixes them, are neither fitted nor predicted.
+    the low-pass mixes them, are neither fitted nor predicted. A block is at least as long as that,
+    so that something is left to fit.
     """
-    block = blocks(n)
+    block = blocks(n, int(np.clip(n // (memory + 1), FOLDS, BLOCKS)))
     for k in range(FOLDS):
         held_out = block % FOLDS == k
         near = np.convolve(held_out, np.ones(2 * memory + 1), mode="same") > 0.5
@@ -61,7 +62,7 @@ def is_less(one: Array, other: Array) -> bool:
     Either the difference of the mean squares or their ratio must be significant: where one law
     fails in few blocks only, the difference has a large standard error.
     """
-    if np.mean(one) > law_choice.MARGIN**2 * np.mean(other):
+    if len(one) < 2 or np.mean(one) > law_choice.MARGIN**2 * np.mean(other):
         return False
     least = np.finfo(float).tiny
     ratio = np.log(np.maximum(other, least) / np.maximum(one, least))

@@ -178,10 +178,7 @@ class LearnedFromRecording(Learned):
         """Why the compensator was not tried; empty where it was."""
         if not isinstance(self.loops, ControlError):
             return ""
-        return (
-            f"it was not tried, because no velocity loop can be closed: {self.loops}; learn from a"
-            " log of position and motor force"
-        )
+        return f"it was not tried, because no velocity loop can be closed: {self.loops}"
 
     @property
     def observer(self) -> Compensator | None:

@@ -195,6 +195,13 @@ def test_a_signal_that_is_unrelated_to_the_motion_is_an_error(check_log, name):
     assert "unrelated" not in check_log(pd.DataFrame(table | {name: own + noise}))[2]
 
 
+def test_a_ramp_of_force_up_to_break_away_is_of_the_axis(check_log):
+    t = np.arange(4000) * 5e-3
+    x = 1e-6 * t + 5e-4 * np.maximum(t - 17.0, 0.0) ** 2
+    _, errors, *_ = check_log(pd.DataFrame({"time": t, "position": x, "force": 0.5 * t}))
+    assert "unrelated" not in "".join(errors)
+
+
 def test_all_errors_are_printed_and_learn_reports_the_first(check, tmp_path, capsys):
     status, errors, _, err = check(names={"force": "iq"}, position=1e-3, velocity_command=1e-3)
     assert status == 1

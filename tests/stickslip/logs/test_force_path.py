@@ -65,3 +65,8 @@ def test_a_delay_beyond_the_search_is_named(delay):
     found = [one for one in spoiled(drive.force) if "delay" in one]
     assert len(found) == 1
     assert f"{np.copysign(100, delay):g} ms, the largest that is looked for" in found[0]
+
+
+def test_presliding_is_no_low_pass():
+    """Its force is that of a spring, like that of a negative mass."""
+    assert spoiled(500.0 * DRIVE.position + NOISE) == []

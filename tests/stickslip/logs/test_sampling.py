@@ -7,7 +7,7 @@ from rigid_drive import rigid_drive
 
 from stickslip.errors import RecordingError
 from stickslip.logs import Description, read_recording
-from stickslip.logs.sampling import mean_period, regular_times
+from stickslip.logs.sampling import mean_period, regular_times, step_of
 
 K = np.arange(6000)
 LOST = np.delete(K, [40, 41, 999, 3000, 3001, 3002, 3003, 5990])
@@ -127,3 +127,9 @@ def test_a_sample_period_does_not_hide_channels_in_turn(log, read):
     """Half of the rows hold no position; a period for each row would be wrong."""
     with pytest.raises(RecordingError, match="without sample_period"):
         read(in_turn(log, 1), sample_period=1e-3)
+
+
+def test_an_even_motion_is_no_step_of_the_encoder():
+    position = np.round(0.2985 * np.arange(400.0), 3)
+    assert step_of(position) == 0.0
+    assert step_of(0.01 * np.round(position * np.sin(position))) == pytest.approx(0.01)

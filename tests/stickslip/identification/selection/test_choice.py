@@ -55,6 +55,13 @@ def test_a_law_that_fails_beside_a_regression_is_not_chosen():
     assert choose(found).chosen.candidate.is_level
 
 
+def test_a_law_that_is_much_worse_in_one_block_only_is_not_tied():
+    """As where the drive breaks away once, and a law without presliding gives any force at rest."""
+    found = laws(plain=4.0, lugre=0.5, static=4.0, gms=9.0)
+    found[0] = replace(found[0], squares=np.where(np.arange(40) == 7, 40 * 16.0, 1e-9))
+    assert choose(found).chosen.candidate.law.name == "lugre"
+
+
 def test_a_law_that_fails_in_one_block_only_is_worse():
     found = laws(lugre=0.5, gms=0.5)
     squares = 1.3 * found[3].squares

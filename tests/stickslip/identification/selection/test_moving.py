@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip.identification.selection.folds import blocks, folds, moving
+from stickslip.identification.selection.folds import blocks, folds, is_less, moving
 
 N, T_S, MEMORY = 8000, 1e-3, 10
 T = T_S * np.arange(N)
@@ -59,3 +59,15 @@ def test_the_regression_predicts_what_it_was_not_fitted_to():
     fitted = np.linalg.lstsq(np.column_stack([np.sign(V), RIGID])[MOVES], other[MOVES])[0]
     rest = (other - np.column_stack([np.sign(V), RIGID]) @ fitted)[MOVES]
     assert compared(NOISE, other).regression > 1.05 * np.sqrt(np.mean(rest**2))
+
+
+@pytest.mark.filterwarnings("error")
+def test_one_block_decides_nothing():
+    assert not is_less(np.array([0.1]), np.array([0.9]))
+
+
+def test_each_fold_of_a_short_recording_leaves_something_to_fit():
+    for n in (600, 1100, 2700, 40_000):
+        split = list(folds(n, 65))
+        assert all(fold.fitted.sum() > 65 for fold in split)
+        assert np.all(sum(fold.held_out.astype(int) for fold in split) == 1)
