@@ -116,7 +116,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
         start = begin(model, recording, scale)
         if task.is_level:
             start = replace(start, space=start.space.level())
-        inverse = model.over(start.narrow(start.space, start.sliding))
+        inverse = model.over(start.narrow(start.space, start.sliding | start.rise))
         progress.stage("searching")
         found, searches = _search(task, inverse, start, lambda one: progress.generation(one, scale))
         corrected = None
@@ -224,7 +224,8 @@ def _search(
         own = replace(how, execution=how.execution.of_seed(seed, seeds))
         algorithm = search(inverse, start, seed, own, on_generation=on_generation)
         values = solve_linear(inverse, start, algorithm.best.values)
-        found = without_stribeck(inverse, best_fit(inverse, start, values))
+        found = best_fit(inverse, start, values)
+        found = found if start.rise else without_stribeck(inverse, found)
         # Coarse encoder steps, and slips shorter than the low-pass, bias the curve more than its
         # exponent does.
         is_biased = coarse(inverse, task.recording) or not presliding(inverse.law)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from stickslip.identification.criteria.motion import SI, Scale, measured_force, 
 from stickslip.identification.sliding.friction_curve import FrictionCurve, Interval, friction_curve
 from stickslip.logs import Recording
 from stickslip.servo.measurement import level
-from stickslip.thresholds import curve_shown
+from stickslip.thresholds import curve_shown, identifiable
 
 FAST = 0.1  # of the top speed: below it sign(v) is not friction
 DELAYS = np.arange(-3.0, 10.01, 0.5)  # in samples
@@ -49,6 +50,13 @@ class Start:
         viscous = replace(viscous, value=max(viscous.value, 0.0), low=max(viscous.low, 0.0))
         return {"m": mass, "b": viscous, "F_0": self.curve.offset}
 
+    @property
+    def rise(self) -> dict[str, Interval]:
+        """Static friction and Stribeck velocity by name, as far as sliding shows them."""
+        if self.curve is None or self.space.is_level:
+            return {}
+        return {name: one for name, one in self.curve.rise.items() if name in self.space.rise}
+
     def beside(self, values: Values) -> dict[str, Interval]:
         """Return what sliding shows, with a law's viscous friction and constant force within it.
 
@@ -60,6 +68,11 @@ class Start:
         found = self.sliding
         if self.curve is None or not found:
             return found
+        found |= {
+            name: replace(one, value=float(np.clip(values[name], one.low, one.high)))
+            for name, one in self.rise.items()
+            if np.log(one.high / one.low) <= 2.0 * identifiable.WEAKLY
+        }
         if self.disagreement(values) <= curve_shown.CONTRADICTED:
             own = {name: found[name] for name in ("b", "F_0")}
             return found | {
@@ -102,9 +115,10 @@ class Start:
         lower, upper = space.lower.copy(), space.upper.copy()
         for name, interval in shown.items():
             k = space.index(name)
+            least = self.line[space.bounded[name]] if name in space.bounded else 1.0
             ends = np.array([interval.low, interval.high])
-            ends = np.log(ends) if space.is_log[k] else ends / space.units[k]
-            lower[k], upper[k] = ends
+            ends = np.log(ends / least) if space.is_log[k] else ends / space.units[k]
+            lower[k], upper[k] = np.maximum(ends, 0.0) if name in space.bounded else ends
         return replace(space, lower=lower, upper=upper)
 
 
@@ -163,8 +177,16 @@ def begin(model: InverseModel, recording: Recording, scale: Scale = SI) -> Start
 def _curve(model: InverseModel, recording: Recording, delay: float) -> FrictionCurve | None:
     if model.measures_friction:
         return None
-    position, force = position_of(recording), measured_force(recording)
-    return friction_curve(position, force, model.T_s, recording.encoder_step, delay=delay)
+    signals = (position_of(recording).tobytes(), measured_force(recording).tobytes())
+    return _curve_of(*signals, model.T_s, recording.encoder_step, delay)
+
+
+@lru_cache(maxsize=2)
+def _curve_of(
+    position: bytes, force: bytes, T_s: float, step: float, delay: float
+) -> FrictionCurve | None:
+    """Return the curve of signals; the estimation of each law asks for the same one."""
+    return friction_curve(np.frombuffer(position), np.frombuffer(force), T_s, step, delay=delay)
 
 
 def _line(model: InverseModel, top: float) -> tuple[float, float, float, float, float]:
