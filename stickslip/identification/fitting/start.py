@@ -71,7 +71,7 @@ class Start:
         found |= {
             name: replace(one, value=float(np.clip(values[name], one.low, one.high)))
             for name, one in self.rise.items()
-            if np.log(one.high / one.low) <= 2.0 * identifiable.WEAKLY
+            if np.log(one.high / one.low) <= 2.0 * identifiable.WEAKLY and not self.is_bent(values)
         }
         if self.disagreement(values) <= curve_shown.CONTRADICTED:
             own = {name: found[name] for name in ("b", "F_0")}
@@ -91,6 +91,11 @@ class Start:
             return found
         coulomb = Interval(F_c, 0.5 * error, F_c - error, F_c + error)
         return {**found, "b": replace(viscous, value=slope), "F_c": coulomb}
+
+    def is_bent(self, values: Values) -> bool:
+        """Whether a law's bristles were still bending where the curve gives the rise."""
+        most = curve_shown.BENT * self.curve.near if self.curve else 0.0
+        return "sigma_0" in values and values["F_c"] > most * values["sigma_0"]
 
     def disagreement(self, values: Values) -> float:
         """Return how far a law's values are from what sliding motion shows, in half-widths.

@@ -26,7 +26,7 @@ from scipy.stats import t as student
 
 from stickslip.identification.criteria.motion import Scale, position_noise
 from stickslip.identification.sliding.regression import Regression, regress
-from stickslip.identification.sliding.stribeck import rise
+from stickslip.identification.sliding.stribeck import EXPONENTS, rise
 from stickslip.servo.measurement import Array, derivative, smoothed
 from stickslip.thresholds import curve_shown
 
@@ -38,8 +38,9 @@ NOISY = 4.0  # the same in standard deviations of the velocity's noise
 STEADY = 4.0
 """Largest ratio of speeds within such a distance: friction follows a change of speed over a path,
 so that it is not that of a steady speed while a drive sticks and slips."""
-NEAR = (0.0005, 0.002)  # the same distances where the curve is to reach low speeds
+NEAR = (0.001, 0.004)  # the same distances where the curve is to reach low speeds
 CREEPS = 0.002  # and the same speed there
+CREEP_PERIOD = 1e-3  # least time from row to row there [s]: slips are short
 FINE = 20  # and the number of knots
 GUARDS = (0.32, 0.64)  # distances from rows that are not used, in periods of the cut-off
 HARMONICS, KNOTS, STEPS = 40, 10, 6  # bases along the guide, over speed, and since a reversal
@@ -87,6 +88,7 @@ class FrictionCurve:
     offset: Interval
     varying: dict[str, float]  # root mean square [N] of the forces of ``VARYING`` that are certain
     rise: dict[str, Interval]  # F_s and v_s, where friction is seen to rise towards rest
+    near: float  # travel over which a speed was held at least, where that is seen [m]
 
     def restored(self, scale: Scale) -> FrictionCurve:
         """Return the curve of a scaled recording in SI units."""
@@ -105,6 +107,7 @@ class FrictionCurve:
                 name: one.scaled(force) if name == "F_s" else one.scaled(1.0 / scale.length)
                 for name, one in self.rise.items()
             },
+            near=self.near / scale.length,
         )
 
 
@@ -146,6 +149,8 @@ def friction_curve(
     varying = {
         name: force for name, force, sure in zip(VARYING, forces, certain, strict=True) if sure
     }
+    first = max(first // 2, round(CREEP_PERIOD / T_s), 1)
+    rows = [_Rows.of(position, force, T_s, noise, q=first * factor) for factor in (1, 2)]
     slow = _estimated([row.from_speed(CREEPS) for row in rows], NEAR, (0.0, SPAN[1]), FINE)
     return FrictionCurve(
         found.speeds,
@@ -157,24 +162,35 @@ def friction_curve(
         offset=offset,
         varying=varying,
         rise=_rise(slow) if slow else {},
+        near=NEAR[0] * float(np.ptp(position)),
     )
 
 
 def _rise(slow: _Estimated) -> dict[str, Interval]:
-    """Return F_s and v_s by name, from the logarithms of those of the eight curves."""
-    found = [
-        rise(slow.speeds, value[3:], error[3:, 3:])
-        for value, error in zip(slow.values, slow.covariances, strict=True)
-    ]
-    known = [one for one in found if one is not None]
-    if len(known) < len(found):
+    """Return F_s and v_s by name, from the logarithms of those of the eight curves.
+
+    The intervals hold both exponents of the Stribeck curve, unless one is much worse.
+    """
+    ends, deviances = [], []
+    for delta in EXPONENTS:
+        curves = zip(slow.values, slow.covariances, strict=True)
+        found = [rise(slow.speeds, value[3:], error[3:, 3:], delta) for value, error in curves]
+        known = [one for one in found if one is not None]
+        if len(known) < len(found):
+            continue
+        logs = np.log([(one.F_s, one.v_s) for one in known])  # (8, 2, 3)
+        value, _, width = _together(logs[..., 0], ((logs[..., 2] - logs[..., 1]) / 3.92) ** 2)
+        ends.append(np.exp([value, value - width, value + width]))
+        deviances.append(sum(one.deviance for one in known))
+    if not ends:
         return {}
-    logs = np.log([(one.F_s, one.v_s) for one in known])  # (8, 2, 3)
-    errors = (logs[..., 2] - logs[..., 1]) / 3.92
-    value, error, width = _together(logs[..., 0], errors**2)
+    most = curve_shown.EXPONENT * min(deviances)
+    able = [one for one, apart in zip(ends, deviances, strict=True) if apart <= most]
+    best = ends[int(np.argmin(deviances))][0]
+    low, high = (np.array(able)[:, 1].min(axis=0), np.array(able)[:, 2].max(axis=0))
     return {
-        name: Interval(*map(float, (np.exp(x), np.exp(x) * s, np.exp(x - w), np.exp(x + w))))
-        for name, x, s, w in zip(("F_s", "v_s"), value, error, width, strict=True)
+        name: Interval(*map(float, (best[k], (high[k] - low[k]) / 4.0, low[k], high[k])))
+        for k, name in enumerate(("F_s", "v_s"))
     }
 
 
