@@ -16,7 +16,7 @@ from stickslip.servo.measurement import Array
 
 EXPONENTS = (1.0, 2.0)
 FREE = 4  # parameters
-VELOCITIES, RISES = 120, 160  # points of the grids
+VELOCITIES, RISES = 400, 400  # points of the grids
 BELOW = 0.2  # least Stribeck velocity, over the lowest speed
 LARGEST = 4.0  # rise of friction towards rest, in F_c
 USUAL, SPREAD = 1.2, 0.5  # F_s / F_c that is expected, and the deviation of its logarithm
@@ -60,6 +60,7 @@ def rise(speed: Array, value: Array, covariance: Array, delta: float) -> Rise | 
     inside = deviance - least <= DEVIANCE * max(1.0, least / (len(speed) - FREE))
     if inside[[0, -1]].any() or inside[:, [0, -1]].any():
         return None
+    inside[1:-1] |= inside[2:] | inside[:-2]  # the true ends lie between points of the grid
     best = np.unravel_index(np.argmin(deviance), deviance.shape)
     found = velocities[inside.any(axis=1)]
     return Rise(
