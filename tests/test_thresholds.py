@@ -350,6 +350,18 @@ def law(error):
     return choose([plain, predicted("gms", error, shown=())]).chosen.candidate.law.name
 
 
+def stiffness(error):
+    """Return the upper end of the interval of sigma_0 beside another law with ten times as much."""
+    chosen, other = (
+        replace(predicted(name, force), parameters={"sigma_0": sigma_0})
+        for name, force, sigma_0 in (("lugre", 1.0, 1.0), ("gms", error, 10.0))
+    )
+    alike = choice.Choice((chosen, other), chosen, "").alike
+    known = {"sigma_0": Identifiability(1.0, 0.1, 0.8, 1.2, "identifiable", "")}
+    others = [one.parameters for one in alike]
+    return identifiability.among_laws(known, others, SPACE)["sigma_0"].high
+
+
 def tied(error):
     """Return whether Coulomb-viscous friction is taken, whose error is larger by chance."""
     squares = np.array([[1.0, 0.0], [0.0, error**2 + 1.0]]).repeat(20, axis=1)
@@ -857,6 +869,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "law_choice.UNIDENTIFIED/2": (lambda: law(0.5), "gms", "coulomb_stribeck"),
     "law_choice.RISES": (lambda: seen(3.0), True, False),
     "law_choice.RISE_WORTH": (lambda: flat(1.5), False, True),
+    "law_choice.ALIKE": (lambda: stiffness(1.5), 1.2, 10.0),
     "law_choice.EXPONENT/2": (lambda: search.select(fits(0.9)).fit.noise, 0.9, 1.0),
     "misfit.NOTED": (lambda: choice.is_mismatch(unexplained(0.25, 0.1)), True, False),
     "misfit.SPOILED": (lambda: warning(unexplained(0.3, 0.1)).spoils, "intervals", ""),

@@ -51,6 +51,7 @@ from stickslip.identification.fitting.fit import (
     value_errors,
 )
 from stickslip.identification.fitting.identifiability import (
+    among_laws,
     conservative,
     identifiability,
     largest_friction,
@@ -143,6 +144,9 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
         names = start.space.friction if inverse.measures_friction else start.space.reported
         known = {name: identifiability(name, best, errors, degrees) for name in names}
         known = of_sliding(known, sliding, start.space)
+        if criterion != OutputError.name and task.choice:
+            others = [scale.values(one.parameters) for one in task.choice.alike]
+            known = among_laws(known, others, start.space)
         errors |= {name: one.standard_error for name, one in sliding.items()}
         step(1, 3)
         change = change_of_friction(inverse, found.parameters)
