@@ -30,8 +30,10 @@ from stickslip.identification.fitting.identifiability import (
     Identifiability,
     conservative,
 )
+from stickslip.identification.fitting.start import Start
 from stickslip.identification.selection import choice, choose, folds, prediction
 from stickslip.identification.sliding import friction_curve
+from stickslip.identification.sliding.stribeck import Rise
 from stickslip.identification.stages import friction_map
 from stickslip.identification.stages.inertia import _evaluated, measure_inertia
 from stickslip.logs import (
@@ -49,7 +51,8 @@ from stickslip.logs import (
 )
 from stickslip.logs import reading as log_reading
 from stickslip.logs.excitation import Excitation, TurnAround, is_one_way
-from stickslip.planning import Limits
+from stickslip.planning import LINEAR, Limits, arrange
+from stickslip.planning.shown import DataSheet, not_shown
 from stickslip.rigs import ads_rig, contract, remote, served_drive
 from stickslip.rigs.ads_rig import AdsRig
 from stickslip.rigs.contract import Command, Log
@@ -294,7 +297,7 @@ def curve():
 
     It is None for a motion that gives no curve.
     """
-    estimate = np.ones(4), np.ones(4), np.array([9.0, 0.0, 0.0]), np.ones(3)
+    estimate = np.ones(4), np.eye(4), np.array([9.0, 0.0, 0.0]), np.ones(3)
     x = np.sin(np.linspace(0.0, 30.0, 4000))
     with (
         patch.object(friction_curve._Rows, "estimate", lambda *_: estimate),
@@ -302,6 +305,30 @@ def curve():
     ):
         found = friction_curve.friction_curve(x, x, T_S, 1e-6)
     return found and set(found.varying)
+
+
+def static_friction(deviance):
+    """Return F_s of a curve that the exponent 2, beside 1, explains with a deviance."""
+
+    def rise(*of):
+        found = np.array([1.0, 0.99, 1.01]) * of[-1]
+        return Rise(found, found, deviance if of[-1] == 2.0 else 1.0)
+
+    eight = namespace(speeds=None, values=np.ones((8, 4)), covariances=np.ones((8, 4, 4)))
+    with patch.object(friction_curve, "rise", rise):
+        return round(friction_curve._rise(eight)["F_s"].high)
+
+
+def gives_rise(deflection):
+    """Return whether the curve gives F_s of a drive whose bristles bend, over the travel needed."""
+    start = Start({}, SPACE, namespace(near=1.0))
+    return not start.is_bent({"F_c": deflection, "sigma_0": 1.0})
+
+
+def least_shown(**sheet):
+    """Return the Stribeck velocity that a plan is said to show of a drive [mm/s]."""
+    said, *_ = not_shown(DataSheet(**sheet), LINEAR, arrange(), ("mm", 1e-3))
+    return float(said.partition("below ")[2].split()[0])
 
 
 def not_explained(apart=0.0, varying=0.0, **_):
@@ -322,6 +349,18 @@ def law(error):
     """Return the law that is chosen for its error over Coulomb's, with no parameter identified."""
     plain = predicted("coulomb_stribeck", 1.0, is_level=True)
     return choose([plain, predicted("gms", error, shown=())]).chosen.candidate.law.name
+
+
+def stiffness(error):
+    """Return the upper end of the interval of sigma_0 beside another law with ten times as much."""
+    chosen, other = (
+        replace(predicted(name, force), parameters={"sigma_0": sigma_0})
+        for name, force, sigma_0 in (("lugre", 1.0, 1.0), ("gms", error, 10.0))
+    )
+    alike = choice.Choice((chosen, other), chosen, "").alike
+    known = {"sigma_0": Identifiability(1.0, 0.1, 0.8, 1.2, "identifiable", "")}
+    others = [one.parameters for one in alike]
+    return identifiability.among_laws(known, others, SPACE)["sigma_0"].high
 
 
 def tied(error):
@@ -831,6 +870,8 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "loop_fit.ALIKE": (lambda: bootstrap.is_alike(3.0), False, True),
     "curve_shown.ROWS": (curve, {"ripple"}, None),
     "curve_shown.CERTAIN": (curve, {"ripple"}, set()),
+    "curve_shown.EXPONENT": (lambda: static_friction(6.0), 1, 2),
+    "curve_shown.BENT": (lambda: gives_rise(4.0), False, True),
     "curve_shown.VARIES": (lambda: not_explained(varying=0.007), True, False),
     "curve_shown.CONTRADICTED": (lambda: not_explained(apart=2.0), True, False),
     "curve_shown.NEGATIVE": (lambda: start._massless(-3.0, 1.0, "")[0].spoils, "intervals", ""),
@@ -840,6 +881,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "law_choice.UNIDENTIFIED/2": (lambda: law(0.5), "gms", "coulomb_stribeck"),
     "law_choice.RISES": (lambda: seen(3.0), True, False),
     "law_choice.RISE_WORTH": (lambda: flat(1.5), False, True),
+    "law_choice.ALIKE": (lambda: stiffness(1.5), 1.2, 10.0),
     "law_choice.EXPONENT/2": (lambda: search.select(fits(0.9)).fit.noise, 0.9, 1.0),
     "misfit.NOTED": (lambda: choice.is_mismatch(unexplained(0.25, 0.1)), True, False),
     "misfit.SPOILED": (lambda: warning(unexplained(0.3, 0.1)).spoils, "intervals", ""),
@@ -956,6 +998,9 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "experiment.SLOWEST": (lambda: is_planned(rate=150.0), True, False),
     "experiment.FASTEST/2": (lambda: is_planned(rate=8e4), True, False),
     "experiment.SAMPLES/2": (lambda: is_planned(duration=300.0, rate=5e4), True, False),
+    "experiment.RISE": (lambda: least_shown(friction=8.0, K_i=8e3), 2.0, 4.1),
+    "experiment.STICKS": (lambda: least_shown(friction=8.0, K_p=1e3), 1.6, 3.2),
+    "experiment.STEPS": (lambda: least_shown(encoder=1e-4), 4.1, 8.2),
 }
 
 

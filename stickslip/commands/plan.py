@@ -10,13 +10,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.catalog.parameters import PAPER
-from stickslip.commandline import FLAG, SEVERAL, add_options, warn
+from stickslip.commandline import FLAG, SEVERAL, add_options, positive, warn
+from stickslip.commandline.assignments import split_assignments
 from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write
 from stickslip.logs.recording import Motion
 from stickslip.logs.units import QUANTITIES, Unit, motion_of, parse_quantity, unit_named
 from stickslip.output import Answer
 from stickslip.planning import LINEAR, ROTARY, Limits, Stretch, arrange, plan
+from stickslip.planning.shown import DataSheet, not_shown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,16 +32,21 @@ _OPTIONS = {
     "jerk": ("jerk", "M/S3", "highest jerk"),
     "duration": ("time", "S", "duration of the experiment"),
 }
-"""What an option measures, its unit where none is given, and its help."""
+_KNOWN = {
+    "friction": ("force", "N", "Coulomb friction, about"),
+    "encoder": ("position", "M", "step of the encoder"),
+}
+"""What an option measures, its unit where none is given, and its help: limits, and what is known
+of the drive beforehand."""
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.description = (
         "Write the velocity and position command of one experiment as CSV: small "
-        "moves, slow reversals, constant speeds, quick ramps and a sine sweep. Run it on the "
-        "drive, log time, force and position, and learn from the log. Limits may have units, such "
-        "as 100mm, 40mm/s, 90deg, 300rpm or 5m/s3."
+        "moves, creep with break-aways, constant speeds, quick ramps and a sine sweep. Run it on "
+        "the drive, log time, force and position, and learn from the log. Limits may have units, "
+        "such as 100mm, 40mm/s, 90deg, 300rpm or 5m/s3."
     )
     motion = {"--motion": "rotary: units with rad in place of m (default: from the units)"}
     add_options(parser, motion, choices=("linear", "rotary"))
@@ -52,6 +59,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, rate, type=float)
     show = f"give more time to these parameters: {', '.join(PAPER)}"
     add_options(parser, {"--show PARAMETER": show}, **SEVERAL)
+    group = parser.add_argument_group("the drive", "With these, it is printed what will not show.")
+    for name, (_, unit, text) in _KNOWN.items():
+        add_options(group, {f"--{name} {unit}": text})
+    gain = {"--gain NAME=VALUE": "K_p and K_i of the velocity loop; SI units"}
+    add_options(group, gain, **SEVERAL)
     out = {"--out FILE.csv": "file of the command (default plan.csv)"}
     add_options(parser, out, type=Path, default=Path("plan.csv"))
     add_options(parser, {"--plot FILE.png": "also draw the command"}, type=Path)
@@ -66,20 +78,23 @@ def run(options: argparse.Namespace) -> Answer:
             raise UsageError(f"{path}: expected a file name that ends in {suffix}")
         if path and path.is_file() and not path.is_symlink() and not options.force:
             raise UsageError(f"{path} exists; --force overwrites it, --out names another file")
-    limits, length = _limits(options)
+    limits, length, sheet = _limits(options)
     table, stretches = plan(limits, options.show), arrange(limits, options.show)
     atomic_write(options.out, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
     if options.plot:
         atomic_write(options.plot, _picture(table, stretches, length))
     _print_parts(table, stretches, length)
     _warn_of_speed(table, limits, length)
+    missing = list(not_shown(sheet, limits, stretches, (length.name, length.factor)))
+    print(*missing, sep="\n")
     written = [path for path in (options.out, options.plot) if path]
     print(*written, sep="\n")
-    return Answer({"written": written, "parts": [_part(table, one) for one in stretches]})
+    parts = [_part(table, one) for one in stretches]
+    return Answer({"written": written, "parts": parts, "not_shown": missing})
 
 
-def _limits(options: argparse.Namespace) -> tuple[Limits, Unit]:
-    """Return the limits, and the unit of length in which they were given.
+def _limits(options: argparse.Namespace) -> tuple[Limits, Unit, DataSheet]:
+    """Return the limits, the unit of length in which they were given, and what is known.
 
     Raises UsageError when one cannot be read, or their units belong to different motions.
     """
@@ -96,6 +111,16 @@ def _limits(options: argparse.Namespace) -> tuple[Limits, Unit]:
     for name, (quantity, *_) in _OPTIONS.items():
         if (text := getattr(options, name)) is not None:
             values[name] = read(name, text, quantity)
+    known: dict[str, float] = {
+        name: read(name, text, quantity)
+        for name, (quantity, *_) in _KNOWN.items()
+        if (text := getattr(options, name)) is not None
+    }
+    for name, value in split_assignments(options.gain, "--gain", ("K_p", "K_i")).items():
+        try:
+            known[name] = positive(value)
+        except argparse.ArgumentTypeError as error:
+            raise UsageError(f"--gain {name}: {error}") from None
     if options.travel:
         below, *above = (read("travel", text, "position") for text in options.travel[:2])
         if len(options.travel) > 2:
@@ -109,11 +134,16 @@ def _limits(options: argparse.Namespace) -> tuple[Limits, Unit]:
     for name, unit in units:
         if motion_of(unit) not in (None, chosen):
             raise UsageError(f"--{name} is in {unit.name}, but the motion is {chosen}")
-    lengths = [unit_named(unit.name.split("/")[0]) for _, unit in units]
+    lengths = [
+        unit_named(unit.name.split("/")[0])
+        for name, unit in units
+        if name in _OPTIONS or name == "travel"
+    ]
     kind = QUANTITIES[chosen]["position"]
     given = [unit for unit in lengths if unit and unit.quantity == kind]
     fallback = Unit("rad", "angle", 1.0) if chosen == "rotary" else Unit("m", "length", 1.0)
-    return replace(ROTARY if chosen == "rotary" else LINEAR, **values), (*given, fallback)[0]
+    limits = replace(ROTARY if chosen == "rotary" else LINEAR, **values)
+    return limits, (*given, fallback)[0], DataSheet(**known)
 
 
 def _part(table: pd.DataFrame, stretch: Stretch) -> dict[str, Any]:
@@ -173,7 +203,7 @@ def _picture(table: pd.DataFrame, stretches: tuple[Stretch, ...], length: Unit) 
         _draw(moves, first, "position_command", small, label=f"(c) small moves [{fine}]")
         moves.set_yscale("symlog", linthresh=1.0)
         moves.set_ylim(bottom=0.0)
-        _draw(slow, second, "velocity_command", large, label=f"(d) slow reversals [{unit}/s]")
+        _draw(slow, second, "velocity_command", large, label=f"(d) creep [{unit}/s]")
         for axes in (position, moves, slow):
             axes.set_xlabel("time [s]")
         stream = io.BytesIO()

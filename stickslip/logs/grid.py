@@ -67,7 +67,7 @@ def continuous(
             figure += f"{table.row(first)}"
             findings.append(Finding("note", f"{role} restarts, and was counted on", figure))
         elif role == "position" and at.size:
-            findings.append(_jumped(table, t, signals[role], known[at], sizes, unit=per))
+            findings.append(_jumped(table, t, signals[role], known[at], sizes=sizes, unit=per))
     return signals
 
 

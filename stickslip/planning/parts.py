@@ -38,7 +38,6 @@ class Limits:
     duration : of the whole experiment [s]
     rate : samples of the command per second [Hz]
     frequency : of the sweep, begin and end [Hz]; narrower where stroke and acceleration ask for it
-    slow : speeds of the slow reversals, smallest and largest [m/s]
     presliding : sizes of the smallest and the largest small move [m]
 
     Raises
@@ -54,7 +53,6 @@ class Limits:
     duration: float = 20.0
     rate: float = 2000.0
     frequency: tuple[float, float] = (0.1, 5.0)
-    slow: tuple[float, float] = (1e-4, 5e-3)
     presliding: tuple[float, float] = (1e-6, 1e-3)
     jerk: float = math.inf
     travel: tuple[float, float] = (-math.inf, math.inf)
@@ -114,7 +112,6 @@ ROTARY = Limits(
     stroke=2 * math.pi,
     speed=2 * math.pi,
     acceleration=200.0,
-    slow=(0.01, 0.5),
     presliding=(1e-4, 0.1),
 )
 """A motor shaft and one turn."""
@@ -142,26 +139,53 @@ def small_moves(limits: Limits, n: int) -> Array:
     return np.concatenate(pieces)
 
 
-def slow_reversals(limits: Limits, n: int) -> Array:
-    """Return sines of velocity, the fastest of the slow speeds first: the Stribeck region.
+CREEP = (0.004, 0.2)
+"""Least and largest speed of the creep, as shares of the highest one."""
+LEVELS = 7  # speeds of the creep in each direction
+PLACES = 0.4  # share of the room over which they are spread
+LEVEL = (
+    (0.06, "move"),
+    (0.2, "move"),
+    (0.28, "creep"),
+    (0.78, "creep"),
+    (0.8, "rest"),
+    (0.88, "rest"),
+    (0.9, "creep"),
+    (1.0, "creep"),
+)
+"""Corners of one speed of the creep: share of its time, and what is done there."""
 
-    Slow ones break away only where a loop's integrator already holds most of the friction.
+
+def slowest_creep(limits: Limits) -> float:
+    """Return the lowest speed [m/s] of the creep."""
+    return CREEP[0] * limits.reachable
+
+
+def creep(limits: Limits, n: int) -> Array:
+    """Return creep at speeds in a geometric series, the fastest first, forward and then back.
+
+    Each speed is at another place. The drive slows down to it without a reversal, so that it slides
+    at once; then it rests under the force that the loop holds, and breaks away again. A loop's
+    integral then has only the rise of friction to cross, not all of it in the other direction.
     """
-    count = max(3, round(n / limits.rate))
-    slowest, fastest = limits.slow
-    speeds = np.geomspace(fastest, slowest, count)
-    return np.concatenate(
-        [
-            _smooth(partial(_sine, limits, v), limits, room)
-            for v, room in zip(speeds, _shares(n, count), strict=True)
-        ]
-    )
+    duration = n / limits.rate
+    fastest = CREEP[1] * limits.reachable
+    move = min(fastest, PLACES * limits.room / (0.25 * duration))
+    speeds = np.geomspace(fastest, slowest_creep(limits), LEVELS)
+    time, v = [0.0], [0.0]
+    for k, speed in enumerate(np.minimum(speeds, move)):
+        kinds = {"move": move, "creep": float(speed), "rest": 0.0}
+        time += [(k + share) / LEVELS for share, _ in LEVEL]
+        v += [kinds[what] for _, what in LEVEL]
+    v[-1] = 0.0
+    half = _smooth(partial(_polygon, limits, 1.0, (time, v)), limits, n // 2)
+    return np.concatenate([half, -half, np.zeros(n % 2)])
 
 
 def constant_speeds(limits: Limits, n: int) -> Array:
     """Return trapezoids forward and back at speeds in a geometric series."""
     count = max(2, round(n / limits.rate / 1.0))
-    speeds = np.geomspace(limits.speed, min(limits.slow[1], limits.speed), count)
+    speeds = np.geomspace(limits.speed, CREEP[1] * limits.speed, count)
     pieces = []
     for v, samples in zip(speeds, _shares(n, count), strict=True):
         corners = ([0, 0.1, 0.4, 0.6, 0.9, 1], [0, 1, 1, -1, -1, 0])

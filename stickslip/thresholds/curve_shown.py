@@ -14,3 +14,11 @@ CONTRADICTED = Threshold(1.5, "decision 82")
 """Distance of a law from the curve, in half-widths of that, above which the curve decides."""
 NEGATIVE = Threshold(2.0, "real-logs: 4 and 15 in presliding, 0.1 and 0.3 while sliding")
 """Negative mass of a straight line, in standard errors, from which on no value is identifiable."""
+EXPONENT = Threshold(4.0, "decision 66: the true one at most 1.2 times the other on 14 drives")
+"""Deviance of a Stribeck curve with one exponent, over that with the other, above which the
+intervals of F_s and v_s leave it out."""
+BENT = Threshold(
+    3.0, "decision 66: a drive with 5 had F_s 8 % too low, 16 with at most 3.3 had not"
+)
+"""Deflection of the bristles over the travel for which a speed was held, above which the friction
+curve does not give F_s and v_s."""

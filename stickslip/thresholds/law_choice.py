@@ -18,3 +18,6 @@ RISE_WORTH = Threshold(1.1)
 """Growth of the mean square without a rise towards rest, up to which the rise is left out."""
 EXPONENT = Threshold(0.99, "decision 32: 100 logs of exponent 1 differed by up to 0.7 %")
 """Ratio of mean squares below which another exponent is taken; above it the intervals hold both."""
+ALIKE = Threshold(1.1)
+"""Held-out error over that of the chosen law up to which the interval of the stiffness holds that
+of another law."""

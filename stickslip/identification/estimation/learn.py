@@ -51,6 +51,7 @@ from stickslip.identification.fitting.fit import (
     value_errors,
 )
 from stickslip.identification.fitting.identifiability import (
+    among_laws,
     conservative,
     identifiability,
     largest_friction,
@@ -116,7 +117,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
         start = begin(model, recording, scale)
         if task.is_level:
             start = replace(start, space=start.space.level())
-        inverse = model.over(start.narrow(start.space, start.sliding))
+        inverse = model.over(start.narrow(start.space, start.sliding | start.rise))
         progress.stage("searching")
         found, searches = _search(task, inverse, start, lambda one: progress.generation(one, scale))
         corrected = None
@@ -143,6 +144,9 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
         names = start.space.friction if inverse.measures_friction else start.space.reported
         known = {name: identifiability(name, best, errors, degrees) for name in names}
         known = of_sliding(known, sliding, start.space)
+        if criterion != OutputError.name and task.choice:
+            others = [scale.values(one.parameters) for one in task.choice.alike]
+            known = among_laws(known, others, start.space)
         errors |= {name: one.standard_error for name, one in sliding.items()}
         step(1, 3)
         change = change_of_friction(inverse, found.parameters)
@@ -225,7 +229,8 @@ def _search(
         own = replace(how, execution=how.execution.of_seed(seed, seeds))
         algorithm = search(inverse, start, seed, own, on_generation=on_generation)
         values = solve_linear(inverse, start, algorithm.best.values)
-        found = without_stribeck(inverse, best_fit(inverse, start, values))
+        found = best_fit(inverse, start, values)
+        found = found if start.rise else without_stribeck(inverse, found)
         # Coarse encoder steps, and slips shorter than the low-pass, bias the curve more than its
         # exponent does.
         is_biased = coarse(inverse, task.recording) or not presliding(inverse.law)

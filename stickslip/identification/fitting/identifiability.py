@@ -6,7 +6,7 @@ again. Near its minimum it is (distance / standard error)^2.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,6 +26,7 @@ IDENTIFIABLE = "identifiable"
 WEAKLY_IDENTIFIABLE = "weakly identifiable"
 NOT_IDENTIFIABLE = "not identifiable"
 LEVELS = (IDENTIFIABLE, WEAKLY_IDENTIFIABLE, NOT_IDENTIFIABLE)
+STIFFNESS = "presliding moves"  # what shows it
 VALUE = "{value}"  # place of the value in a template
 POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
 PASSES = 3
@@ -83,6 +84,25 @@ def of_sliding(
         if name in known
     }
     return {**known, **found}
+
+
+def among_laws(
+    known: dict[str, Identifiability], others: Iterable[Values], space: ParameterSpace
+) -> dict[str, Identifiability]:
+    """Return the same with intervals of stiffness that hold that of laws which explain as much.
+
+    The law of a drive is not known, and each turns the same presliding into another stiffness.
+    """
+    found = dict(known)
+    for name, one in known.items():
+        shown_by = space.parameters[space.index(name)].shown_by
+        values = [values[name] for values in others if name in values]
+        if shown_by != STIFFNESS or one.identifiability == NOT_IDENTIFIABLE or not values:
+            continue
+        low, high = min(one.low, *values), max(one.high, *values)
+        wider = Interval(one.value, one.standard_error, low, high)
+        found[name] = _classified(name, wider, space)
+    return found
 
 
 def _classified(

@@ -21,7 +21,7 @@ from stickslip.identification.criteria.motion import SI, Scale, measured_force, 
 from stickslip.identification.sliding.friction_curve import FrictionCurve, Interval, friction_curve
 from stickslip.logs import Finding, Recording
 from stickslip.servo.measurement import level
-from stickslip.thresholds import curve_shown
+from stickslip.thresholds import curve_shown, identifiable
 
 FAST = 0.1  # of the top speed: below it sign(v) is not friction
 DELAYS = np.arange(-3.0, 10.01, 0.5)  # in samples
@@ -57,6 +57,13 @@ class Start:
         viscous = replace(viscous, value=max(viscous.value, 0.0), low=max(viscous.low, 0.0))
         return {"m": mass, "b": viscous, "F_0": self.curve.offset}
 
+    @property
+    def rise(self) -> dict[str, Interval]:
+        """Static friction and Stribeck velocity by name, as far as sliding shows them."""
+        if self.curve is None or self.space.is_level:
+            return {}
+        return {name: one for name, one in self.curve.rise.items() if name in self.space.rise}
+
     def beside(self, values: Values) -> dict[str, Interval]:
         """Return what sliding shows, with a law's viscous friction and constant force within it.
 
@@ -68,6 +75,11 @@ class Start:
         found = self.sliding
         if self.curve is None or not found:
             return found
+        found |= {
+            name: replace(one, value=float(np.clip(values[name], one.low, one.high)))
+            for name, one in self.rise.items()
+            if np.log(one.high / one.low) <= 2.0 * identifiable.WEAKLY and not self.is_bent(values)
+        }
         if self.disagreement(values) <= curve_shown.CONTRADICTED:
             own = {name: found[name] for name in ("b", "F_0")}
             return found | {
@@ -86,6 +98,11 @@ class Start:
             return found
         coulomb = Interval(F_c, 0.5 * error, F_c - error, F_c + error)
         return {**found, "b": replace(viscous, value=slope), "F_c": coulomb}
+
+    def is_bent(self, values: Values) -> bool:
+        """Whether a law's bristles were still bending where the curve gives the rise."""
+        most = curve_shown.BENT * self.curve.near if self.curve else 0.0
+        return "sigma_0" in values and values["F_c"] > most * values["sigma_0"]
 
     def disagreement(self, values: Values) -> float:
         """Return how far a law's values are from what sliding motion shows, in half-widths.
@@ -110,9 +127,10 @@ class Start:
         lower, upper = space.lower.copy(), space.upper.copy()
         for name, interval in shown.items():
             k = space.index(name)
+            least = self.line[space.bounded[name]] if name in space.bounded else 1.0
             ends = np.array([interval.low, interval.high])
-            ends = np.log(ends) if space.is_log[k] else ends / space.units[k]
-            lower[k], upper[k] = ends
+            ends = np.log(ends / least) if space.is_log[k] else ends / space.units[k]
+            lower[k], upper[k] = np.maximum(ends, 0.0) if name in space.bounded else ends
         return replace(space, lower=lower, upper=upper)
 
 
@@ -181,7 +199,7 @@ def _curve(model: InverseModel, recording: Recording, delay: float) -> FrictionC
     if model.measures_friction:
         return None
     signals = (position_of(recording).tobytes(), measured_force(recording).tobytes())
-    return _curve_of(*signals, model.T_s, recording.encoder_step, delay)
+    return _curve_of(*signals, model.T_s, step=recording.encoder_step, delay=delay)
 
 
 @lru_cache(1)  # every law that is compared asks for that of the same signals

@@ -144,6 +144,12 @@ class Choice:
     chosen: Prediction  # one of them
     reason: str  # a sentence
 
+    @property
+    def alike(self) -> list[Prediction]:
+        """The laws that predict about as well as the chosen one."""
+        most = law_choice.ALIKE * self.chosen.force
+        return [one for one in self.predictions if one.force <= most]
+
 
 def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice:
     """Choose the first of the laws that are tied with the one that predicts best.

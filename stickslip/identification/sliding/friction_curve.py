@@ -26,6 +26,7 @@ from scipy.stats import t as student
 
 from stickslip.identification.criteria.motion import Scale, position_noise
 from stickslip.identification.sliding.regression import Regression, regress
+from stickslip.identification.sliding.stribeck import EXPONENTS, rise
 from stickslip.servo.measurement import Array, derivative, smoothed
 from stickslip.thresholds import curve_shown
 
@@ -37,6 +38,10 @@ NOISY = 4.0  # the same in standard deviations of the velocity's noise
 STEADY = 4.0
 """Largest ratio of speeds within such a distance: friction follows a change of speed over a path,
 so that it is not that of a steady speed while a drive sticks and slips."""
+NEAR = (0.001, 0.004)  # the same distances where the curve is to reach low speeds
+CREEPS = 0.002  # and the same speed there
+CREEP_PERIOD = 1e-3  # least time from row to row there [s]: slips are short
+FINE = 20  # and the number of knots
 GUARDS = (0.32, 0.64)  # distances from rows that are not used, in periods of the cut-off
 HARMONICS, KNOTS, STEPS = 40, 10, 6  # bases along the guide, over speed, and since a reversal
 LONGEST = 1 << 6  # largest number of samples in a row
@@ -83,6 +88,8 @@ class FrictionCurve:
     # [N]
     offset: Interval
     varying: dict[str, float]  # root mean square [N] of the forces of ``VARYING`` that are certain
+    rise: dict[str, Interval]  # F_s and v_s, where friction is seen to rise towards rest
+    near: float  # travel over which a speed was held at least, where that is seen [m]
 
     def restored(self, scale: Scale) -> FrictionCurve:
         """Return the curve of a scaled recording in SI units."""
@@ -97,6 +104,11 @@ class FrictionCurve:
             viscous=self.viscous.scaled(1.0 / scale.of("b")),
             offset=self.offset.scaled(force),
             varying={name: one * force for name, one in self.varying.items()},
+            rise={
+                name: one.scaled(force) if name == "F_s" else one.scaled(1.0 / scale.length)
+                for name, one in self.rise.items()
+            },
+            near=self.near / scale.length,
         )
 
 
@@ -124,36 +136,98 @@ def friction_curve(
     noise = position_noise(position, step)
     first = _samples_per_row(position, T_s, noise)
     rows = [_Rows.of(position, force, T_s, noise, q=first * factor) for factor in (1, 2)]
-    speeds = rows[-1].speeds(DISTANCES[-1], GUARDS[-1])
-    if speeds is None:
+    found = _estimated(rows, DISTANCES, SPAN, KNOTS)
+    if found is None:
         return None
-    ways = product(rows, DISTANCES, GUARDS)
-    found = [row.estimate(distance, guard, speeds) for row, distance, guard in ways]
-    estimates = [one for one in found if one is not None]
-    if len(estimates) < len(found):
-        return None
-    values, variances, forces, errors = (
-        np.array(column) for column in zip(*estimates, strict=True)
-    )
-    value = values.mean(axis=0)
-    within, between = variances.mean(axis=0), values.var(axis=0, ddof=1)
-    error = np.sqrt(within + between)
-    # Welch, Satterthwaite: the degrees of freedom of a sum of variances.
-    degrees = error**4 / (within**2 / DEGREES + between**2 / (len(found) - 1))
-    width = student.ppf(0.975, degrees) * error
+    value, error, width = _together(found.values, np.diagonal(found.covariances, axis1=1, axis2=2))
     mass, viscous, offset = (
         Interval(*map(float, (value[i], error[i], value[i] - width[i], value[i] + width[i])))
         for i in range(3)
     )
     low, high = (value - width)[3:], (value + width)[3:]
-    certain = np.all(forces > curve_shown.CERTAIN * errors, axis=0)
-    forces = forces.mean(axis=0).tolist()
+    certain = np.all(found.forces > curve_shown.CERTAIN * found.errors, axis=0)
+    forces = found.forces.mean(axis=0).tolist()
     varying = {
         name: force for name, force, sure in zip(VARYING, forces, certain, strict=True) if sure
     }
+    first = max(first // 2, round(CREEP_PERIOD / T_s), 1)
+    rows = [_Rows.of(position, force, T_s, noise, q=first * factor) for factor in (1, 2)]
+    slow = _estimated([row.from_speed(CREEPS) for row in rows], NEAR, (0.0, SPAN[1]), FINE)
     return FrictionCurve(
-        speeds, value[3:], low, high, mass=mass, viscous=viscous, offset=offset, varying=varying
+        found.speeds,
+        value[3:],
+        low,
+        high,
+        mass=mass,
+        viscous=viscous,
+        offset=offset,
+        varying=varying,
+        rise=_rise(slow) if slow else {},
+        near=NEAR[0] * float(np.ptp(position)),
     )
+
+
+def _rise(slow: _Estimated) -> dict[str, Interval]:
+    """Return F_s and v_s by name, from the logarithms of those of the eight curves.
+
+    The intervals hold both exponents of the Stribeck curve, unless one is much worse.
+    """
+    ends, deviances = [], []
+    for delta in EXPONENTS:
+        curves = zip(slow.values, slow.covariances, strict=True)
+        found = [rise(slow.speeds, value[3:], error[3:, 3:], delta) for value, error in curves]
+        known = [one for one in found if one is not None]
+        if len(known) < len(found):
+            continue
+        logs = np.log([(one.F_s, one.v_s) for one in known])  # (8, 2, 3)
+        value, _, width = _together(logs[..., 0], ((logs[..., 2] - logs[..., 1]) / 3.92) ** 2)
+        ends.append(np.exp([value, value - width, value + width]))
+        deviances.append(sum(one.deviance for one in known))
+    if not ends:
+        return {}
+    most = curve_shown.EXPONENT * min(deviances)
+    able = [one for one, apart in zip(ends, deviances, strict=True) if apart <= most]
+    best = ends[int(np.argmin(deviances))][0]
+    low, high = (np.array(able)[:, 1].min(axis=0), np.array(able)[:, 2].max(axis=0))
+    return {
+        name: Interval(*map(float, (best[k], (high[k] - low[k]) / 4.0, low[k], high[k])))
+        for k, name in enumerate(("F_s", "v_s"))
+    }
+
+
+def _together(values: Array, variances: Array) -> tuple[Array, Array, Array]:
+    """Return mean (k,), standard error and half width of the 95 % interval of estimates (8, k)."""
+    within, between = variances.mean(axis=0), values.var(axis=0, ddof=1)
+    error = np.sqrt(within + between)
+    # Welch, Satterthwaite: the degrees of freedom of a sum of variances.
+    degrees = error**4 / (within**2 / DEGREES + between**2 / (len(values) - 1))
+    return values.mean(axis=0), error, student.ppf(0.975, degrees) * error
+
+
+@dataclass(frozen=True)
+class _Estimated:
+    """The eight estimates."""
+
+    speeds: Array  # (k,)
+    values: Array  # (8, 3 + k) m, b, F_0 and the friction at these speeds
+    covariances: Array  # (8, 3 + k, 3 + k)
+    forces: Array  # (8, j) root mean squares of the forces of ``VARYING``
+    errors: Array  # (8, j) their standard errors
+
+
+def _estimated(
+    rows: list[_Rows], distances: tuple[float, float], span: tuple[float, float], knots: int
+) -> _Estimated | None:
+    """Return the estimates of both low-passes, distances and guards; None without one of them."""
+    speeds = rows[-1].speeds(distances[-1], GUARDS[-1], span)
+    if speeds is None:
+        return None
+    ways = product(rows, distances, GUARDS)
+    found = [row.estimate(distance, guard, speeds, knots) for row, distance, guard in ways]
+    estimates = [one for one in found if one is not None]
+    if len(estimates) < len(found):
+        return None
+    return _Estimated(speeds, *map(np.array, zip(*estimates, strict=True)))
 
 
 def _samples_per_row(position: Array, T_s: float, noise: float) -> int:
@@ -192,7 +266,8 @@ class _Rows:
     ahead: Array  # (n,) direction of the motion, -1 or 1
     slides: NDArray[np.bool_]  # (n,) whether the speed is above the noise
     top: float
-    slowest: float
+    noisy: float  # speed up to which the drive may be at rest
+    slowest: float  # speed from which on it slides
 
     @classmethod
     def of(cls, position: Array, force: Array, T_s: float, noise: float, q: int) -> _Rows:
@@ -202,7 +277,8 @@ class _Rows:
         v = derivative(x, T)
         own = noise * 2.0 * np.pi * cutoff * np.sqrt(2.0 * cutoff * T_s)
         top = float(np.quantile(np.abs(v), 0.99))
-        slowest = max(NOISY * own, SLOWEST * top)
+        noisy = NOISY * own
+        slowest = max(noisy, SLOWEST * top)
         slides = np.abs(v) > slowest
         last = np.maximum.accumulate(np.where(slides, np.arange(len(v)), 0))
         ahead = np.sign(v)[last]
@@ -224,6 +300,7 @@ class _Rows:
             ahead=ahead,
             slides=slides,
             top=top,
+            noisy=noisy,
             slowest=slowest,
         )
 
@@ -240,17 +317,22 @@ class _Rows:
         near = np.convolve(~good, np.ones(2 * rows + 1), "same") > 0.5
         return np.flatnonzero(~near)
 
-    def speeds(self, distance: float, guard: float) -> Array | None:
+    def from_speed(self, share: float) -> _Rows:
+        """Return the same rows in which the drive slides from this share of its top speed on."""
+        slowest = max(self.noisy, share * self.top)
+        return replace(self, slides=np.abs(self.v) > slowest, slowest=slowest)
+
+    def speeds(self, distance: float, guard: float, span: tuple[float, float]) -> Array | None:
         used = self.used(distance, guard)
         if len(used) < curve_shown.ROWS:
             return None
-        low, high = np.quantile(np.abs(self.v[used]), SPAN)
+        low, high = np.quantile(np.abs(self.v[used]), span)
         return np.geomspace(low, high, SPEEDS)
 
     def estimate(
-        self, distance: float, guard: float, speeds: Array
+        self, distance: float, guard: float, speeds: Array, knots: int
     ) -> tuple[Array, Array, Array, Array] | None:
-        """Return m, b, F_0 and the friction at k speeds (3 + k,), and their variances.
+        """Return m, b, F_0 and the friction at k speeds (3 + k,), and their covariance.
 
         Beside them: root mean squares of the forces of ``VARYING``, and their standard errors.
         """
@@ -261,11 +343,11 @@ class _Rows:
         force = self.force[used]
         size = float(np.median(np.abs(force - np.median(force))))
         travel = float(np.ptp(self.x))
-        knots = np.log(np.geomspace(max(self.slowest, speed[used].min()), self.top, KNOTS))
+        places = np.log(np.geomspace(max(self.slowest, speed[used].min()), self.top, knots))
         steps = np.log(distance * travel * np.geomspace(1.0, 10.0, STEPS))
         along = (self.x - self.x.min()) / travel
         waves = np.cos(np.pi * along[:, np.newaxis] * np.arange(1, HARMONICS + 1))
-        over_speed = _hats(np.log(speed), knots)
+        over_speed = _hats(np.log(speed), places)
         start = _hats(np.log(np.maximum(self.s, 1e-3 * distance * travel)), steps)[:, :-1]
         time = np.linspace(-1.0, 1.0, len(self.x))[:, np.newaxis]
         drift = np.hstack([time, time**2 - 1.0 / 3.0])
@@ -285,7 +367,7 @@ class _Rows:
         classes = 3 * _class(speed[used], 4) + _class(self.s[used], 3)
         found = regress(force, fixed, groups, classes)
         return (
-            *_quantities(found, size, knots, speeds, typical=float(np.median(speed[used]))),
+            *_quantities(found, size, places, speeds, typical=float(np.median(speed[used]))),
             *_varying(found, groups),
         )
 
@@ -296,7 +378,7 @@ class _Rows:
 def _quantities(
     found: Regression, size: float, knots: Array, speeds: Array, typical: float
 ) -> tuple[Array, Array]:
-    """Return m, b, F_0 and friction at speeds (k,), and their variances, (3 + k,) each."""
+    """Return m, b, F_0 and friction at speeds (k,), together (3 + k,), and their covariance."""
     weights = np.zeros((3 + len(speeds), len(found.coefficients)))
     for row, name in enumerate(("m", "b", "F_0")):
         weights[row, FIXED.index(name)] = 1.0
@@ -304,8 +386,7 @@ def _quantities(
     weights[3:, FIXED.index("F_c")] = 1.0
     weights[3:, FIXED.index("b")] = speeds
     weights[3:, found.places["curve"]] = size * _hats(np.log(speeds), knots)
-    variance = np.sum(weights @ found.covariance * weights, axis=1)
-    return weights @ found.coefficients, variance
+    return weights @ found.coefficients, weights @ found.covariance @ weights.T
 
 
 def _varying(found: Regression, groups: Mapping[str, Array]) -> tuple[Array, Array]:

@@ -77,7 +77,7 @@ def test_the_standard_plans_use_the_speed_they_may(limits):
 
 @pytest.mark.parametrize(
     ("parameter", "part"),
-    [("sigma_0", "small moves"), ("F_s", "slow reversals"), ("m", "quick ramps")],
+    [("sigma_0", "small moves"), ("F_s", "creep"), ("m", "quick ramps")],
 )
 def test_what_is_asked_for_gets_more_time(parameter, part):
     def share(show):
@@ -96,7 +96,7 @@ def test_what_is_asked_for_gets_more_time(parameter, part):
         {"speed": float("nan")},
         {"duration": 1.0},
         {"rate": 1e9},
-        {"slow": (2, 1)},
+        {"presliding": (2, 1)},
     ],
     ids=str,
 )
@@ -180,7 +180,7 @@ def test_small_moves_stay_in_presliding_and_go_beyond_it(driven):
     assert sizes[-1] > 10 * break_away
 
 
-def test_slow_reversals_cross_the_stribeck_region(driven):
+def test_creep_crosses_the_stribeck_region(driven):
     v, stretch = np.abs(driven[1]), arrange()[1]
     slow = v[stretch.begin : stretch.end]
     v_s = PAPER["v_s"]
@@ -212,6 +212,8 @@ def test_the_command_writes_what_simulate_takes(tmp_path, capsys):
         (["--stroke", "9deg", "--speed", "3mm/s"], "--speed is in mm/s, but the motion is rotary"),
         (["--stroke", "9mm", "--motion", "rotary"], "--stroke is in mm"),
         (["--travel", "1", "2", "3"], "one or two values, got 3"),
+        (["--gain", "K_p=soft"], "--gain K_p: expected a positive number"),
+        (["--encoder", "-1um"], "encoder = "),
         (["--plot", "file.png"], "file.png exists; --force overwrites it"),
         (["--out", "file/plan.csv"], "file"),
     ],
@@ -224,6 +226,29 @@ def test_an_invalid_plan_is_reported_in_one_line(wrong, message, capsys, tmp_pat
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1
     assert message in lines[0]
+
+
+def test_what_will_not_show_is_said_beforehand(capsys, tmp_path):
+    """Each gain and the encoder's step tell a speed; the largest of them is printed."""
+
+    def least(*known):
+        planned(tmp_path, *known)
+        text = capsys.readouterr().out
+        return float(text.partition("v_s below ")[2].split()[0]), text
+
+    creeps, text = least("--friction", "6")
+    assert "creeps no slower" in text
+    assert "sigma_0 and sigma_1:" not in text
+    stiff, text = least("--friction", "6", "--gain", "K_p=1e4", "K_i=1e6")
+    assert stiff == pytest.approx(creeps, rel=0.1)
+    soft, text = least("--friction", "6", "--gain", "K_p=1000", "K_i=1e6")
+    assert soft > creeps
+    assert "a higher K_p helps" in text
+    assert least("--friction", "6", "--gain", "K_i=1e3")[0] > soft
+    assert "a higher K_i helps" in least("--friction", "6", "--gain", "K_i=1e3")[1]
+    coarse, text = least("--encoder", "0.1mm")
+    assert coarse > creeps
+    assert "breaks away within 0.001 m" in text
 
 
 def planned(folder, *arguments):
