@@ -61,6 +61,7 @@ class InverseModel(Closing):
     """
 
     name = "inverse model"
+    every = int(1.0 / (4.0 * SHARE))  # the low-pass leaves less than a quarter of the band
 
     def __init__(
         self,

@@ -190,6 +190,7 @@ class OutputError(Closing):
     """
 
     name = "output error"
+    every = 1
 
     def __init__(
         self,

@@ -25,6 +25,7 @@ class Criterion(Protocol):
 
     name: str  # display name
     space: ParameterSpace  # the parameters and their coordinates
+    every: int  # the samples of which a search for the minimum needs one; the others follow it
 
     def residual(self, values: Values) -> Array:
         """Return the difference that the values leave (n,)."""
@@ -133,7 +134,8 @@ def _fit(criterion: Criterion, start: Array, ftol: float) -> Fit:
     q, free = space.inside(start), space.upper > space.lower
 
     def weighted(residual: Array, q: Array) -> Array:
-        return np.append(residual / deviation, space.prior_residual(q))
+        few = residual[:: criterion.every] * (criterion.every**0.5 / deviation)
+        return np.append(few, space.prior_residual(q))
 
     def at(z: Array) -> Array:
         q[free] = z

@@ -164,16 +164,15 @@ def begin(model: InverseModel, recording: Recording, scale: Scale = SI) -> Start
 def _curve(model: InverseModel, recording: Recording, delay: float) -> FrictionCurve | None:
     if model.measures_friction:
         return None
-    signals = (position_of(recording).tobytes(), measured_force(recording).tobytes())
-    return _curve_of(*signals, model.T_s, recording.encoder_step, delay)
+    position, force = position_of(recording).tobytes(), measured_force(recording).tobytes()
+    return _curve_of(position, force, model.T_s, recording.encoder_step, delay=delay)
 
 
 @lru_cache(1)  # every law that is compared asks for that of the same signals
 def _curve_of(
     position: bytes, force: bytes, T_s: float, step: float, delay: float
 ) -> FrictionCurve | None:
-    signals = (np.frombuffer(signal) for signal in (position, force))
-    return friction_curve(*signals, T_s, step, delay=delay)
+    return friction_curve(np.frombuffer(position), np.frombuffer(force), T_s, step, delay=delay)
 
 
 def _line(model: InverseModel, top: float) -> tuple[float, float, float, float, float]:

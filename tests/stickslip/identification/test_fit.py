@@ -18,6 +18,7 @@ class Line:
     """A criterion that is linear in the coordinates."""
 
     name = "line"
+    every = 1
 
     def __init__(self, regressors, seen, space):
         self.regressors, self.seen, self.space = regressors, seen, space

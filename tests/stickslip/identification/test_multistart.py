@@ -21,6 +21,7 @@ class Curve:
     """Measures friction at steady speeds, with noise."""
 
     name = "curve"
+    every = 1
 
     def __init__(self, delta, speeds, **changes):
         self.v, self.space = speeds, space()

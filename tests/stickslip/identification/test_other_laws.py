@@ -92,6 +92,7 @@ class Force:
     """Measured minus predicted force, for a law written in Python."""
 
     name = "force"
+    every = 1
 
     def __init__(self, space, force, measured):
         self.space, self.force, self.measured = space, force, measured
