@@ -12,6 +12,7 @@ from stickslip.logs import Finding, load_description
 from stickslip.studies.learn.command import print_estimation
 from stickslip.studies.learn.folder import write_learned
 from stickslip.studies.learn.log_learning import learn
+from stickslip.trial.candidates import CompensatorComparison, Row
 from stickslip.trial.guards import Benefit
 
 pytestmark = pytest.mark.slow
@@ -21,22 +22,38 @@ DATA = ROOT.parent / "shared" / "data"
 EXAMPLES = ROOT / "examples" / "logs"
 
 
-def learned(folder, name, example):
+def learned(folder, name, example, law="auto"):
     path = DATA / folder / name
     if not path.exists():
         pytest.skip(f"{path} is not here")
-    return learn(path, load_description(EXAMPLES / example))
+    return learn(path, load_description(EXAMPLES / example), law=law)
 
 
 @pytest.fixture(scope="module")
 def emps():
-    return learned("emps", "DATA_EMPS.mat", "emps.toml")
+    return learned("emps", "DATA_EMPS.mat", "emps.toml", law="lugre")
 
 
 @pytest.fixture(scope="module")
 def sound(emps):
     """Return the same as if LuGre predicted what it was not fitted to."""
     return replace(emps, estimation=replace(emps.estimation, faults=()))
+
+
+def only(sound, benefit):
+    """Return what was learned where feedforward of the law was asked for, and does this."""
+    rows = (sound.trial.compared.rows[0], Row("lugre", 2, 1.2, benefit))
+    compared = CompensatorComparison(rows, "lugre")
+    return replace(sound, trial=replace(sound.trial, benefit=benefit, compared=compared))
+
+
+def test_the_law_chosen_for_emps_predicts_as_well_as_friction_without_presliding():
+    found = learned("emps", "DATA_EMPS.mat", "emps.toml").estimation
+    force = {one.candidate.title: one.force for one in found.choice.predictions}
+    static = min(force["Coulomb-viscous"], force["Coulomb-Stribeck"])
+    assert found.choice.chosen.force <= 1.02 * static < force["LuGre"]
+    assert found.known["F_c"].value == pytest.approx(20.3935, rel=0.01)
+    assert found.known["m"].value == pytest.approx(95.1089, rel=0.01)
 
 
 def test_lugre_predicts_emps_worse_than_coulomb_and_viscous_friction(emps):
@@ -81,10 +98,9 @@ def test_what_was_learned_is_written_and_read(sound, tmp_path):
 def test_a_compensator_that_does_harm_is_not_written(sound, tmp_path):
     rows = sound.trial.benefit.rows
     rows = tuple(replace(row, compensated=1.03 * row.without) for row in rows)
-    harmful = replace(sound, trial=replace(sound.trial, benefit=Benefit(1.0, rows, rows)))
+    harmful = only(sound, Benefit(1.0, rows, rows, variant=sound.trial.benefit.variant))
     assert "1.03 times that without the compensator" in harmful.refusal
-    assert not sound.refusal
-    write_learned(sound, tmp_path)
+    write_learned(only(sound, sound.trial.benefit), tmp_path)
     assert (tmp_path / "compensator.fmu").exists()
     write_learned(harmful, tmp_path)
     assert not (tmp_path / "compensator.fmu").exists()
@@ -94,8 +110,7 @@ def test_a_compensator_that_does_harm_is_not_written(sound, tmp_path):
 
 @pytest.mark.usefixtures("without_pictures")
 def test_a_forced_compensator_has_the_whole_force_in_all_files(emps, tmp_path):
-    benefit = replace(emps.trial.benefit, share=0.8)
-    write_learned(replace(emps, trial=replace(emps.trial, benefit=benefit)), tmp_path, force=True)
+    write_learned(only(emps, replace(emps.trial.benefit, share=0.8)), tmp_path, force=True)
     whole = emps.estimation.compensator
     assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(whole)
     start = cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start
@@ -107,6 +122,7 @@ def test_a_forced_compensator_has_the_whole_force_in_all_files(emps, tmp_path):
 def test_a_compensator_of_wrong_values_is_not_written(emps, tmp_path, spoils, written):
     fault = Finding("warning", "rows are lost", "2 %", "log without gaps", spoils=spoils)
     spoiled = replace(emps, estimation=replace(emps.estimation, faults=(fault,)))
+    spoiled = only(spoiled, emps.trial.benefit)
     assert spoiled.refusal == ("" if written else "rows are lost: 2 %; log without gaps")
     write_learned(spoiled, tmp_path)
     assert (tmp_path / "compensator.fmu").exists() == written
