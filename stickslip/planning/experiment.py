@@ -34,9 +34,9 @@ class Part:
 
 PARTS = (
     Part("small moves", ("sigma_0", "sigma_1"), 2.5, parts.small_moves),
-    Part("creep", ("F_s", "v_s", "sigma_0"), 7.0, parts.creep),
-    Part("constant speeds", ("b", "F_c"), 2.5, parts.constant_speeds),
-    Part("quick ramps", ("m", "sigma_1"), 2.5, parts.quick_ramps),
+    Part("creep", ("F_s", "v_s"), 7.0, parts.creep),
+    Part("constant speeds", ("b", "F_c"), 3.0, parts.constant_speeds),
+    Part("quick ramps", ("m", "sigma_1"), 2.0, parts.quick_ramps),
     Part("sine sweep", ("m", "b", "F_c"), 5.5, parts.sweep),
 )
 """In the order in which they run: small moves first, from rest, before the bristles are bent."""

@@ -141,7 +141,7 @@ def small_moves(limits: Limits, n: int) -> Array:
 
 CREEP = (0.004, 0.2)
 """Least and largest speed of the creep, as shares of the highest one."""
-LEVELS = 7  # speeds of the creep in each direction
+LEVEL_TIME = 0.5  # of each speed of the creep [s]
 PLACES = 0.4  # share of the room over which they are spread
 LEVEL = (
     (0.06, "move"),
@@ -154,6 +154,11 @@ LEVEL = (
     (1.0, "creep"),
 )
 """Corners of one speed of the creep: share of its time, and what is done there."""
+
+
+def levels(duration: float) -> int:
+    """Return the number of speeds in each direction of a creep that lasts so long [s]."""
+    return max(3, round(0.5 * duration / LEVEL_TIME))
 
 
 def slowest_creep(limits: Limits) -> float:
@@ -171,11 +176,12 @@ def creep(limits: Limits, n: int) -> Array:
     duration = n / limits.rate
     fastest = CREEP[1] * limits.reachable
     move = min(fastest, PLACES * limits.room / (0.25 * duration))
-    speeds = np.geomspace(fastest, slowest_creep(limits), LEVELS)
+    count = levels(duration)
+    speeds = np.geomspace(fastest, slowest_creep(limits), count)
     time, v = [0.0], [0.0]
     for k, speed in enumerate(np.minimum(speeds, move)):
         kinds = {"move": move, "creep": float(speed), "rest": 0.0}
-        time += [(k + share) / LEVELS for share, _ in LEVEL]
+        time += [(k + share) / count for share, _ in LEVEL]
         v += [kinds[what] for _, what in LEVEL]
     v[-1] = 0.0
     half = _smooth(partial(_polygon, limits, 1.0, (time, v)), limits, n // 2)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from stickslip.errors import UsageError
 from stickslip.planning.experiment import Stretch
-from stickslip.planning.parts import LEVELS, Limits, slowest_creep
+from stickslip.planning.parts import Limits, levels, slowest_creep
 from stickslip.thresholds import experiment
 
 
@@ -50,7 +50,8 @@ def not_shown(
     ``length`` is the name of the unit of length and its value in m.
     """
     (samples,) = (one.end - one.begin for one in stretches if "v_s" in one.part.shows)
-    creep = 0.5 * samples / limits.rate / (2 * LEVELS)  # time for which each speed is held [s]
+    lasts = samples / limits.rate
+    creep = 0.25 * lasts / levels(lasts)  # time for which each speed is held [s]
     unit, size = length
     slowest = {"the plan creeps no slower": slowest_creep(limits)}
     if sheet.friction and sheet.K_i:
