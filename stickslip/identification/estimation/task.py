@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -63,7 +64,8 @@ class Task:
     fmus: Path  # folder of the FMUs
     recording: Recording
     gains: Mapping[str, float] | None = None  # of the controller FMU by name; None if unknown
-    settings: LearnSettings = field(default_factory=LearnSettings)  # the law is that of the FMUs
+    # the law is that of the FMUs
+    settings: LearnSettings = field(default_factory=partial(LearnSettings, law="lugre"))
     faults: tuple[Finding, ...] = ()  # findings of the checks that invalidate intervals or values
     choice: Choice | None = None  # of the law among all; None where the law is given
 

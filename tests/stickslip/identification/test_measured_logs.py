@@ -86,6 +86,7 @@ def test_emps_shows_no_presliding_and_says_so(emps, capsys):
 
 @pytest.mark.usefixtures("without_pictures")
 def test_what_was_learned_is_written_and_read(sound, tmp_path):
+    sound = only(sound, sound.trial.benefit)
     write_learned(sound, tmp_path)
     assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(sound.compensator)
     assert sum("not identifiable in this experiment" in warning for warning in sound.warnings) == 4

@@ -77,7 +77,7 @@ def test_a_force_of_the_wrong_sign_is_told(recorded, candidates):
 
 
 def test_the_loop_cannot_judge_without_its_gains(recorded, candidates):
-    loop = LearnSettings(criterion="output error")
+    loop = LearnSettings(law="lugre", criterion="output error")
     task = Task(candidates, recorded.learned.estimation.recording, settings=loop)
     with pytest.raises(UsageError, match="needs the controller"):
         learn(task)
