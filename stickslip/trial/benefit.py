@@ -226,11 +226,12 @@ class Benefit:
             )
         error = "position" if row.figure == "position" else "tracking"
         factor, unit = self.shown(row)
-        low, high = worst.span
+        (low, high), n = worst.span, len(worst.rows)
+        spread = f" (median of {n} drives, {low:.3g} to {high:.3g} times)" if n > 1 else ""
         return (
             f"with the whole force the simulated {error} error {where} with {friction} is"
             f" {factor * row.compensated:.3g} {unit}, {row.ratio:.3g} times that without the"
-            f" compensator (median of {len(worst.rows)} drives, {low:.3g} to {high:.3g} times)"
+            f" compensator{spread}"
         )
 
     @property
