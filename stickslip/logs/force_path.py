@@ -131,7 +131,7 @@ def _low_passed(recording: Recording) -> Finding | None:
     )
     advice = "log it without a filter, or position and command with the same"
     what = "the force in the log is low-passed"
-    return Finding("warning", what, figure, advice, spoils="values")
+    return Finding("warning", what, figure, advice, spoils="intervals")
 
 
 def _is_low_pass(rest: float, plain: float, filtered: float, change: float) -> bool:
