@@ -114,10 +114,7 @@ def write_learned(
             staging,
             _trial_sections(shown),
             opening=[
-                *(
-                    Section("", "<p>{{ text | sentence }}</p>", text=text)
-                    for text in written.sentences
-                ),
+                *(Section("", "<p>{{ text }}.</p>", text=text) for text in written.sentences),
                 *_tracking_sections(shown),
             ],
             forced=force,
