@@ -108,13 +108,15 @@ def write_learned(
         files = tuple(name for name in FMUS if (staging / name).exists())
         written = Written(learned, files, force)
         write_json(written.document(), staging / "learned.json")
+        told, *refused = written.sentences
+        shown_first = [told[:1].upper() + told[1:], *refused]
         write_estimation_report(  # last: its page names the files beside it
             learned.estimation,
             learned.findings,
             staging,
             _trial_sections(shown),
             opening=[
-                *(Section("", "<p>{{ text }}.</p>", text=text) for text in written.sentences),
+                *(Section("", "<p>{{ text }}.</p>", text=text) for text in shown_first),
                 *_tracking_sections(shown),
             ],
             forced=force,
