@@ -22,8 +22,8 @@ from stickslip.fmi.messages import printable
 _COMMAND = "STICKSLIP_COMMAND"
 """Variable of the environment of a command, and of the processes that it starts."""
 _SETTING = re.compile(
-    "<(column|compensator|confirm|controller|encoder_step|law|motion|rated_force|rated_torque"
-    "|sample_period|scale|span|unit)(?: ([^<>]+))?>"
+    "<(column|compensator|confirm|controller|encoder_step|friction_range|law|motion|rated_force"
+    "|rated_torque|sample_period|scale|span|unit)(?: ([^<>]+))?>"
 )
 
 

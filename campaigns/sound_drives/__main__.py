@@ -1,8 +1,8 @@
-"""What ``stickslip learn`` hands over on sound drives drawn at random, judged on the true drives.
+"""What ``stickslip learn`` hands over on random sound drives, evaluated on the true drives.
 
     python -m campaigns.sound_drives --drives 40 --seed 1 --out DIR [LEARN-OPTIONS ...]
     python -m campaigns.sound_drives --drives 40 --seed 1 --logs-only DIR
-    python -m campaigns.sound_drives --judge DRIVE.json LEARNED_DIR
+    python -m campaigns.sound_drives --evaluate DRIVE.json LEARNED_DIR
 
 A row of rows.csv is a drive; drives that it has are not learned again. A ratio is the RMS of the
 true velocity minus that of the loop without friction, with what was written over without it.
@@ -23,11 +23,11 @@ from typing import Any
 import pandas as pd
 
 from campaigns.sound_drives.drives import STICKSLIP, Drive, draw, write_log
-from campaigns.sound_drives.judging import INTERVALS, MOTIONS, judged
+from campaigns.sound_drives.evaluation import INTERVALS, MOTIONS, evaluated
 
 
 def main() -> None:
-    """Draw, record, learn, judge, and print a row for each drive."""
+    """Draw, record, learn, evaluate, and print a row for each drive."""
     parser = argparse.ArgumentParser(
         prog="python -m campaigns.sound_drives",
         description=__doc__,
@@ -40,11 +40,11 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=1, help="drives at a time")
     parser.add_argument("--json", action="store_true", help="print rows as JSON")
     parser.add_argument("--logs-only", type=Path, metavar="DIR", help="write logs and truth")
-    parser.add_argument("--judge", nargs=2, type=Path, metavar=("DRIVE.json", "LEARNED_DIR"))
+    parser.add_argument("--evaluate", nargs=2, type=Path, metavar=("DRIVE.json", "LEARNED_DIR"))
     options, of_learn = parser.parse_known_args()
-    if options.judge:
-        drive, learned = options.judge
-        show(judged(Drive.read(drive), learned), as_json=options.json)
+    if options.evaluate:
+        drive, learned = options.evaluate
+        show(evaluated(Drive.read(drive), learned), as_json=options.json)
         return
     folder = options.logs_only or options.out
     folder.mkdir(parents=True, exist_ok=True)
@@ -106,7 +106,7 @@ def learn_one(options: argparse.Namespace, number: int, of_learn: list[str]) -> 
         )
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
-    row = judged(drive, Path(command[-1]), messages.read_text())
+    row = evaluated(drive, Path(command[-1]), messages.read_text())
     with contextlib.suppress(FileNotFoundError):
         (options.out / f"{drive.name}.csv").unlink()
     seconds, memory = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0

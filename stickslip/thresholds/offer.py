@@ -1,4 +1,4 @@
-"""Which compensator is recommended: feedforward, observer, both or none."""
+"""Which compensator is written: feedforward, observer, both or none."""
 
 from stickslip.thresholds import Threshold
 

@@ -189,7 +189,7 @@ def family(law: Law, friction: Values, command: Trapezoid, known: Evidence) -> t
         shown = name if level == 1.0 else f"{name} x {level:g}"
         return Drive(shown, own.name, own.share(values, level), level, decides=decides)
 
-    levels = (1.0, *known.levels)
+    levels = tuple(dict.fromkeys((1.0, *known.levels)))
     deciding = [at(name, level) for name in named for level in levels]
     return (*deciding, *(at(FITTED, one, decides=False) for one in BEYOND if one not in levels))
 

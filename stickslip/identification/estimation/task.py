@@ -51,6 +51,14 @@ class LearnSettings:
     absent: Sequence[str] = ()
     limits: Limits = LINEAR
 
+    def __post_init__(self) -> None:
+        least, largest = self.friction_range
+        if not 0.0 < least <= 1.0 <= largest < np.inf:
+            raise UsageError(
+                f"<friction_range>: expected the least and the largest friction over that in the "
+                f"log, such as 0.7 1.3, with 1 between them; got {least:g} {largest:g}"
+            )
+
     @property
     def workers(self) -> int:
         """Number of parallel runs of an experiment."""

@@ -10,7 +10,7 @@ from drives import STAGE, T_S
 import stickslip as ss
 from campaigns.sound_drives import simulator
 from campaigns.sound_drives.drives import Drive, write_log
-from campaigns.sound_drives.judging import MOTIONS, motion
+from campaigns.sound_drives.evaluation import MOTIONS, motion
 from stickslip.fmi.process import temporary_folder
 from stickslip.learned.file import LearnedFile
 from stickslip.servo.axis import Axis

@@ -251,3 +251,10 @@ def test_the_best_compensator_is_written_and_exported(log, tmp_path, capsys):
             both = [read_model_description(f / f"{what}.fmu") for f in (out, tmp_path)]
             starts = [{one.name: one.start for one in of.modelVariables} for of in both]
             assert starts[0] == starts[1]
+
+
+def test_a_range_of_friction_without_that_of_the_log_is_refused(log, capsys):
+    assert main(["learn", str(log), "--friction-range", "1.2", "1.5"]) == 1
+    assert (
+        "--friction-range: expected the least and the largest friction" in capsys.readouterr().err
+    )

@@ -120,7 +120,7 @@ def _glue(headers: Mapping[str, str]) -> str:
     return "\n".join([*lines, "    return F;", "}", ""])
 
 
-def judged(drive: Drive, learned: Path, said: str = "") -> dict[str, Any]:
+def evaluated(drive: Drive, learned: Path, said: str = "") -> dict[str, Any]:
     """Return the row of a drive: what was written, ratios, predicted ratios, intervals.
 
     Parameters
