@@ -126,7 +126,7 @@ def small_moves(limits: Limits, n: int) -> Array:
     Within the presliding range the slow ones show stiffness, the quick ones damping. How far that
     range goes nobody knows beforehand, so their sizes are a geometric series.
     """
-    moves = max(4, round(n / limits.rate / 0.3))
+    moves = max(1, min(max(4, round(n / limits.rate / 0.3)), n // 8))  # 4 samples a sine
     smallest, largest = limits.presliding
     sizes = np.geomspace(smallest, max(smallest, min(largest, limits.room / 4)), moves)
     pieces = []
