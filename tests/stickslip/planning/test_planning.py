@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from stickslip.catalog.parameters import LUGRE, PAPER
@@ -44,6 +44,16 @@ def check_limits(limits: Limits, show=()) -> None:
     show=st.lists(st.sampled_from(sorted(PAPER)), max_size=3),
     jerk=st.one_of(st.just(np.inf), st.floats(0.1, 1e4)),
     share=st.one_of(st.none(), st.floats(0, 1)),
+)
+@example(  # four samples for each of the small moves
+    stroke=1.0,
+    speed=1.0,
+    acceleration=1.0,
+    duration=2.0,
+    rate=100.0,
+    show=["F_c", "F_s"],
+    jerk=np.inf,
+    share=None,
 )
 @settings(max_examples=60)
 def test_limits_are_kept(stroke, speed, acceleration, duration, rate, show, jerk, share):
