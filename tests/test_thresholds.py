@@ -65,6 +65,7 @@ from stickslip.studies.validate import compared_logs, log_prediction, log_verdic
 from stickslip.trial import compensator_trial, guards
 from stickslip.trial.benefit import NONE, MotionErrors, TrialError
 from stickslip.trial.candidates import CompensatorComparison, Row
+from stickslip.trial.family import commands, onset
 from stickslip.trial.guards import Hold, Trial, hunting, hunting_at_rest, stribeck
 from stickslip.tuning import drive_model, loop_learning, refinement
 from tests.stickslip.identification.synthetic_predictions import predicted
@@ -125,6 +126,10 @@ def most(name):
 SPACE = ParameterSpace.of(friction_law())
 RIVALS = (("lugre", 1.0), ("coulomb_stribeck", 2.0))
 POOR = ("F_s", "sigma_0")
+
+
+WORSE_ON_SOME = tuple(TrialError(1.0, "", 1.0, ratio) for ratio in (0.5, 0.6, 1.0, 1.1, 1.1))
+FAST = cosim.Trapezoid(height=0.04, slope=0.8, plateau=0.1, begin=0.1)
 
 
 def is_growing():
@@ -815,6 +820,9 @@ def is_planned(**limits):
 CASES: dict[str, tuple[Any, object, object]] = {
     # threshold: decision, verdict with its value, and with twice of it, or half where /2 stands
     "harm.WORSE": (lambda: MotionErrors((TrialError(1.0, "", 1.0, 1.2),)).is_worse, True, False),
+    "harm.DRIVES/2": (lambda: MotionErrors(WORSE_ON_SOME).is_worse, True, False),
+    "harm.RESOLVED": (lambda: len(commands(FAST, T_S, FRICTION, 4e-7)), 5, 6),
+    "harm.ONSET": (lambda: onset(commands(FAST, T_S, FRICTION), T_S) > 1e-4, False, True),
     "harm.PROMISED": (
         lambda: MotionErrors((TrialError(1.0, "", 1.0, 0.5),)).interval,
         (0.25, 1.0),

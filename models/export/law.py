@@ -111,13 +111,14 @@ class Law:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Return a TOML file with the one that it includes; DescriptionError if not well formed."""
+    """Return a TOML file with those that it includes; DescriptionError if not well formed."""
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except tomllib.TOMLDecodeError as error:
         raise DescriptionError(f"{path}: {error}") from None
-    if included := content.pop("include", None):
-        for section, shared in read_toml(MODELS / included).items():
+    included = content.pop("include", [])
+    for file in [included] if isinstance(included, str) else included:
+        for section, shared in read_toml(MODELS / file).items():
             own = content.get(section, {})
             content[section] = {name: table for name, table in shared.items() if name not in own}
             content[section] |= {name: shared.get(name, {}) | table for name, table in own.items()}

@@ -17,6 +17,7 @@ from itertools import islice, product
 
 import numpy as np
 
+from stickslip import models
 from stickslip.catalog.parameters import friction_law, learnable_laws
 from stickslip.compensators.entrants import FEEDFORWARD as ANY_LAW
 from stickslip.compensators.entrants import Coarse, Part, entrant, parts
@@ -28,6 +29,7 @@ from stickslip.servo.observer import FORCE_NOISE, DesignedObserver, design_obser
 from stickslip.servo.sensitivity import OpenLoop, Response
 from stickslip.servo.systems import Compensator
 from stickslip.thresholds import offer
+from stickslip.trial.family import onset
 from stickslip.trial.guards import Bench, Benefit, Variant, feedforward
 from stickslip.trial.observed import (
     BOTH,
@@ -270,19 +272,27 @@ class _Candidates(ExitStack):
 
     def _quick(self, behind: Row | None, part: Part) -> float:
         """Return the mean ratio of an observer on few drives; infinite without one."""
-        designed = next(self._from_best(part, alone=behind is None), None)
-        if designed is None:
-            return np.inf
         before: tuple[Compensator, ...] = ()
         if behind and behind.benefit:
             before = behind.benefit.variant.share(self.bench.law, behind.benefit.share).chain
-        return self.bench.quick_ratio(Variant(part.name, (*before, designed.observer)), QUICK)
+        fastest = islice(self._from_best(part, alone=behind is None), 2)
+        variants = [Variant(part.name, (*before, one.observer)) for one in fastest]
+        return min((self.bench.quick_ratio(one, QUICK) for one in variants), default=np.inf)
 
     def _from_best(self, part: Part, *, alone: bool) -> Iterator[ObserverDesign]:
-        """Yield observers from fast to weak, from the one on that alone is best on few drives."""
+        """Yield observers from fast to weak, from the one on that alone is best on few drives.
+
+        Each follows without and with an onset, below which the drive may stick without it.
+        """
         designs = self._designs(part, alone=alone)
+        later = {"onset": onset(self.bench.commands, self.bench.loop.T_s)}
+        has_onset = any(one.name == "onset" for one in models.load_model(part.model).variables)
         with suppress(ControlError):
-            yield from islice(designs, self._best_alone(part), None)
+            for one in islice(designs, self._best_alone(part), None):
+                yield one
+                if has_onset:
+                    values = {**one.observer.values, **later}
+                    yield replace(one, observer=replace(one.observer, values=values))
 
     def _best_alone(self, part: Part) -> int:
         """Return the number of the first design, from fast to weak, better than the next one."""

@@ -119,7 +119,9 @@ MOVES = {
     "smallest moves": (0.0, 20.0, 0.01),
 }
 """Lengths of small moves: in presliding deflections, at least in encoder steps, and at most as a
-share of the travel; the last of a law that does not tell how far a drive moves before it slips."""
+share of the travel; the last where the encoder or the law does not tell how far a drive moves
+before it slips."""
+SMALL = ("micro-steps", "smallest moves")  # those in which the drive may stick
 BEYOND = (0.5, 2.0)  # levels of friction that decide nothing, and are shown beside the others
 UNEVEN = 0.1  # share by which friction differs by direction, and along the guide
 PERIOD = 0.4  # length of its variation along the guide, as a share of the travel
@@ -215,13 +217,21 @@ def commands(
             slower = replace(slower, plateau=max(command.plateau, min(held, SLIPS[1])))
         t = np.arange(round((slower.corners()[-1] + slower.begin) / T_s) + 1) * T_s
         found.append(Command(f"{1e3 * slower.height:.3g} {unit}", slower.sample(t)))
+    bent = deflection(friction, command)
+    is_hidden = encoder_step > 0.0 and (is_static or bent < harm.RESOLVED * encoder_step)
     for name, (deflections, steps, share) in MOVES.items():
-        if not (deflections or (encoder_step and is_static)):
+        if not (deflections or is_hidden):
             continue
-        length = max(deflections * deflection(friction, command), steps * encoder_step)
+        length = max(deflections * bent, steps * encoder_step)
         length = min(length, share * travel(command))
         found.append(Command(name, _moves(length, command, T_s)))
     return tuple(found)
+
+
+def onset(tried: Sequence[Command], T_s: float) -> float:
+    """Return a displacement [m] that is longer than the moves in which the drive may stick."""
+    ways = (np.ptp(np.cumsum(one.v_cmd)) * T_s for one in tried if one.name in SMALL)
+    return float(harm.ONSET * max(ways, default=0.0))
 
 
 def travel(command: Trapezoid) -> float:

@@ -47,13 +47,13 @@ def strongest(
         if tried and bench.is_worse(shared, tried[-1][0]):
             continue
         benefit = _tried(bench, feedforward, designed.observer, together=together)
-        worst = max(benefit.motions, key=lambda one: one.median.ratio)
+        worst = max(benefit.motions, key=lambda one: one.upper.ratio)
         tried.append((worst, designed, benefit))
         if benefit.acceptable:
             break
     if not tried:
         raise ControlError("no observer")
-    _, best, benefit = min(tried, key=lambda one: one[0].median.ratio)
+    _, best, benefit = min(tried, key=lambda one: one[0].upper.ratio)
     return best, benefit
 
 

@@ -356,11 +356,24 @@ def velocity_filter(p: Parameters) -> Columns:
     return {**given, "v_hat": v_hat, "d_hat": d_hat}
 
 
+def reversing(t: np.ndarray, p: Parameters) -> tuple[np.ndarray, np.ndarray]:
+    """Return a reference velocity that reverses and creeps, and the share of the force from it.
+
+    The share is that of displacements from one to two times the onset since rest or reversal.
+    """
+    v_r, onset = 2e-3 * np.sin(2 * np.pi * 20.0 * t), p["onset"]
+    if not onset:
+        return v_r, np.ones(len(t))
+    runs = np.cumsum(np.diff(np.where(abs(v_r) < onset, 0.0, np.sign(v_r)), prepend=0.0) != 0.0)
+    way = pd.Series(STEP * np.where(abs(v_r) < onset, 0.0, abs(v_r))).groupby(runs).cumsum()
+    return v_r, np.interp(way, [onset, 2 * onset], [0.0, 1.0])
+
+
 def coulomb_observer(p: Parameters) -> Columns:
     """Observe the same, with a reference velocity that reverses and creeps."""
     given = lagging_motion()
     N = given.pop("N")
-    ahead, v_r = predictor(p, N), 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
+    ahead, (v_r, share) = predictor(p, N), reversing(given["time"], p)
     now, a, s, v_last = np.zeros(3), p["a_0"], 0.0, v_r[0]
     F, a_hat = [0.0], [a]
     for k, position in enumerate(given["x_enc"][:-1]):
@@ -372,7 +385,7 @@ def coulomb_observer(p: Parameters) -> Columns:
         v_s, v_lead = (now[1],) * 2 if p["measured"] else (mean, mean + p["lead"] * slope)
         s, early = np.clip(np.array([v_s, v_lead]) / p["v_t"], -1.0, 1.0)
         returned = p["k_a"] * (N[k] - a * s - p["b"] * now[1] - p["m"] * slope)
-        F.append(given["F_in"][k] + p["share"] * a * early - returned)
+        F.append(given["F_in"][k] + share[k] * (p["share"] * a * early - returned))
         a_hat.append(a)
         v_last = v_r[k]
     return {**given, "v_r": v_r, "F": np.array(F), "a_hat": np.array(a_hat)}
@@ -406,7 +419,7 @@ def momentum(p: Parameters) -> Callable[[np.ndarray, np.ndarray], tuple[float, f
 def momentum_observer(p: Parameters) -> Columns:
     """Observe the same by the change of momentum."""
     given, residual = lagging_motion(), momentum(p)
-    N, x, v_r = given.pop("N"), given["x_enc"], 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
+    N, x, (v_r, share) = given.pop("N"), given["x_enc"], reversing(given["time"], p)
     a, F, a_hat, s, w, v_k = p["a_0"], [0.0], [p["a_0"]], 1.0, p["w_q"], 0.0
     for k in range(200):
         last = max(k - 1, 0)
@@ -418,7 +431,8 @@ def momentum_observer(p: Parameters) -> Columns:
         a += (1.0 - np.exp(-w * STEP)) * s * (friction - a * s)
         early = (v_r[k] + v_r[last]) / 2 + p["lead"] * (v_r[k] - v_r[last]) / STEP
         ahead = np.clip((v_k if p["measured"] else early) / p["v_t"], -1.0, 1.0)
-        F.append(given["F_in"][k] + p["share"] * a * (ahead if p["coulomb"] else 1.0))
+        force = p["share"] * a * (ahead if p["coulomb"] else 1.0)
+        F.append(given["F_in"][k] + share[k] * force)
         a_hat.append(a)
     return {**given, "v_r": v_r, "F": np.array(F), "a_hat": np.array(a_hat)}
 
@@ -467,8 +481,9 @@ def dob(p: Parameters) -> Columns:
     table = velocity_filter(p)
     known = table.pop("F_ff")
     table.pop("v_hat")
-    last = np.append(0.0, known[:-1])
-    return {**table, "F_in": known, "F": last - p["share"] * table["d_hat"]}
+    v_r, share = reversing(table["time"], p)
+    force = known[:-1] - share[:-1] * p["share"] * table["d_hat"][1:]
+    return {**table, "v_r": v_r, "F_in": known, "F": np.append(0.0, force)}
 
 
 def lugre_observer(p: Parameters, n: int = 401, held: tuple[float, float] | None = None) -> Columns:

@@ -1,4 +1,5 @@
 #include "numerics/axis_filter.h"
+#include "numerics/onset.h"
 
 static void sample(Memory *w, const Inputs *u, const Parameters *p) {
     const double expected = -w->a * w->s; /* disturbing force in the period that ends [N] */
@@ -12,7 +13,8 @@ static void sample(Memory *w, const Inputs *u, const Parameters *p) {
     w->s = clipped((p->measured != 0.0 ? w->v : v) / p->v_t);
     const double early = p->measured != 0.0 ? w->s : clipped((v + p->lead * slope) / p->v_t);
     const double acceleration = (w->N_last - w->a * w->s - p->b * w->v) / p->m;
-    w->F_held = u->F_in + p->share * w->a * early - p->k_a * p->m * (acceleration - slope);
+    const double returned = p->k_a * p->m * (acceleration - slope);
+    w->F_held = u->F_in + onset(w, u->v_r, p) * (p->share * w->a * early - returned);
 }
 
 #include "numerics/sampled.h"

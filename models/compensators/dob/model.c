@@ -1,8 +1,10 @@
 #include "numerics/axis_filter.h"
+#include "numerics/onset.h"
 
 static void sample(Memory *w, const Inputs *u, const Parameters *p) {
     w->d_1 += p->L_1 * axis_sample(w, u->x_enc, u->F_m, u->F_in, p);
     w->d += p->T_s * w->d_1; /* in the period that begins */
+    w->F_held = u->F_in - onset(w, u->v_r, p) * p->share * w->d;
 }
 
 #include "numerics/sampled.h"
@@ -13,6 +15,6 @@ void model_start(double t, States *x, Memory *w, const Inputs *u, const Paramete
 
 void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, const Parameters *p,
                    Outputs *y) {
-    y->F = w->F_next - p->share * w->d;
+    y->F = w->F_held;
     y->d_hat = w->d;
 }

@@ -1,4 +1,5 @@
 #include "numerics/momentum.h"
+#include "numerics/onset.h"
 
 static void sample(Memory *w, const Inputs *u, const Parameters *p) {
     double v;
@@ -17,7 +18,8 @@ static void sample(Memory *w, const Inputs *u, const Parameters *p) {
     const double early = 0.5 * (w->v_last + u->v_r) + p->lead * slope;
     w->v_last = u->v_r;
     const double direction = clipped((p->measured != 0.0 ? w->v : early) / p->v_t);
-    w->F_held = u->F_in + p->share * w->a * (p->coulomb != 0.0 ? direction : 1.0);
+    const double share = onset(w, u->v_r, p) * p->share;
+    w->F_held = u->F_in + share * w->a * (p->coulomb != 0.0 ? direction : 1.0);
 }
 
 #include "numerics/sampled.h"

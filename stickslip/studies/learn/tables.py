@@ -107,7 +107,7 @@ RATIOS = (
     Column("worst", ".4g", "worst motion", "Worst motion"),
 )
 """Errors relative to those without compensation: of the fitted drive the geometric mean over the
-motions, that over all drives, and the largest median over the drives of a level of friction."""
+motions, that over all drives, and the largest that few drives of a level of friction exceed."""
 
 
 def ratios(benefit: Benefit | None) -> dict[str, float]:
