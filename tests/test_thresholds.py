@@ -822,7 +822,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "harm.WORSE": (lambda: MotionErrors((TrialError(1.0, "", 1.0, 1.2),)).is_worse, True, False),
     "harm.DRIVES/2": (lambda: MotionErrors(WORSE_ON_SOME).is_worse, True, False),
     "harm.RESOLVED": (lambda: len(commands(FAST, T_S, FRICTION, 4e-7)), 5, 6),
-    "harm.ONSET": (lambda: onset(commands(FAST, T_S, FRICTION), T_S) > 1e-4, False, True),
+    "harm.ONSET": (lambda: onset(commands(FAST, T_S, FRICTION, 1e-6), T_S) > 1e-4, False, True),
     "harm.PROMISED": (
         lambda: MotionErrors((TrialError(1.0, "", 1.0, 0.5),)).interval,
         (0.25, 1.0),

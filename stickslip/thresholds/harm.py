@@ -20,8 +20,8 @@ the laws, up to which the drive may be one of that law."""
 RESOLVED = Threshold(
     25.0, "docs/measurements/sound-drives.md: sigma_0 is up to 1.5 times wrong at 7"
 )
-"""Encoder steps of the presliding deflection below which a log does not tell it, so that
-compensators are tried in smaller moves, too."""
+"""Encoder steps of the presliding deflection below which a log does not tell it, so that observers
+have an onset, and compensators are tried in smaller moves, too."""
 ONSET = Threshold(1.25, "the reference of a velocity loop overshoots a move by up to a tenth")
 """Displacement from which an observer acts, over the longest of the moves in which the drive may
 stick."""

@@ -272,27 +272,19 @@ class _Candidates(ExitStack):
 
     def _quick(self, behind: Row | None, part: Part) -> float:
         """Return the mean ratio of an observer on few drives; infinite without one."""
+        designed = next(self._from_best(part, alone=behind is None), None)
+        if designed is None:
+            return np.inf
         before: tuple[Compensator, ...] = ()
         if behind and behind.benefit:
             before = behind.benefit.variant.share(self.bench.law, behind.benefit.share).chain
-        fastest = islice(self._from_best(part, alone=behind is None), 2)
-        variants = [Variant(part.name, (*before, one.observer)) for one in fastest]
-        return min((self.bench.quick_ratio(one, QUICK) for one in variants), default=np.inf)
+        return self.bench.quick_ratio(Variant(part.name, (*before, designed.observer)), QUICK)
 
     def _from_best(self, part: Part, *, alone: bool) -> Iterator[ObserverDesign]:
-        """Yield observers from fast to weak, from the one on that alone is best on few drives.
-
-        Each follows without and with an onset, below which the drive may stick without it.
-        """
+        """Yield observers from fast to weak, from the one on that alone is best on few drives."""
         designs = self._designs(part, alone=alone)
-        later = {"onset": onset(self.bench.commands, self.bench.loop.T_s)}
-        has_onset = any(one.name == "onset" for one in models.load_model(part.model).variables)
         with suppress(ControlError):
-            for one in islice(designs, self._best_alone(part), None):
-                yield one
-                if has_onset:
-                    values = {**one.observer.values, **later}
-                    yield replace(one, observer=replace(one.observer, values=values))
+            yield from islice(designs, self._best_alone(part), None)
 
     def _best_alone(self, part: Part) -> int:
         """Return the number of the first design, from fast to weak, better than the next one."""
@@ -409,6 +401,8 @@ class _Candidates(ExitStack):
             found = {name: found[name] for name in found if name not in ("rate", "noise")}
         if "share" in found:
             found["share"] = 1.0
+        if any(one.name == "onset" for one in models.load_model(part.model).variables):
+            found["onset"] = onset(self.bench.commands, self.bench.loop.T_s)
         if _RAMP in found:
             found[_RAMP] *= self._ramp
             if alone and part.ports is not None and "a_0" in part.ports.learned:

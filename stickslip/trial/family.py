@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import cycle
@@ -113,15 +113,15 @@ CREEP = (0.3, 0.003, 0.03)
 """Speed of creep over the Stribeck velocity, and its bounds as shares of the log's speed; the
 geometric mean of both where no such velocity is known."""
 SLIPS = (3.0, 5.0)  # times that an integral needs to break away in creep, and most of them [s]
+MICRO, SMALLEST = "micro-steps", "smallest moves"
 MOVES = {
-    "micro-steps": (4.0, 10.0, 0.01),
+    MICRO: (4.0, 10.0, 0.01),
     "short moves": (60.0, 100.0, 0.1),
-    "smallest moves": (0.0, 20.0, 0.01),
+    SMALLEST: (0.0, 20.0, 0.01),
 }
 """Lengths of small moves: in presliding deflections, at least in encoder steps, and at most as a
 share of the travel; the last where the encoder or the law does not tell how far a drive moves
 before it slips."""
-SMALL = ("micro-steps", "smallest moves")  # those in which the drive may stick
 BEYOND = (0.5, 2.0)  # levels of friction that decide nothing, and are shown beside the others
 UNEVEN = 0.1  # share by which friction differs by direction, and along the guide
 PERIOD = 0.4  # length of its variation along the guide, as a share of the travel
@@ -228,10 +228,15 @@ def commands(
     return tuple(found)
 
 
-def onset(tried: Sequence[Command], T_s: float) -> float:
-    """Return a displacement [m] that is longer than the moves in which the drive may stick."""
-    ways = (np.ptp(np.cumsum(one.v_cmd)) * T_s for one in tried if one.name in SMALL)
-    return float(harm.ONSET * max(ways, default=0.0))
+def onset(tried: Iterable[Command], T_s: float) -> float:
+    """Return from which displacement [m] on observers act, where the log does not show presliding.
+
+    It is longer than the moves in which the drive may stick; 0 where the log shows presliding.
+    """
+    ways = {one.name: float(np.ptp(np.cumsum(one.v_cmd)) * T_s) for one in tried}
+    if SMALLEST not in ways:
+        return 0.0
+    return harm.ONSET * max(ways[SMALLEST], ways[MICRO])
 
 
 def travel(command: Trapezoid) -> float:

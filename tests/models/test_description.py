@@ -19,7 +19,7 @@ DOB, DAHL = MODELS / "compensators" / "dob" / "model.toml", MODELS / "laws" / "d
         (DOB, "start = 1.0", "begin = 1.0", "variable share: begin is unknown"),
         (DOB, "start = 1.0", "start = [1.0, 2.0]", "share: 2 start values for 1 elements"),
         (DOB, "start = 1.0", "start = 1.5", "share = 1.5 1 is outside 0"),
-        (DOB, 'F_m = "dependent", F_in', 'F_m = "linear", F_in', "variable F: linear is unknown"),
+        (DOB, 'F_m = "dependent", v_r', 'F_m = "linear", v_r', "variable F: linear is unknown"),
         (DOB, 'force = "F" }', 'force = "G" }', "terminal friction: G is unknown"),
         (DOB, '[inputs.F_in]\nunit = "N"', '[inputs.F_in]\nunit = "V"', "F_in: V is unknown"),
         (DOB, "[inputs.F_in]\n", '[inputs.F_in]\ndisplay = "kN"\n', "F_in: kN is unknown"),

@@ -196,7 +196,7 @@ def test_the_observer_of_the_guide_adds_the_force_of_the_chain(fmus, exported):
     folder = exported("compensator", "both")
     chain = [
         Compensator("compensator", "compensator", FRICTION),
-        Compensator("observer", "dob", {"share": 0.5}),
+        Compensator("observer", "dob", {"share": 0.5, "onset": 2e-6}),
     ]
     start = {**chain[1].parameters(loop)}
     write_compensator(folder, "c", model="dob", start=start, called="observer")
@@ -209,7 +209,7 @@ static Compensator compensator;
 {static}
 void start(double v_cmd, double x_cmd, double x_enc, double F_m) {{
     compensator_init(&compensator, v_cmd, x_cmd, 0.0);
-    observer_init(&observer, x_enc, F_m, 0.0);
+    observer_init(&observer, x_enc, F_m, compensator.outputs.v_r, 0.0);
 }}
 double both(double v_cmd, double x_cmd, double x_enc, double F_m) {{
     compensator_step(&compensator, v_cmd, x_cmd, 0.0);

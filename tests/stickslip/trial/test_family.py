@@ -88,23 +88,24 @@ def test_commands_are_a_trapezoid_at_three_speeds_and_small_moves(top):
 
 def test_an_observer_with_an_onset_leaves_the_moves_alone_in_which_a_drive_may_stick():
     drives = family(LUGRE, TABLE_2, VALIDATION, Evidence())[:1]
-    with bench_of(LUGRE, PAPER, TABLE_2, drives, VALIDATION, Datasheet()) as bench:
+    coarse = Datasheet(encoder_step=1e-6)
+    with bench_of(LUGRE, PAPER, TABLE_2, drives, VALIDATION, coarse) as bench:
         later = {"onset": onset(bench.commands, PAPER.T_s)}
         every = [Variant("", (Compensator("observer", "dob", own),)) for own in ({}, later)]
         without, with_onset = (
             {row.command: row.ratio for row in one.rows} for one in bench.benefits(every)
         )
     names = [one.name for one in bench.commands]
-    assert "smallest moves" not in names  # 38 encoder steps of presliding are shown
-    assert without["micro-steps"] < 0.99
-    assert with_onset["micro-steps"] == pytest.approx(1.0, abs=1e-6)
-    assert without[names[0]] < with_onset[names[0]] < 0.8
+    for small in ("micro-steps", "smallest moves"):
+        assert not 0.99 < without[small] < 1.01
+        assert with_onset[small] == pytest.approx(1.0, abs=1e-6)
+    assert without[names[0]] < with_onset[names[0]] < 0.9
 
 
 @pytest.mark.parametrize(("step", "is_tried"), [(1e-6, True), (1e-7, False)])
 def test_where_the_encoder_hides_presliding_smaller_moves_are_tried(step, is_tried):
     found = {one.name: one for one in commands(VALIDATION, 5e-4, TABLE_2, step)}
-    assert ("smallest moves" in found) == is_tried
+    assert ("smallest moves" in found) == is_tried == (onset(found.values(), 5e-4) > 0.0)
     if is_tried:
         way = np.ptp(np.cumsum(found["smallest moves"].v_cmd)) * 5e-4
         assert way == pytest.approx(20 * step, rel=1e-2)
