@@ -17,8 +17,8 @@ from campaigns.sound_drives import simulator
 from campaigns.sound_drives.drives import ENCODER_NOISE, STICKSLIP, Drive
 
 MOTIONS = ("fast", "slow", "creep", "move_60", "move_4")
-PREDICTED = dict(zip(("fast", "slow", "creep", "move_4", "move_60"), range(5), strict=True))
-"""Motion -> place of the one that is most like it in the predictions of ``learn``."""
+PREDICTED = {"move_4": "micro-steps", "move_60": "short moves"}
+"""Motion -> the one that is most like it in the predictions of ``learn``; else by its speed."""
 LEVELS = (1.0, 0.7, 1.3)
 """F_c and F_s of the drive, relative to those at the log."""
 SEEDS = (1, 2, 3)
@@ -150,7 +150,7 @@ def evaluated(drive: Drive, learned: Path, said: str = "") -> dict[str, Any]:
                 return row | {"why": f"not exported: {error.stderr}"}
             by_level = {level: ratios(drive, level, compensator) for level in LEVELS}
         row |= _written(document, names) | _measured(by_level)
-        row |= _predictions(document, by_level[1.0])
+        row |= _predictions(drive, document, by_level[1.0])
     return row | _intervals(document, drive.truth)
 
 
@@ -169,16 +169,27 @@ def _measured(by_level: Mapping[float, Mapping[str, float]]) -> dict[str, float]
     return {name: round(ratio, 4) for name, ratio in found.items()}
 
 
-def _predictions(document: Mapping[str, Any], true: Mapping[str, float]) -> dict[str, Any]:
+def _predictions(
+    drive: Drive, document: Mapping[str, Any], true: Mapping[str, float]
+) -> dict[str, Any]:
     """Return the predicted ratios, and how many intervals hold the true ones."""
     rows = [
         one
         for one in document.get("predicted_error", [])
         if one["friction"] == 1.0 and one["figure"] == "velocity"
     ]
-    if len(rows) < len(MOTIONS):
+    if not rows:
         return {}
-    found = {name: rows[PREDICTED[name]] for name in MOTIONS}
+    moves = {one["motion"]: one for one in rows if one["motion"].endswith(("moves", "steps"))}
+    steady = [one for one in rows if one["motion"] not in moves]
+
+    def like(name: str) -> dict[str, Any]:
+        if name in PREDICTED:
+            return moves[PREDICTED[name]]
+        speed = np.max(motion(drive, name))
+        return min(steady, key=lambda one: abs(math.log(one["speed"] / speed)))
+
+    found = {name: like(name) for name in MOTIONS}
     held = [one["low"] <= true[name] <= one["high"] for name, one in found.items()]
     predicted = {f"predicted_{name}": round(one["ratio"], 4) for name, one in found.items()}
     return predicted | {"held": sum(held)}

@@ -109,9 +109,9 @@ Values = Mapping[str, float]
 FITTED = "friction as fitted"  # name of the drive with the values that the compensator takes
 
 SPEEDS = (1.0, 0.1)  # shares of the log's speed
-CREEP = (0.3, 0.003, 0.03)
-"""Speed of creep over the Stribeck velocity, and its bounds as shares of the log's speed; the
-geometric mean of both where no such velocity is known."""
+CREEP = (0.3, 0.001, 0.03)
+"""Speed of creep over the Stribeck velocity, and its bounds as shares of the log's speed."""
+CREEPS = (0.001, 0.01)  # the same shares where a log shows no such velocity
 SLIPS = (3.0, 5.0)  # times that an integral needs to break away in creep, and most of them [s]
 MICRO, SMALLEST = "micro-steps", "smallest moves"
 MOVES = {
@@ -206,10 +206,13 @@ def commands(
     rotary: bool = False,
     is_static: bool = False,  # whether the law has no presliding
 ) -> tuple[Command, ...]:
-    """Return the commands: a trapezoid at two speeds, creep that slides, and small moves."""
+    """Return the commands: a trapezoid at two speeds, creep that slides, and small moves.
+
+    Where friction does not rise towards rest, creep has two speeds.
+    """
     unit = motion_unit("mm/s", rotary=rotary)
     found = []
-    for share in (*SPEEDS, _creep(friction, command)):
+    for share in (*SPEEDS, *_creeps(friction, command)):
         slower = replace(command, height=share * command.height, slope=share * command.slope)
         if share not in SPEEDS:
             force = max(friction.get("F_s", 0.0), friction["F_c"])
@@ -251,11 +254,12 @@ def deflection(friction: Values, command: Trapezoid) -> float:
     return _DEFLECTION * abs(command.height)
 
 
-def _creep(friction: Values, command: Trapezoid) -> float:
-    """Return the speed of creep over that of the command."""
+def _creeps(friction: Values, command: Trapezoid) -> tuple[float, ...]:
+    """Return the speeds of creep over that of the command."""
+    if not friction.get("F_s", 0.0) > friction["F_c"]:
+        return CREEPS
     share, low, high = CREEP
-    found = share * friction.get("v_s", 0.0) / abs(command.height)
-    return min(found, high) if found > low else math.sqrt(low * high)
+    return (min(max(share * friction["v_s"] / abs(command.height), low), high),)
 
 
 def _moves(length: float, command: Trapezoid, T_s: float) -> Array:

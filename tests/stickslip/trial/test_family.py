@@ -72,8 +72,7 @@ def test_each_drive_of_a_family_has_three_levels_of_friction_and_two_only_shown(
 def test_commands_are_a_trapezoid_at_three_speeds_and_small_moves(top):
     command = replace(VALIDATION, height=top, slope=top / VALIDATION.height * VALIDATION.slope)
     full, tenth, creep, micro, short = commands(command, 5e-4, TABLE_2)
-    slow = min(0.3 * TABLE_2["v_s"], 0.03 * top)
-    slow = slow if slow > 0.003 * top else top * (0.003 * 0.03) ** 0.5
+    slow = min(max(0.3 * TABLE_2["v_s"], 0.001 * top), 0.03 * top)
     assert [one.speed for one in (full, tenth, creep)] == pytest.approx([top, 0.1 * top, slow])
     x = 5e-4 * np.cumsum(full.v_cmd)
     assert np.ptp(x) == pytest.approx(travel(command), rel=1e-3)
@@ -100,6 +99,12 @@ def test_an_observer_with_an_onset_leaves_the_moves_alone_in_which_a_drive_may_s
         assert not 0.99 < without[small] < 1.01
         assert with_onset[small] == pytest.approx(1.0, abs=1e-6)
     assert without[names[0]] < with_onset[names[0]] < 0.9
+
+
+def test_creep_has_two_speeds_where_friction_does_not_rise_towards_rest():
+    level = {**TABLE_2, "F_s": TABLE_2["F_c"]}
+    speeds = [one.speed for one in commands(VALIDATION, 5e-4, level)[2:4]]
+    assert speeds == pytest.approx([0.001 * VALIDATION.height, 0.01 * VALIDATION.height])
 
 
 @pytest.mark.parametrize(("step", "is_tried"), [(1e-6, True), (1e-7, False)])
