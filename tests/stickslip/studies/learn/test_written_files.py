@@ -25,7 +25,8 @@ FMUS = {"compensator.fmu", "observer.fmu"}
 
 @pytest.fixture(scope="module")
 def sound(log):
-    learned = learn(log, Description(), criterion="inverse model", search=Search(evaluations=40))
+    asked = {"compensator": "static+ekbf", "search": Search(evaluations=40)}
+    learned = learn(log, Description(), criterion="inverse model", **asked)
     assert learned.choice == "feedforward + observer"
     assert not learned.refusal
     return learned
