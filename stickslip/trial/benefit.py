@@ -29,6 +29,7 @@ from stickslip.identification.criteria.runs import Runs, require_bounded
 from stickslip.models import Law
 from stickslip.output import steps
 from stickslip.servo.axis import Datasheet
+from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import harm, loop_fit
@@ -303,6 +304,15 @@ class Bench:
         return runs.each(lambda cell: runs.errors(*cell, NONE), self._cells)
 
     @cached_property
+    def targets(self) -> dict[str, dict[str, Array]]:
+        """Signals (n,) of the loop without friction, by command and name."""
+        figures = ("drive.v", "drive.x") if self.loop.K_x else ("drive.v",)
+        return {
+            one.name: dict(zip(figures, self.loop.response(one.v_cmd), strict=False))
+            for one in self.commands
+        }
+
+    @cached_property
     def _prepared(self) -> dict[object, _Runs]:
         """Loops by the models and parameters of their compensators."""
         return {}
@@ -420,11 +430,6 @@ class _Runs(ExitStack):
             )
             for command in bench.commands
         }
-        figures = ("drive.v", "drive.x") if loop.K_x else ("drive.v",)
-        self.targets = {
-            command.name: dict(zip(figures, loop.response(command.v_cmd), strict=False))
-            for command in bench.commands
-        }
         self.bench, self.chain = bench, variant.chain
         self.speed = max(command.speed for command in bench.commands)
         self.simulations: dict[str, Runs] = {}
@@ -449,7 +454,7 @@ class _Runs(ExitStack):
 
         They are infinite when the run fails or the loop runs away.
         """
-        targets = self.targets[command.name]
+        targets = self.bench.targets[command.name]
         values = in_loop({**self.axis, **drive.parameters})
         until = (len(command.v_cmd) - 1) * self.T_s
         try:
