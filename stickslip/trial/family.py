@@ -117,11 +117,11 @@ MICRO, SMALLEST = "micro-steps", "smallest moves"
 MOVES = {
     MICRO: (4.0, 10.0, 0.01),
     "short moves": (60.0, 100.0, 0.1),
-    SMALLEST: (0.0, 20.0, 0.01),
+    SMALLEST: (4.0, 20.0, 0.01),
 }
 """Lengths of small moves: in presliding deflections, at least in encoder steps, and at most as a
-share of the travel; the last where the encoder or the law does not tell how far a drive moves
-before it slips."""
+share of the travel; the last in those of the stiffest drive that the log supports, where it does
+not tell how far a drive moves before it slips."""
 BEYOND = (0.5, 2.0)  # levels of friction that decide nothing, and are shown beside the others
 UNEVEN = 0.1  # share by which friction differs by direction, and along the guide
 PERIOD = 0.4  # length of its variation along the guide, as a share of the travel
@@ -204,7 +204,7 @@ def commands(
     stiffness: float = math.inf,  # force per travel of a loop whose drive is held [N/m]
     *,
     rotary: bool = False,
-    is_static: bool = False,  # whether the law has no presliding
+    least: float | None = None,  # least deflection that the log supports [m]; of no law, 0
 ) -> tuple[Command, ...]:
     """Return the commands: a trapezoid at two speeds, creep that slides, and small moves.
 
@@ -221,11 +221,11 @@ def commands(
         t = np.arange(round((slower.corners()[-1] + slower.begin) / T_s) + 1) * T_s
         found.append(Command(f"{1e3 * slower.height:.3g} {unit}", slower.sample(t)))
     bent = deflection(friction, command)
-    is_hidden = encoder_step > 0.0 and (is_static or bent < harm.RESOLVED * encoder_step)
+    least = bent if least is None else least
     for name, (deflections, steps, share) in MOVES.items():
-        if not (deflections or is_hidden):
+        length = max(deflections * (least if name == SMALLEST else bent), steps * encoder_step)
+        if name == SMALLEST and (least >= harm.RESOLVED * bent or not length):
             continue
-        length = max(deflections * bent, steps * encoder_step)
         length = min(length, share * travel(command))
         found.append(Command(name, _moves(length, command, T_s)))
     return tuple(found)

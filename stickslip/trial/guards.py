@@ -309,7 +309,9 @@ def bench_of(
         # A law without presliding does not tell how small a small move is, but a rival may.
         contact = next((one.parameters for one in drives if "sigma_0" in one.parameters), {})
         known = {**contact, **friction}
-        kind = {"rotary": rotary, "is_static": "sigma_0" not in friction}
+        own = [one.parameters for one in drives if one.law == law.name and one.level == 1.0]
+        bent = [one["F_c"] / one["sigma_0"] for one in own if "sigma_0" in one]
+        kind = {"rotary": rotary, "least": min(bent, default=0.0)}
         tried = commands(command, loop.T_s, known, step, stiffness=stiffness, **kind)
         bench = Bench(
             folder,

@@ -86,13 +86,14 @@ def test_commands_are_a_trapezoid_at_three_speeds_and_small_moves(top):
 
 
 def test_an_observer_with_an_onset_leaves_the_moves_alone_in_which_a_drive_may_stick():
-    drives = family(LUGRE, TABLE_2, VALIDATION, Evidence())[:1]
-    coarse = Datasheet(encoder_step=1e-6)
-    with bench_of(LUGRE, PAPER, TABLE_2, drives, VALIDATION, coarse) as bench:
+    stiffer = {**TABLE_2, "sigma_0": 2.0 * TABLE_2["sigma_0"]}
+    drives = family(LUGRE, TABLE_2, VALIDATION, Evidence({"lugre": [stiffer]}))
+    with bench_of(LUGRE, PAPER, TABLE_2, drives, VALIDATION, Datasheet()) as bench:
         later = {"onset": onset(bench.commands, PAPER.T_s)}
         every = [Variant("", (Compensator("observer", "dob", own),)) for own in ({}, later)]
         without, with_onset = (
-            {row.command: row.ratio for row in one.rows} for one in bench.benefits(every)
+            {row.command: row.ratio for row in one.rows if row.level == 1.0}
+            for one in bench.benefits(every)
         )
     names = [one.name for one in bench.commands]
     for small in ("micro-steps", "smallest moves"):
@@ -107,13 +108,23 @@ def test_creep_has_two_speeds_where_friction_does_not_rise_towards_rest():
     assert speeds == pytest.approx([0.001 * VALIDATION.height, 0.01 * VALIDATION.height])
 
 
-@pytest.mark.parametrize(("step", "is_tried"), [(1e-6, True), (1e-7, False)])
-def test_where_the_encoder_hides_presliding_smaller_moves_are_tried(step, is_tried):
-    found = {one.name: one for one in commands(VALIDATION, 5e-4, TABLE_2, step)}
-    assert ("smallest moves" in found) == is_tried == (onset(found.values(), 5e-4) > 0.0)
-    if is_tried:
+@pytest.mark.parametrize(
+    ("step", "least", "length"),
+    [
+        (1e-7, 1e-5, 4e-5),
+        (1e-7, None, None),
+        (1e-7, 0.0, 2e-6),
+        (1e-6, 2e-6, 2e-5),
+        (0.0, 0.0, None),
+    ],
+)
+def test_where_a_log_hides_presliding_smaller_moves_are_tried(step, least, length):
+    found = {one.name: one for one in commands(VALIDATION, 5e-4, TABLE_2, step, least=least)}
+    assert ("smallest moves" in found) == (length is not None)
+    assert (onset(found.values(), 5e-4) > 0.0) == (length is not None)
+    if length:
         way = np.ptp(np.cumsum(found["smallest moves"].v_cmd)) * 5e-4
-        assert way == pytest.approx(20 * step, rel=1e-2)
+        assert way == pytest.approx(length, rel=1e-2)
 
 
 @pytest.fixture(scope="module")
