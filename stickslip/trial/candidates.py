@@ -343,12 +343,18 @@ class _Candidates(ExitStack):
         return self._designed[order]
 
     def _within(self, part: Part, values: Mapping[str, float]) -> Iterator[ObserverDesign]:
-        """Yield an observer if its peak sensitivity is within the limit."""
+        """Yield an observer if its peak sensitivity is within the limit while it acts."""
         peaks = [response.peak for response in self._measured(part, values)]
         if peaks and max(peaks) <= offer.SENSITIVITY:
-            observer = Compensator("observer", part.model, values)
+            observer = Compensator("observer", part.model, {**values, **self._onset(part)})
             observer = replace(observer, values=observer.parameters(self.bench.loop))
             yield ObserverDesign(observer, max(peaks), self._without)
+
+    def _onset(self, part: Part) -> dict[str, float]:
+        """Return the displacement from which an observer acts, if its model has one."""
+        if not any(one.name == "onset" for one in models.load_model(part.model).variables):
+            return {}
+        return {"onset": onset(self.bench.commands, self.bench.loop.T_s)}
 
     def _grid(self, part: Part) -> list[float]:
         """Return values of the first gene of a part."""
@@ -401,8 +407,6 @@ class _Candidates(ExitStack):
             found = {name: found[name] for name in found if name not in ("rate", "noise")}
         if "share" in found:
             found["share"] = 1.0
-        if any(one.name == "onset" for one in models.load_model(part.model).variables):
-            found["onset"] = onset(self.bench.commands, self.bench.loop.T_s)
         if _RAMP in found:
             found[_RAMP] *= self._ramp
             if alone and part.ports is not None and "a_0" in part.ports.learned:

@@ -39,10 +39,14 @@ FEEDFORWARDS = {"static", *("lugre", "dahl", "gms", "coulomb_stribeck", "leuven"
 
 @pytest.fixture(scope="module")
 def compared():
-    """Return a function that compares compensators on three drives and two commands."""
+    """Return a function that compares compensators on four drives and two commands.
+
+    One drive is stiffer than the fitted one: the log does not show presliding.
+    """
     command = replace(VALIDATION, height=0.2, slope=5 * VALIDATION.slope)
     sheet = Datasheet(peak_force=1e4, tau_i=AXIS.tau_i, encoder_step=1e-7)
-    drives = family(LAW, FRICTION, command, Evidence())[:3]
+    stiffer = {**FRICTION, "sigma_0": 1.5 * FRICTION["sigma_0"]}
+    drives = family(LAW, FRICTION, command, Evidence({"lugre": [stiffer]}))[:4]
     with (
         bench_of(LAW, LOOP, FRICTION, drives, command, sheet) as whole,
         closing(replace(whole, commands=whole.commands[1::2])) as bench,
@@ -73,6 +77,7 @@ def test_the_sensitivity_is_that_of_the_linear_loop(compared):
     loops = [OpenLoop(LOOP, k * AXIS.m, frequencies(LOOP)) for k in MASSES]
     peak = max(loop.response(observer).peak for loop in loops)
     assert row.sensitivity == pytest.approx(peak, rel=1e-3)
+    assert values["onset"] > 0.0
     assert row.choice == "observer"
 
 
