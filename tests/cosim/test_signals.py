@@ -16,33 +16,12 @@ GRID = np.arange(5) * 0.5  # of the simulation
 SQUARES = GRID**2
 
 
-def test_sine_sweep_runs_from_one_frequency_and_amplitude_to_the_other():
-    sweep = cosim.SineSweep(frequency=(0.1, 5.0), amplitude=(0.03, 0.04), duration=10.0)
-    v = sweep.sample(T)
-    # half the mean frequency times the duration is the number of rising zero crossings
-    crossings = np.flatnonzero((v[:-1] < 0) & (v[1:] >= 0))
-    assert len(crossings) == int(0.5 * (0.1 + 5.0) * 10.0)
-    assert np.diff(T[crossings])[-1] == pytest.approx(1 / 5.0, rel=0.05)
-    assert np.abs(v[:3000]).max() < 0.033 < np.abs(v[8000:]).max() <= 0.04
-    assert v[0] == 0
-    assert sweep.sample(np.array([-1.0, 11.0])).tolist() == [0, 0]
-
-
 def test_trapezoid_goes_there_and_back():
     v = cosim.Trapezoid(height=0.04, slope=0.08, plateau=1.0, begin=1.0).sample(T)
     assert (v.max(), v.min()) == (0.04, -0.04)
     assert np.sum(v) * 1e-3 == pytest.approx(0.0, abs=1e-9)
     assert np.abs(np.diff(v)).max() / 1e-3 == pytest.approx(0.08)
     assert np.all(v[T <= 1.0] == 0)
-
-
-def test_table_from_csv(tmp_path):
-    path = tmp_path / "in.csv"
-    path.write_text("\ufefftime,v,w\r\n0,1,10\r\n\r\n1,2,20\r\n", encoding="utf-8")
-    assert cosim.Table.from_csv(path, "w").sample(np.array([0.5])) == [15.0]
-    assert set(cosim.Table.all_from_csv(path)) == {"v", "w"}
-    with pytest.raises(cosim.SignalError, match="no column"):
-        cosim.Table.from_csv(path)
 
 
 @pytest.fixture
@@ -107,11 +86,6 @@ def test_inputs_that_cannot_be(simulation, signal, message):
 
 FRAME = pd.DataFrame({"time": [0.0, 1.0, 1.0, 2.0], "v": [0.0, 1.0, 5.0, 6.0], "w": [1, 2, 3, 4]})
 AT = np.array([-1.0, 0.5, 1.0, 1.5, 9.0])
-
-
-def test_a_held_table_keeps_each_value_until_the_next_time():
-    table = cosim.Table(FRAME["time"], FRAME["v"], held=True)
-    assert table.sample(AT).tolist() == [0.0, 0.0, 5.0, 5.0, 6.0]
 
 
 @pytest.mark.parametrize("kind", ["frame", "index", "csv", "parquet"])
