@@ -101,20 +101,6 @@ def test_a_loop_of_fmus_is_the_closed_loop(tmp_path):
     assert found.state_labels == ["plant_x[0]", "plant_x[1]", "pi_x[0]"]
 
 
-def test_the_stage_slides_as_the_closed_form_says(tmp_path):
-    """Fast sliding: friction no longer changes with velocity, m dv/dt = u - F_c - b v."""
-    stage = models.build_fmu("stage", tmp_path)
-    m, b = 5.557, 6.6135
-    h = 1e-3
-    point = {"v": 0.05, "z": 5.999 / 3.9162e5}
-    found = linearise(stage, step=h, states=point, inputs={"u": 5.999 + b * 0.05})
-    x, v = found.state_labels.index("x"), found.state_labels.index("v")
-    decay = np.exp(-b / m * h)
-    assert found.A[v, v] == pytest.approx(decay, abs=1e-6)
-    assert found.A[x, v] == pytest.approx((1 - decay) * m / b, rel=1e-6)
-    assert found.B[v, 0] == pytest.approx((1 - decay) / b, rel=1e-5)
-
-
 def test_the_stage_at_rest_is_held_by_its_bristles(version, tmp_path):
     """A spring sigma_0 and a damper sigma_1, by the derivatives that the FMU gives."""
     m, b, sigma_0, sigma_1 = 5.557, 6.6135, 3.9162e5, 4.4248e3
@@ -124,22 +110,6 @@ def test_the_stage_at_rest_is_held_by_its_bristles(version, tmp_path):
     np.testing.assert_allclose(found.B, [[0], [1 / m], [0]], rtol=1e-14)
     F_f = found.output_labels.index("F_f")
     np.testing.assert_allclose(found.C[F_f], [0, sigma_1, sigma_0], rtol=1e-14)
-
-
-def test_a_system_in_discrete_time_runs_in_python_control(tmp_path):
-    stage = models.build_fmu("stage", tmp_path)
-    system = cosim.System()
-    system.add("stage", stage)
-    system.expose("u", "stage.u")
-    wrapped = nonlinear_system(system, step=1e-3)
-    t = np.arange(60) * 1e-3
-    u = 12.0 * np.sin(100 * t)
-    response = control.input_output_response(wrapped, t, u, 0)
-    expected = system.prepare(step=1e-3, stop=t[-1]).run(inputs={"u": u})
-    name = "stage.v"
-    found = response.outputs[wrapped.output_labels.index("stage_v")]
-    assert np.ptp(expected[name]) > 1e-3
-    np.testing.assert_allclose(found, expected[name], rtol=0, atol=1e-8)
 
 
 def test_memory_beside_the_states_is_found(fmus, tmp_path):
@@ -274,13 +244,3 @@ def test_one_of_a_system_hides_its_states(plant, listed, version, tmp_path):
     words = r"hidden \(hidden\.fmu\): .* x\[0\], x\[1\]," if listed else "loop remembers more than"
     with pytest.raises(LinearisationError, match=words):
         linearise(system, step=STEP)
-
-
-def test_components_without_states_are_no_obstacle(version, tmp_path):
-    system = cosim.System("loop")
-    system.add("plant", hide(lti("an oscillator", tmp_path, version)))
-    gain = control.ss([], [], [], [[-3.0]], name="gain", inputs=["e"], outputs=["u"])
-    system.add("gain", hide(models.export_lti(gain, tmp_path, fmi=version)))
-    system.connect("gain.u", "plant.u")
-    system.expose("e", "gain.e")
-    assert len(linearise(system, step=STEP).poles()) == 2
