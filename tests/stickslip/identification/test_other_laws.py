@@ -1,7 +1,5 @@
 """The same fit estimates the parameters of any law, as its law.toml describes them."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from drives import GAINS, STAGE, run
@@ -9,8 +7,7 @@ from drives import GAINS, STAGE, run
 from stickslip.catalog.parameters import ParameterSpace
 from stickslip.identification.estimation import LearnSettings, Task, candidate_fmus, learn
 from stickslip.identification.fitting.fit import fit
-from stickslip.identification.fitting.search import problem, select, variants
-from stickslip.identification.fitting.start import Start
+from stickslip.identification.fitting.search import select, variants
 from stickslip.logs import Recording
 from stickslip.models.export.law import read_law
 from stickslip.planning import Limits, plan
@@ -135,31 +132,6 @@ def test_dahl_is_estimated_with_its_exponent(space_of, i):
     errors = selection.fit.errors()
     for name in space.names:
         assert abs(selection.fit.parameters[name] - truth[name]) < 4.0 * errors[name], name
-
-
-def test_a_law_of_linear_coordinates_and_bounds_is_estimated(space_of):
-    truth = {"F_2": 6.5, "F_c": 6.0, "k_1": 3e5, "k_2": 2e3, "offset": 0.0, "k_3": 7.0, **DRIVE}
-    space = space_of("branches").fixed(F_0=0.3)  # the same as the offset
-    blank = Force(space, branches, np.zeros_like(T))
-    noise = np.random.default_rng(0).normal(0.0, 0.01, len(T))
-    criterion = Force(space, branches, noise - blank.residual(truth))
-    begin = {**truth, "F_2": 8.0, "F_c": 5.0, "k_1": 2e5, "k_2": 1.5e3, "offset": -1.0}
-    found = fit(criterion, [space.encode(begin)])
-    assert variants(criterion, found) == [found]
-    assert found.parameters == pytest.approx(truth, rel=0.01, abs=0.01)
-    assert found.parameters["F_2"] >= found.parameters["F_c"]
-
-
-def test_the_search_has_a_gene_for_each_parameter_of_the_law(space_of):
-    free = space_of("branches").fixed(offset=0.0)
-    wide = np.full(len(free.names), 2.0)
-    line = dict.fromkeys(free.names, 3.0)
-    mean = free.encode(line)
-    lower = np.where([one.at_least is not None for one in free.parameters], 0.0, mean - wide)
-    searched = problem(Start(line, replace(free, lower=lower, upper=mean + wide)))
-    assert searched.names == ["F_2", "F_c", "k_1", "k_2"]
-    assert (searched.repair.larger, searched.repair.smaller) == ("F_2", "F_c")
-    assert [gene.unit for gene in searched.genes] == ["N", "N", "N/m", "N/m"]
 
 
 @pytest.mark.slow
