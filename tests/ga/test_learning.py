@@ -112,7 +112,7 @@ def _learn(seed, settings=ga.DEFAULT):
 def _evolve(seed):
     """Run scipy's differential evolution, given the same genes, start, repair and budget."""
     problem = ga.Problem(friction_sweep.genes(seed), friction_sweep.REPAIR)
-    return race_one(scipy_de(2), friction_sweep.ForceError(), problem, seed, BUDGET).best
+    return race_one(scipy_de, friction_sweep.ForceError(), problem, seed, BUDGET).best
 
 
 def _draw(seed, encoding):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from stickslip import ga
 from stickslip.ga.algorithms.genetic import Generation
 from stickslip.ga.operators.breeding import LEAST, MutationRate, Shares, arithmetic, differential
-from stickslip.ga.operators.surrogates import Archive, Sections, bottom, bowl, unknowns
+from stickslip.ga.operators.surrogates import RADIUS, Archive, Sections, bottom, bowl, unknowns
 
 N = 20
 LABELS = np.arange(N, dtype=float)[:, np.newaxis]  # a string names its candidate
@@ -187,6 +187,18 @@ def test_the_bottom_of_a_paraboloid_is_found_in_a_few_steps(k, seed):
     for _ in range(3):  # one, unless it is farther than `RADIUS`
         points = np.vstack([points, bottom(*ranked(points, cost(points)))])
     assert cost(points)[-1] == pytest.approx(3.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("slope", [[1.0, 2.0], [-3.0, 0.0]])
+@pytest.mark.parametrize("bend", [0.0, -4.0])
+def test_where_there_is_no_bottom_it_goes_down_and_not_far(slope, bend):
+    points = 0.5 + 0.1 * np.random.default_rng(0).standard_normal((30, 2))
+    costs = 10 + points @ slope + bend * np.sum((points - 0.5) ** 2, axis=1)
+    points, costs = ranked(points, costs)
+    found = bottom(points, costs)
+    spread = np.linalg.cholesky(np.cov(points, rowvar=False))
+    assert np.linalg.norm(np.linalg.solve(spread, found - points[0])) <= RADIUS * (1 + 1e-6)
+    assert 10 + found @ slope + bend * np.sum((found - 0.5) ** 2) < costs[0]
 
 
 @pytest.mark.parametrize(
