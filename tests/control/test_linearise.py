@@ -5,14 +5,15 @@ import re
 import control
 import numpy as np
 import pytest
-from pendulum import by_hand, pendulum
 
 from stickslip import cosim, models
 from stickslip.cosim.control import LinearisationError, linearise, nonlinear_system
+from tests.conformance.equations import lugre, stage
 from tests.cosim.single import members, repacked
 
-POINT = {"states": {"theta": 0.7, "omega": -1.5}, "inputs": {"torque": 2.0}}
-PARAMETERS = {"k": 4.0, "drag": 0.3}
+POINT = {"states": {"v": -2e-3, "z": 4e-6}, "inputs": {"u": 2.0}}
+PARAMETERS = {"m": 5.0, "b": 7.0, "F_c": 6.0, "F_s": 9.0, "v_s": 2e-3, "delta": 2.0}
+PARAMETERS |= {"sigma_0": 4e5, "sigma_1": 4e3, "v_d": 0.0}
 
 
 @pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
@@ -20,39 +21,45 @@ def version(request):
     return request.param
 
 
-@pytest.mark.parametrize(("derivatives", "tolerance"), [(True, 1e-14), (False, 1e-9)])
-def test_a_pendulum_is_linearised_as_by_hand(derivatives, tolerance, version, tmp_path):
-    path = pendulum(tmp_path, version, derivatives)
-    found = linearise(path, **POINT, parameters=PARAMETERS)
-    expected = by_hand(0.7, -1.5, 2.0, **PARAMETERS)
-    for name, matrix in zip("ABCD", expected, strict=True):
-        np.testing.assert_allclose(getattr(found, name), matrix, rtol=0, atol=tolerance)
+def without_derivatives(path):
+    """Let a description not say that the FMU gives directional derivatives."""
+    flag = re.compile(rb'providesDirectionalDerivatives?="true"')
+    return repacked(path, path, lambda _, data: flag.sub(b"", data))
+
+
+def test_differences_give_what_derivatives_give(version, tmp_path):
+    path = models.build_fmu("stage", tmp_path, fmi=version)
+    expected = linearise(path, **POINT, parameters=PARAMETERS)
+    found = linearise(without_derivatives(path), **POINT, parameters=PARAMETERS)
+    for name in "ABCD":
+        wanted = getattr(expected, name)
+        np.testing.assert_allclose(getattr(found, name), wanted, rtol=1e-6, atol=1e-6)
     assert found.dt == 0
-    assert found.state_labels == ["theta", "omega"]
-    assert (found.input_labels, found.output_labels) == (["torque"], ["x", "power"])
-    chosen = linearise(path, **POINT, parameters=PARAMETERS, outputs=["power"])
-    assert chosen.output_labels == ["power"]
-    np.testing.assert_array_equal(chosen.C, found.C[1:])
+    assert found.state_labels == ["x", "v", "z"]
+    assert (found.input_labels, found.output_labels) == (["u"], ["x", "v", "F_f"])
+    chosen = linearise(path, **POINT, parameters=PARAMETERS, outputs=["F_f"])
+    assert chosen.output_labels == ["F_f"]
+    np.testing.assert_array_equal(chosen.C, found.C[2:])
 
 
-def test_a_pendulum_swings_in_python_control(version, tmp_path):
-    """Energy is conserved, and the system swings as the equation integrated by python-control."""
-    system = nonlinear_system(pendulum(tmp_path, version, False), parameters={"k": 4.0})
-    t = np.linspace(0, 5, 101)
-    torque = 0.5 * np.sin(t)
-    options = {"solve_ivp_kwargs": {"rtol": 1e-9, "atol": 1e-9}}
-    swung = control.input_output_response(system, t, torque, [1.0, 0.0], **options)
+def test_a_stage_moves_in_python_control(version, tmp_path):
+    """The system moves as the equations of the paper, integrated by python-control."""
+    path = models.build_fmu("stage", tmp_path, fmi=version)
+    system = nonlinear_system(path, parameters=PARAMETERS)
+    t = np.linspace(0, 0.2, 101)
+    options = {"solve_ivp_kwargs": {"rtol": 1e-9, "atol": 1e-12}}
 
     def rates(_, x, u, __):
-        return [x[1], -4.0 * np.sin(x[0]) + u[0]]
+        found = stage(lugre, {"x": x[0], "v": x[1], "z": x[2], "u": u[0]}, PARAMETERS)
+        return [found[f"der({name})"] for name in "xvz"]
 
-    reference = control.nlsys(rates, None, states=2, inputs=1)
-    expected = control.input_output_response(reference, t, torque, [1.0, 0.0], **options)
-    np.testing.assert_allclose(swung.states, expected.states, rtol=0, atol=1e-8)
-    np.testing.assert_allclose(swung.outputs[0], np.sin(expected.states[0]), rtol=0, atol=1e-8)
-    free = control.input_output_response(system, t, 0 * t, [1.0, 0.0], **options).states
-    energy = 0.5 * free[1] ** 2 - 4.0 * np.cos(free[0])
-    np.testing.assert_allclose(energy, energy[0], rtol=1e-6)
+    reference = control.nlsys(rates, None, states=3, inputs=1)
+    moved, expected = (
+        control.input_output_response(one, t, 15 * np.sin(40 * t), [0.0, 0.01, 0.0], **options)
+        for one in (system, reference)
+    )
+    np.testing.assert_allclose(moved.states, expected.states, rtol=0, atol=1e-7)
+    np.testing.assert_array_equal(moved.outputs[:2], moved.states[:2])
 
 
 def random_system(dt: float) -> control.StateSpace:
@@ -125,10 +132,10 @@ def test_memory_beside_the_states_is_found(fmus, tmp_path):
 
 
 def test_wrong_names_are_told(tmp_path):
-    path = pendulum(tmp_path, 3, True)
+    path = models.build_fmu("stage", tmp_path)
     for options, message in (
-        ({"states": {"tetha": 1.0}}, "no state 'tetha'; did you mean 'theta'"),
-        ({"inputs": {"u": 1.0}}, "no input 'u'"),
+        ({"states": {"zz": 1.0}}, "no state 'zz'; did you mean 'z'"),
+        ({"inputs": {"F": 1.0}}, "no input 'F'"),
         ({"outputs": ["y"]}, "no output 'y'"),
         ({"parameters": {"g": 1.0}}, "has no variable 'g'"),
     ):
