@@ -34,6 +34,21 @@ def test_the_lowest_of_many_valleys_is_found(function, below):
     assert median(ours, function, 1000) < below
 
 
+def paper(evaluate, given, seed, budget):
+    ga.learn(ga.optimiser("paper", given, ga.Limits(evaluations=budget), seed), evaluate)
+
+
+def at_random(evaluate, given, seed, budget):
+    ends = np.array([(gene.lower, gene.upper) for gene in given.genes]).T
+    for values in np.random.default_rng(seed).uniform(*ends, (budget, len(given.genes))):
+        evaluate(values)
+
+
+@pytest.mark.parametrize("function", STANDARD.values(), ids=STANDARD)
+def test_the_paper_learns_better_than_random_search(function):
+    assert median(paper, function, 400) < median(at_random, function, 400)
+
+
 @pytest.mark.parametrize("genes", [30, 50])
 def test_the_work_of_all_fits_is_bounded_in_many_dimensions(monkeypatch, genes):
     """Rows times the square of columns, which the time of least squares follows."""

@@ -180,11 +180,3 @@ def test_a_speed_that_is_not_reached_is_a_warning(tmp_path, capsys):
     )
     planned(tmp_path, "--stroke", "100mm", "--speed", "40mm/s")
     assert not capsys.readouterr().err
-
-
-def test_a_file_is_not_overwritten(tmp_path, capsys):
-    out = tmp_path / "plan.csv"
-    out.write_text("mine")
-    assert main(["plan", "--out", str(out)]) == 1
-    assert capsys.readouterr().err.count("\n") == 1
-    assert out.read_text() == "mine"
