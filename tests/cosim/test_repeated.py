@@ -166,6 +166,16 @@ def test_parameters_that_a_scenario_changed(write, version, caplog):
     assert len(lines(caplog)) == 1
 
 
+def test_after_a_run_that_was_halted(write, version):
+    system = alone(write("a", version, "*m = fresh(); m->time = old.time < 0.4 ? old.time : 0;"))
+    expected = fresh(system)
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        for until in (None, None, 0.3, None, 0.3, None):
+            same_until = len(expected.time) if until is None else 7
+            values = simulation.run(until=until).values
+            np.testing.assert_array_equal(values, expected.values[:same_until])
+
+
 def test_an_fmu_that_is_not_deterministic_is_not_blamed_for_its_reset(write, version, caplog):
     system = alone(write("a", version, "instances++; *m = fresh();", noise=1.0))
     with system.prepare(step=STEP, stop=STOP) as simulation:

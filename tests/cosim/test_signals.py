@@ -16,6 +16,18 @@ GRID = np.arange(5) * 0.5  # of the simulation
 SQUARES = GRID**2
 
 
+def test_sine_sweep_runs_from_one_frequency_and_amplitude_to_the_other():
+    sweep = cosim.SineSweep(frequency=(0.1, 5.0), amplitude=(0.03, 0.04), duration=10.0)
+    v = sweep.sample(T)
+    # half the mean frequency times the duration is the number of rising zero crossings
+    crossings = np.flatnonzero((v[:-1] < 0) & (v[1:] >= 0))
+    assert len(crossings) == int(0.5 * (0.1 + 5.0) * 10.0)
+    assert np.diff(T[crossings])[-1] == pytest.approx(1 / 5.0, rel=0.05)
+    assert np.abs(v[:3000]).max() < 0.033 < np.abs(v[8000:]).max() <= 0.04
+    assert v[0] == 0
+    assert sweep.sample(np.array([-1.0, 11.0])).tolist() == [0, 0]
+
+
 def test_trapezoid_goes_there_and_back():
     v = cosim.Trapezoid(height=0.04, slope=0.08, plateau=1.0, begin=1.0).sample(T)
     assert (v.max(), v.min()) == (0.04, -0.04)

@@ -147,3 +147,10 @@ def test_noise_has_the_stated_deviation(run):
         assert abs(noise.mean()) < 5 * deviation / np.sqrt(n)
     both = np.corrcoef(noisy["drive.x_enc"], noisy["drive.F_m"])[0, 1]
     assert abs(both) < 5 / np.sqrt(n)
+
+
+def test_noise_is_a_function_of_its_seed(run):
+    one, same, other = (run(noise=True, encoder=False, seed=seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(one.values, same.values)
+    for name in ("drive.F_m", "drive.x_enc"):
+        assert not np.array_equal(one[name], other[name])

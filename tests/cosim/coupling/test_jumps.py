@@ -86,6 +86,18 @@ def test_lines_that_jump_end_where_the_next_begins(linear, kind, coupling, start
 
 
 @each_kind
+@pytest.mark.parametrize("coupling", COUPLINGS | ADAPTIVE)
+def test_a_scenario_acts_on_an_input_at_its_time(linear, kind, coupling):
+    step = 0.1
+    scenario = Scenario().set("u", 3.0, at=0.5).override("u", -1.0, begin=1.2, end=1.5)
+    result = run(integrator(linear, kind), coupling, 0.0, step, 1.0, scenario=scenario)
+    u = np.repeat([1.0, 3.0, -1.0, 3.0], [5, 7, 3, 6])
+    np.testing.assert_array_equal(result["u"], u)
+    exact = step * np.append(0.0, np.cumsum(u[:-1]))
+    np.testing.assert_allclose(result["a.y1"], exact, atol=1e-7)
+
+
+@each_kind
 @pytest.mark.parametrize("start", STARTS)
 @pytest.mark.parametrize(
     "scenario",

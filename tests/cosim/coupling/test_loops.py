@@ -91,6 +91,25 @@ def test_what_is_found_is_within_the_tolerance_where_the_loop_is_nearly_singular
     assert error.max() < 1.2 * tolerance
 
 
+def test_more_iterations_than_allowed_are_not_done(gains):
+    """The least number that solves a step is that which is done where many more are allowed."""
+
+    def sweeps(most):
+        coupling = cosim.Coupling("iterative", max_iterations=most)
+        with gains(-1.0, 1.0).prepare(step=1.0, stop=1.0, coupling=coupling) as simulation:
+            try:
+                simulation.run({"a.cubic": 1.0}, inputs={"w": np.array([0.0, 30.0])})
+            except cosim.SimulationError:
+                return 0
+            return simulation.effort["sweeps"]
+
+    solved = [sweeps(most) for most in range(1, 40)]
+    least = 1 + next(i for i, n in enumerate(solved) if n)
+    done = sweeps(1000)
+    assert set(solved) == {0, done}
+    assert done / 3 < least <= done  # further sweeps find Jacobians and the length of a step
+
+
 def test_a_cycle_of_components_that_is_no_loop_of_variables(linear):
     """a.u1 -> a.y1 -> b -> a.u2 -> a.y2: through a twice, but never back."""
 

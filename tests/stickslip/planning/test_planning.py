@@ -43,8 +43,9 @@ def check_limits(limits: Limits, show=()) -> None:
 )
 @settings(max_examples=60)
 def test_limits_are_kept(stroke, speed, acceleration, duration, rate, show, jerk, share):
-    """The travel, if given, is the stroke around a place of the start at a share of it."""
-    travel = (-np.inf, np.inf) if share is None else (-share * stroke, (1 - share) * stroke)
+    """The travel, if given, is less than the stroke, around a start at a share of it."""
+    room = 0.7 * stroke
+    travel = (-np.inf, np.inf) if share is None else (-share * room, (1 - share) * room)
     limits = Limits(stroke, speed, acceleration, duration, rate, jerk=jerk, travel=travel)
     try:
         check_limits(limits, show)
