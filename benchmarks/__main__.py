@@ -18,7 +18,7 @@ BENCHMARKS = {
     **{name: (module.measure, module.__doc__) for name, module in MODULES.items()},
     **{
         name: (getattr(measurements, name), getattr(measurements, name).__doc__)
-        for name in ("workers", "isolation", "many_runs")
+        for name in ("workers", "isolation")
     },
 }
 KEPT = Path(__file__).parents[1] / "results" / "coupling"

@@ -17,7 +17,6 @@ from stickslip.models.export.package import (
     load_law,
     load_model,
     model_names,
-    write_cross_check,
 )
 from stickslip.models.export.sources import FmiVersion
 from stickslip.models.lti.package import export_lti
@@ -45,5 +44,4 @@ __all__ = [
     "load_model",
     "model_names",
     "read_lti",
-    "write_cross_check",
 ]

@@ -1,8 +1,5 @@
 """What a step of the ring costs, and one candidate, relative to the plain C loop; other masters."""
 
-import json
-import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -61,31 +58,6 @@ def our_container(folder: Path, n: int) -> float:
     return _one_call(path, n)
 
 
-def toolbox_container(folder: Path, n: int) -> float:
-    """All three sealed in one FMU by fmu-manipulation-toolbox, stepped by one call."""
-    path = folder / "fmi2-0" / "sealed.fmu"
-    if not path.exists():
-        for name in ring.MODELS:
-            ring.build(folder, name, 2)
-        recipe = {
-            "name": path.name,
-            "fmu": [f"{name}.fmu" for name in ring.MODELS],
-            "link": [
-                [f"{s}.fmu", source, f"{t}.fmu", target] for (s, source), (t, target) in LINKS
-            ],
-            "output": [["mass.fmu", "x", "x"]],
-            "step_size": ring.STEP,
-        }
-        (path.parent / "sealed.json").write_text(json.dumps(recipe))
-        run = "from fmu_manipulation_toolbox.cli.fmucontainer import fmucontainer; fmucontainer()"
-        command = [sys.executable, "-c", run, "-container", "sealed.json"]
-        command += ["-fmu-directory", str(path.parent)]
-        done = subprocess.run(command, capture_output=True, text=True)
-        if not path.exists():
-            raise RuntimeError(f"fmucontainer built nothing: {(done.stderr or done.stdout)[-200:]}")
-    return _one_call(path, n)
-
-
 def libcosimpy(folder: Path, n: int) -> float:
     """libcosim's fixed step algorithm."""
     from libcosimpy.CosimExecution import CosimExecution
@@ -110,7 +82,6 @@ def libcosimpy(folder: Path, n: int) -> float:
 PEERS: dict[str, tuple[Callable[[Path, int], float], int]] = {  # and how many steps to time
     "cosim container FMU, one doStep": (our_container, 100_000),
     "FMPy container FMU, one doStep": (fmpy_container, 100_000),
-    "fmu-manipulation-toolbox container, one doStep": (toolbox_container, 100_000),
     "FMPy from Python": (fmpy_from_python, 5_000),
     "libcosimpy": (libcosimpy, 5_000),
 }

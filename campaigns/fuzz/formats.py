@@ -2,7 +2,6 @@
 
 import io
 import re
-import shutil
 import struct
 import zipfile
 import zlib
@@ -22,32 +21,11 @@ from stickslip import cosim, fmucheck
 from stickslip.cosim.run.checkpoint import Checkpoint
 from stickslip.errors import RecordingError
 from stickslip.fmi import toolchain
-from stickslip.fmi.archive.directory import Refused
-from stickslip.fmi.archive.unpacked import extract
 from stickslip.fmi.binary import NotALibrary, read_library, universal
 from stickslip.fmi.description import DescriptionFault, read_description
 from stickslip.fmi.xml import Malformed, parse_xml
 from stickslip.logs.formats import read_table
 from tests.corpus.defects.reference import HERE, members
-from tests.corpus.hostile.zips import DEFLATE, Member, zipped
-
-
-def archives() -> list[bytes]:
-    plain = [Member(b"modelDescription.xml", b"<a/>" * 20, DEFLATE), Member(b"resources/a", b"a")]
-    return [zipped(plain), zipped([]), zipped([Member(b"d/"), *plain], comment=b"hello")]
-
-
-def unpack(data: bytes, folder: Path) -> None:
-    target = folder / "new"
-    try:
-        checks = extract(io.BytesIO(data), target)
-        found = {p.relative_to(target).as_posix() for p in target.rglob("*") if not p.is_dir()}
-        assert found == set(checks)
-        assert all(zlib.crc32((target / n).read_bytes()) == check for n, check in checks.items())
-    finally:
-        shutil.rmtree(target, ignore_errors=True)
-        assert not any(folder.iterdir())
-
 
 _WORDS = (
     *("input", "output", "local", "parameter", "structuralParameter", "independent", "constant"),
@@ -282,10 +260,6 @@ def other_state(rng: Random, data: bytes) -> bytes:
 
 
 PARSERS = {
-    # members of any kind: tests/fmi/archive/test_unpacked.py
-    "archive": Parser(
-        unpack, archives, lambda rng, data: mutated(rng, data, archives()), (Refused,)
-    ),
     "description": Parser(
         lambda data, _: read_description(parse_xml(data)),
         descriptions,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stickslip.cosim.errors import SignalError
 from stickslip.cosim.signals.csv_columns import read_columns
-from stickslip.fmi.messages import printable, suggestion
+from stickslip.fmi.messages import printable
 
 
 def slack(t: Any, step: float) -> Any:
@@ -167,17 +167,6 @@ class Table:
             raise SignalError("a table holds a time or value that is not finite")
         if (falling := np.flatnonzero(np.diff(t) < 0)).size:
             raise SignalError(f"time falls from {t[falling[0]]} to {t[falling[0] + 1]} s")
-
-    @classmethod
-    def from_csv(cls, path: str | os.PathLike[str], column: str | None = None) -> Self:
-        """Read one column, or the only one, of a CSV file with ``time`` (s); SignalError else."""
-        tables = cls.all_from_csv(path)
-        if column is None and len(tables) == 1:
-            return next(iter(tables.values()))
-        if column not in tables:
-            near = suggestion(column or "", tables)
-            raise SignalError(f"{path}: no column {column!r}{near}")
-        return tables[column]
 
     @classmethod
     def all_from_csv(cls, path: str | os.PathLike[str]) -> dict[str, Self]:

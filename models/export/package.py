@@ -182,20 +182,6 @@ def pack_fmu(
     return atomic_write(Path(folder) / f"{model.name}.fmu", _archive(members))
 
 
-def write_cross_check(name: str, folder: Path | str, law: str | None = None) -> list[Path]:
-    """Write what the FMI Cross-Check wants beside an FMU: inputs, expected outputs, options.
-
-    Nothing is written for a plant with another law than its default, whose outputs are not known.
-
-    Raises
-    ------
-    UnknownModel, UnknownLaw, OSError
-    """
-    model = load_model(name, law)
-    files = presentation.cross_check(model) if presentation.reference_file(model) else {}
-    return [atomic_write(Path(folder) / path, content) for path, content in files.items()]
-
-
 def blank_library(model: Model, fmi: sources.FmiVersion, platform: toolchain.Platform) -> Path:
     """Return the library of a model, compiled for all names and start values."""
     headers = sources.fmi_headers(fmi)

@@ -190,19 +190,3 @@ def layered_standard(model: Model) -> dict[str, str]:
         **dict(zip((stimuli, references), tables(model), strict=True)),
     }
     return {f"{LS_REF}/{name}": text_ for name, text_ in content.items()}
-
-
-def cross_check(model: Model) -> dict[str, str]:
-    """Return the files beside an FMU, by name. Source: rules 4.1 of modelica/fmi-cross-check."""
-    stop, step = span(model)
-    stimuli, references = tables(model)
-    options = {"StartTime": 0.0, "StopTime": stop, "StepSize": step}
-    options |= {"RelTol": 1e-6, "OutputIntervalLength": step}
-    return {
-        f"{model.name}_in.csv": stimuli,
-        f"{model.name}_ref.csv": references,
-        f"{model.name}_ref.opt": "".join(f"{key},{value}\n" for key, value in options.items()),
-        f"{model.name}_README.md": f"# {model.name}\n\n{model.description}.\n\n"
-        f"`{model.name}_ref.csv` was calculated without the FMU, for Co-Simulation with inputs\n"
-        f"held over steps of {step:g} s and the start values of modelDescription.xml.\n",
-    }

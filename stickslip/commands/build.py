@@ -24,9 +24,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     laws = ", ".join(models.law_names())
     add_options(parser, {"--law NAME": f"friction law of the models that contain one: {laws}"})
     add_platform_option(parser)
-    check = "also write inputs and expected results in the layout of the FMI Cross-Check"
-    terminals = "FMI 2.0 without terminals, of which FMI Library says FATAL; so --cross-check"
-    add_options(parser, {"--cross-check": check, "--no-terminals": terminals}, **FLAG)
+    terminals = "FMI 2.0 without terminals, of which FMI Library says FATAL"
+    add_options(parser, {"--no-terminals": terminals}, **FLAG)
     parser.add_argument("--out", type=Path, default=Path("fmus"), metavar="DIR")
     parser.set_defaults(run=run)
 
@@ -50,7 +49,7 @@ def run(options: argparse.Namespace) -> Answer:
             fmi=version,
             platforms=platforms,
             law=options.law,
-            terminals=version == 3 or not (options.no_terminals or options.cross_check),
+            terminals=version == 3 or not options.no_terminals,
         )
 
     written = []
@@ -58,6 +57,4 @@ def run(options: argparse.Namespace) -> Answer:
         for path in pool.each(build, itertools.product(names, versions)):
             print(path)
             written.append(path)
-            if options.cross_check:
-                models.write_cross_check(path.stem, path.parent, options.law)
     return Answer({"written": written})

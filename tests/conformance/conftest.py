@@ -16,8 +16,8 @@ import pytest
 from fmpy import fmi2, fmi3
 from fmpy.logging import addLoggerProxy
 
-from campaigns.fuzz_calls import find_compiler
 from stickslip import models
+from tests.conformance.fuzz_calls import find_compiler
 
 STEP = 5e-4  # s
 

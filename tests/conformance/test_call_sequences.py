@@ -1,6 +1,6 @@
 """Random calls under sanitizers: no crash, an error changes nothing, twice gives the same.
 
-The rules are in campaigns/fuzz_calls/sequences.c; `python -m campaigns.fuzz_calls` runs more.
+The rules are in tests/conformance/fuzz_calls/sequences.c.
 A model with another law has the same adapter and the same memory, so each runs with its own, and
 with one that has state events. What
 FMI 2.0 and 3.0 do not share sees the tables of a model only: where two models have variables of the
@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import pytest
 
-from campaigns.fuzz_calls import Fuzzer
 from stickslip import models
+from tests.conformance.fuzz_calls import Fuzzer
 
 pytestmark = pytest.mark.slow
 

@@ -98,21 +98,6 @@ def test_without_friction_the_drive_is_the_nominal_loop(fmus, filtered):
     assert np.abs(error).max() < 1e-7 * np.abs(result["drive.v"]).max()
 
 
-def test_with_feedforward_of_inertia_it_leads_to_the_next_velocity(fmus):
-    """On an axis without viscous friction and lag the command is met at every sample."""
-    axis = Axis(5.557, 0.0)
-    loop = design_velocity_loop(axis, LoopSpecification(125.0, 50.0, T_S, 5e-4))
-    velocity_filter = design_velocity_filter(axis, T_S, SPECIFICATION)
-    commands = loop.changed(m_ff=axis.m).commands(0.02 * np.sin(np.linspace(0.0, 20.0, 1001)))
-    errors = []
-    for m_ff in (0.0, axis.m):
-        system = servo_of_fmus(fmus, loop.changed(m_ff=m_ff, velocity_filter=velocity_filter))
-        result = system.prepare(step=T_S, stop=0.5).run(inputs=commands)
-        errors.append(np.abs(result["drive.v"] - commands["v_cmd"]).max())
-    assert errors[0] > 1e-4
-    assert errors[1] < 1e-9
-
-
 def test_a_known_force_does_what_the_compliance_says(fmus, filtered):
     rng = np.random.default_rng(2)
     force = np.repeat(rng.normal(scale=10.0, size=41), 25)[:1001]

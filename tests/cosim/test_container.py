@@ -1,12 +1,8 @@
 """A system in one FMU does what the system does, in other tools too."""
 
-import ctypes
-
 import fmpy
 import numpy as np
 import pytest
-from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
-from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
 from stickslip import cosim
@@ -83,12 +79,6 @@ def test_shows_what_is_chosen(loop, tmp_path):
     }
     assert {v.name: v.unit for v in shown}["plant.y"] == "N"
     assert {v.name: v.start for v in shown}["feedback.k"] == "-3.0"
-
-
-def test_outputs_of_the_system_come_first(loop, tmp_path):
-    loop.expose_output("force", "limit.y")
-    path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=3)
-    assert in_fmpy(path).dtype.names == ("time", "force")
 
 
 def test_nothing_is_found_by_validation_and_two_builds_are_the_same(loop, version, tmp_path):
@@ -188,63 +178,6 @@ def test_refuses_a_description_of_another_build(packed, tmp_path):
     )
     with pytest.raises(cosim.SimulationError, match=r"the token is 0{32}, expected"):
         one(other).prepare(step=STEP, stop=STOP)
-
-
-ONE, TWO = (ctypes.c_uint32 * 1)(1), (ctypes.c_double * 2)()
-SIZE, H, NO = ctypes.c_size_t(1), ctypes.c_double(STEP), ctypes.c_int(0)
-REFUSED = {
-    2: [
-        ("fmi2GetReal", ONE, SIZE, None),
-        ("fmi2SetReal", None, SIZE, TWO),
-        ("fmi2GetString", None, SIZE, None),
-        ("fmi2GetFMUstate", None),
-        ("fmi2SetFMUstate", None),
-        ("fmi2SerializedFMUstateSize", None, None),
-        ("fmi2SerializeFMUstate", None, None, SIZE),
-        ("fmi2DeSerializeFMUstate", None, SIZE, None),
-        ("fmi2GetRealStatus", ctypes.c_int(2), None),
-        ("fmi2GetDirectionalDerivative", None, SIZE, None, SIZE, None, None),
-    ],
-    3: [
-        ("fmi3GetFloat64", None, SIZE, TWO, SIZE),
-        ("fmi3SetFloat64", ONE, SIZE, None, SIZE),
-        ("fmi3GetFloat64", ONE, SIZE, TWO, ctypes.c_size_t(2)),
-        ("fmi3SetFloat64", ONE, SIZE, TWO, ctypes.c_size_t(0)),
-        ("fmi3GetFMUState", None),
-        ("fmi3SetFMUState", None),
-        ("fmi3SerializedFMUStateSize", None, None),
-        ("fmi3SerializeFMUState", None, None, SIZE),
-        ("fmi3DeserializeFMUState", None, SIZE, None),
-        ("fmi3GetNumberOfContinuousStates", None),
-        ("fmi3DoStep", ctypes.c_double(0.0), H, NO, None, None, None, None),
-        ("fmi3GetDirectionalDerivative", None, SIZE, None, SIZE, TWO, SIZE, TWO, SIZE),
-    ],
-}
-
-
-def test_refuses_null_and_numbers_of_values_that_differ(version, packed, tmp_path):
-    """Each such call is an error, which leaves the FMU as it was."""
-    description = fmpy.read_model_description(packed)
-    fmu = (FMU2Slave if version == 2 else FMU3Slave)(
-        guid=description.guid or description.instantiationToken,
-        unzipDirectory=fmpy.extract(packed, tmp_path / "unpacked"),
-        modelIdentifier=description.coSimulation.modelIdentifier,
-        instanceName="a",
-    )
-    if version == 2:  # FMPy's own callbacks end in the logger of its last simulation, which is gone
-        callbacks = fmi2CallbackFunctions()
-        callbacks.logger = fmi2CallbackLoggerTYPE(lambda *_: None)
-        fmu.instantiate(callbacks=callbacks)
-        fmu.setupExperiment()
-    else:
-        fmu.instantiate()
-    fmu.enterInitializationMode()
-    fmu.exitInitializationMode()
-    for name, *arguments in REFUSED[version]:
-        assert fmu.dll[name](ctypes.c_void_p(fmu.component), *arguments) == 3, name
-    fmu.doStep(0.0, STEP)
-    fmu.terminate()
-    fmu.freeInstance()
 
 
 def test_a_container_has_no_algebraic_loop(make, tmp_path):

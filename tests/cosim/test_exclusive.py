@@ -1,7 +1,6 @@
 """A simulation is used by one thread of one process; simulations of their own run side by side."""
 
 import copy
-import gc
 import os
 import pickle
 import threading
@@ -109,40 +108,6 @@ def test_after_a_fork_an_isolated_one_belongs_to_the_parent(system, tmp_path):
             return simulation.spec.prepare().run({"b.k": 2.0}, {"u": 1.0})["b.y"][-1]
 
         assert float(in_a_fork(another)) == pytest.approx(4.0)
-
-
-@forks
-@silent
-def test_a_fork_that_forgets_an_isolated_one_leaves_it_to_the_parent(system):
-    forgotten = [system.prepare(step=STEP, stop=1.0, isolation="process")]
-    child = forgotten[0]._process
-
-    def forget():
-        forgotten.clear()
-        gc.collect()
-
-    assert in_a_fork(forget) == "None"
-    forgotten[0].run()
-    assert forgotten[0]._process is child  # no other one had to be started
-    forgotten[0].close()
-
-
-@forks
-@silent
-def test_after_a_fork_there_are_two_of_one_in_this_process(system):
-    """Memory is copied, so both may go on, unless a thread was in it."""
-    with system.prepare(step=STEP, stop=1.0) as simulation:
-        expected = simulation.run({"b.k": 2.0}, {"u": 1.0})["b.y"][-1]
-        forked = in_a_fork(lambda: simulation.run({"b.k": 2.0}, {"u": 1.0})["b.y"][-1])
-        assert float(forked) == expected == simulation.run({"b.k": 2.0}, {"u": 1.0})["b.y"][-1]
-        answers = []
-
-        def look(_):
-            if not answers:
-                answers.append(in_a_fork(simulation.run))
-
-        simulation.run(progress=look)
-        assert answers[0].startswith("SharedSimulation: shared: ")
 
 
 @pytest.mark.parametrize("isolation", [None, "process"])

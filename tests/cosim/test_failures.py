@@ -23,44 +23,6 @@ def simulation(make, version, coupling, compiled):
         yield simulation
 
 
-@each_way
-@pytest.mark.parametrize(
-    ("status", "words"), [(2, "returned discard"), (3, "returned error"), (4, "returned fatal")]
-)
-def test_a_failing_step_is_named_and_the_next_run_is_as_if_nothing_happened(
-    simulation, version, status, words
-):
-    before = simulation.run().values
-    with pytest.raises(cosim.SimulationError) as error:
-        simulation.run({"gain.fault": status, "gain.fault_time": 5.0})
-    message = str(error.value)
-    assert message.startswith(f"gain: fmi{version}DoStep {words}")
-    assert "t = 5 s (step 500 of 1000)" in message
-    assert "the FMU says: broke at t = 5; its last messages: cause 4 | cause 5 |" in message
-    assert message.endswith("| cause 12")
-    np.testing.assert_array_equal(simulation.run().values, before)
-
-
-@pytest.mark.parametrize("status", [3, 4])
-def test_the_value_that_is_not_finite_is_blamed_not_its_victim(make, status):
-    system = cosim.System()
-    system.add("source", make("integrator"))
-    system.add("victim", make("gain"))
-    system.connect("source.y", "victim.u")
-    with system.prepare(step=0.01, stop=1.0) as simulation:
-        before = simulation.run().values
-        with pytest.raises(cosim.SimulationError, match=r"^source\.y"):
-            simulation.run(
-                {
-                    "source.fault": GIVE_NAN,
-                    "source.fault_time": 0.5,
-                    "victim.fault": status,
-                    "victim.fault_time": 0.5,
-                }
-            )
-        np.testing.assert_array_equal(simulation.run().values, before)
-
-
 def test_an_early_return_that_was_not_allowed_is_a_failure(make):
     system = cosim.System()
     system.add("a", make("gain", 3), {"fault": RETURN_EARLY, "fault_time": 0.5})

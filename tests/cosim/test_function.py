@@ -82,36 +82,6 @@ def test_a_run_goes_on_from_its_saved_state(tmp_path):
     assert np.array_equal(rest["plant.y"], whole["plant.y"][10:])
 
 
-def test_an_array_is_a_state():
-    """The exact harmonic oscillator turns its state; several outputs are a mapping."""
-
-    def turn(t, h, x, u):
-        x = np.array([[np.cos(h), np.sin(h)], [-np.sin(h), np.cos(h)]]) @ x
-        return x, {"x": x[0], "v": x[1]}
-
-    system = cosim.System("oscillator")
-    system.add("o", cosim.Function(turn, {}, {"x": "m", "v": "m/s"}, np.array([1.0, 0.0])))
-    result = system.prepare(**SYSTEM).run()
-    assert result["o.x"] == pytest.approx(np.cos(result.time))
-    assert result["o.v"] == pytest.approx(-np.sin(result.time))
-
-
-def test_hidden_memory_is_found(caplog):
-    """A function that keeps something between calls does not do the same after a reset."""
-    calls = []
-
-    def forgetful(t, u):
-        calls.append(t)
-        return float(len(calls))
-
-    system = cosim.System("hidden")
-    system.add("f", cosim.Function(forgetful, {}, {"y": None}))
-    with system.prepare(**SYSTEM) as simulation:
-        simulation.run()
-        simulation.run()
-    assert "f (function test_hidden_memory_is_found.<locals>.forgetful)" in caplog.text
-
-
 @pytest.mark.parametrize(
     ("step", "message"),
     [
@@ -172,67 +142,12 @@ def test_names_are_checked(inputs, outputs):
         cosim.Function(minus_twice, inputs, outputs)
 
 
-@pytest.fixture
-def oscillator(make):
-    """x'' = -x, x(0) = 1: a gain and two integrators in a ring."""
-    system = cosim.System("oscillator")
-    system.add("spring", make("gain", 2), {"k": -1.0})
-    system.add("speed", make("integrator", 3), {"k": 0.0})
-    system.add("position", make("integrator", 2), {"k": 1.0})
-    system.connect("position.y", "spring.u")
-    system.connect("spring.y", "speed.u")
-    system.connect("speed.y", "position.u")
-    return system
-
-
-def test_a_chain_passes_values_on_within_the_step(make):
-    system = cosim.System("chain")
-    for name in ("last", "middle", "first"):
-        system.add(name, make("gain"), {"k": 2.0})
-    system.connect("first.y", "middle.u")
-    system.connect("middle.y", "last.u")
-    system.expose("u", "first.u")
-    u = np.arange(6.0)
-    with system.prepare(step=1.0, stop=5.0) as simulation:
-        result = simulation.run(inputs={"u": u})
-    assert simulation.order == ["first", "middle", "last"]
-    np.testing.assert_array_equal(result["u"], u)
-    # the value of u at t[n] holds from t[n] to t[n + 1]
-    np.testing.assert_array_equal(result["last.y"][1:], 8 * u[:-1])
-    assert result["last.y"][0] == 8 * u[0]
-    result = system.prepare(step=1.0, stop=5.0, coupling="jacobi").run(inputs={"u": u})
-    np.testing.assert_array_equal(result["last.y"][3:], 8 * u[:-3])
-
-
-def test_an_exposed_input_may_share_the_name_of_a_component(make):
-    system = cosim.System()
-    system.add("u", make("gain"))
-    system.add("b", make("gain"))
-    system.expose("u", "b.u")
-    u = np.arange(4.0)
-    result = system.prepare(step=1.0, stop=3.0).run(inputs={"u": u})
-    np.testing.assert_array_equal(result["b.y"][1:], u[:-1])
-
-
 def test_an_input_left_out_keeps_its_start_value(make):
     system = cosim.System()
     system.add("a", make("gain"), {"u": 5.0})
     system.expose("u", "a.u")
     assert set(system.prepare(step=0.1, stop=1.0).run()["a.y"]) == {5.0}
     assert set(system.prepare(step=0.1, stop=1.0).run({"a.u": 7.0})["a.y"]) == {7.0}
-
-
-def test_a_changed_system_does_not_change_what_was_prepared(oscillator):
-    simulation = oscillator.prepare(step=1e-2, stop=1.0)
-    before = simulation.run().values
-    oscillator.set("spring.k", -9.0)
-    np.testing.assert_array_equal(simulation.run().values, before)
-
-
-@pytest.mark.parametrize("wanted", ["spring.yy", "nothing.*", "sprint.y"])
-def test_what_cannot_be_recorded_is_named(oscillator, wanted):
-    with pytest.raises(cosim.ConnectionFault, match="cannot record"):
-        oscillator.prepare(step=0.1, stop=1.0, record=[wanted])
 
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs POSIX timers")

@@ -44,25 +44,6 @@ def test_the_message_of_a_step_that_fails(tmp_path, version, kind, environment, 
     assert SAID.search(str(error.value))
 
 
-def test_in_model_exchange(tmp_path, version, environment):
-    system = pair(tmp_path, "EnterContinuousTimeMode 1 3", version, "exchange", environment)
-    with (
-        system.prepare(step=0.1, stop=1.0) as simulation,
-        pytest.raises(cosim.SimulationError, match=r"^broken: .*; the FMU says: .* broke"),
-    ):
-        simulation.run()
-
-
-@pytest.mark.parametrize("environment", FOREIGN)
-def test_a_warning_keeps_its_message(tmp_path, version, environment, caplog):
-    system = pair(tmp_path, "DoStep 4 1", version, "plain", environment)
-    with system.prepare(step=0.1, stop=1.0) as simulation:
-        simulation.run()
-    (line,) = [record.getMessage() for record in caplog.records]
-    assert line.startswith(f"broken: fmi{version}DoStep returned warning at t = 0.3 s")
-    assert SAID.search(line)
-
-
 def test_a_message_does_not_pass_to_another_component_later(tmp_path, version):
     """The first answers OK after it has logged an error; the second fails later, saying nothing."""
     system = cosim.System("two")

@@ -124,14 +124,6 @@ def test_sums_are_those_of_the_record_one_after_the_other(system, coupling, comp
     }
 
 
-def test_what_a_scenario_does_is_summed_up(system):
-    scenario = cosim.Scenario().add_noise("position.y", 0.1, seed=3).stick("u", begin=4.0, end=6.0)
-    sums = {"cost": Deviation("position.y", "u")}
-    full = prepare(system).run(inputs=INPUT, scenario=scenario)
-    result = prepare(system, Record(sum_of_squares=sums)).run(inputs=INPUT, scenario=scenario)
-    assert result.sum_of_squares["cost"] == one_by_one(full["position.y"] - full["u"])
-
-
 @pytest.mark.parametrize("every", [1, 7])
 @pytest.mark.parametrize("at", [0.455, 8.005])
 def test_a_run_that_an_fmu_ends(make, at, every):

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip import cosim, ga
+from stickslip import cosim
 from stickslip.cosim.run import resets
 from tests.corpus import fmu
 
@@ -111,24 +111,6 @@ def test_every_run_is_that_of_a_new_simulation(write, version, what, isolation, 
     assert line.endswith("; each run has a new instance of it")
 
 
-@pytest.mark.parametrize(
-    "record",
-    [
-        cosim.Record(("a.y",), every=4),
-        cosim.Record((), sum_of_squares={"cost": cosim.Deviation("a.y", 0.5)}),
-        cosim.Record(keep="last"),
-    ],
-)
-def test_with_little_recorded(write, version, record, caplog):
-    system = alone(write("a", version, RESETS["keeps what cannot be seen"]))
-    expected = fresh(system, record=record)
-    compiled = record.keep == "last"
-    with system.prepare(step=STEP, stop=STOP, record=record, compiled=compiled) as simulation:
-        for _ in range(3):
-            same(simulation.run(), expected)
-    assert "a.y is " in lines(caplog)[0]
-
-
 def test_a_sound_reset_is_used(write, version, caplog):
     """Instances are told by the noise: each has another."""
     system = alone(write("a", version, "const double k = m->k; *m = fresh(); m->k = k;", 1.0))
@@ -156,18 +138,6 @@ def test_who_is_named_in_a_loop(write, version, first, caplog):
                 same(simulation.run({"a.k": 1.0}), expected)
     (line,) = lines(caplog)
     assert line.startswith(f"{first} (broken.fmu)")
-
-
-def test_two_that_do_not_reset(write, version, caplog):
-    system = cosim.System("two")
-    system.add("a", write("a", version, RESETS["keeps its time"]))
-    system.add("b", write("b", version, RESETS["does nothing"]))
-    system.connect("a.y", "b.u")
-    expected = fresh(system)
-    with system.prepare(step=STEP, stop=STOP) as simulation:
-        for _ in range(5):
-            same(simulation.run(), expected)
-    assert [line[:9] for line in lines(caplog)] == ["a (a.fmu)", "b (b.fmu)"]
 
 
 def test_a_first_run_at_rest_proves_nothing(write, version, caplog):
@@ -204,16 +174,6 @@ def test_after_a_run_that_was_halted(write, version):
             same_until = len(expected.time) if until is None else 7
             values = simulation.run(until=until).values
             np.testing.assert_array_equal(values, expected.values[:same_until])
-
-
-def test_signals_are_sampled_once(write, version, caplog):
-    """A function that gives other values each time is no fault of the FMU."""
-    system = alone(write("a", version, SOUND))
-    noise = np.random.default_rng(1)
-    with system.prepare(step=STEP, stop=STOP) as simulation:
-        for _ in range(4):
-            simulation.run(inputs={"u": lambda t: noise.standard_normal(len(t))})
-    assert not caplog.records
 
 
 def test_an_fmu_that_is_not_deterministic_is_not_blamed_for_its_reset(write, version, caplog):
@@ -277,29 +237,3 @@ def test_what_crashes_a_used_process_has_a_new_one_for_each_run(write, version, 
         with system.prepare(step=STEP, stop=STOP, isolation="process") as simulation:
             for _ in range(3):
                 same(simulation.run(), expected)
-
-
-def test_the_time_limit_is_that_of_one_run(write, version):
-    """A repetition has as much time again."""
-    system = alone(write("a", version, SOUND))
-    limits = cosim.Isolation(timeout=1.5)
-    with system.prepare(step=STEP, stop=STOP, isolation=limits) as simulation:
-        for _ in range(2):
-            simulation.run(progress=str)
-
-
-def largest(result):
-    return float(np.abs(result["a.y"]).max())
-
-
-@pytest.mark.parametrize(("version", "where"), [(2, "threads"), (3, "processes")])
-def test_candidates(write, version, where):
-    system = alone(write("a", version, RESETS["does nothing"]))
-    gains = [3.0, 1.0, 2.0, 1.0, 3.0, 0.5]
-    specification = cosim.Specification(system, STEP, STOP)
-    with (
-        ga.SimulatedCost(specification, ("a.k",), largest) as cost,
-        ga.executor(where, workers=2) as pool,
-    ):
-        found = list(pool.map(cost, [np.array([k]) for k in gains]))
-    assert found == [largest(fresh(system, {"a.k": k})) for k in gains]

@@ -1,7 +1,6 @@
 """An FMU that writes into its unpacked files spoils no later run."""
 
 import sys
-import zipfile
 
 import pytest
 
@@ -39,21 +38,3 @@ def test_every_preparation_finds_what_was_packed(writer):
             simulation.run()
         assert behaviour(fmu) == "DoStep abort  "
     assert behaviour(cosim.Fmu(writer)) == "DoStep rewrite"
-
-
-def test_a_container_holds_what_was_packed(writer, tmp_path):
-    fmu = cosim.Fmu(writer)
-    with alone(fmu).prepare(step=0.01, stop=0.1, isolation="process") as simulation:
-        simulation.run()
-    path = cosim.write_fmu(alone(fmu), tmp_path / "packed.fmu", step=0.01)
-    with zipfile.ZipFile(path) as archive:
-        (name,) = (n for n in archive.namelist() if n.endswith("behaviour.txt"))
-        assert archive.read(name) == b"DoStep rewrite"
-
-
-def test_an_archive_that_was_changed_too_is_named(writer):
-    fmu = cosim.Fmu(writer)
-    (fmu.folder / "resources" / "behaviour.txt").write_text("")
-    fmus.write(writer, "never")
-    with pytest.raises(cosim.FmuError, match=r"writer\.fmu: .* so was the archive itself"):
-        alone(fmu).prepare(step=0.01, stop=0.1)

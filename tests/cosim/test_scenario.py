@@ -139,10 +139,3 @@ def test_a_stuck_signal_may_be_noisy(simulation, name):
     np.testing.assert_array_equal(result[5:8], free[4])
     np.testing.assert_array_equal(result[8:15], free[4] + noise[8:15])
     np.testing.assert_array_equal(result[15:], free[15:] + noise[15:])
-
-
-def test_a_noisy_signal_sticks_with_its_noise(simulation):
-    noise = 0.1 * np.random.default_rng(5).standard_normal(N + 1)
-    result = run(simulation, Scenario().add_noise("x", 0.1, 5).stick("x", begin=0.5), x=1.0)["x"]
-    np.testing.assert_array_equal(result[:5], 1.0 + noise[:5])
-    np.testing.assert_array_equal(result[5:], 1.0 + noise[4])

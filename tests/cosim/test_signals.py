@@ -36,15 +36,6 @@ def test_trapezoid_goes_there_and_back():
     assert np.all(v[T <= 1.0] == 0)
 
 
-def test_table_from_csv(tmp_path):
-    path = tmp_path / "in.csv"
-    path.write_text("\ufefftime,v,w\r\n0,1,10\r\n\r\n1,2,20\r\n", encoding="utf-8")
-    assert cosim.Table.from_csv(path, "w").sample(np.array([0.5])) == [15.0]
-    assert set(cosim.Table.all_from_csv(path)) == {"v", "w"}
-    with pytest.raises(cosim.SignalError, match="no column"):
-        cosim.Table.from_csv(path)
-
-
 @pytest.fixture
 def simulation(make):
     system = cosim.System("loop")
@@ -107,11 +98,6 @@ def test_inputs_that_cannot_be(simulation, signal, message):
 
 FRAME = pd.DataFrame({"time": [0.0, 1.0, 1.0, 2.0], "v": [0.0, 1.0, 5.0, 6.0], "w": [1, 2, 3, 4]})
 AT = np.array([-1.0, 0.5, 1.0, 1.5, 9.0])
-
-
-def test_a_held_table_keeps_each_value_until_the_next_time():
-    table = cosim.Table(FRAME["time"], FRAME["v"], held=True)
-    assert table.sample(AT).tolist() == [0.0, 0.0, 5.0, 5.0, 6.0]
 
 
 @pytest.mark.parametrize("kind", ["frame", "index", "csv", "parquet"])

@@ -13,7 +13,6 @@ import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from libcosimpy.CosimExecution import CosimExecution
 from libcosimpy.CosimObserver import CosimObserver
-from lxml import etree
 
 from stickslip import cosim
 from stickslip.cosim.system.scaling import Link, Scaling
@@ -103,25 +102,6 @@ def test_fmpy_runs_any_system_to_the_values_of_our_jacobi(make, tmp_path, seed):
     }
 
 
-@pytest.mark.parametrize(("version", "seed"), [("1.0", 1), ("2.0", 2)])
-def test_pyssp_standard_reads_any_system(make, tmp_path, seed, version):
-    pyssp = pytest.importorskip("pyssp_standard.ssp")
-    system = drawn(make, seed, scaled=True, fmi=3 if version == "2.0" else 2)
-    path = cosim.write_ssp(system, tmp_path / "a.ssp", EXPERIMENT, version=version)
-    with pyssp.SSP(path, mode="r") as package:
-        assert len(package.fmu) == len(system.components)
-        with package.system_structure as structure:
-            structure.__check_compliance__()
-            found = {
-                f"{c.end_element}.{c.end_connector}": f"{c.start_element}.{c.start_connector}"
-                for c in structure.system.connections
-            }
-            assert found == system.connections
-        for values in package.ssv:
-            with values as file:
-                file.__check_compliance__()
-
-
 def test_fmpy_takes_inputs_of_the_system(make, tmp_path):
     system = cosim.System("one")
     system.add("gain", make("gain"), {"k": 3.0})
@@ -130,17 +110,6 @@ def test_fmpy_takes_inputs_of_the_system(make, tmp_path):
     path = cosim.write_ssp(system, tmp_path / "a.ssp", EXPERIMENT)
     theirs = in_fmpy(system, path, x=2.0)
     assert (theirs["gain.y"], theirs["y"]) == (6.0, 6.0)
-
-
-def test_the_schemas_find_our_packages_valid(make, tmp_path):
-    system = drawn(make, 1, nested=True, scaled=True)
-    for version in ("1.0", "2.0"):
-        path = cosim.write_ssp(system, tmp_path / "a.ssp", EXPERIMENT, version=version)
-        folder = cosim.ssp.structure.Package.open(path).folder
-        for file in [*folder.glob("*.ssd"), *folder.rglob("*.ssv")]:
-            root = etree.parse(file).getroot()
-            assert root.get("version") == version
-            assert cosim.ssp.markup.violation(root, file.suffix[1:], version) is None
 
 
 def test_the_same_system_gives_the_same_bytes(make, tmp_path):

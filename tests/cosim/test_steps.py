@@ -156,14 +156,6 @@ def test_overruns_are_counted_and_the_worst_is_kept():
     assert pacing.worst == pytest.approx(0.02)
 
 
-def test_progress_is_told_the_time_reached(simulation):
-    times = []
-    simulation.run(progress=times.append)
-    assert times == sorted(times)
-    assert times[-1] == simulation.time[-1]
-    assert len(times) == 100
-
-
 def test_a_halt_lies_on_a_point_in_time_and_needs_fmus_that_serialise(simulation, tmp_path):
     with pytest.raises(cosim.ExperimentError, match="not a point in time"):
         simulation.run(until=0.0505)

@@ -68,26 +68,6 @@ def test_structure_is_that_of_fmpy(both):
     assert ours.experiment.stop == number(theirs.defaultExperiment.stopTime)
 
 
-@pytest.mark.parametrize(
-    "pair",
-    [
-        (HEAD, "\ufeff" + HEAD),
-        (HEAD, ""),
-        (HEAD, HEAD.replace("UTF-8", "ISO-8859-1")),  # all of it is ASCII
-        (HEAD, HEAD + "<!-- <!DOCTYPE a> --><?a <!DOCTYPE a>?>"),
-        ("<ModelVariables>", "<ModelVariables><!-- not a variable -->"),
-        (RATE, 'min="-INF" max="INF" start="2"'),
-        (RATE, 'min="0" max=" 1e1 " start="+2."'),
-        ('description="Input"', f'description="{"a" * 9_000_000}"'),
-    ],
-    ids=["mark", "bare", "ascii", "comments", "comment", "infinite", "spelling", "long"],
-)
-def test_odd_but_lawful_text(pair):
-    description = read(2, pair)
-    assert list(description.variables) == list(read(2).variables)
-    assert [o.name for o in description.outputs] == ["y", "z", "count"]
-
-
 def test_variables_of_fmi_2_may_be_one_quantity():
     pair = ('name="z" valueReference="5"', 'name="z" valueReference="4"')
     assert read(2, pair).variables["z"].reference == 4

@@ -100,14 +100,6 @@ def test_a_signal_waits_for_the_end_of_a_held_block(name):
     assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
 
 
-def test_ctrl_c_waits_in_a_notebook_too():
-    before, done = signal.getsignal(signal.SIGINT), []
-    with pytest.raises(KeyboardInterrupt):
-        nested(signal.SIGINT, done)
-    assert done == ["all"]
-    assert signal.getsignal(signal.SIGINT) is before
-
-
 def test_what_is_ignored_stays_ignored():
     """As SIGHUP is under nohup."""
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
@@ -152,13 +144,6 @@ def test_threads_end_at_their_next_safe_point():
     threading.Thread(target=signal_when_begun).start()
     with interruptible(), pytest.raises(KeyboardInterrupt), Threads(2) as threads:
         threads.each(work, range(5))
-
-
-def test_results_come_in_order_and_an_error_cancels_the_rest():
-    with Threads(2) as threads:
-        assert threads.each(lambda x: x * x, range(20)) == [x * x for x in range(20)]
-        with pytest.raises(ZeroDivisionError):
-            threads.each(lambda x: 1 / x, range(1000))
 
 
 def test_a_temporary_folder_of_any_depth_is_removed():

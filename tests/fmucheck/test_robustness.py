@@ -15,7 +15,7 @@ from stickslip import fmucheck, models
 from stickslip.fmi import toolchain
 from stickslip.fmi.binary import read_library
 from stickslip.fmucheck import check
-from stickslip.fmucheck.description.model import Description, number
+from stickslip.fmucheck.description.model import Description
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import Callbacks
 from tests.corpus.defects.reference import binary_name, members, pack, with_defect
@@ -46,12 +46,6 @@ def test_nothing_is_left_and_nothing_leaves_the_folder(tmp_path, monkeypatch):
     assert {unsafe.place, *unsafe.others} == {repr(name) for name in names}
     assert list(room.iterdir()) == []
     assert sorted(p.name for p in tmp_path.iterdir()) == ["evil.fmu", "room"]
-
-
-def test_digits_without_end_are_no_number():
-    """A pattern with two ways to divide them would be at it for hours."""
-    assert number("9" * 1_000_000 + "x") is None
-    assert number("9" * 300 + ".5e0") == float("9" * 300)
 
 
 @pytest.mark.parametrize("rule", fmucheck.RULES.values(), ids=lambda rule: rule.id)

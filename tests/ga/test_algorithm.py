@@ -48,14 +48,6 @@ def test_the_paper_searches_on_a_grid_of_its_resolution():
         np.testing.assert_allclose(string, string.round(), atol=1e-6)
 
 
-@PRESETS
-def test_the_elite_is_not_evaluated_again(preset):
-    algorithm = new(preset)
-    assert algorithm.ask().shape == (10, 3)
-    algorithm.tell(np.arange(10.0))
-    assert algorithm.ask().shape == (8, 3)
-
-
 @pytest.mark.parametrize("generations", [0, 7])
 def test_a_state_between_ask_and_tell_is_that_before_ask(generations):
     """Threshold and number of generations may change; what is missing from a state is damage."""
@@ -105,14 +97,3 @@ def test_a_cost_that_is_not_a_number_is_infinite_with_a_reason():
     assert algorithm.convergence().to_dict("records") == [
         {"generation": 1, "evaluations": 10, "best_cost": 1.0, "mean_cost": 1.0}
     ]
-
-
-def test_what_is_asked_and_best_are_the_callers_to_change():
-    algorithm, twin = new("default"), new("default")
-    asked = algorithm.ask()
-    costs = [quadratic(row) for row in asked]
-    asked[:] = 0
-    algorithm.tell(costs)
-    run(twin, 1)
-    algorithm.best.values[:] = 0
-    np.testing.assert_array_equal(algorithm.best.values, twin.best.values)

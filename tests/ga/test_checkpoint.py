@@ -53,21 +53,6 @@ def test_a_resumed_run_is_the_uninterrupted_one(algorithm, tmp_path):
     assert (again.parameters, again.stopped) == (found.parameters, found.stopped)
 
 
-def test_a_restarted_search_resumes_as_well(tmp_path):
-    settings = ga.Settings(patience=3)
-
-    def fresh():
-        return ga.GeneticAlgorithm(GENES, settings, 1, limits=ga.Limits(generations=40))
-
-    whole, resumed, path = fresh(), fresh(), tmp_path / "run.json"
-    ga.learn(whole, quadratic)
-    assert 10 in whole.history.groupby("generation").size().to_numpy()[1:]
-    with pytest.raises(Stopped):
-        ga.learn(fresh(), quadratic, None, stop_at(30), checkpoint=path)
-    ga.learn(resumed, quadratic, checkpoint=path, resume=True)
-    assert resumed.history.to_csv() == whole.history.to_csv()
-
-
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="has no SIGKILL")
 def test_killed_at_any_moment_it_goes_on(tmp_path):

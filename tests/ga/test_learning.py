@@ -1,15 +1,12 @@
-"""Learning runs: executors, failures, stopping, and how well it learns."""
+"""Learning runs: executors, failures and stopping."""
 
 from dataclasses import replace
 
-import friction_sweep
 import numpy as np
 import pytest
 from problems import GENES, always_fails, breaks, quadratic
 
-from benchmarks.learning.racers import race_one, scipy_de
 from stickslip import ga
-from stickslip.ga.problem.problem import Encoding
 
 SHORT = replace(ga.DEFAULT, generations=12)
 
@@ -77,48 +74,3 @@ def test_it_stops_at_the_threshold_or_the_last_generation():
     algorithm, found = learned(SHORT)
     assert algorithm.generation == 12
     assert found.stopped == "all 12 generations are done"
-
-
-SEEDS = range(12)
-GENERATIONS = 50
-BUDGET = 402  # evaluations of 50 generations; far beyond, all medians are below any drive's noise
-
-
-@pytest.mark.slow
-def test_on_friction_it_learns_at_least_as_well_as_differential_evolution():
-    ours, theirs = [np.median([run(s) for s in SEEDS]) for run in (_learn, _evolve)]
-    assert ours <= theirs
-    assert ours < 1e-5
-
-
-@pytest.mark.slow
-def test_on_friction_the_paper_learns_better_than_random_search():
-    ours = np.median([_learn(seed, ga.PAPER) for seed in SEEDS])
-    assert ours < np.median([_draw(seed, ga.PAPER.encoding) for seed in SEEDS])
-
-
-def _learn(seed, settings=ga.DEFAULT):
-    algorithm = ga.GeneticAlgorithm(
-        friction_sweep.genes(seed),
-        replace(settings, generations=GENERATIONS),
-        seed,
-        friction_sweep.REPAIR,
-    )
-    best = ga.learn(algorithm, friction_sweep.ForceError()).best.cost
-    assert algorithm.evaluations == BUDGET
-    return best
-
-
-def _evolve(seed):
-    """Run scipy's differential evolution, given the same genes, start, repair and budget."""
-    problem = ga.Problem(friction_sweep.genes(seed), friction_sweep.REPAIR)
-    return race_one(scipy_de(2), friction_sweep.ForceError(), problem, seed, BUDGET).best
-
-
-def _draw(seed, encoding):
-    """Search at random from the same start, in the same encoding."""
-    problem = ga.Problem(friction_sweep.genes(seed), friction_sweep.REPAIR)
-    strings = np.random.default_rng(seed).random((BUDGET, 5))
-    draws = Encoding(problem.genes, encoding, None).decode(strings)
-    draws[0] = problem.start
-    return min(map(friction_sweep.ForceError(), problem.repaired(draws)))

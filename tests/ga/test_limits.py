@@ -1,7 +1,6 @@
 """Every way to stop, and generations that are known before the costs of the one before."""
 
 import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -73,23 +72,6 @@ def test_a_limit_out_of_range_is_named(field):
         ga.Limits(**{field: -1})
 
 
-@pytest.mark.parametrize(
-    ("limit", "name"),
-    [("patience", "stagnant"), ("generations", "generations"), ("seconds", "seconds")],
-)
-def test_a_limit_is_reached_where_it_is_equalled(limit, name):
-    done = {"generations": 1, "evaluations": 1, "batch": 1, "seconds": 0.0, "best": 1.0}
-    limits = ga.Limits(**{limit: 10})
-    assert limits.reached(**{**done, "stagnant": 0, name: 9}) is None
-    assert limits.reached(**{**done, "stagnant": 0, name: 10}) is not None
-
-
-def test_a_budget_may_be_used_to_the_last_evaluation():
-    limits = ga.Limits(evaluations=10)
-    assert limits.spent(generations=0, evaluations=6, batch=4) is None
-    assert limits.spent(generations=0, evaluations=7, batch=4) is not None
-
-
 def optimiser(settings=ga.PRESETS["default"], **limits):
     return ga.GeneticAlgorithm(GENES, settings, limits=ga.Limits(**limits))
 
@@ -118,16 +100,6 @@ def test_a_fresh_start_forgets_what_was_foreseen():
             assert not np.array_equal(algorithm.ask()[: len(foreseen)], foreseen)
             algorithm.tell([1.0] * settings.population)
     assert anew > 1
-
-
-@pytest.mark.parametrize("kind", ["paper", "cma", "de"])
-def test_other_methods_know_nothing_beforehand(kind):
-    algorithm = ga.optimiser(kind, ga.Problem(GENES), ga.Limits(generations=9))
-    for _ in range(3):
-        algorithm.tell([quadratic(values) for values in algorithm.ask()])
-        algorithm.ask()
-        assert algorithm.ahead.shape == (0, len(GENES))
-        algorithm.tell([1.0] * algorithm.batch)
 
 
 def test_a_worker_goes_on_while_the_last_cost_is_missing():
@@ -165,19 +137,3 @@ def test_nothing_is_begun_that_the_limits_forbid(limits):
         algorithm = optimiser(**limits)
         ga.learn(algorithm, cost, threads)
     assert len(evaluated) == algorithm.evaluations
-
-
-def test_a_run_that_ends_early_leaves_nothing_in_the_queue():
-    evaluated = []
-
-    def cost(values):
-        evaluated.append(1)
-        if len(evaluated) < 30:
-            return quadratic(values)
-        time.sleep(0.1)  # the run ends meanwhile
-        return 0.0
-
-    with ThreadPoolExecutor(1) as threads:
-        algorithm = optimiser(generations=50, target=0.0)
-        ga.learn(algorithm, cost, threads)
-    assert len(evaluated) <= algorithm.evaluations + 2  # of eight; one may have been under way

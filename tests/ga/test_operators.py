@@ -29,16 +29,6 @@ def test_parents_are_drawn_in_proportion_to_their_fitness():
     assert np.mean(((counts - counts.sum() * share) / deviation) ** 2) < 2.0
 
 
-def test_children_of_a_pair_lie_between_them_and_keep_their_mean():
-    settings = replace(ga.PAPER, population=N, k1=1.0, k2=1.0)
-    children = arithmetic(LABELS, np.full(N, 3.0), settings, np.random.default_rng(1))
-    first, second = children[0::2], children[1::2]
-    assert ((children >= 0) & (children <= N - 1)).all()
-    both = (first[: len(second)] + second).ravel()  # of labels, which are whole numbers
-    np.testing.assert_allclose(both, np.round(both), atol=1e-9)
-    assert np.ptp(first % 1.0) > 0.1
-
-
 def test_a_difference_is_of_two_others(monkeypatch):
     """The parent itself is not among them; the origin is the best one in 70 % of all children."""
     monkeypatch.setattr("stickslip.ga.operators.breeding.STRETCH", (1.0, 1.0))
@@ -126,15 +116,6 @@ def test_it_moves_to_the_rates_that_succeeded():
     np.testing.assert_array_equal(drawn(rate), level)
 
 
-def test_a_fixed_rate_stays_and_draws_nothing():
-    rate, rng = MutationRate(ga.PAPER), np.random.default_rng(1)
-    state = rng.bit_generator.state
-    rates = rate.draw(5, rng)
-    rate.follow(rates, np.ones(5, dtype=bool))
-    np.testing.assert_array_equal(rate.draw(5, rng), np.full((5, 1), ga.PAPER.mutation_rate))
-    assert rng.bit_generator.state == state
-
-
 def test_shares_follow_the_way_that_succeeds_more_often_and_none_dies_out():
     shares, rng = Shares((5, 1, 1)), np.random.default_rng(0)
     assert np.argmax(shares.shares) == 0
@@ -145,13 +126,6 @@ def test_shares_follow_the_way_that_succeeds_more_often_and_none_dies_out():
     assert shares.shares.sum() == pytest.approx(1)
     assert shares.shares[1] > 0.6
     assert (shares.shares >= LEAST).all()
-
-
-def test_generations_without_success_teach_nothing():
-    shares = Shares((1, 2))
-    before = shares.shares
-    shares.follow(np.array([0, 1, 1]), np.zeros(3, dtype=bool))
-    np.testing.assert_array_equal(shares.shares, before)
 
 
 def separable(string):
@@ -183,15 +157,6 @@ def test_a_sum_of_many_valleys_is_solved_gene_by_gene():
     assert min(cost for _, cost in rows) < 1e-3
 
 
-def test_children_change_one_gene_in_turn_and_stay_in_range():
-    sections = Sections(np.full(3, 0.5), 1.0)
-    children = sections.propose(7, np.random.default_rng(0))
-    changed = children != 0.5
-    assert (changed.sum(axis=1) == 1).all()
-    np.testing.assert_array_equal(changed.argmax(axis=1), np.arange(7) % 3)
-    assert ((children >= 0) & (children <= 1)).all()
-
-
 def test_what_improves_two_genes_apart_is_put_together():
     sections = Sections(np.array([0.5, 0.5, 0.5]), 5.0)
     sections.add(np.array([0.2, 0.5, 0.5]), 4.0)
@@ -200,23 +165,6 @@ def test_what_improves_two_genes_apart_is_put_together():
     np.testing.assert_array_equal(sections.propose(1, rng)[0], [0.2, 0.9, 0.5])
     sections.add(np.array([0.2, 0.9, 0.5]), 30.0)  # the genes do not act independently
     assert not np.array_equal(sections.propose(1, rng)[0], [0.2, 0.9, 0.5])
-
-
-@pytest.mark.parametrize("cost", [np.inf, 1e300])
-def test_what_fails_is_avoided(cost):
-    def half(string):
-        return cost if string[0] > 0.6 else float((string[0] - 0.55) ** 2)
-
-    _, rows = searched(half, np.array([0.1]), 40)
-    assert min(value for _, value in rows) < 1e-8
-
-
-def test_costs_that_differ_by_the_smallest_number_are_no_obstacle():
-    """A wished improvement below it would round to nothing."""
-    sections = Sections(np.array([0.5]), 0.0)
-    sections.add(np.array([0.25]), 5e-324)
-    children = sections.propose(50, np.random.default_rng(0))
-    assert ((children >= 0) & (children <= 1)).all()
 
 
 def paraboloid(k, seed):
@@ -239,18 +187,6 @@ def test_the_bottom_of_a_paraboloid_is_found_in_a_few_steps(k, seed):
     for _ in range(3):  # one, unless it is farther than `RADIUS`
         points = np.vstack([points, bottom(*ranked(points, cost(points)))])
     assert cost(points)[-1] == pytest.approx(3.0, abs=1e-9)
-
-
-def test_noise_is_averaged():
-    lowest, cost = paraboloid(3, 1)
-    rng = np.random.default_rng(2)
-    errors = {}
-    for n in (20, 2000):
-        points = lowest + 0.05 * rng.standard_normal((n, 3))
-        points, _ = ranked(points, cost(points))
-        noise = 0.1 * np.std(cost(points)) * rng.standard_normal(n)
-        errors[n] = np.linalg.norm(bottom(points, cost(points) + noise) - lowest)
-    assert errors[2000] < 0.3 * errors[20]
 
 
 @pytest.mark.parametrize("slope", [[1.0, 2.0], [-3.0, 0.0]])

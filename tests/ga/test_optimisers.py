@@ -46,17 +46,6 @@ def test_it_finds_the_bottom_where_part_of_the_range_fails(algorithm):
     np.testing.assert_allclose(found.values, np.minimum(TARGET, [2, np.inf, np.inf]), rtol=1e-2)
 
 
-@pytest.mark.parametrize("algorithm", ["default", "cma", "de"])
-def test_a_gene_may_be_negative(algorithm):
-    genes = [ga.Gene("offset", -5.0, 5.0, 1.0, "N", linear=True), *GENES[:2]]
-
-    def cost(values):
-        return float((values[0] + 2.0) ** 2 + np.sum(np.log(values[1:] / TARGET[:2]) ** 2))
-
-    found = learned(algorithm, cost, 1000, repair=None, genes=genes).best
-    np.testing.assert_allclose(found.values, [-2.0, *TARGET[:2]], rtol=1e-2)
-
-
 @pytest.mark.slow
 def test_restarts_leave_a_trap():
     """A wide basin at the start that costs 1, and a narrow one far away that costs nothing."""
@@ -87,12 +76,3 @@ def test_restarts_leave_a_trap():
 def test_what_cannot_be_is_named(name, genes, message):
     with pytest.raises(ga.SettingsError, match=message):
         ga.optimiser(name, ga.Problem(genes))
-
-
-@pytest.mark.parametrize("genes", [1, 2, 7])
-def test_de_takes_any_number_of_genes(genes):
-    several = [ga.Gene(f"g{i}", 1e-2, 1e2, 1.0) for i in range(genes)]
-    found = learned(
-        "de", lambda x: float(np.sum(np.log(x / 3) ** 2)), 900, repair=None, genes=several
-    )
-    np.testing.assert_allclose(found.best.values, 3.0, rtol=0.1)

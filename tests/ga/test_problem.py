@@ -87,10 +87,6 @@ def test_the_preset_paper_is_table_3():
     assert (paper.mutation_rate, paper.resolution, paper.encoding) == (0.15, 1e-4, "linear")
 
 
-def test_the_default_preset_is_the_default():
-    assert ga.PRESETS["default"] == ga.DEFAULT == ga.Settings()
-
-
 @pytest.mark.parametrize(
     ("field", "value"),
     [

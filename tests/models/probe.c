@@ -6,7 +6,6 @@
 #include "laws/lugre/motion.inc"
 #include "numerics/elementary.h"
 #include "numerics/noise.h"
-#include "numerics/sampling.h"
 
 #ifdef _WIN32
 #define EXPORT __declspec(dllexport)
@@ -34,9 +33,6 @@ void probe_noise(size_t n, double seed, int channel, double y[]) {
         y[i] = noise_draw(seed, channel, (double)i);
 }
 
-EXPORT double probe_first_sample(double t, double T_s);
-double probe_first_sample(double t, double T_s) { return first_sample(t, T_s); }
-
 /* p: F_s, F_c, v_s, sigma_0, sigma_1, delta */
 static LuGre contact_of(const double p[6]) {
     return (LuGre){p[0], p[1], 1.0 / p[2], p[3], p[4], p[5], 0.0};
@@ -46,12 +42,6 @@ EXPORT double probe_lugre(double h, double v, double *z, const double p[6]);
 double probe_lugre(double h, double v, double *z, const double p[6]) {
     const LuGre contact = contact_of(p);
     return lugre_step(h, v, z, &contact);
-}
-
-EXPORT double probe_g(double v, const double p[6], double *slope);
-double probe_g(double v, const double p[6], double *slope) {
-    const LuGre contact = contact_of(p);
-    return lugre_g(v, &contact, slope);
 }
 
 /* The equations of the paper once more, with the C library's exp. y: x, v, z */

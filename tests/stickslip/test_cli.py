@@ -134,19 +134,6 @@ def test_simulate_sets_values_takes_input_and_records(stage, tmp_path, capsys):
     assert "m/s" in capsys.readouterr().out
 
 
-def test_simulate_keeps_every_nth_point_or_the_last(stage, tmp_path, capsys):
-    def rows(*more):
-        out = tmp_path / "out.csv"
-        arguments = ["simulate", stage, "--step", 0.01, "--stop", 0.1, "--out", out, *more]
-        assert main([str(a) for a in arguments]) == 0
-        assert "stage.v" in capsys.readouterr().out
-        return pd.read_csv(out)
-
-    whole = rows()
-    pd.testing.assert_frame_equal(rows("--every", 4), whole[::4].reset_index(drop=True))
-    pd.testing.assert_frame_equal(rows("--last"), whole[-1:].reset_index(drop=True))
-
-
 def test_design_prints_what_was_asked_for(tmp_path, capsys):
     arguments = ["design", "--bandwidth", "80", "--phase-margin", "55", "--out", str(tmp_path)]
     assert main(arguments) == 0
@@ -154,15 +141,6 @@ def test_design_prints_what_was_asked_for(tmp_path, capsys):
     assert design["crossover_Hz"] == pytest.approx(80, rel=1e-6)
     assert design["phase_margin_deg"] == pytest.approx(55, rel=1e-6)
     assert "K_p" in capsys.readouterr().out
-
-
-@pytest.mark.slow
-def test_identify_writes_values_with_errors(tmp_path, capsys):
-    assert main(["identify", "--set", "drive.F_c=7", "--out", str(tmp_path)]) == 0
-    found = json.loads((tmp_path / "identified.json").read_text())
-    assert found["F_c"]["value"] == pytest.approx(7.0, rel=0.05)
-    assert found["F_c"]["unit"] == "N"
-    assert "F_c" in capsys.readouterr().out
 
 
 @pytest.mark.slow

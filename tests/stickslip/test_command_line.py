@@ -90,11 +90,6 @@ def test_a_log_may_follow_its_options(tmp_path, capsys):
         assert f"{missing}: No such file" in capsys.readouterr().err
 
 
-def test_a_system_to_export_may_follow_its_options(package, tmp_path, capsys):
-    assert run("export", "--as", "fmu", package, "--step", "0.001", "--out", tmp_path) == 0
-    assert capsys.readouterr().out.split() == [str(tmp_path / "loop.fmu")]
-
-
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
@@ -162,14 +157,6 @@ def test_an_error_is_printed_with_quiet_too(tmp_path, capsys):
     out, err = capsys.readouterr()
     assert not out
     assert str(tmp_path) in err
-
-
-def test_verbose_names_what_was_chosen(package, capsys):
-    arguments = ["simulate", package, "--stop", "0.02", "--set", "force=1"]
-    assert run(*arguments) == 0
-    assert capsys.readouterr().err == ""
-    assert run(*arguments, "-v") == 0
-    assert "proposes no step; 0.0005 s is used" in capsys.readouterr().err
 
 
 def test_inputs_that_stay_at_their_start_values_are_named(stage, package, tmp_path, capsys):

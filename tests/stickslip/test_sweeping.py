@@ -1,16 +1,11 @@
 """Sweeps and searches over parameters, against the closed form of a sliding mass."""
 
-import json
-import pickle
-
 import numpy as np
 import pandas as pd
 import pytest
 
 import stickslip as ss
-from stickslip import ga
 from stickslip.ga.execution.evaluation import DIED
-from stickslip.sweeping import _evaluated, _nothing, _Run
 from stickslip.work.jobs import Outcome
 
 M, B, PUSH, STOP = 5.557, 6.6135, 12.0, 0.5
@@ -77,16 +72,6 @@ def test_workers_give_the_same_table(stage):
     values = {"F_c": np.linspace(0.1, 0.9, 5)}
     alone = ss.sweep(stage, values, {"end": end}, **RUN)
     assert ss.sweep(stage, values, {"end": end}, workers=2, **RUN).equals(alone)
-
-
-def test_a_run_goes_to_another_process(stage):
-    system = ss.System("stage")
-    system.add("stage", stage, {"u": PUSH})
-    specification = ss.Specification(system, step=1e-3, stop=STOP)
-    with ga.SimulatedCost(specification, ["stage.F_c"], _nothing) as cost:
-        run = pickle.loads(pickle.dumps(_Run(cost, {"end": end}, 0, (0.3,))))  # noqa: S301
-        found = json.loads(_evaluated(run, 0).learned)
-    assert found["end"] == pytest.approx(expected(0.3, M), rel=1e-3)
 
 
 def test_a_run_that_fails_is_a_row_with_its_reason(stage):

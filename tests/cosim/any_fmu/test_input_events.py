@@ -77,34 +77,6 @@ def test_with_constant_steps_or_a_scenario_a_jump_waits_for_the_next_point(expor
         np.testing.assert_array_equal(simulation.run(inputs=jump)["a.level"][4:6], [0, 10])
 
 
-@pytest.mark.parametrize("kind", ["CS", "ME"])
-def test_a_jump_in_the_last_step_before_a_halt_is_made(export, kind):
-    """Every step has a jump, so each end of a run has one in the step before it."""
-    system = one(export("oscillator", 2, kind), u="force")
-    table = {"u": cosim.Table(0.0375 + 0.125 * np.arange(8), np.arange(8) ** 2, held=True)}
-    with system.prepare(step=0.125, stop=1.0) as simulation:
-        whole = simulation.run(inputs=table)["a.position"]
-        for n in range(1, 8):
-            head = simulation.run(inputs=table, until=0.125 * n)["a.position"]
-            np.testing.assert_array_equal(head, whole[: n + 1])
-        with system.prepare(step=0.0125, stop=1.0) as fine:  # the jumps lie on its points
-            expected = fine.run(inputs=table)["a.position"][::10]
-    np.testing.assert_allclose(whole, expected, atol=2e-2 if kind == "CS" else 1e-4)
-
-
-@pytest.mark.parametrize("coupling", ["jacobi", "gauss_seidel"])
-def test_coupled_components_stop_together(export, coupling):
-    system = one(export("oscillator", 2, "CS"))
-    system.add("b", export("oscillator", 3, "CS"), {"position": 0.0})
-    system.connect("a.gain", "b.force")
-    system.expose("u", "a.force")
-    jump = {"u": cosim.Table([0.0, 0.3125, 0.3125], [0, 0, 1])}
-    coarse = system.prepare(step=0.25, stop=1.0, coupling=coupling).run(inputs=jump)
-    fine = system.prepare(step=0.0625, stop=1.0, coupling=coupling).run(inputs=jump)
-    np.testing.assert_array_equal(coarse["a.position"], fine["a.position"][::4])
-    assert coarse["b.position"][2] == (fine["b.position"][8] if coupling == "gauss_seidel" else 0)
-
-
 def test_model_exchange_has_the_events_of_fmpy_at_jumps(export, version):
     stair = export("stair", version, "ME")
     for ours, theirs in both(stair, "trigger", TIME, TRIGGER, "ModelExchange"):

@@ -43,14 +43,6 @@ def test_a_bouncing_ball_bounces_when_the_parabola_ends(export, version):
     np.testing.assert_allclose(result["a.height"][falling], expected, atol=1e-7)
 
 
-def test_a_stair_rises_at_its_time_events(export, version):
-    path = export("stair", version, "ME")
-    result = one(path, {"period": 0.25}).prepare(step=0.1, stop=1.0).run()
-    np.testing.assert_array_equal(result["a.count"], [0, 0, 0, 1, 1, 2, 2, 2, 3, 3, 4])
-    theirs = fmpy_run(path, 0.1, 1.0, "count")
-    np.testing.assert_array_equal(result["a.count"], theirs["count"])
-
-
 def test_inputs_move_within_the_step_as_in_fmpy(export, version):
     path = export("oscillator", version, "ME")
     system = one(path, u="force")
@@ -83,12 +75,6 @@ def test_an_input_holds_over_each_of_the_steps(export, version, degree):
     np.testing.assert_allclose(found, whole[1:], atol=1e-12)
 
 
-def test_states_of_an_array(export):
-    system = one(export("state_space", 3, "ME"), {"n": 2, "A": -np.eye(2), "x0": [1.0, 2.0]})
-    result = system.prepare(step=0.1, stop=1.0, tolerance=FINE).run()
-    np.testing.assert_allclose(result["a.y"], np.exp(-result.time)[:, None] * [1, 2], atol=1e-6)
-
-
 def test_without_its_solver_one_line_says_where_there_is_one(export, version, monkeypatch):
     general_path._cvode_table.cache_clear()
     monkeypatch.setitem(sys.modules, "fmpy.sundials", None)  # as on aarch64-linux
@@ -96,13 +82,3 @@ def test_without_its_solver_one_line_says_where_there_is_one(export, version, mo
         cosim.FmuError, match=r"needs the solver CVode.*its Co-Simulation interface"
     ):
         one(export("oscillator", version)).prepare(step=0.1, stop=1.0)
-
-
-def test_an_fmu_that_ends_the_run_shows_what_it_left(export, version):
-    path = export("stair", version, "ME")
-    ended = one(path, {"last": 3}).prepare(step=0.1, stop=1.0).run()
-    how = {"fmi_type": "ModelExchange", "start_values": {"last": 3}}
-    theirs = single.by_fmpy(path, 0.1, 1.0, "count", **how)
-    assert ended.stopped == "a: asked to terminate the simulation at t = 0.75 s"
-    assert ended.time[-1] == pytest.approx(theirs["time"][-1]) == 0.75
-    assert (ended["a.count"][-1], theirs["count"][-1]) == (3, 2)  # FMPy: before the update

@@ -37,20 +37,6 @@ def test_arrays_keep_the_elements_that_are_not_fed(export, tmp_path):
     np.testing.assert_array_equal(rest, whole)
 
 
-@pytest.mark.parametrize("coupling", ["jacobi", cosim.Coupling("iterative")], ids=str)
-def test_other_types(export, tmp_path, coupling):
-    fmu = export("feedthrough", 3, "CS", saves(3))
-    system = one(fmu)
-    system.add("b", fmu)
-    for kind in ("Int8", "Boolean", "Float32", "Float64"):
-        system.connect(f"a.{kind}_out", f"b.{kind}_in")
-    system.expose("x", "a.Float32_in")
-    system.expose("n", "a.Int8_in")
-    inputs = {"x": np.sin, "n": np.arange(21.0)}
-    whole, rest = ends(system, tmp_path / "a.state", inputs, coupling=coupling)
-    np.testing.assert_array_equal(rest, whole)
-
-
 @pytest.mark.parametrize("model", ["ball", "oscillator", "stair"])
 def test_the_solver_of_model_exchange_starts_anew(export, tmp_path, version, model):
     system = one(export(model, version, "ME", saves(version)))

@@ -234,26 +234,6 @@ def elements(source, target, /, *more, size="", **indices):
 
 
 @pytest.mark.parametrize(
-    ("source", "target", "text", "expected"),
-    [
-        ("Boolean", "Float64", "", [0, 1, 0]),
-        ("Boolean", "Float64", '<ssc:LinearTransformation factor="3" offset="-1"/>', [-1, 2, -1]),
-        ("Int32", "Enumeration", "", [1, 3, 2]),
-        ("Boolean", "Int8", pairs("Boolean", ("true", "false"), ("false", "true")), [1, 0, 1]),
-    ],
-)
-def test_types_that_lose_nothing_connect(export, pack, source, target, text, expected):
-    joined = connection(f"a.{source}_out", f"b.{target}_in", text)
-    outside = connection("x", f"a.{source}_in")
-    x = packages.connector("x", "input", f"<ssc:{source}/>" if source != "Int32" else "")
-    path = pack(export("feedthrough", 3, "CS"), two(joined, outside, connectors=x))
-    system, _ = cosim.read_ssp(path)
-    values = [1, 3, 2, 0] if source == "Int32" else [0, 1, 0, 0]
-    result = system.prepare(step=0.1, stop=0.3).run(inputs={"x": np.array(values, float)})
-    np.testing.assert_array_equal(result[f"b.{target}_out"][1:], expected)
-
-
-@pytest.mark.parametrize(
     ("packed", "message"),
     [
         (

@@ -47,22 +47,6 @@ def test_a_start_value_of_an_input_is_set_in_initialization_mode(export, version
         np.testing.assert_array_equal(simulation.run()["a.Float64_out"], 3.0)
 
 
-def test_the_ends_of_64_bits_are_reached(export):
-    ends = {"Int64": [-(2**63), 2**63 - 1], "UInt64": [0, 2**64 - 1]}
-    path = export("feedthrough", 3)
-    system = one(path)
-    for name in ends:
-        system.expose(name, f"a.{name}_in")
-    with system.prepare(step=0.5, stop=2.0) as simulation:
-        ours = simulation.run(inputs={n: cosim.Table([0.0, 1.0], x) for n, x in ends.items()})
-    kinds = {"Int64": "i8", "UInt64": "u8"}
-    signals = [(f"{name}_in", kinds[name], values) for name, values in ends.items()]
-    outputs = [f"{name}_out" for name in ends]
-    theirs = by_fmpy(path, 0.5, 2.0, *outputs, inputs=[[0.0, 1.0], *signals])
-    for name in ends:
-        np.testing.assert_array_equal(ours[f"a.{name}_out"], theirs[f"{name}_out"].astype(float))
-
-
 def test_start_values_of_every_type_arrive_to_the_bit(export):
     system = one(export("feedthrough", 3), {"s": "abc", "bytes": b"\0\1\2\0", "big": 2**62 + 5})
     system.set("a.UInt8_in", 200)
@@ -145,32 +129,6 @@ def test_arrays_as_start_values_equal_fmpy(export):
     theirs = by_fmpy(path, 0.125, 2.0, "y", step_size=0.125, start_values=starts)
     assert ours.names == ("a.y[1]", "a.y[2]", "a.y[3]")
     np.testing.assert_array_equal(ours["a.y"], theirs["y"])
-
-
-def test_one_element_at_a_time_is_the_whole_array(export):
-    whole = system_of(export, {"A": MATRIX, "x0": np.ones(3)}).prepare(step=0.1, stop=1.0).run()
-    parts = {f"A[{i + 1},{j + 1}]": x for (i, j), x in np.ndenumerate(MATRIX)}
-    parts |= {f"x0[{i}]": 1.0 for i in (1, 2, 3)}
-    elements = system_of(export, parts).prepare(step=0.1, stop=1.0).run()
-    np.testing.assert_array_equal(elements.values, whole.values)
-
-
-def test_elements_that_are_not_fed_keep_their_start_values(export):
-    system = system_of(export, {"u": [1.0, 2.0, 3.0]})
-    constant = system.prepare(step=0.1, stop=1.0).run()
-    system.expose("u", "a.u[2]")
-    fed = system.prepare(step=0.1, stop=1.0).run(inputs={"u": 2.0})
-    np.testing.assert_array_equal(fed["a.y"], constant["a.y"])
-
-
-def test_exposed_elements_start_as_the_array_was_set(export):
-    system = system_of(export, {"u": [1.0, 2.0, 3.0]})
-    constant = system.prepare(step=0.1, stop=1.0).run()
-    for i in (1, 2, 3):
-        system.expose(f"u{i}", f"a.u[{i}]")
-    np.testing.assert_array_equal(system.prepare(step=0.1, stop=1.0).run()["a.y"], constant["a.y"])
-    system.set("a.u[2]", 5.0)
-    assert system.prepare(step=0.1, stop=1.0).run()["u2"][0] == 5.0
 
 
 @pytest.mark.parametrize("n", [1, 2, 5])

@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import expm
 
 from stickslip import cosim
-from stickslip.cosim import Adaptive, Coupling, Table
+from stickslip.cosim import Adaptive, Coupling
 
 METHODS = ["gauss_seidel", "jacobi", "iterative"]
 KINDS = {
@@ -136,17 +136,6 @@ def test_the_solver_is_tighter_than_the_coupling(two_masses, linear, step, coupl
     error, _ = coupled_error(two_masses, linear, kind, step, coupling, **finer)
     assert error < 1.25 * coupled_error(two_masses, linear, kind, step, coupling)[0]
     assert error < coupled_error(two_masses, linear, kind, step, coupling, tolerance=1e-5)[0] / 3
-
-
-@each_kind
-def test_lines_of_a_table_are_followed_exactly(linear, kind):
-    """A polynomial of degree 1 between points of the run leaves no error but rounding."""
-    table = Table([0.0, 1.0, 2.0], [1.0, -3.0, 5.0])
-    spec = {"step": 0.1, "stop": 2.0, "coupling": "iterative", "tolerance": FINE}
-    result = single(linear, kind).prepare(**spec).run(inputs={"u": table})
-    t = result.time
-    first, second = t - 2 * t**2, -1.0 + -3.0 * (t - 1) + 4 * (t - 1) ** 2
-    np.testing.assert_allclose(result["a.y1"], np.where(t < 1, first, second), atol=1e-8)
 
 
 @pytest.mark.parametrize("kind", ["CS 2.0", "CS 2.0 interpolating"])

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from fmpy.validation import validate_fmu
 
 from stickslip import cosim
 from stickslip.cosim import Adaptive, Coupling
@@ -46,45 +45,6 @@ def test_bit_for_bit_with_every_coupling(two_masses, linear, tmp_path, version, 
     np.testing.assert_array_equal(first.values, whole.values[:n])
     np.testing.assert_array_equal(rest.values, whole.values[n - 1 :])
     assert rest.values.std() > 0
-
-
-SHORT, END = 1e-3, 0.5
-
-
-@pytest.mark.slow
-def test_iterates_as_a_component_among_others(linear, tmp_path):
-    """What goes back and repeats its steps, as the iteration asks of it, gives what it holds."""
-    chain = cosim.System("chain")
-    chain.add("first", linear(2), {"a11": -2.0, "b11": 1.0, "c11": 1.0})
-    chain.add("second", linear(3), {"a11": -3.0, "b11": 1.0, "c11": 1.0})
-    chain.connect("first.y1", "second.u1")
-    chain.expose("u", "first.u1")
-    chain.expose_output("y", "second.y1")
-    path = cosim.write_fmu(chain, tmp_path / "chain.fmu", step=SHORT, fmi=3)
-    assert not validate_fmu(str(path))
-
-    def closed(inner):
-        system = cosim.System("closed")
-        system.add("back", linear(2), {"a11": -1.0, "b11": -5.0, "c11": 1.0, "x1": 1.0})
-        source, target = inner(system)
-        system.connect("back.y1", target)
-        system.connect(source, "back.u1")
-        coupling = cosim.Coupling("iterative", degree=0)
-        with system.prepare(step=SHORT, stop=END, coupling=coupling) as simulation:
-            return simulation.run()["back.y1"], simulation.effort
-
-    def packed(system):
-        system.add("chain", path)
-        return "chain.y", "chain.u"
-
-    trajectory, effort = closed(packed)
-    assert effort["sweeps"] > effort["steps"]
-    t = np.arange(len(trajectory)) * SHORT
-    states = np.array([[-1.0, 0.0, -5.0], [1.0, -2.0, 0.0], [0.0, 1.0, -3.0]])
-    values, vectors = np.linalg.eig(states)
-    weights = np.linalg.solve(vectors, [1.0, 0.0, 0.0])
-    exact = (vectors[0] * weights * np.exp(values * t[:, None])).sum(axis=1).real
-    np.testing.assert_allclose(trajectory, exact, atol=5 * SHORT)
 
 
 def test_rounding_left_by_derivatives_does_not_reach_the_solver(linear, version):

@@ -80,18 +80,6 @@ def test_an_adaptive_step_names_who_cannot_go_back(two_masses, linear):
         system.prepare(step=0.1, stop=1.0, coupling=coupling)
 
 
-def test_inputs_hold_or_are_joined_within_adaptive_steps(linear):
-    """y' = u of the integrator, u(t) = t: exact where lines join the values."""
-    system = cosim.System()
-    system.add("x", linear(), {"b11": 1.0, "c11": 1.0})
-    system.expose("u", "x.u1")
-    for degree, exact in ((1, 0.5), (0, 0.45)):
-        coupling = cosim.Coupling("jacobi", degree=degree, adaptive=cosim.Adaptive())
-        with system.prepare(step=0.1, stop=1.0, coupling=coupling) as simulation:
-            result = simulation.run(inputs={"u": simulation.time})
-        assert result["x.y1"][-1] == pytest.approx(exact, rel=1e-12)
-
-
 @pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
 def sampled(make, request):
     """A gain k = -1 closes the loop around an integrator."""
@@ -101,14 +89,6 @@ def sampled(make, request):
     system.connect("plant.y", "controller.u")
     system.connect("controller.y", "plant.u")
     return system
-
-
-@pytest.mark.parametrize("method", ["jacobi", "gauss_seidel"])
-def test_one_rate_for_all_is_a_longer_step(sampled, method):
-    slow = cosim.Coupling(method, every={"plant": 4, "controller": 4})
-    long = sampled.prepare(step=0.25, stop=4.0, coupling=method).run()
-    short = sampled.prepare(step=0.0625, stop=4.0, coupling=slow).run()
-    np.testing.assert_array_equal(short.values[::4], long.values)
 
 
 def test_a_slow_controller_holds_its_output_while_the_plant_steps_on(sampled):

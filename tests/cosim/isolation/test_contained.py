@@ -140,16 +140,6 @@ def test_a_step_has_a_limit_of_its_own(hostile):
         run(hostile("DoStep hang 3"), cosim.Isolation(patience=0.4))
 
 
-def test_the_time_limit_holds_while_nobody_reads_the_request(hostile):
-    """The child is stopped, and the inputs are more than a pipe holds."""
-    limits = cosim.Isolation(timeout=1.0)
-    with hostile().prepare(step=0.01, stop=300.0, isolation=limits) as simulation:
-        os.kill(simulation._process._process.pid, signal.SIGSTOP)
-        with pytest.raises(cosim.FmuCrashed, match="did not return within 1 s"):
-            simulation.run(inputs={"u": np.ones(30_001)})
-        assert simulation.run(inputs={"u": np.ones(30_001)})["plant.y"][-1] == pytest.approx(300.0)
-
-
 def test_nothing_is_left_of_many_crashes(hostile, children):
     with pytest.raises(cosim.FmuCrashed):
         run(hostile("DoStep segv"))
@@ -171,15 +161,6 @@ def test_who_forgets_to_close_leaves_nothing(hostile, children):
     del simulation
     gc.collect()
     assert is_gone(child)
-
-
-def test_more_instances_than_some_can_have(tmp_path):
-    fmu = cosim.Fmu(fmus.write(tmp_path / "f.fmu"))
-    system = cosim.System("many")
-    for i in range(1_100):
-        system.add(f"c{i}", fmu)
-    result = run(system)
-    assert np.allclose(result.values[-1], 0.1)
 
 
 SCRIPT = """
@@ -229,11 +210,6 @@ def test_it_ends_with_its_parent_however_that_ends(hostile, number):
         process.wait(30)
     assert process.returncode != 0
     assert is_gone(child)
-
-
-def test_an_export_does_not_load_what_it_packs(tmp_path, hostile):
-    path = cosim.write_fmu(hostile("load segv"), tmp_path / "packed.fmu", step=0.01)
-    assert path.is_file()
 
 
 def test_what_this_installation_compiled_runs_here_and_what_is_foreign_in_a_child(tmp_path):

@@ -76,16 +76,6 @@ def test_each_component_is_exported_with_it(simulation, tmp_path, capsys):
         assert repr(learned["scale.s_0"]) in (tmp_path / f"scale.{end}").read_text()
 
 
-def test_winners_of_the_arena_are_read_likewise(tmp_path):
-    """winner.json has the same entry."""
-    parts = {"amin": {"model": "coulomb_observer", "law": None, "parameters": {"a_0": 4.5}}}
-    parts["gms"] = {"model": "compensator", "law": "gms", "parameters": {"F_c": 5.0}}
-    path = tmp_path / "winner.json"
-    path.write_text(json.dumps({"compensator": "gms+amin", "components": parts}))
-    found = ss.load_learned(path)
-    assert (found["amin.a_0"], found["gms.F_c"]) == (4.5, 5.0)
-
-
 @pytest.mark.parametrize(
     ("components", "reason"),
     [

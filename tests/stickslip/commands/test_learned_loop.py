@@ -99,14 +99,6 @@ def test_export_reduces_a_force_that_would_hurt_a_drive_of_the_file(learned, tmp
     assert start_of(fmu, "F_c") == PAPER["F_c"]
 
 
-def test_export_of_a_harmless_share_is_quiet(learned, tmp_path, capsys):
-    """What learn wrote: the share is applied, tried once more, and stays."""
-    entries = {"loop": loop_document(LOOPS["paper"]), "share": {"value": 0.8, "unit": "1"}}
-    assert export(learned(**entries), tmp_path) == 0
-    assert capsys.readouterr().err == ""
-    assert start_of(tmp_path / "compensator.fmu", "F_c") == pytest.approx(0.8 * PAPER["F_c"])
-
-
 @pytest.mark.parametrize("entries", [{"loop": loop_document(LOOPS["paper"])}, {}])
 def test_force_exports_the_whole_force_whatever_share_the_file_has(
     learned, tmp_path, capsys, entries
@@ -118,15 +110,6 @@ def test_force_exports_the_whole_force_whatever_share_the_file_has(
         assert start_of(fmu, "F_c") == pytest.approx(share * PAPER["F_c"])
         told = "the whole force is exported, as --force asks for, not 0.6 of it"
         assert (told in capsys.readouterr().err) == bool(options)
-
-
-def test_force_exports_the_whole_force_of_a_feedforward_of_another_model(learned, tmp_path):
-    given = {"F_c": {"value": 3.0, "unit": "N"}, "lead": {"value": 0.0, "unit": "s"}}
-    entry = {"model": "static_feedforward", "parameters": given, "share": {"value": 0.5}}
-    path = learned(feedforward=entry, share={"value": 0.8}, tracking_error=[{"ratio": 0.5}])
-    for options, factor in (((), 1.0), (("--force",), 2.0)):
-        assert export(path, tmp_path, *options) == 0
-        assert start_of(tmp_path / "compensator.fmu", "F_c") == factor * 3.0
 
 
 def test_export_of_what_was_never_tried_is_refused_and_forced(learned, tmp_path, capsys):

@@ -8,14 +8,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.catalog.parameters import PAPER
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.evaluation.motions import TRAINING
 from stickslip.planning import LINEAR, ROTARY, Limits, arrange, plan
-from stickslip.servo.axis import LOOP, Axis
-from stickslip.servo.systems import build_fmus, servo_loop
-from stickslip.servo.velocity_loop import design_velocity_loop
 
 
 def check_limits(limits: Limits, show=()) -> None:
@@ -57,26 +53,15 @@ def check_limits(limits: Limits, show=()) -> None:
 )
 @settings(max_examples=60)
 def test_limits_are_kept(stroke, speed, acceleration, duration, rate, show, jerk, share):
-    """The travel, if given, is the stroke around a place of the start at a share of it."""
-    travel = (-np.inf, np.inf) if share is None else (-share * stroke, (1 - share) * stroke)
+    """The travel, if given, is less than the stroke, around a start at a share of it."""
+    room = 0.7 * stroke
+    travel = (-np.inf, np.inf) if share is None else (-share * room, (1 - share) * room)
     limits = Limits(stroke, speed, acceleration, duration, rate, jerk=jerk, travel=travel)
     try:
         check_limits(limits, show)
     except UsageError as error:
         assert "takes too long" in str(error)  # noqa: PT017 - of some examples
         assert share is not None
-
-
-def test_a_start_within_the_travel_is_left_for_the_whole_of_it():
-    limits = Limits(0.3, 1.0, travel=(-0.15, 0.15), jerk=200.0)
-    check_limits(limits)
-    assert np.ptp(plan(limits)["position_command"]) > 0.9 * 0.3
-
-
-def test_the_largest_speed_within_stroke_and_acceleration_is_reached():
-    limits = Limits(stroke=0.1, speed=2.0)
-    reached = plan(limits)["velocity_command"].abs().max()
-    assert 0.9 * limits.reachable < reached <= limits.reachable < np.sqrt(2.0 * 0.1)
 
 
 @pytest.mark.parametrize("limits", [LINEAR, ROTARY])
@@ -113,90 +98,6 @@ def test_what_is_asked_for_gets_more_time(parameter, part):
 def test_invalid_limits_are_refused(wrong):
     with pytest.raises(UsageError, match=next(iter(wrong))):
         Limits(**wrong)
-
-
-@pytest.fixture(scope="module")
-def drive(tmp_path_factory):
-    """Return a function that runs a command (n,) on the paper's drive: its true x and v."""
-    folder = tmp_path_factory.mktemp("plan")
-    build_fmus(folder, {})
-    loop = design_velocity_loop(Axis(PAPER["m"], PAPER["b"], 1e-4), LOOP)
-    system = servo_loop(folder, loop)
-
-    def run(v):
-        stop = (len(v) - 1) * LOOP.T_s
-        record = ("drive.x", "drive.v")
-        with system.prepare(step=LOOP.T_s, stop=stop, record=record) as simulation:
-            result = simulation.run(inputs={"v_cmd": v})
-        return result["drive.x"], result["drive.v"]
-
-    return run
-
-
-@pytest.fixture(scope="module")
-def driven(drive):
-    """The standard plan on the paper's drive."""
-    return drive(plan()["velocity_command"].to_numpy())
-
-
-def friction(v, F_s, F_c, v_s, sigma_0, sigma_1):
-    """LuGre along a velocity (n,) held over each sample, by its closed form."""
-    h, z = LOOP.T_s, 0.0
-    rate = sigma_0 * np.abs(v) / (F_c + (F_s - F_c) * np.exp(-np.abs(v) / v_s))
-    decay = np.exp(-rate * h)
-    gain = np.where(rate * h > 1e-8, (1 - decay) / np.maximum(rate, 1e-30), h)
-    force = np.empty_like(v)
-    for k in range(len(v)):
-        force[k] = sigma_0 * z + sigma_1 * (v[k] - rate[k] * z)
-        z = z * decay[k] + v[k] * gain[k]
-    return force
-
-
-def uncertainties(v) -> dict[str, float]:
-    """Return the least relative standard errors (Cramer-Rao) for 1 N of white noise on force."""
-    lugre = {name: PAPER[name] for name in LUGRE}
-    columns = {"m": PAPER["m"] * np.gradient(v, LOOP.T_s), "b": PAPER["b"] * v}
-    for name, value in lugre.items():
-        high, low = (friction(v, **{**lugre, name: value * share}) for share in (1.01, 0.99))
-        columns[name] = (high - low) / 0.02
-    sensitivity = np.column_stack(list(columns.values()))
-    errors = np.sqrt(np.diag(np.linalg.inv(sensitivity.T @ sensitivity)))
-    return dict(zip(columns, map(float, errors), strict=True))
-
-
-@pytest.mark.slow
-def test_the_plan_shows_more_than_the_papers_sweep_and_most_of_what_is_asked(drive, driven):
-    t = np.arange(40_001) * LOOP.T_s
-    sweep = uncertainties(drive(TRAINING.sample(t % 10.0))[1])
-    planned = uncertainties(driven[1])
-    assert all(planned[name] < 1.05 * sweep[name] for name in sweep)
-    assert planned["F_s"] < 0.3 * sweep["F_s"]
-    assert planned["v_s"] < 0.5 * sweep["v_s"]
-    assert planned["sigma_0"] < 0.8 * sweep["sigma_0"]
-    # every reversal shows sigma_0, so that more small moves in place of others bring little
-    for asked, share in {"F_s": 0.97, "sigma_0": 1.0, "sigma_1": 0.97, "m": 0.97}.items():
-        favoured = plan(LINEAR, [asked])["velocity_command"].to_numpy()
-        assert uncertainties(drive(favoured)[1])[asked] < share * planned[asked], asked
-
-
-def test_small_moves_stay_in_presliding_and_go_beyond_it(driven):
-    """Break-away deflection is F_s / sigma_0 = 23 um; the plan does not know it."""
-    x, stretch = driven[0], arrange()[0]
-    moves = np.array_split(x[stretch.begin : stretch.end], 10)
-    sizes = np.array([np.ptp(move) for move in moves])
-    break_away = PAPER["F_s"] / PAPER["sigma_0"]
-    visible = sizes > 2 * 4e-7  # the encoder's step
-    assert np.sum(visible & (sizes < break_away)) >= 3
-    assert sizes[0] < 0.1 * break_away
-    assert sizes[-1] > 10 * break_away
-
-
-def test_creep_crosses_the_stribeck_region(driven):
-    v, stretch = np.abs(driven[1]), arrange()[1]
-    slow = v[stretch.begin : stretch.end]
-    v_s = PAPER["v_s"]
-    for low, high in ((0.2, 0.5), (0.5, 1.0), (1.0, 2.0), (2.0, 5.0)):
-        assert np.mean((low * v_s < slow) & (slow < high * v_s)) > 0.02, (low, high)
 
 
 def test_the_command_writes_what_simulate_takes(tmp_path, capsys):
@@ -290,11 +191,3 @@ def test_a_speed_that_is_not_reached_is_a_warning(tmp_path, capsys):
     )
     planned(tmp_path, "--stroke", "100mm", "--speed", "40mm/s")
     assert not capsys.readouterr().err
-
-
-def test_a_file_is_not_overwritten(tmp_path, capsys):
-    out = tmp_path / "plan.csv"
-    out.write_text("mine")
-    assert main(["plan", "--out", str(out)]) == 1
-    assert capsys.readouterr().err.count("\n") == 1
-    assert out.read_text() == "mine"

@@ -89,38 +89,6 @@ def test_a_correction_reduces_what_wrong_bristles_leave(fmus, loop):
     assert left(1.0) < 0.95 * left(0.5) < 0.95 * 0.98 * left(0.0)
 
 
-def learned(fmus, loop, model, names, values, seconds=6.0, **drive):
-    """Learn in the loop over a sine of 0.5 Hz; return what is learned, as start values."""
-    slow = cosim.SineSweep(frequency=(0.5, 0.5), amplitude=(0.02, 0.02), duration=seconds)
-    system = build_loop(fmus, loop, [Compensator("learner", model, values)])
-    record = tuple(f"learner.{name}" for name in names)
-    with system.prepare(step=5e-4, stop=seconds, record=record) as simulation:
-        result = simulation.run(parameters=drive, inputs={"v_cmd": slow})
-    return {start: float(result[f"learner.{name}"][-1]) for name, start in names.items()}
-
-
-SPLINES = {f"w[{i},{j}]": f"w_0[{i},{j}]" for i in (1, 2) for j in range(1, 15)}
-GRID = {f"w[{i},{j}]": f"w_0[{i},{j}]" for i in range(1, 12) for j in range(1, 9)}
-LAYERS = {f"w[{i},{j}]": f"w_0[{i},{j}]" for i in range(1, 9) for j in range(1, 5)}
-
-
-@pytest.mark.parametrize(("model", "names"), [("lffc", SPLINES), ("rbf", GRID), ("mlp", LAYERS)])
-def test_weights_learn_the_friction_of_the_drive(fmus, loop, model, names):
-    """In sliding the force is F_c; with the rate 0 it is a function of the command alone."""
-    coulomb = {"drive.F_s": PAPER["F_c"]}
-    found = learned(fmus, loop, model, names, {"gamma": 0.01, "D": 12}, **coulomb)
-    frozen = [Compensator("learner", model, {**found, "gamma": 0.0})]
-    compensated, other = (
-        run(build_loop(fmus, loop, frozen), **{"drive.F_c": F_c}) for F_c in (PAPER["F_c"], 3.0)
-    )
-    v_r, F = compensated["nominal.v_r"], compensated["learner.F"]
-    sliding = np.abs(v_r) > 0.005
-    sliding[:500] = False
-    np.testing.assert_allclose(F[sliding], PAPER["F_c"] * np.sign(v_r[sliding]), rtol=0.1)
-    assert error(compensated) < 0.6 * error(run(build_loop(fmus, loop, [])))
-    assert F.tobytes() == other["learner.F"].tobytes()
-
-
 def test_a_compensator_that_cannot_pass_a_force_on_comes_first(fmus, loop):
     chain = [Compensator("first", "dob"), Compensator("second", "compensator")]
     with pytest.raises(ValueError, match=r"'second' cannot add its force to first\.F; put"):

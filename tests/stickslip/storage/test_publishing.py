@@ -55,14 +55,6 @@ def test_an_error_leaves_the_old_set_alone_and_names_the_file_as_it_will_be_call
     assert texts(folder) == {"a": "old a", "b": "old b"}
 
 
-def test_what_a_killed_process_was_writing_is_deleted(folder, put, texts):
-    (folder / ".stickslip-writing-1").mkdir()
-    (folder / ".stickslip-writing-1" / "half").touch()
-    assert not verify(folder).faults
-    put(folder, a="new a")
-    assert texts(folder) == {"a": "new a"}
-
-
 def test_another_thread_is_another_writer_and_a_nested_block_is_not(folder, put, texts):
     refused = []
 
@@ -79,12 +71,6 @@ def test_another_thread_is_another_writer_and_a_nested_block_is_not(folder, put,
         put(folder, a="nested")
     assert f"process {os.getpid()} is writing there" in refused[0]
     assert texts(folder) == {"a": "nested"}
-
-
-def test_a_claim_without_results_leaves_no_folder(tmp_path):
-    with locked(tmp_path / "new" / "folder"):
-        assert (tmp_path / "new" / "folder").is_dir()
-    assert not any(tmp_path.iterdir())
 
 
 def test_a_folder_removed_while_it_is_claimed_is_made_anew(folder, put, texts):
@@ -116,12 +102,6 @@ def test_what_is_in_the_way_is_named_before_anything_changes(folder, kind, put):
     assert told.value.filename == str(way)
     assert (folder / "a").read_text() == "old a"
     assert not list(folder.glob(".stickslip-*"))
-
-
-def test_a_folder_of_results_may_be_reached_through_a_link(folder, tmp_path, put, texts):
-    (tmp_path / "latest").symlink_to(folder)
-    put(tmp_path / "latest", a="new a")
-    assert texts(folder) == {"a": "new a"}
 
 
 def test_what_strangers_left_ready_moves_and_deletes_nothing_outside(folder, tmp_path):

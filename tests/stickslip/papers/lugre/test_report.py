@@ -12,13 +12,11 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.validation import Validation
-from stickslip.papers.lugre.fmpy_check import Comparison, SecondOpinion
 from stickslip.papers.lugre.loop_tuning import FRICTION, STAGES
 from stickslip.papers.lugre.page import FIGURES, TITLE, sections, write_report
 from stickslip.papers.lugre.page.identification import PRIOR
@@ -30,14 +28,10 @@ from stickslip.papers.lugre.published import (
     PublishedStudy,
     SeedRun,
 )
-from stickslip.papers.lugre.reproduction import Extras
 from stickslip.papers.lugre.steps import STEPS
-from stickslip.papers.lugre.tables import METHODS
 from stickslip.presentation.page import Picture, render
 from stickslip.presentation.quantity import number, parameter_estimate, parameter_value, percent
-from stickslip.presentation.style import house_style
 from stickslip.servo.axis import Datasheet
-from stickslip.servo.systems import FEEDS
 from stickslip.tuning.drive_model import DriveModel
 
 VOID = {"meta", "img", "br", "hr", "link", "input"}
@@ -123,11 +117,6 @@ def parted(page):
 
 def rendered(reproduction):
     return parted(render_page(reproduction))
-
-
-def drawing(name, reproduction):
-    """Return what draws a figure of the page."""
-    return next(one.figures[name] for one in sections(reproduction) if name in one.figures)
 
 
 @pytest.fixture(scope="module")
@@ -253,12 +242,6 @@ def test_every_number_of_the_tables_is_on_the_page(whole, outline, cells):
     assert f"|after least squares|{cost}|" in cells
 
 
-def test_page_sets_least_squares_beside_the_learning_as_published(cells):
-    assert "and in 0 of 4 motions the median error is above that of the start" in cells
-    assert "75 runs of least squares equal or beat 1000 of the genetic algorithm in 5" in cells
-    assert all(f"|{method}|" in cells for method in METHODS.values())
-
-
 def test_without_the_slow_motions_the_page_has_nothing_of_them(whole):
     less = replace(whole, motions=None, published=None)
     drawn = {name for section in sections(less) for name in section.figures}
@@ -277,43 +260,6 @@ def test_page_states_where_compensation_does_not_help(whole, outline):
     text = Outline(render_page(worse)).text
     assert "more than half of 46 of these 46 errors" in text
     assert "makes these errors larger: Slow reversals, 0.5 mm/s, Emax, measured (500\xa0%)" in text
-
-
-def test_simulated_and_real_are_told_apart_wherever_they_stand_side_by_side(cells, folders):
-    assert "|Real stage (paper)|Simulated drive|Identified|" in cells
-    assert cells.count("|simulated drive|true velocity") == 4
-    assert len(re.findall(r"\|real stage \(paper\) \d+ %\|", cells)) == 4
-    for figures in ("0.98|0.76|22 %", "0.86|0.48|44 %", "1.76|0.72|59 %", "1.62|0.44|73 %"):
-        assert f"|real stage (paper)|{figures}|" in cells
-    assert (
-        len(re.findall(r"\|simulated drive, (?:measured|true)\b", cells)) == 16
-    )  # with the filter
-    for name in ("fig2_loops", "fig6_tracking"):
-        assert "imulated drive" in (folders[0] / f"{name}.svg").read_text(encoding="utf-8")
-    assert "calibrated to “Without”, measured, of the real stage (paper)" in cells
-    assert "no evidence" in cells
-    assert not re.search(r"within \d+(\.\d+)? %", cells)
-
-
-def test_all_extras_on_are_beside_the_drive(cells, made, whole):
-    assert "all extras on" not in cells
-    cells = rendered(made(extras=Extras(leaving(whole.validation, 0.3).table())))
-    assert len(re.findall(r"\|all extras on \d+\.\d %\|", cells)) == 4
-    assert "|Table 4, step by step: the simulated drive, all extras on [mm/s]|" in cells
-    cells = rendered(made(extras=Extras(None, reason="it sticks")))
-    assert "could not be learned: it sticks." in cells
-
-
-@pytest.mark.parametrize(
-    ("different", "largest", "text"),
-    [
-        (0, 0.0, "All 101 samples"),
-        (7, 2e-3, "7 of 101 samples of its force differ, by"),
-    ],
-)
-def test_page_shows_what_fmpy_makes_of_the_compensator(made, different, largest, text):
-    runs = {"training": Comparison(101, different, largest)}
-    assert text in rendered(made(opinion=SecondOpinion("FMPy 1.2", runs)))
 
 
 def test_page_lists_all_of_the_data_sheet(cells):
@@ -342,71 +288,3 @@ def test_page_opens_with_what_each_step_brings(cells):
     assert "|+ least squares|0.70|0.70|0.70|0.70|1.80|15 more|" in cells
     assert "Seed 18 has the least cost" in cells
     assert "|18|a candidate|0.400|0.40|0.60|1.70|25|41|" in cells
-
-
-def test_page_says_what_the_models_of_the_drive_are_and_what_was_kept(made, whole, cells):
-    assert "Their friction is what was identified: in 3 loops" in cells
-    assert "by 2 % (RMS" in cells
-    assert "The fit is kept" in cells
-    models = [DriveModel(law, {}, mismatch=0.07, fitted=True) for law in ("gms", "dahl")]
-    study = replace(whole.loops.study, models=models)
-    other = replace(whole, searched=replace(whole.loops, study=study))
-    text = rendered(other)
-    assert "Their friction is GMS or Dahl, fitted to the drive’s errors" in text
-    assert "by 7 % (RMS" in text
-    text = rendered(made(chosen="start", coarse={"F_c": 0.7}))
-    assert "F_c × 0.7" in text
-    assert "the start values are kept" in text
-
-
-@pytest.mark.parametrize("preset", ga.ALGORITHMS)
-def test_page_of_every_outcome_is_well_formed(made, preset):
-    outline = Outline(render_page(made(preset, chosen="start")))
-    assert outline.open == []
-    assert f"preset “{preset}”" in outline.text
-
-
-@pytest.mark.parametrize("name", ["fig2_loops", "fig3_scheme"])
-def test_the_loops_show_what_drives_the_compensator(made, name):
-    drawn = {Picture.of(drawing(name, made(feed=feed))).svg for feed in FEEDS}
-    assert len(drawn) == len(FEEDS)
-
-
-def words_of(name, reproduction):
-    """Return the texts of a figure."""
-    with house_style():
-        figure = drawing(name, reproduction)()
-    return [text.get_text() for axes in figure.axes for text in axes.texts]
-
-
-def test_fig_3_is_the_learning_scheme_of_the_paper(made):
-    text = " ".join(words_of("fig3_scheme", made()))
-    for part in ("Nominal velocity loop", "Friction compensator", "Velocity loop", "Genetic"):
-        assert part in text
-    for symbol in ("v_{cmd}", "v_r", "F_{ff}", "K_p", "K_i", "tau_f", "m_{ff}"):
-        assert symbol in text
-
-
-def test_fig_4_has_the_numbers_of_the_run(made):
-    settings = ga.Settings(population=14, generations=23, elite_rate=0.5, threshold=2e-3)
-    run = made()
-    run.loops.best.algorithm.settings = settings
-    run.loops.best.algorithm.limits = ga.Limits(generations=23, target=2e-3)
-    text = "\n".join(words_of("fig4_flow", run))
-    assert re.findall(r"Step (\d)\.", text) == ["1", "2", "3", "4"]
-    for number_ in ("23 generations done", "ε = 0.002", "elite of 7", "7 new candidates"):
-        assert number_ in text
-    assert "not set" in "\n".join(words_of("fig4_flow", made("paper")))
-
-
-@pytest.mark.parametrize("name", ["fig3_scheme", "fig4_flow"])
-@pytest.mark.parametrize("preset", ga.ALGORITHMS)
-def test_no_text_of_a_drawing_leaves_its_sheet_or_meets_another(made, name, preset):
-    with house_style():
-        figure = drawing(name, made(preset))()
-        renderer = FigureCanvasAgg(figure).get_renderer()
-        boxes = [t.get_window_extent(renderer) for axes in figure.axes for t in axes.texts]
-    assert all(figure.bbox.x0 <= b.x0 and b.x1 <= figure.bbox.x1 for b in boxes)
-    assert all(figure.bbox.y0 <= b.y0 and b.y1 <= figure.bbox.y1 for b in boxes)
-    for one, other in itertools.combinations(boxes, 2):
-        assert not one.overlaps(other)

@@ -20,16 +20,14 @@ from stickslip.identification.estimation.faults import HeldOut
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
-from stickslip.presentation.page import Picture
 from stickslip.presentation.quantity import interval, number
-from stickslip.presentation.scale import Scale, thinned
-from stickslip.presentation.style import house_style, new_figure
+from stickslip.presentation.scale import thinned
+from stickslip.presentation.style import house_style
 from stickslip.presentation.table import Column, Table
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.command import print_estimation
 from stickslip.studies.learn.document import recording_document
-from stickslip.studies.learn.page import FIGURES, content, sections, write_estimation_report
-from stickslip.studies.learn.page.signals import residual
+from stickslip.studies.learn.page import FIGURES, sections, write_estimation_report
 
 pytestmark = pytest.mark.slow
 
@@ -224,41 +222,6 @@ def test_a_disturbance_of_one_frequency_is_a_peak_of_the_spectrum():
     assert np.sqrt(np.sum(density[near] ** 2) * (f[1] - f[0])) == pytest.approx(0.5**0.5, rel=0.01)
 
 
-def test_searches_of_several_seeds_are_listed():
-    estimation = made("friction", n=2000)
-    searches = estimation.searches
-    rows = pd.concat([searches.table, searches.table.assign(seed=7, cost=0.0123)])
-    several = replace(estimation, searches=replace(searches, table=rows))
-    text = content.criterion(several).markup({})
-    assert "Spread over seeds" in text
-    assert "0.0123" in text
-    assert "504 candidates in 2 searches" in text
-
-
-def test_pictures_bear_an_estimation_that_knows_nothing():
-    """No sample slides far enough, and no profile has points near the fitted value."""
-    estimation = made(n=2000)
-    known = {
-        name: replace(
-            one, standard_error=np.inf, low=0.0, high=np.inf, identifiability="not identifiable"
-        )
-        for name, one in estimation.known.items()
-    }
-    profiles = estimation.fitted.profiles
-    fitted = replace(
-        estimation.fitted,
-        known=known,
-        profiles=profiles.assign(value=[1e9 * k for k in range(len(profiles))]),
-        parameters={**VALUES, "sigma_0": 1e-3},
-        errors=dict.fromkeys(VALUES, np.inf),
-    )
-    blind = replace(estimation, fitted=fitted)
-    with house_style():
-        for name in ("force", "profiles"):
-            drawing(name, blind)().draw_without_rendering()
-    assert "≈ 6" in content.learned(blind).markup({})
-
-
 @pytest.mark.usefixtures("without_pictures")
 def test_a_further_column_is_on_terminal_page_and_in_files(tmp_path, monkeypatch, capsys):
     given, further = tables.parameters, Column("drive", "", "", "Further")
@@ -280,10 +243,6 @@ def test_a_further_column_is_on_terminal_page_and_in_files(tmp_path, monkeypatch
     assert document["parameters"]["F_c"]["drive"] == "XF_c"
 
 
-def test_markup_is_not_shown_as_text(written):
-    assert "<span" not in words(written[2])
-
-
 def test_a_thinned_signal_keeps_its_extremes_and_its_order():
     t = np.arange(100_000) * 1e-3
     signal = np.random.default_rng(2).normal(size=len(t))
@@ -293,27 +252,3 @@ def test_a_thinned_signal_keeps_its_extremes_and_its_order():
     assert (shown.min(), shown.max()) == (-9.0, 9.0)
     assert np.all(np.diff(fewer) > 0.0)
     assert np.array_equal(np.interp(fewer, t, signal), shown)
-
-
-@pytest.mark.parametrize("exponent", range(-8, 6))
-def test_a_prefix_leaves_the_value_as_it_is(exponent):
-    size = 4.2 * 10.0**exponent
-    scale = Scale.of(size, "N")
-    prefix = {"k": 1e3, "": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9}[scale.unit.removesuffix("N")]
-    assert scale.factor * prefix == pytest.approx(1.0)
-    assert 1.0 <= scale.factor * size < 1000.0
-
-
-def test_the_residual_is_that_of_the_criterion():
-    for criterion, what in (("output error", "Position"), ("inverse model", "Force")):
-        assert residual(replace(made(n=3000), criterion=criterion)).what == what
-
-
-def test_a_name_that_no_font_has_prints_no_warning(recwarn):
-    def draw(name):
-        figure = new_figure(80.0, 60.0)
-        figure.subplots().set_title(name)
-        return figure
-
-    assert Picture.of(draw, "axis 軸").png
-    assert not recwarn.list

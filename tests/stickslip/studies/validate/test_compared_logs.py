@@ -34,21 +34,6 @@ def test_the_same_command_is_found_where_it_begins_later():
     assert found.n == 4153
 
 
-def test_moves_are_found_in_another_order_and_only_once():
-    slow, fast = sweep(3000, 1.0), sweep(2000, 9.0)
-    rest = np.zeros(500)
-    first = np.concatenate([rest, slow, rest, fast, rest])
-    second = np.concatenate([rest, fast, rest, slow, rest])
-    found = same_command(first, second, T_S)
-    pairs = [(run.first - run.second) for run in found]
-    assert sorted(pairs) == [-2500, 3500]
-    for samples in ("first", "second"):
-        taken = [
-            k for run in found for k in range(getattr(run, samples), getattr(run, samples) + run.n)
-        ]
-        assert len(taken) == len(set(taken))
-
-
 def test_a_command_at_another_speed_or_rate_is_another():
     command = sweep(4000)
     assert not same_command(command, 0.9 * command, T_S)

@@ -286,7 +286,7 @@ static void transfer(Pair *p, bool setting) {
         else if (below(2))
             values = NULL;
     }
-    const size_t n_values = FMI == 3 && rarely() && rarely() ? n + 1 : n;
+    const size_t n_values = FMI == 2 || !rarely() || !rarely() ? n : n && below(2) ? n - 1 : n + 1;
     lawful = lawful && n_values == n;
     int status = OK;
 #define TRANSFER(verb, c, v)                                                                       \
