@@ -11,12 +11,8 @@ NUMBERS = (
     *(b"", b" ", b"0x10", b"1_000", b"1,5", b"1e", b".", b"true", "\u0661".encode()),
 )
 TOKENS = (
-    *(b"\0", b"\xff\xfe", b"\xef\xbb\xbf", b"\xc3(", b"\xe4", b"\r\n", b"\n", b"\n\n", b'"', b'""'),
-    *(b"'", b'"""', b"\\", b"\\u0000", b'"\\ud800"', b"../", b"C:\\", b"/", b"|", b" ", b"\t"),
-    *(b",", b";", b"=", b":", b"#", b"%", b"[", b"]", b"{", b"}", b"[[a]]", b"null", b"A" * 300),
-    *(b"<", b"/>", b"</", b"&", b"&lt;", b"&a;", b"<!--", b"]]>", b"<![CDATA[", b"<?a?>"),
-    *(b'<!DOCTYPE a [<!ENTITY a "b">]>', b"2026-01-31T10:00:00.125", b"1979-05-27T07:32:00Z"),
-    *(b"[" * 2000, b'{"a":' * 500, b"a." * 200, b"{a=" * 500),
+    *(b"\0", b"\xff\xfe", b"\xef\xbb\xbf", b"\xc3(", b"\r\n", b"\n", b'"', b"'", b"<", b"&", b"{"),
+    *(b"../", b"C:\\", b"/", b"\\", b",", b";", b"=", b"[", b"]", b"A" * 300),
 )
 
 
@@ -58,13 +54,13 @@ def _place(rng: Random, data: bytes) -> tuple[int, int]:
 _TOKEN = re.compile(rb"[\w.+-]+|\s+|.", re.DOTALL)
 
 
-def words_of(corpus: Sequence[bytes], *others: bytes) -> tuple[bytes, ...]:
-    """Return the words of texts, the others, and those that are hostile anywhere."""
-    return (*sorted({*_TOKEN.findall(b"".join(corpus))}), *others, *TOKENS)
-
-
 def by_tokens(rng: Random, data: bytes, words: Sequence[bytes]) -> bytes:
-    """Return a text in which one to three stretches of words were replaced, moved or repeated."""
+    """Return a text in which one to three stretches of words were replaced, moved or repeated.
+
+    Parameters
+    ----------
+    words : of the language, beside the numbers that are hostile anywhere
+    """
     tokens = _TOKEN.findall(data) or [b""]
     for _ in range(rng.randint(1, 3)):
         begin = rng.randrange(len(tokens) + 1)

@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from random import Random
 
-from campaigns.fuzz.mutation import by_tokens, words_of
+from campaigns.fuzz.mutation import by_tokens
 
 Parse = Callable[[bytes, Path], object]
 
@@ -43,9 +43,10 @@ def from_file(name: str, read: Callable[[Path], object]) -> Parse:
 def text(
     name: str,
     read: Callable[[Path], object],
+    words: tuple[bytes, ...],
     corpus: list[bytes],
     *expected: type[Exception],
 ) -> Parser:
     """Return a parser of text files, whose words are replaced, moved and repeated."""
-    change = partial(by_tokens, words=words_of(corpus))
+    change = partial(by_tokens, words=words)
     return Parser(from_file(name, read), lambda: corpus, change, expected)

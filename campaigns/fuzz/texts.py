@@ -1,12 +1,13 @@
-"""Parsers of texts: tables, logs, JSON, TOML and the files of a system structure package."""
+"""Parsers of texts: tables, logs, _JSON, TOML and the files of a system structure package."""
 
 import json
 import math
+import re
 from functools import cache, partial
 from pathlib import Path
 from unittest import mock
 
-from campaigns.fuzz.mutation import by_tokens, words_of
+from campaigns.fuzz.mutation import by_tokens
 from campaigns.fuzz.parser import Parser, text
 from stickslip import cosim, ga, models
 from stickslip.cosim.ssp.markup import violation
@@ -34,9 +35,15 @@ PARSERS: dict[str, Parser] = {}
 
 # simulate --input TABLE.csv
 
+_TABLE = (
+    *(b"time", b"u", b",", b";", b"\t", b'"', b"\n", b"\r", b"\r\n", b'""', b"\0", b"# ", b"\n\n"),
+)
+
+
 PARSERS["csv"] = text(
     "in.csv",
     cosim.read_tables,
+    _TABLE,
     [
         b"time,u\n0,0\n0.5,1e-3\n1,2\n",
         b'\xef\xbb\xbf"time","a b",c\r\n0,1,2\r\n0,3,4\r\n1.5,-1,.5\r\n',
@@ -48,6 +55,12 @@ PARSERS["csv"] = text(
 
 
 # learn --log LOG.csv: any dialect of text, up to the even grid
+
+_LOG = (
+    *(b",", b";", b"\t", b" ", b"|", b'"', b"\n", b"\r", b"#", b"%", b"[mm]", b"(deg)", b"/ s"),
+    *(b"time", b"position", b"x", b"F", b"velocity", b"torque", b"2026-01-31T10:00:00.125", b"nan"),
+    *(b"ms", b"counts", b"A", b"rpm", b"\xff\xfe", b"\xe4"),
+)
 
 
 def _rows(mark: str, end: str = "\n", point: str = ".") -> str:
@@ -68,6 +81,7 @@ def read_log(file: Path) -> None:
 PARSERS["log_csv"] = text(
     "log.csv",
     read_log,
+    _LOG,
     [
         f"t,x,F\n{_rows(',')}".encode(),
         f"Zeit;Position;Kraft\r\ns;mm;N\r\n{_rows(';', chr(13) + chr(10), ',')}".encode("latin-1"),
@@ -83,6 +97,10 @@ PARSERS["log_csv"] = text(
 # fleet TABLE.csv
 
 _load = cache(models.load_model)  # which does not depend on the input
+_FLEET = (
+    *(b",", b"\n", b"\r", b'"', b"'", b"\\", b"=", b"drive.", b"F_c", b"m", b"noise", b"on"),
+    *(b"name", b"log", b"config", b"set", b"\0", b"a.csv", b"../x", b"sigma_0", b"#", b" "),
+)
 
 
 def fleet(file: Path) -> None:
@@ -93,6 +111,7 @@ def fleet(file: Path) -> None:
 PARSERS["fleet"] = text(
     "fleet.csv",
     fleet,
+    _FLEET,
     [
         b"name,log,config\na,a.csv,a.toml\nb,sub/b.mat,\n",
         b'\xef\xbb\xbfname,set\r\nx,"drive.m=10 drive.noise=on"\r\ny,drive.F_c=5\r\n',
@@ -103,6 +122,21 @@ PARSERS["fleet"] = text(
 
 
 # --parameters learned.json, --resume of a checkpoint, export lti SYSTEM.json
+
+_JSON = (
+    *(b"[", b"]", b"{", b"}", b":", b",", b'"', b'""', b"null", b"true", b"NaN", b"-Infinity"),
+    *(
+        b'"value"',
+        b'"unit"',
+        b'"F_c"',
+        b'"loop"',
+        b'"seed"',
+        b'"evaluations"',
+        b'"genes"',
+        b"1e999",
+    ),
+    *(b'"\\ud800"', b'"\\u0000"', b"[" * 2000, b'{"a":' * 500, b'"feed"', b'"velocity"', b"0"),
+)
 
 
 def _algorithm() -> ga.Optimiser:
@@ -154,6 +188,7 @@ def read_json(file: Path) -> None:
 PARSERS["json"] = text(
     "in.json",
     read_json,
+    _JSON,
     [
         (RESULTS / "learned.json").read_bytes(),
         _adapted(),
@@ -169,6 +204,13 @@ PARSERS["json"] = text(
 
 # --config LOG.toml and export lti SYSTEM.toml
 
+_TOML = (
+    *(b"[", b"]", b"{", b"}", b"=", b".", b'"', b"'", b'"""', b"\n", b"#", b",", b"\\u0000"),
+    *(b"columns", b"controller", b"motion", b"span", b"name", b"index", b"scale", b"true", b"nan"),
+    *(b"1979-05-27T07:32:00Z", b"0x7f", b"-inf", b"[[a]]", b"a.b", b'"\\ud800"', b"A", b"B", b"D"),
+    *(b"num", b"den", b"x0", b"inputs", b"[" * 2000, b"a." * 200, b"{a=" * 500),
+)
+
 
 def read_toml(file: Path) -> None:
     data = file.read_bytes()
@@ -178,6 +220,7 @@ def read_toml(file: Path) -> None:
 PARSERS["toml"] = text(
     "in.toml",
     read_toml,
+    _TOML,
     [
         b"""motion = "rotary"
 encoder_step = 1e-6
@@ -284,10 +327,13 @@ def _beside(version: str) -> tuple[str, str, str]:
     )
 
 
+_TEXTS = (_structure("2.0") + "".join(_beside("1.0"))).encode()
 _SSP = (
-    *(b"x[1]", b"w[2]", b"Boolean", b"Enumeration", b"String", b"Float64", b"Int32", b"parameter"),
-    *(b"calculatedParameter", b"ssc:Dimension", b"ssc:IntegerMappingTransformation"),
-    *(b"ssc:MapEntry", b"mode", b"count"),
+    *sorted(set(re.findall(rb"[\w:.]+", _TEXTS))),
+    *(b"<", b"/>", b"</", b'"', b"&lt;", b"&a;", b"<!--", b"]]>", b"<![CDATA[", b"<?a?>"),
+    *(b'<!DOCTYPE a [<!ENTITY a "b">]>', b"x[1]", b"w[2]", b"w", b"Boolean", b"Enumeration"),
+    *(b"String", b"Float64", b"Int32", b"parameter", b"calculatedParameter", b"../a.fmu"),
+    *(b"ssc:Dimension", b"ssc:IntegerMappingTransformation", b"ssc:MapEntry", b"mode", b"count"),
 )
 
 
@@ -326,8 +372,5 @@ def _schemas(data: bytes) -> tuple[str, object]:
 
 _packages = [_package("1.0"), _package("2.0")]
 PARSERS["ssp"] = Parser(
-    read_ssp,
-    lambda: _packages,
-    partial(by_tokens, words=words_of(_packages, *_SSP)),
-    (cosim.CosimError,),
+    read_ssp, lambda: _packages, partial(by_tokens, words=_SSP), (cosim.CosimError,)
 )
