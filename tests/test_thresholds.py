@@ -132,8 +132,8 @@ WORSE_ON_SOME = tuple(TrialError(1.0, "", 1.0, ratio) for ratio in (0.5, 0.6, 1.
 FAST = cosim.Trapezoid(height=0.04, slope=0.8, plateau=0.1, begin=0.1)
 
 
-def small_moves(least):
-    return commands(FAST, T_S, FRICTION, least=least)[3:]
+def small_moves():
+    return commands(FAST, T_S, FRICTION, 4e-7, bent=(1e-5, 4e-6))[3:]
 
 
 def is_growing():
@@ -825,12 +825,8 @@ CASES: dict[str, tuple[Any, object, object]] = {
     # threshold: decision, verdict with its value, and with twice of it, or half where /2 stands
     "harm.WORSE": (lambda: MotionErrors((TrialError(1.0, "", 1.0, 1.2),)).is_worse, True, False),
     "harm.DRIVES/2": (lambda: MotionErrors(WORSE_ON_SOME).is_worse, True, False),
-    "harm.RESOLVED": (lambda: len(small_moves(1.3e-5)), 2, 3),
-    "harm.ONSET": (
-        lambda: onset(commands(FAST, T_S, FRICTION, least=1e-6), T_S) > 1e-4,
-        False,
-        True,
-    ),
+    "harm.RESOLVED/2": (lambda: len(small_moves()), 3, 2),
+    "harm.ONSET": (lambda: onset(small_moves(), T_S) > 6e-5, False, True),
     "harm.PROMISED": (
         lambda: MotionErrors((TrialError(1.0, "", 1.0, 0.5),)).interval,
         (0.25, 1.0),

@@ -17,9 +17,9 @@ GROWS = Threshold(1.3, "docs/adaptation.md: friction drifts by up to 30 % with t
 EXPLAINS = Threshold(1.3)
 """Held-out error of another law, over the one that noise and steps explain or over the least among
 the laws, up to which the drive may be one of that law."""
-RESOLVED = Threshold(0.75, "decision 135: on coarse encoders sigma_0 was wrong by a half")
-"""Least presliding deflection of a drive that the log supports, over the fitted one, below which
-the log does not show presliding, so that observers have an onset."""
+RESOLVED = Threshold(15.0, "decision 135: sigma_0 was wrong by a half where it was 5 to 14")
+"""Encoder steps of the least presliding deflection that a log supports, below which the log does
+not show presliding, so that observers have an onset."""
 ONSET = Threshold(1.25, "the reference of a velocity loop overshoots a move by up to a tenth")
 """Displacement from which an observer acts, over the longest of the moves in which the drive may
 stick."""

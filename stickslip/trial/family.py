@@ -199,12 +199,13 @@ def family(law: Law, friction: Values, command: Trapezoid, known: Evidence) -> t
 def commands(
     command: Trapezoid,  # the trapezoid at full speed
     T_s: float,
-    friction: Values,  # gives the presliding deflection, in which small moves are measured
+    friction: Values,
     encoder_step: float = 0.0,  # of which a move has several [m]
     stiffness: float = math.inf,  # force per travel of a loop whose drive is held [N/m]
     *,
     rotary: bool = False,
-    least: float | None = None,  # least deflection that the log supports [m]; of no law, 0
+    # presliding deflection of the fit, and least one that the log supports [m]
+    bent: tuple[float, float] | None = None,
 ) -> tuple[Command, ...]:
     """Return the commands: a trapezoid at two speeds, creep that slides, and small moves.
 
@@ -220,11 +221,10 @@ def commands(
             slower = replace(slower, plateau=max(command.plateau, min(held, SLIPS[1])))
         t = np.arange(round((slower.corners()[-1] + slower.begin) / T_s) + 1) * T_s
         found.append(Command(f"{1e3 * slower.height:.3g} {unit}", slower.sample(t)))
-    bent = deflection(friction, command)
-    least = bent if least is None else least
+    fit, least = bent or 2 * (deflection(friction, command),)
     for name, (deflections, steps, share) in MOVES.items():
-        length = max(deflections * (least if name == SMALLEST else bent), steps * encoder_step)
-        if name == SMALLEST and (least >= harm.RESOLVED * bent or not length):
+        length = max(deflections * (least if name == SMALLEST else fit), steps * encoder_step)
+        if name == SMALLEST and least >= harm.RESOLVED * encoder_step:
             continue
         length = min(length, share * travel(command))
         found.append(Command(name, _moves(length, command, T_s)))
@@ -245,6 +245,27 @@ def onset(tried: Iterable[Command], T_s: float) -> float:
 def travel(command: Trapezoid) -> float:
     """Return how far a trapezoid moves in one direction [m]."""
     return abs(command.height) * (command.plateau + abs(command.height) / command.slope)
+
+
+def deflections(
+    law: Law, drives: Sequence[Drive], command: Trapezoid, encoder_step: float
+) -> tuple[float, float]:
+    """Return the presliding deflection of the fit, and the least that a log supports [m].
+
+    What a compensator takes is not the fit where the log does not show it. A law without presliding
+    does not tell how small a small move is, but a rival may; a typical one is not so large that an
+    encoder shows it.
+    """
+    every = [one for one in drives if one.level == 1.0 and "sigma_0" in one.parameters]
+    taken, *drawn = [
+        deflection(one.parameters, command) for one in every if one.law == law.name
+    ] or [0]
+    if taken:
+        return (drawn or [taken])[0], min(drawn, default=taken)
+    if every:
+        return deflection(every[0].parameters, command), 0.0
+    typical = deflection({}, command)
+    return (min(typical, harm.RESOLVED * encoder_step) if encoder_step else typical), 0.0
 
 
 def deflection(friction: Values, command: Trapezoid) -> float:

@@ -38,7 +38,16 @@ from stickslip.trial.benefit import (
     best_of,
     feedforward,
 )
-from stickslip.trial.family import Drive, Evidence, Finding, Run, Trial, commands, family
+from stickslip.trial.family import (
+    Drive,
+    Evidence,
+    Finding,
+    Run,
+    Trial,
+    commands,
+    deflections,
+    family,
+)
 from stickslip.trial.hold import Hold, holds, hunting_at_rest
 
 MOST = 1.0  # share at which the search ends: twice the friction is as wrong as none
@@ -306,13 +315,15 @@ def bench_of(
     with temporary_folder() as folder:
         step, rotary = datasheet.encoder_step, loop.axis.rotary
         stiffness = loop.K_i + loop.K_p * loop.K_x
-        # A law without presliding does not tell how small a small move is, but a rival may.
-        contact = next((one.parameters for one in drives if "sigma_0" in one.parameters), {})
-        known = {**contact, **friction}
-        own = [one.parameters for one in drives if one.law == law.name and one.level == 1.0]
-        bent = [one["F_c"] / one["sigma_0"] for one in own if "sigma_0" in one]
-        kind = {"rotary": rotary, "least": min(bent, default=0.0)}
-        tried = commands(command, loop.T_s, known, step, stiffness=stiffness, **kind)
+        tried = commands(
+            command,
+            loop.T_s,
+            friction,
+            step,
+            stiffness=stiffness,
+            rotary=rotary,
+            bent=deflections(law, drives, command, step),
+        )
         bench = Bench(
             folder,
             law,

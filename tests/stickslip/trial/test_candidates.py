@@ -45,7 +45,7 @@ def compared():
     """
     command = replace(VALIDATION, height=0.2, slope=5 * VALIDATION.slope)
     sheet = Datasheet(peak_force=1e4, tau_i=AXIS.tau_i, encoder_step=1e-7)
-    stiffer = {**FRICTION, "sigma_0": 1.5 * FRICTION["sigma_0"]}
+    stiffer = {**FRICTION, "sigma_0": 20.0 * FRICTION["sigma_0"]}
     drives = family(LAW, FRICTION, command, Evidence({"lugre": [stiffer]}))[:4]
     with (
         bench_of(LAW, LOOP, FRICTION, drives, command, sheet) as whole,

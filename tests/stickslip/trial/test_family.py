@@ -14,7 +14,7 @@ from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import Compensator, build_fmus
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.trial.benefit import MotionErrors
-from stickslip.trial.family import deflection, onset, travel
+from stickslip.trial.family import deflection, deflections, onset, travel
 from stickslip.trial.guards import (
     NONE,
     Bench,
@@ -76,9 +76,9 @@ def test_commands_are_a_trapezoid_at_three_speeds_and_small_moves(top):
     assert [one.speed for one in (full, tenth, creep)] == pytest.approx([top, 0.1 * top, slow])
     x = 5e-4 * np.cumsum(full.v_cmd)
     assert np.ptp(x) == pytest.approx(travel(command), rel=1e-3)
-    for small, deflections, share in ((micro, 4.0, 0.01), (short, 60.0, 0.1)):
+    for small, count, share in ((micro, 4.0, 0.01), (short, 60.0, 0.1)):
         moved = 5e-4 * np.cumsum(small.v_cmd)
-        length = min(deflections * deflection(TABLE_2, command), share * travel(command))
+        length = min(count * deflection(TABLE_2, command), share * travel(command))
         assert np.ptp(moved) == pytest.approx(length, rel=1e-2)
         assert small.speed <= 1.001 * top
         assert np.max(np.abs(np.diff(small.v_cmd))) / 5e-4 <= 1.001 * command.slope
@@ -86,8 +86,8 @@ def test_commands_are_a_trapezoid_at_three_speeds_and_small_moves(top):
 
 
 def test_an_observer_with_an_onset_leaves_the_moves_alone_in_which_a_drive_may_stick():
-    stiffer = {**TABLE_2, "sigma_0": 2.0 * TABLE_2["sigma_0"]}
-    drives = family(LUGRE, TABLE_2, VALIDATION, Evidence({"lugre": [stiffer]}))
+    stiffer = {**TABLE_2, "sigma_0": 3.0 * TABLE_2["sigma_0"]}
+    drives = family(LUGRE, TABLE_2, VALIDATION, Evidence({"lugre": [TABLE_2, stiffer]}))
     with bench_of(LUGRE, PAPER, TABLE_2, drives, VALIDATION, Datasheet()) as bench:
         later = {"onset": onset(bench.commands, PAPER.T_s)}
         every = [Variant("", (Compensator("observer", "dob", own),)) for own in ({}, later)]
@@ -110,21 +110,33 @@ def test_creep_has_two_speeds_where_friction_does_not_rise_towards_rest():
 
 @pytest.mark.parametrize(
     ("step", "least", "length"),
-    [
-        (1e-7, 1e-5, 4e-5),
-        (1e-7, None, None),
-        (1e-7, 0.0, 2e-6),
-        (1e-6, 2e-6, 2e-5),
-        (0.0, 0.0, None),
-    ],
+    [(1e-6, 1e-5, 4e-5), (1e-6, 2e-6, 2e-5), (1e-6, 0.0, 2e-5), (1e-7, 2e-6, None)],
 )
 def test_where_a_log_hides_presliding_smaller_moves_are_tried(step, least, length):
-    found = {one.name: one for one in commands(VALIDATION, 5e-4, TABLE_2, step, least=least)}
+    found = {one.name: one for one in commands(VALIDATION, 5e-4, TABLE_2, step, bent=(1e-5, least))}
     assert ("smallest moves" in found) == (length is not None)
     assert (onset(found.values(), 5e-4) > 0.0) == (length is not None)
     if length:
         way = np.ptp(np.cumsum(found["smallest moves"].v_cmd)) * 5e-4
         assert way == pytest.approx(length, rel=1e-2)
+
+
+def test_small_moves_are_those_of_the_fit_not_of_what_is_taken():
+    """What is taken where the log does not show presliding is its weakest value."""
+    fit, stiff = ({**TABLE_2, "sigma_0": k * TABLE_2["sigma_0"]} for k in (2.0, 5.0))
+    bent = deflection(TABLE_2, VALIDATION)
+
+    def found(law, known, step=4e-7):
+        taken = {name: TABLE_2[name] for name in law.parameters if name in TABLE_2}
+        drives = family(law, taken, VALIDATION, Evidence(known))
+        return deflections(law, drives, VALIDATION, step)
+
+    assert found(LUGRE, {}) == (bent, bent)
+    assert found(LUGRE, {"lugre": [fit, stiff]}) == pytest.approx((bent / 2, bent / 5))
+    static = friction_law("coulomb_stribeck")
+    assert found(static, {"lugre": [fit, stiff]}) == pytest.approx((bent / 2, 0.0))
+    assert found(static, {}, 1e-8) == pytest.approx((1.5e-7, 0.0))
+    assert found(static, {}) == pytest.approx((1e-4 * VALIDATION.height, 0.0))
 
 
 @pytest.fixture(scope="module")
