@@ -1,4 +1,5 @@
-/* How much of an observer's force acts, for models that name numerics/onset.toml under `include`. */
+/* How much of an observer's force acts, for models that name numerics/onset.toml under `include`.
+ */
 #ifndef ONSET_H
 #define ONSET_H
 
