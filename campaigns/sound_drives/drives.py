@@ -7,7 +7,7 @@ import json
 import math
 import subprocess
 import sys
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -88,10 +88,16 @@ class Drive:
         return {name: value for name, value in found.items() if name not in absent}
 
     def write(self, path: Path) -> None:
-        """Write it as JSON, with what is true of it."""
+        """Write it as JSON."""
         told = {"learn": self.learn, "truth": self.truth}
         text = json.dumps(asdict(self) | told, indent=1)
         path.write_text(text + "\n", encoding="utf-8")
+
+    @classmethod
+    def read(cls, path: Path) -> "Drive":
+        """Read what ``write`` wrote."""
+        values = json.loads(path.read_text(encoding="utf-8"))
+        return cls(**{one.name: values[one.name] for one in fields(cls)})
 
 
 def draw(seed: int, number: int) -> Drive:
