@@ -711,7 +711,7 @@ def taken_loop(worst):
     loop = namespace(peak_sensitivity=lambda: 1.5)
     study = namespace(seed=0, loop=lambda _: loop, models=())
     with patch.object(loop_learning, "_typical", lambda *_: next(found)):
-        search = namespace(history=history, evaluations=1)
+        search = namespace(history=history, evaluations=1, names=names)
         return loop_learning._choose(study, None, search).chosen
 
 
