@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -26,7 +27,7 @@ NEAR, STEEP = 0.9, 3.0
 Coulomb-Stribeck friction ended where nothing could be taken."""
 FINALISTS = 4  # best candidates that are measured with more care
 
-Ratios = dict[tuple[str, float], float]  # by kind of motion, or of a force, and friction
+Ratios = dict[Any, float]  # by kind of motion, or a force, and what else tells them apart
 
 
 @dataclass(frozen=True)
