@@ -991,7 +991,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "kept.FIT_WORSE": (lambda: refined(1.5), "start", "refined"),
     "kept.LOOP_WORSE": (lambda: taken_loop(1.03), "reference", "learned"),
     "kept.SENSITIVITY": (lambda: is_run(2.5), False, True),
-    "kept.CHATTER": (lambda: is_within(chatter=0.15), False, True),
+    "kept.CHATTER": (lambda: is_within(chatter=0.45), False, True),
     "kept.FORCE/2": (lambda: is_within(peak=0.7), True, False),
     "kept.ERRS_ALIKE": (lambda: models({"lugre": 0.15})[1] != [], True, False),
     "kept.ERRS_WELL": (lambda: len(models({"lugre": 0.15}, {"lugre": 0.07})[1]), 2, 1),

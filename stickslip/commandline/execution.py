@@ -13,20 +13,16 @@ from stickslip.work.jobs import Execution, processors, stopped
 
 
 def add_algorithm_option(
-    parser: argparse.ArgumentParser,
-    *aliases: str,
-    default: str = "our genetic algorithm",
-    chosen: str = "default",
+    parser: argparse.ArgumentParser, *aliases: str, default: str = "our genetic algorithm"
 ) -> None:
-    """Declare ``--algorithm``, under other names too; ``default`` says what "default" is."""
+    """Declare ``--algorithm``, under other names too; ``default`` says what the default is."""
     parser.add_argument(
         "--algorithm",
         *aliases,
         dest="algorithm",
         choices=ga.ALGORITHMS,
-        default=chosen,
-        help=f"{chosen} unless given; default: {default}; paper: the paper's, with linear genes, "
-        "as published; "
+        default="default",
+        help=f"default: {default}; paper: the paper's, with linear genes, as published; "
         + "; ".join(f"{name}: {method.title}" for name, method in ga.OTHERS.items()),
     )
 

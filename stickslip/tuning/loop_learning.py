@@ -191,14 +191,15 @@ def _choose(study: LoopStudy, cost: LoopCost, algorithm: ga.Optimiser) -> Learne
     tried = [*(("learned", genes) for genes in best_of(algorithm)), ("feedforward", FEEDFORWARD)]
     tried.append(("reference", PLAIN))
     rng = np.random.default_rng(study.seed)
-    one = choose([Finalist(n, genes, _typical(study, cost, genes, rng)) for n, genes in tried])
+    measured = [(name, genes, _typical(study, cost, genes, rng)) for name, genes in tried]
+    one = choose([Finalist(*each, cost=mean_of(each[2])) for each in measured])
     tuned, evaluations = study.loop(one.genes), algorithm.evaluations
     return LearnedLoop(
         study.seed,
         tuned,
         one.genes,
         one.name,
-        cost=mean_of(one.ratios),
+        cost=one.cost,
         ratios=one.ratios,
         Ms=tuned.peak_sensitivity(),
         evaluations=evaluations,

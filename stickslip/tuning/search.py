@@ -37,6 +37,7 @@ class Finalist:
     name: str  # what it is
     genes: Mapping[str, float]
     ratios: Ratios  # to the reference
+    cost: float
 
 
 def mean_of(ratios: Ratios) -> float:
@@ -84,4 +85,4 @@ def choose(finalists: Sequence[Finalist]) -> Finalist:
     Others count only where none of their ratios is above ``kept.LOOP_WORSE``.
     """
     good = [one for one in finalists[:-1] if max(one.ratios.values()) <= kept.LOOP_WORSE]
-    return min([*good, finalists[-1]], key=lambda one: mean_of(one.ratios))
+    return min([*good, finalists[-1]], key=lambda one: one.cost)

@@ -42,12 +42,12 @@ def declare(parser: argparse.ArgumentParser) -> None:
     times = {"--stop S": "of a system: stop time", "--step S": "of a system: communication step"}
     limit = {"--force-limit N": "of a learned drive: force or torque of the motor, in SI units"}
     add_options(parser, times | limit, type=positive)
-    tried = {"--evaluations N": "number of loops that are tried (default: 200)"}
-    add_options(parser, tried, type=at_least(1), default=200)
+    tried = {"--evaluations N": "number of loops that are tried (default: 150)"}
+    add_options(parser, tried, type=at_least(1), default=150)
     workers = {"--workers N": "number of loops that run in parallel (default: processors)"}
     add_options(parser, workers, type=at_least(1), default=processors())
     add_options(parser, {"--seed S": "random seed of the search"}, type=at_least(0), default=0)
-    add_algorithm_option(parser, chosen="cma")
+    add_algorithm_option(parser)
     add_live_option(parser)
     parser.set_defaults(run=run)
 
@@ -104,26 +104,28 @@ def _of_drive(
     if options.out:
         write_tuned(found, options.out)
         print(f"all results are in {options.out}; open report.html first")
-    return tuned_document(found)["tuning"] | {"folder": options.out}
+    return {**tuned_document(found)["tuning"], "folder": options.out}
 
 
 def _of_system(
     options: argparse.Namespace, ranges: dict[str, tuple[float, float]]
 ) -> dict[str, Any]:
     from stickslip import cosim
-    from stickslip.studies.tune.run import tune
+    from stickslip.studies.tune.signal_cost import read_cost
     from stickslip.studies.tune.writing import changed, sentence_of, write_optimised
+    from stickslip.sweeping import optimise
 
     if not (ranges and options.cost):
         raise UsageError(f"{options.file}: a system is tuned with --set-range and --cost")
     names = ("evaluations", "algorithm", "seed", "workers", "stop", "step")
     given: dict[str, Any] = {name: getattr(options, name) for name in names}
+    cost = read_cost(options.cost)
     if options.input:
         given["inputs"] = cosim.read_tables(options.input)
     with TerminalProgress(live=options.live) as progress:
         progress.stage(f"tuning {', '.join(ranges)}")
         given["progress"] = partial(progress.move, unit="run")
-        found = tune(options.file, ranges, options.cost, **given)
+        found = optimise(options.file, ranges, cost, record=cost.record, **given)
     print(changed(found).text(), f"\n{sentence_of(found)}", sep="\n")
     if options.out:
         write_optimised(found, options.file, options.cost, options.out)

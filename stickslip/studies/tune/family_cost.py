@@ -27,7 +27,8 @@ from stickslip.studies.tune.drive_loop import DriveLoop
 from stickslip.thresholds import kept
 from stickslip.trial.benefit import FIGURES, Bench, Rows, TrialError, geometric_mean
 from stickslip.trial.family import Command, Drive, axis_values, in_loop
-from stickslip.tuning.search import Ratios, mean_of
+from stickslip.tuning.loop_learning import QUIET
+from stickslip.tuning.search import STEEP, Ratios, mean_of
 
 EXCESS = 1e3  # cost of a candidate beyond a limit, times by how much
 Cell = tuple[Drive, Command]
@@ -91,10 +92,8 @@ class FamilyCost(ExitStack):
         """
         first = [cell for cell in self.cells if cell[0] is self.bench.drives[0]]
         found = [self._run(one, cell)["drive.F_m"] for cell in first]
-        return tuple(
-            max(float(of(force)) for force in found)
-            for of in (lambda F: np.std(np.diff(F)), lambda F: np.abs(F).max())
-        )
+        chatter = max(float(np.std(np.diff(force))) for force in found)
+        return chatter, max(float(np.abs(force).max()) for force in found)
 
     def excess(self, one: DriveLoop) -> float:
         """Return peak sensitivity, chatter or force over its limit, whichever is the largest.
@@ -110,7 +109,8 @@ class FamilyCost(ExitStack):
         except cosim.SimulationError:
             return math.inf
         limits = kept.CHATTER * self.F_c, kept.FORCE * self.bench.datasheet.peak_force
-        return max(Ms, chatter / max(limits[0], self._own[0]), peak / max(limits[1], self._own[1]))
+        own = self._own[0] / QUIET, self._own[1]
+        return max(Ms, chatter / max(limits[0], own[0]), peak / max(limits[1], own[1]))
 
     def rows(self, one: DriveLoop) -> Rows:
         """Return the errors of a loop and of the present one, on all drives that decide."""
@@ -131,7 +131,8 @@ class FamilyCost(ExitStack):
             raise ga.CandidateFailed("the loop is unstable at one of the masses, or runs away")
         if excess > 1.0:
             return EXCESS * excess
-        return mean_of(ratios(self._compared(self._few, [self._errors(one, c) for c in self._few])))
+        errors = [self._errors(one, cell) for cell in self._few]
+        return cost_of(ratios(self._compared(self._few, errors)))
 
     def _each(self, one: DriveLoop, cells: Sequence[Cell]) -> list[tuple[float, ...]]:
         """Return the errors in each cell, several runs at a time."""
@@ -190,6 +191,13 @@ def searched_of(drives: Sequence[Drive]) -> list[Drive]:
         fitted = one.name.startswith(first)
         found.setdefault((fitted or one.law, one.level), one)
     return [*found.values()]
+
+
+def cost_of(found: Ratios) -> float:
+    """Return the mean of the ratios of RMS errors, and more where others exceed 1."""
+    rms = {key: ratio for key, ratio in found.items() if "RMS" in key}
+    worse = sum(max(ratio - 1.0, 0.0) for key, ratio in found.items() if key not in rms)
+    return mean_of(rms) + STEEP * worse
 
 
 def ratios(rows: Rows) -> Ratios:

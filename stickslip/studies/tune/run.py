@@ -18,7 +18,7 @@ from stickslip.learned.file import LearnedFile
 from stickslip.output import SILENT, Progress
 from stickslip.servo.observer import MASSES
 from stickslip.studies.tune.drive_loop import DriveLoop
-from stickslip.studies.tune.family_cost import FamilyCost, ratios
+from stickslip.studies.tune.family_cost import FamilyCost, cost_of, ratios
 from stickslip.studies.tune.signal_cost import read_cost
 from stickslip.sweeping import Figure, Optimised, optimise
 from stickslip.thresholds import kept
@@ -27,7 +27,7 @@ from stickslip.trial.guards import bench_of
 from stickslip.tuning.search import Finalist, Ratios, best_of, choose, search
 from stickslip.work.jobs import Execution
 
-EVALUATIONS = 200  # candidates in a search
+EVALUATIONS = 150  # candidates in a search
 PRESENT, TUNED = "present loop", "tuned loop"
 
 
@@ -41,7 +41,7 @@ class TuneSettings:
     fixed: tuple[str, ...] = ()
     force_limit: float | None = None  # of the motor [N]; by default that of the file
     evaluations: int = EVALUATIONS
-    algorithm: str = "cma"  # one of ``ga.ALGORITHMS``
+    algorithm: str = "default"  # one of ``ga.ALGORITHMS``
     seed: int = 0
     workers: int = 1
 
@@ -146,16 +146,16 @@ def tune_drive(
         algorithm = ga.optimiser(settings.algorithm, problem, limits, seed=settings.seed)
         search(algorithm, cost, Execution(settings.workers), progress.generation)
         progress.stage("running the best loops on all drives")
-        found: dict[str, tuple[DriveLoop, Rows]] = {}
+        loops = {f"{TUNED} {k}": start.with_values(g) for k, g in enumerate(best_of(algorithm))}
+        loops = {name: one for name, one in loops.items() if cost.excess(one) <= 1.0}
+        loops[PRESENT] = start
+        errors = {name: cost.rows(one) for name, one in loops.items()}
         finalists = []
-        for k, genes in enumerate(best_of(algorithm)):
-            one = start.with_values(genes)
-            if cost.excess(one) <= 1.0:
-                found[f"{TUNED} {k}"] = one, cost.rows(one)
-                finalists.append(Finalist(f"{TUNED} {k}", genes, ratios(found[f"{TUNED} {k}"][1])))
-        found[PRESENT] = start, cost.rows(start)
-        finalists.append(Finalist(PRESENT, {}, ratios(found[PRESENT][1])))
-        best, rows = found[choose(finalists).name]
+        for name, rows in errors.items():
+            found = ratios(rows)
+            finalists.append(Finalist(name, loops[name].tunable, found, cost_of(found)))
+        chosen = choose(finalists).name
+        best, rows = loops[chosen], errors[chosen]
         peaks = cost.sensitivity(start), cost.sensitivity(best)
     return TunedDrive(
         learned,
@@ -163,7 +163,7 @@ def tune_drive(
         start,
         best,
         Ms=peaks,
-        masses=cost.masses,
+        masses=tuple(cost.masses),
         rows=rows,
         names=tuple(problem.names),
         history=algorithm.history,

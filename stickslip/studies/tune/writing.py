@@ -101,9 +101,15 @@ def write_tuned(found: TunedDrive, folder: Path) -> None:
             _build(learned, learned.deployed(learned.share), "compensator", staging)
         if found.best.observer:
             _build(learned, learned.observer, "observer", staging)
-        errors = [*tables.errors(found.benefit)]
-        named = {"found": found, "parameters": parameters(found), "errors": errors, "kept": kept}
-        write_page(staging, "Tuned loop", [Section("", "studies/tune/page.j2", **named)], PAGE)
+        section = Section(
+            "",
+            "studies/tune/page.j2",
+            found=found,
+            parameters=parameters(found),
+            errors=[*tables.errors(found.benefit)],
+            kept=kept,
+        )
+        write_page(staging, "Tuned loop", [section], PAGE)
 
 
 def write_optimised(found: Optimised, source: Path, cost: Path, folder: Path) -> None:
