@@ -81,8 +81,11 @@ class FamilyCost(ExitStack):
         """Return the largest peak sensitivity Ms at the masses; infinite if it is unstable."""
         axes = [OpenLoop(one.loop, k * one.loop.axis.m, frequencies(one.loop)) for k in self.masses]
         values = {n: x for n, x in one.parameters.items() if n.startswith("observer.")}
-        with self._lock:
-            found = self._chain.responses(axes, values, self.F_c)
+        try:
+            with self._lock:
+                found = self._chain.responses(axes, values, self.F_c)
+        except cosim.SimulationError:  # an observer that is unstable by itself
+            return math.inf
         return max((response.peak for response in found), default=math.inf)
 
     def forces(self, one: DriveLoop) -> tuple[float, float]:

@@ -209,7 +209,12 @@ def tune(
         When the system, a name or an input is wrong.
     """
     if isinstance(system, Path | str) and Path(system).suffix == ".json":
-        spans = {name: (float(low), float(high)) for name, (low, high) in (ranges or {}).items()}
+        try:
+            spans = {
+                name: (float(low), float(high)) for name, (low, high) in (ranges or {}).items()
+            }
+        except (TypeError, ValueError):
+            raise UsageError(f"ranges: expected (lowest, highest) of each, got {ranges}") from None
         return tune_drive(LearnedFile(Path(system)), TuneSettings(spans, **options))
     if not callable(cost):
         if cost is None or not ranges:

@@ -106,6 +106,11 @@ def test_the_peak_sensitivity_is_the_largest_at_the_masses(cost):
     assert alone != pytest.approx(expected, rel=0.02)
 
 
+def test_an_observer_that_is_unstable_by_itself_is_a_candidate_that_fails(cost):
+    diverging = cost.start.with_values({"observer.L_v": 1e6})
+    assert cost.excess(diverging) == np.inf
+
+
 def test_beyond_a_limit_a_candidate_costs_more_the_farther_it_is(cost):
     within, beyond, farther = (cost(np.array([K_p])) for K_p in (1200.0, 5500.0, 6500.0))
     assert within < 10.0 < beyond < farther
@@ -176,6 +181,11 @@ def test_ratios_are_of_all_drives_and_of_each():
 def test_names_that_cannot_be_tuned_are_refused(learned, ranges, fixed, says):
     with pytest.raises(UsageError, match=says):
         DriveLoop.of(LearnedFile(learned())).problem(ranges, fixed)
+
+
+def test_a_range_of_a_drive_has_two_ends(learned):
+    with pytest.raises(UsageError, match=r"expected \(lowest, highest\) of each"):
+        ss.tune(learned(), {"controller.K_p": (1.0, 2.0, 3.0)})
 
 
 def test_a_file_without_a_loop_is_refused(learned):
