@@ -50,6 +50,8 @@ _PLACES = {
         *("VelocityLoop", "close_velocity_loop", "design_velocity_loop"),
     ),
     "stickslip.simulation": ("simulate",),
+    "stickslip.studies.tune.run": ("tune",),
+    "stickslip.studies.tune.writing": ("write_tuned",),
     "stickslip.sweeping": ("optimise", "sweep"),
     "stickslip.system": ("System", "read_ssp"),
 }

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip import cosim
-from stickslip.cosim import Table
+from stickslip.cosim import ParameterError, Table
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import Inputs
 from stickslip.cosim.ssp.structure import Package
-from stickslip.errors import UsageError
+from stickslip.errors import UsageError, number
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
 
@@ -241,6 +241,14 @@ class Model:
         """Give a variable a start value, or the one that an exposed input is connected to."""
         target, *others = self.system.inputs.get(name, (self.qualified(name),))
         self.system.set(name if others else target, value)
+
+    def start(self, name: str) -> float:
+        """Return what a variable starts with; raise UsageError where that is no number."""
+        target = self.qualified(name)
+        value = self.system.parameters.get(
+            target, self.system.variable(target, ParameterError).start
+        )
+        return number(f"{name}: its start value", value)
 
     def qualified(self, name: str) -> str:
         """Return component.variable, also for a variable alone that one component has."""

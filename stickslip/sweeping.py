@@ -44,6 +44,7 @@ class Optimised:
     # failed
     table: pd.DataFrame
     stopped: str  # why the search ended
+    units: Mapping[str, str]  # of the parameters, by name
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name} = {value:.6g}" for name, value in self.parameters.items())
@@ -161,8 +162,8 @@ def optimise(
     Parameters
     ----------
     system, inputs, workers, where, progress, options : as of ``sweep``
-    ranges : name -> (lowest, start, highest), in the unit of the variable; searched by the
-        logarithm where the lowest is above 0
+    ranges : name -> (lowest, start, highest), or (lowest, highest) to start with the value of the
+        system, in the unit of the variable; searched by the logarithm where the lowest is above 0
     cost : of a result, 0 or more
     evaluations : budget of runs
     algorithm : ``default``, ``paper``, ``cma`` or ``de``
@@ -171,7 +172,7 @@ def optimise(
     Raises
     ------
     UsageError
-        When a range has not three numbers, or the seed or the budget is not a number.
+        When a range has not two or three numbers, or the seed or the budget is not a number.
     GaError
         When a range or setting makes no sense, or every run of the first generation failed, or
         its cost.
@@ -179,15 +180,18 @@ def optimise(
         When the system, a name or an input is wrong.
     """
     model, specification, signals = _prepared(system, inputs, options)
-    genes = []
+    genes, units = list[ga.Gene](), dict[str, str]()
     spans = by_name("ranges", ranges, UsageError)
     for name, span in spans.items():
         three = [number(name, one) for one in _values(name, span)]
+        if len(three) == 2:
+            low, high = three
+            three.insert(1, min(max(model.start(name), low), high))
         if len(three) != 3:
             raise UsageError(f"{name}: expected (lowest, start, highest), got {tuple(span)}")
         low, start, high = three
-        unit = model.system.unit(model.qualified(name)) or ""
-        genes.append(ga.Gene(name, low, high, start, unit=unit, linear=low <= 0.0))
+        units[name] = model.system.unit(model.qualified(name)) or ""
+        genes.append(ga.Gene(name, low, high, start, unit=units[name], linear=low <= 0.0))
     if not (isinstance(evaluations, Integral) and isinstance(seed, Integral) and seed >= 0):
         raise UsageError(
             f"evaluations = {evaluations!r} and seed = {seed!r}: expected whole numbers, the seed"
@@ -210,7 +214,7 @@ def optimise(
 
         found = ga.learn(search, evaluate, executor, on_generation=told)
     table = search.history.drop(columns="index")
-    return Optimised(found.parameters, float(found.best.cost), table, found.stopped)
+    return Optimised(found.parameters, float(found.best.cost), table, found.stopped, units=units)
 
 
 @dataclass(frozen=True)

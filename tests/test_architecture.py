@@ -39,7 +39,7 @@ ROOMS_OF_STICKSLIP = (
     *("logs", "rigs", "identification", "evaluation", "tuning", "trial", "learned"),
     *("simulation", "contents", "laws", "blocks", "sweeping", "system"),
     *("commandline", "studies.arena", "studies.survey", "studies.learn", "papers.lugre"),
-    *("studies.compare", "studies.fleet", "studies.validate"),
+    *("studies.compare", "studies.fleet", "studies.tune", "studies.validate"),
     *("precompile", "commands", "cli", "__main__"),
 )
 # They import what runs a system when they are called.

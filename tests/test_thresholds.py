@@ -58,9 +58,10 @@ from stickslip.rigs.ads_rig import AdsRig
 from stickslip.rigs.contract import Command, Log
 from stickslip.rigs.limits import RigLimits
 from stickslip.servo import observer
-from stickslip.servo.axis import LOOP, Axis, ControlError
+from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.studies.learn import log_learning
+from stickslip.studies.tune.family_cost import FamilyCost
 from stickslip.studies.validate import compared_logs, log_prediction, log_verdict
 from stickslip.trial import compensator_trial, guards
 from stickslip.trial.benefit import NONE, MotionErrors, TrialError
@@ -720,8 +721,16 @@ def taken_loop(worst):
     loop = namespace(peak_sensitivity=lambda: 1.5)
     study = namespace(seed=0, loop=lambda _: loop, models=())
     with patch.object(loop_learning, "_typical", lambda *_: next(found)):
-        search = namespace(history=history, evaluations=1)
+        search = namespace(history=history, evaluations=1, names=names)
         return loop_learning._choose(study, None, search).chosen
+
+
+def is_within(chatter=0.0, peak=0.0):
+    """Return whether a tuned loop with forces [N] keeps the limits; friction and limit are 1 N."""
+    bench = namespace(datasheet=Datasheet(peak_force=1.0))
+    cost = namespace(sensitivity=lambda _: 1.0, forces=lambda _: (chatter, peak), bench=bench)
+    cost.F_c, cost._own = 1.0, (0.01, 0.1)
+    return FamilyCost.excess(cost, None) <= 1.0
 
 
 def is_run(Ms):
@@ -994,6 +1003,8 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "kept.FIT_WORSE": (lambda: refined(1.5), "start", "refined"),
     "kept.LOOP_WORSE": (lambda: taken_loop(1.03), "reference", "learned"),
     "kept.SENSITIVITY": (lambda: is_run(2.5), False, True),
+    "kept.CHATTER": (lambda: is_within(chatter=0.45), False, True),
+    "kept.FORCE/2": (lambda: is_within(peak=0.7), True, False),
     "kept.ERRS_ALIKE": (lambda: models({"lugre": 0.15})[1] != [], True, False),
     "kept.ERRS_WELL": (lambda: len(models({"lugre": 0.15}, {"lugre": 0.07})[1]), 2, 1),
     "kept.HOPELESS": (lambda: "gms" in models({"lugre": 0.2, "gms": 0.6})[1], False, True),

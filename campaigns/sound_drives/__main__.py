@@ -2,10 +2,11 @@
 
     python -m campaigns.sound_drives --drives 40 --seed 1 --out DIR [LEARN-OPTIONS ...]
     python -m campaigns.sound_drives --drives 40 --seed 1 --logs-only DIR
-    python -m campaigns.sound_drives --evaluate DRIVE.json LEARNED_DIR
+    python -m campaigns.sound_drives --evaluate DRIVE.json LEARNED_DIR [TUNED_DIR]
 
 A row of rows.csv is a drive; drives that it has are not learned again. A ratio is the RMS of the
 true velocity minus that of the loop without friction, with what was written over without it.
+With a folder of ``stickslip tune``, errors against the command are compared with those before it.
 Options that are not of this command go to ``stickslip learn``.
 """
 
@@ -23,7 +24,7 @@ from typing import Any
 import pandas as pd
 
 from campaigns.sound_drives.drives import STICKSLIP, Drive, draw, write_log
-from campaigns.sound_drives.evaluation import INTERVALS, MOTIONS, evaluated
+from campaigns.sound_drives.evaluation import INTERVALS, MOTIONS, evaluated, tuned_ratios
 
 
 def main() -> None:
@@ -40,11 +41,12 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=1, help="drives at a time")
     parser.add_argument("--json", action="store_true", help="print rows as JSON")
     parser.add_argument("--logs-only", type=Path, metavar="DIR", help="write logs and truth")
-    parser.add_argument("--evaluate", nargs=2, type=Path, metavar=("DRIVE.json", "LEARNED_DIR"))
+    parser.add_argument("--evaluate", nargs="+", type=Path, metavar="PATH")
     options, of_learn = parser.parse_known_args()
     if options.evaluate:
-        drive, learned = options.evaluate
-        show(evaluated(Drive.read(drive), learned), as_json=options.json)
+        drive, *folders = options.evaluate
+        evaluate = tuned_ratios if len(folders) > 1 else evaluated
+        show(evaluate(Drive.read(drive), *folders), as_json=options.json)
         return
     folder = options.logs_only or options.out
     folder.mkdir(parents=True, exist_ok=True)

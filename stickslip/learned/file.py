@@ -317,6 +317,13 @@ class LearnedFile:
         return str(self.document.get("refusal") or "")
 
     @property
+    def written(self) -> tuple[str, ...]:
+        """Names of the FMUs that learning wrote; that of the feedforward where it is not known."""
+        entry = self.document.get("written")
+        files = entry.get("files") if isinstance(entry, dict) else None
+        return tuple(map(str, files)) if isinstance(files, list) else ("compensator.fmu",)
+
+    @property
     def is_tried(self) -> bool:
         """Whether learning tried the compensator at the share of its force in the file."""
         return bool(self.document.get("tracking_error"))

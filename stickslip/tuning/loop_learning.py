@@ -16,7 +16,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from stickslip import cosim, ga
 from stickslip.identification.criteria.runs import Closing
@@ -33,23 +32,15 @@ from stickslip.tuning.loop_runs import (
     TunedLoop,
     by_kind,
 )
+from stickslip.tuning.search import Finalist, Ratios, best_of, choose, mean_of, search
 from stickslip.work.jobs import Execution
 
 LEVELS = (0.7, 1.3)  # friction of the models over the drive's own: temperature and wear
-POWER = 8
-"""Exponent of the mean over the ratios: with 8, one that is a quarter smaller than the largest
-counts a tenth as much as it."""
 QUIET = 0.75  # weight of the change of the force, for heat and noise, beside an error
-NEAR, STEEP = 0.9, 3.0
-"""From where on a ratio costs more, and how much. Without it, searches on drives of Armstrong and
-Coulomb-Stribeck friction ended where nothing could be taken."""
 EVALUATIONS = 300  # candidates in a search; docs/measurements/loop-tuning.md shows others
-FINALISTS = 4  # best candidates that are run again
 REPEATS = 3
 JITTER = 1e-4  # how often, and how much, their genes change in between
 FORCE = "change of the force"
-
-Ratios = dict[tuple[str, float], float]  # by kind of motion, or ``FORCE``, and friction
 
 
 @dataclass(frozen=True)
@@ -165,13 +156,6 @@ class LoopCost(Closing):
             case.runs.close()
 
 
-def mean_of(ratios: Ratios) -> float:
-    """Return the mean of ratios with the power ``POWER``, and what those near 1 cost more."""
-    values = np.array(list(ratios.values()))
-    near = np.maximum(values - NEAR, 0.0).sum()
-    return float(np.mean(values**POWER) ** (1.0 / POWER) + STEEP * near)
-
-
 def what_is_left(study: LoopStudy) -> float:
     """Return the geometric mean of the ratios of a loop such as a search tries.
 
@@ -195,42 +179,28 @@ def learn_loop(
 
     Raises ga.NothingLearned, ga.StateError, ga.Interrupted as ``ga.learn``.
     """
-    execution, algorithm = execution or Execution(), study.optimiser()
-    one_thread = threadpool_limits(limits=1, user_api="blas")  # matrices are small, workers many
-    with one_thread, LoopCost(study) as cost, execution.opened() as executor:
-        ga.learn(
-            algorithm,
-            cost,
-            executor,
-            on_generation,
-            checkpoint=execution.checkpoint,
-            resume=execution.resume,
-            about=f"loop, feed {study.feed}, {len(cost.v_cmd)} samples",
-        )
+    algorithm = study.optimiser()
+    with LoopCost(study) as cost:
+        about = f"loop, feed {study.feed}, {len(cost.v_cmd)} samples"
+        search(algorithm, cost, execution or Execution(), on_generation, about=about)
         return _choose(study, cost, algorithm)
 
 
 def _choose(study: LoopStudy, cost: LoopCost, algorithm: ga.Optimiser) -> LearnedLoop:
-    """Run the best candidates again, and what is simpler; return the cheapest.
-
-    Only what is worse than the reference in nothing counts; the reference itself always does.
-    """
-    names = [gene.name for gene in GENES]
-    best = algorithm.history.drop_duplicates(names).nsmallest(FINALISTS, "cost")
-    tried = [("learned", dict(zip(names, row, strict=True))) for row in best[names].to_numpy()]
-    tried += [("feedforward", FEEDFORWARD), ("reference", PLAIN)]
+    """Run the best candidates again, and what is simpler; return the cheapest."""
+    tried = [*(("learned", genes) for genes in best_of(algorithm)), ("feedforward", FEEDFORWARD)]
+    tried.append(("reference", PLAIN))
     rng = np.random.default_rng(study.seed)
-    found = [(chosen, genes, _typical(study, cost, genes, rng)) for chosen, genes in tried]
-    good = [one for one in found[:-1] if max(one[2].values()) <= kept.LOOP_WORSE]
-    chosen, genes, ratios = min([*good, found[-1]], key=lambda one: mean_of(one[2]))
-    tuned, evaluations = study.loop(genes), algorithm.evaluations
+    measured = [(name, genes, _typical(study, cost, genes, rng)) for name, genes in tried]
+    one = choose([Finalist(*each, cost=mean_of(each[2])) for each in measured])
+    tuned, evaluations = study.loop(one.genes), algorithm.evaluations
     return LearnedLoop(
         study.seed,
         tuned,
-        genes,
-        chosen,
-        cost=mean_of(ratios),
-        ratios=ratios,
+        one.genes,
+        one.name,
+        cost=one.cost,
+        ratios=one.ratios,
         Ms=tuned.peak_sensitivity(),
         evaluations=evaluations,
         runs=(len(PROBES) if study.models else 0) + 1 + evaluations + REPEATS * len(tried),

@@ -120,7 +120,7 @@ def test_mistakes_are_one_line(stage):
     with pytest.raises(ss.Fault, match=r"figure .end.: KeyError: .*w' was not recorded.*; no run"):
         ss.sweep(stage, {"F_c": [1.0]}, {"end": lambda result: result["w"][-1]}, **RUN)
     with pytest.raises(ss.Fault, match=r"F_c: expected \(lowest, start, highest\)"):
-        ss.optimise(stage, {"F_c": (0.1, 1.0)}, end, **RUN)
+        ss.optimise(stage, {"F_c": (0.1,)}, end, **RUN)
     for given in ({"parameters": [1.0], "figures": {}}, {"parameters": {}, "figures": [end]}):
         with pytest.raises(ss.Fault, match="expected a dictionary with a name for each"):
             ss.sweep(stage, **given, **RUN)

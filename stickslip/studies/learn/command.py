@@ -177,6 +177,8 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             progress.stage("writing the results")
             written = write_learned(learned, options.out, force=options.force)
             _print_written(written, options.out)
+            if learned.known_loop is not None and learned.trial:
+                print(f"'stickslip tune {options.out / 'learned.json'}' also tunes the gains")
             return written.document() | {"folder": options.out}
         if learned.refusal:
             warn(f"the compensator is not recommended: {learned.refusal}")

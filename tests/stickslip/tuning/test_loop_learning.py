@@ -19,7 +19,7 @@ from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.systems import build_loop, feedforward, servo_loop
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.thresholds import kept
-from stickslip.tuning import drive_model, loop_learning
+from stickslip.tuning import drive_model, loop_learning, search
 from stickslip.tuning.drive_model import DriveModel, start_model
 from stickslip.tuning.loop_learning import (
     FORCE,
@@ -28,10 +28,10 @@ from stickslip.tuning.loop_learning import (
     LoopCost,
     LoopStudy,
     learn_loop,
-    mean_of,
     what_is_left,
 )
 from stickslip.tuning.loop_runs import CHAIN, FEEDFORWARD, GENES, PLAIN
+from stickslip.tuning.search import mean_of
 from stickslip.work.jobs import Execution
 
 pytestmark = pytest.mark.slow
@@ -175,7 +175,7 @@ def test_what_is_worse_than_the_reference_in_anything_is_not_taken(study, monkey
     found = learn_loop(study)
     assert found.chosen == "learned"
     assert max(found.ratios.values()) <= 1.0
-    tried = loop_learning.FINALISTS + 2
+    tried = search.FINALISTS + 2
     assert found.runs == 1 + found.evaluations + tried * loop_learning.REPEATS
     monkeypatch.setattr(kept, "LOOP_WORSE", 0.1)
     assert learn_loop(study).chosen == "reference"
@@ -184,7 +184,7 @@ def test_what_is_worse_than_the_reference_in_anything_is_not_taken(study, monkey
 def test_where_the_search_finds_nothing_the_feedforward_is_kept_or_the_reference(
     study, monkeypatch
 ):
-    monkeypatch.setattr(loop_learning, "FINALISTS", 0)
+    monkeypatch.setattr(search, "FINALISTS", 0)
     monkeypatch.setattr(kept, "LOOP_WORSE", 1.1)
     assert learn_loop(study).chosen == "feedforward"
     monkeypatch.setattr(kept, "LOOP_WORSE", 0.9)  # it leaves all of small moves

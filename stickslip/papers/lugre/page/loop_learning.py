@@ -18,7 +18,7 @@ from stickslip.presentation import style
 from stickslip.presentation.page import Section
 from stickslip.presentation.quantity import number
 from stickslip.thresholds import kept
-from stickslip.tuning import loop_learning
+from stickslip.tuning import loop_learning, search
 from stickslip.tuning.drive_model import PROBES
 from stickslip.tuning.loop_runs import GENES, training_motion
 
@@ -57,7 +57,7 @@ def loop_learning_section(reproduction: Reproduction) -> Section:
         "fig5_fitness": partial(draw_fitness, loops),
     }
     values = {"settings": _settings(loops.best.algorithm), "genes": _genes(loops), "PROBES": PROBES}
-    values |= {"learning": loop_learning, "seconds": training_motion().duration}
+    values |= {"learning": loop_learning, "search": search, "seconds": training_motion().duration}
     values |= {"found": found, "fed": fed, "kept": kept, "mismatch": models[0].mismatch}
     return section("Learning the loop", "loop_learning", reproduction, figures, **values)
 

@@ -1,0 +1,222 @@
+"""The cost of a loop on the drives that a log supports, in every motion of the trial.
+
+Errors are against the command, for the motion without friction depends on the gains, too. What
+counts of a motion is the RMS of the errors over all drives and levels of friction, relative to that
+of the present loop, and the mean of the ratios on each of them. The median at each level would ask
+most where the present loop happens to fit.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+
+import numpy as np
+
+from stickslip import cosim, ga
+from stickslip.identification.criteria.runs import Runs, require_bounded
+from stickslip.output import steps
+from stickslip.servo.axis import ControlError
+from stickslip.servo.chain_response import ChainResponse, frequencies
+from stickslip.servo.measurement import Array
+from stickslip.servo.sensitivity import OpenLoop
+from stickslip.servo.systems import build_loop
+from stickslip.studies.tune.drive_loop import DriveLoop
+from stickslip.thresholds import kept
+from stickslip.trial.benefit import FIGURES, Bench, Rows, TrialError, geometric_mean
+from stickslip.trial.family import Command, Drive, axis_values, in_loop
+from stickslip.tuning.loop_learning import QUIET
+from stickslip.tuning.search import STEEP, Ratios, mean_of
+
+EXCESS = 1e3  # cost of a candidate beyond a limit, times by how much
+Cell = tuple[Drive, Command]
+
+
+class FamilyCost(ExitStack):
+    """The cost of candidates, and what they do on the whole family.
+
+    Use it in a ``with`` block.
+    """
+
+    fatal = (cosim.CosimError,)
+
+    def __init__(
+        self, bench: Bench, start: DriveLoop, masses: Sequence[float], names: Sequence[str]
+    ) -> None:
+        super().__init__()
+        self.bench, self.start, self.masses, self.names = bench, start, masses, names
+        loop = start.loop.changed(m_ff=start.loop.axis.m)  # the loop takes an acceleration
+        noise = bench.datasheet.encoder_noise
+        optics = {"noise": noise > 0.0, "noise_x": noise, "noise_F": 0.0}
+        self._axis = {**axis_values(loop, bench.datasheet), **optics}
+        n = max(len(one.v_cmd) for one in bench.commands)
+        self._inputs = {
+            one.name: loop.commands(np.pad(one.v_cmd, (0, n - len(one.v_cmd)), mode="edge"))
+            for one in bench.commands
+        }
+        self._speed = max(one.speed for one in bench.commands)
+        self._runs = {}
+        for law in dict.fromkeys(one.law for one in bench.drives):
+            system = build_loop(bench.folder_of(law), loop, start.chain, bench.feed)
+            record = ("drive.v", "drive.x", "drive.F_m")
+            stop = (n - 1) * loop.T_s
+            whole = cosim.Specification(system, step=loop.T_s, stop=stop, record=record)
+            self._runs[law] = self.enter_context(Runs(whole, bench.workers))
+        observers = [one for one in start.chain if one.name == "observer"]
+        folder = bench.folder_of(bench.law.name)
+        self._chain = self.enter_context(ChainResponse(folder, loop, observers, self._speed))
+        self._lock = threading.Lock()  # of the one simulation behind it
+        drives = [one for one in bench.drives if one.decides]
+        self.cells = [(drive, command) for drive in drives for command in bench.commands]
+        errors = zip(self.cells, self._each(start, self.cells), strict=True)
+        self._present = {(drive.name, command.name): own for (drive, command), own in errors}
+        searched = {one.name for one in searched_of(drives)}
+        self._few = [cell for cell in self.cells if cell[0].name in searched]
+        self.F_c = bench.drives[0].parameters["F_c"]
+        self._own = self.forces(start)
+
+    def sensitivity(self, one: DriveLoop) -> float:
+        """Return the largest peak sensitivity Ms at the masses; infinite if it is unstable."""
+        axes = [OpenLoop(one.loop, k * one.loop.axis.m, frequencies(one.loop)) for k in self.masses]
+        values = {n: x for n, x in one.parameters.items() if n.startswith("observer.")}
+        try:
+            with self._lock:
+                found = self._chain.responses(axes, values, self.F_c)
+        except cosim.SimulationError:  # an observer that is unstable by itself
+            return math.inf
+        return max((response.peak for response in found), default=math.inf)
+
+    def forces(self, one: DriveLoop) -> tuple[float, float]:
+        """Return RMS change from sample to sample, and peak, of the force on the first drive [N].
+
+        Each is the largest of all motions.
+        """
+        first = [cell for cell in self.cells if cell[0] is self.bench.drives[0]]
+        found = [self._run(one, cell)["drive.F_m"] for cell in first]
+        chatter = max(float(np.std(np.diff(force))) for force in found)
+        return chatter, max(float(np.abs(force).max()) for force in found)
+
+    def excess(self, one: DriveLoop) -> float:
+        """Return peak sensitivity, chatter or force over its limit, whichever is the largest.
+
+        It is infinite where the loop is unstable or runs away; above the limit of the peak
+        sensitivity nothing is run.
+        """
+        Ms = self.sensitivity(one) / kept.SENSITIVITY
+        if Ms > 1.0:
+            return Ms
+        try:
+            chatter, peak = self.forces(one)
+        except cosim.SimulationError:
+            return math.inf
+        limits = kept.CHATTER * self.F_c, kept.FORCE * self.bench.datasheet.peak_force
+        own = self._own[0] / QUIET, self._own[1]
+        return max(Ms, chatter / max(limits[0], own[0]), peak / max(limits[1], own[1]))
+
+    def rows(self, one: DriveLoop) -> Rows:
+        """Return the errors of a loop and of the present one, on all drives that decide."""
+        return self._compared(self.cells, self._each(one, self.cells))
+
+    def __call__(self, values: Array) -> float:
+        """Return the cost of a candidate (k,).
+
+        One beyond a limit costs more, the farther it is. Raises CandidateFailed when its loop is
+        unstable or runs away.
+        """
+        try:
+            one = self.start.with_values(dict(zip(self.names, values.tolist(), strict=True)))
+        except ControlError as error:
+            raise ga.CandidateFailed(str(error)) from error
+        excess = self.excess(one)
+        if not math.isfinite(excess):
+            raise ga.CandidateFailed("the loop is unstable at one of the masses, or runs away")
+        if excess > 1.0:
+            return EXCESS * excess
+        errors = [self._errors(one, cell) for cell in self._few]
+        return cost_of(ratios(self._compared(self._few, errors)))
+
+    def _each(self, one: DriveLoop, cells: Sequence[Cell]) -> list[tuple[float, ...]]:
+        """Return the errors in each cell, several runs at a time."""
+        each = next(iter(self._runs.values())).each
+        return each(lambda cell: self._errors(one, cell), steps(cells))
+
+    def _errors(self, one: DriveLoop, cell: Cell) -> tuple[float, ...]:
+        """Return the RMS errors of velocity [m/s] and, in a cascade, position [m].
+
+        They are infinite when the run fails or the loop runs away.
+        """
+        command = cell[1]
+        targets = {"drive.v": command.v_cmd}
+        if one.loop.K_x:
+            targets["drive.x"] = self._inputs[command.name]["x_cmd"][: len(command.v_cmd)]
+        try:
+            result = self._run(one, cell)
+        except cosim.SimulationError:
+            return (math.inf,) * len(targets)
+        return tuple(
+            float(np.sqrt(np.mean((result[name][: len(target)] - target) ** 2)))
+            for name, target in targets.items()
+        )
+
+    def _run(self, one: DriveLoop, cell: Cell) -> cosim.Result:
+        drive, command = cell
+        values: Mapping[str, object] = in_loop({**self._axis, **drive.parameters}) | one.parameters
+        until = (len(command.v_cmd) - 1) * one.loop.T_s
+        result = self._runs[drive.law].run(values, self._inputs[command.name], until=until)
+        require_bounded(result["drive.v"], self._speed)
+        return result
+
+    def _compared(self, cells: Sequence[Cell], errors: Sequence[tuple[float, ...]]) -> Rows:
+        return tuple(
+            TrialError(
+                cell[1].speed,
+                cell[0].name,
+                without=present,
+                compensated=own,
+                command=cell[1].name,
+                figure=figure,
+                level=cell[0].level,
+            )
+            for cell, found in zip(cells, errors, strict=True)
+            for figure, present, own in zip(
+                FIGURES, self._present[cell[0].name, cell[1].name], found, strict=False
+            )
+        )
+
+
+def searched_of(drives: Sequence[Drive]) -> list[Drive]:
+    """Return the drives of the search: as fitted and one of each law, at all levels of friction."""
+    found: dict[tuple[object, float], Drive] = {}
+    first = drives[0].name
+    for one in drives:
+        fitted = one.name.startswith(first)
+        found.setdefault((fitted or one.law, one.level), one)
+    return [*found.values()]
+
+
+def cost_of(found: Ratios) -> float:
+    """Return the mean of the ratios of RMS errors, and more where others exceed 1."""
+    rms = {key: ratio for key, ratio in found.items() if "RMS" in key}
+    worse = sum(max(ratio - 1.0, 0.0) for key, ratio in found.items() if key not in rms)
+    return mean_of(rms) + STEEP * worse
+
+
+def ratios(rows: Rows) -> Ratios:
+    """Return what a loop leaves of the errors of the present one, by motion, figure and kind.
+
+    ``RMS`` is that over all drives and levels of friction on which the present loop does not run
+    away, so that the drives with the largest errors count most; ``each`` is the geometric mean of
+    the ratios on each of them, where all drives count alike.
+    """
+    found: Ratios = {}
+    groups: dict[tuple[str, str], list[TrialError]] = {}
+    for row in rows:
+        if math.isfinite(row.without):
+            groups.setdefault((row.command, row.figure), []).append(row)
+    for key, some in groups.items():
+        squares = np.sum([(row.compensated**2, row.without**2) for row in some], axis=0)
+        found[*key, "RMS"] = float(np.sqrt(squares[0] / squares[1]))
+        found[*key, "each"] = geometric_mean(some)
+    return found

@@ -1,0 +1,224 @@
+"""What ``stickslip tune LEARNED.json`` does: a search of the loop on the drives of the file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from statistics import geometric_mean
+from typing import Any
+
+import pandas as pd
+
+from stickslip import cosim, ga
+from stickslip.errors import UsageError
+from stickslip.learned.file import LearnedFile
+from stickslip.output import SILENT, Progress
+from stickslip.servo.observer import MASSES
+from stickslip.studies.tune.drive_loop import DriveLoop
+from stickslip.studies.tune.family_cost import FamilyCost, cost_of, ratios
+from stickslip.studies.tune.signal_cost import read_cost
+from stickslip.sweeping import Figure, Optimised, optimise
+from stickslip.thresholds import kept
+from stickslip.trial.benefit import Benefit, Rows, Variant
+from stickslip.trial.guards import bench_of
+from stickslip.tuning.search import Finalist, Ratios, best_of, choose, search
+from stickslip.work.jobs import Execution
+
+EVALUATIONS = 150  # candidates in a search
+PRESENT, TUNED = "present loop", "tuned loop"
+
+
+@dataclass(frozen=True)
+class TuneSettings:
+    """What may change, and how it is searched."""
+
+    # lowest and highest value by ``component.variable``, in SI units
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    # parameters, or whole components such as ``controller``, that stay as they are
+    fixed: tuple[str, ...] = ()
+    force_limit: float | None = None  # of the motor [N]; by default that of the file
+    evaluations: int = EVALUATIONS
+    algorithm: str = "default"  # one of ``ga.ALGORITHMS``
+    seed: int = 0
+    workers: int = 1
+
+
+@dataclass(frozen=True)
+class TunedDrive:
+    """A loop that was tuned, or the present one where nothing better was found."""
+
+    learned: LearnedFile
+    settings: TuneSettings
+    start: DriveLoop
+    best: DriveLoop
+    Ms: tuple[float, float]  # largest peak sensitivity at the masses, before and after
+    masses: tuple[float, ...]  # at which it holds, relative to the learned one
+    rows: Rows  # errors of the best loop beside those of the present one, on the whole family
+    names: tuple[str, ...]  # what was searched
+    history: pd.DataFrame  # of the search: a row for each candidate
+
+    @property
+    def benefit(self) -> Benefit:
+        """The errors relative to those of the present loop."""
+        unit = self.best.loop.axis.unit("mm/s")
+        return Benefit(1.0, self.rows, self.rows, unit, variant=Variant(TUNED))
+
+    @cached_property
+    def ratios(self) -> Ratios:
+        """The error relative to the present loop, by motion, figure and kind."""
+        return ratios(self.rows)
+
+    @property
+    def is_better(self) -> bool:
+        """Whether another loop than the present one was taken."""
+        return self.best is not self.start
+
+    @cached_property
+    def changes(self) -> list[dict[str, object]]:
+        """Name, unit, value before and after, and whether it was searched, of each parameter."""
+        before, after = self.start.tunable, self.best.tunable
+        return [
+            {
+                "parameter": name,
+                "unit": self.start.unit(name),
+                "before": before[name],
+                "after": after[name],
+                "searched": name in self.names,
+            }
+            for name in before
+            if before[name] or after[name]
+        ]
+
+    @property
+    def sentence(self) -> str:
+        """What tuning brings, in a sentence without its end."""
+        before, after = self.Ms
+        if not self.is_better:
+            return (
+                f"none of {len(self.history)} loops with a peak sensitivity of at most"
+                f" {kept.SENSITIVITY:g} is better than the present one in the mean and in no motion"
+                f" worse; it stays as it is, with Ms = {before:.3g}"
+            )
+        mean = geometric_mean(ratio for key, ratio in self.ratios.items() if "RMS" in key)
+        worst = max(self.ratios.values())
+        return (
+            f"the tuned loop leaves {100.0 * mean:.0f} % of the tracking error of the present one,"
+            f" RMS over the simulated drives and geometric mean over the motions, and"
+            f" {100.0 * worst:.0f} % in the worst motion; the peak sensitivity Ms is {after:.3g}"
+            f" instead of {before:.3g}"
+        )
+
+
+def tune_drive(
+    learned: LearnedFile,
+    settings: TuneSettings,
+    progress: Progress = SILENT,
+) -> TunedDrive:
+    """Search the loop of a learned drive, and choose among the best on the whole family.
+
+    Raises UsageError when the file has no loop or a name is unknown, or NothingLearned when no
+    candidate can be run.
+    """
+    start = DriveLoop.of(learned)
+    problem = start.problem(settings.ranges, settings.fixed)
+    sheet, friction = learned.datasheet, learned.friction
+    if settings.force_limit:
+        sheet = replace(sheet, peak_force=settings.force_limit)
+    progress.stage("building the drives of the family")
+    with (
+        bench_of(
+            learned.law,
+            start.loop,
+            friction,
+            learned.drives,
+            command=learned.validation,
+            datasheet=sheet,
+            feed=learned.feed,
+            workers=settings.workers,
+        ) as bench,
+        FamilyCost(bench, start, masses_of(learned), problem.names) as cost,
+    ):
+        progress.stage(f"tuning {', '.join(problem.names)}")
+        limits = ga.Limits(evaluations=settings.evaluations)
+        algorithm = ga.optimiser(settings.algorithm, problem, limits, seed=settings.seed)
+        search(algorithm, cost, Execution(settings.workers), progress.generation)
+        progress.stage("running the best loops on all drives")
+        loops = {f"{TUNED} {k}": start.with_values(g) for k, g in enumerate(best_of(algorithm))}
+        loops = {name: one for name, one in loops.items() if cost.excess(one) <= 1.0}
+        loops[PRESENT] = start
+        errors = {name: cost.rows(one) for name, one in loops.items()}
+        finalists = []
+        for name, rows in errors.items():
+            found = ratios(rows)
+            finalists.append(Finalist(name, loops[name].tunable, found, cost_of(found)))
+        chosen = choose(finalists).name
+        best, rows = loops[chosen], errors[chosen]
+        peaks = cost.sensitivity(start), cost.sensitivity(best)
+    return TunedDrive(
+        learned,
+        settings,
+        start,
+        best,
+        Ms=peaks,
+        masses=tuple(cost.masses),
+        rows=rows,
+        names=tuple(problem.names),
+        history=algorithm.history,
+    )
+
+
+def masses_of(learned: LearnedFile) -> tuple[float, ...]:
+    """Return the masses at which the limit of Ms holds, relative to that of the loop.
+
+    They are those of the interval in the file, and at least those for which observers are designed.
+    """
+    entry = learned.document["parameters"].get("m") or {}
+    loop = learned.loop
+    m = loop.axis.m if loop else math.nan
+    low, high = (float(entry.get(key) or m) / m for key in ("low", "high"))
+    return min(MASSES[0], low), 1.0, max(MASSES[-1], high)
+
+
+def tune(
+    system: cosim.System | cosim.Fmu | Path | str,
+    ranges: Mapping[str, Sequence[float]] | None = None,
+    cost: Figure | Path | str | None = None,
+    **options: Any,
+) -> TunedDrive | Optimised:
+    """Tune the loop of a learned drive, or parameters of any system of FMUs.
+
+    Parameters
+    ----------
+    system : a learned.json, or a system, an FMU, FILE.fmu or FILE.ssp
+    ranges : ``component.variable`` -> (lowest, highest); of a learned drive instead of or beside
+        those that are searched by default
+    cost : of a system: a cost file, or a function of the result that gives a number of 0 or more
+    options : ``evaluations``, ``algorithm``, ``seed`` and ``workers``; of a learned drive those of
+        ``TuneSettings``, of a system those of ``optimise``
+
+    Raises
+    ------
+    UsageError
+        When the file, a range, a name or the cost is not valid.
+    GaError
+        When no candidate can be run.
+    CosimError
+        When the system, a name or an input is wrong.
+    """
+    if isinstance(system, Path | str) and Path(system).suffix == ".json":
+        try:
+            spans = {
+                name: (float(low), float(high)) for name, (low, high) in (ranges or {}).items()
+            }
+        except (TypeError, ValueError):
+            raise UsageError(f"ranges: expected (lowest, highest) of each, got {ranges}") from None
+        return tune_drive(LearnedFile(Path(system)), TuneSettings(spans, **options))
+    if not callable(cost):
+        if cost is None or not ranges:
+            raise UsageError("a system is tuned with ranges and a cost")
+        cost = read_cost(Path(cost))
+        options.setdefault("record", cost.record)
+    return optimise(system, ranges or {}, cost, **options)

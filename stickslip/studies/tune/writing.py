@@ -1,0 +1,148 @@
+"""The tables and files of a loop that was tuned."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from stickslip import models
+from stickslip.learned.file import LearnedFile
+from stickslip.learned.writing import component_entry, loop_document
+from stickslip.models.export.units import motion_unit
+from stickslip.presentation.page import Section, write_page
+from stickslip.presentation.table import Column, Table
+from stickslip.servo.systems import Compensator
+from stickslip.storage import completed
+from stickslip.storage.codec import state
+from stickslip.storage.writing import write_json
+from stickslip.studies.learn import tables
+from stickslip.studies.tune.run import TunedDrive
+from stickslip.sweeping import Optimised
+from stickslip.thresholds import kept
+
+DOCUMENT, PARAMETERS, SEARCH, PAGE = "tuned.json", "parameters.csv", "search.csv", "report.html"
+FMUS = ("compensator.fmu", "observer.fmu")
+FILES = (DOCUMENT, PARAMETERS, SEARCH, PAGE, *FMUS)
+"""What ``write_tuned`` writes or removes."""
+STALE = ("predicted_error", "tracking_error", "tracking", "hold", "compared", "validation_errors")
+"""Entries of learned.json that hold in the present loop only."""
+COLUMNS = (
+    Column("parameter", "", "parameter", "Parameter"),
+    Column("unit", "", "unit", "Unit"),
+    Column("before", ".6g", "before", "Before"),
+    Column("after", ".6g", "after", "After"),
+)
+
+
+def parameters(found: TunedDrive) -> Table:
+    """Return what was searched, before and after."""
+    return Table(COLUMNS, [row for row in found.changes if row["parameter"] in found.names])
+
+
+def changed(found: Optimised) -> Table:
+    """Return what was searched of a system, before and after."""
+    first = found.table.iloc[0]
+    rows = [
+        {"parameter": name, "unit": found.units[name], "before": float(first[name])}
+        | {"after": value}
+        for name, value in found.parameters.items()
+    ]
+    return Table(COLUMNS, rows)
+
+
+def tuned_document(found: TunedDrive) -> dict[str, Any]:
+    """Return the content of tuned.json: that of the learned.json with the loop as tuned."""
+    learned, best = found.learned, found.best
+    document = {name: one for name, one in learned.document.items() if name not in STALE}
+    document["loop"] = loop_document(best.loop)
+    of_drive = partial(motion_unit, rotary=learned.rotary)
+    if best.feedforward:
+        share = {"value": best.share, "unit": "1"}
+        if "feedforward" in document:
+            entry = component_entry(best.feedforward, rotary=learned.rotary)
+            document["feedforward"] = entry | {"share": share}
+        else:
+            whole = learned.law.share(best.feedforward.values, 1.0 / best.share)
+            units = {name: one.unit for name, one in learned.law.parameters.items()}
+            document |= {"share": share, "compensator": state(whole, units, of_drive)}
+    if best.observer:
+        entry = component_entry(best.observer, rotary=learned.rotary)
+        document["observer"] = {**document["observer"], **entry}
+        peaks = {"peak_sensitivity": {"value": found.Ms[1], "unit": "1"}}
+        document["observer"] |= peaks
+    document["tuning"] = {
+        "from": learned.path.name,
+        "sentence": found.sentence,
+        "parameters": parameters(found).records(),
+        "Ms": {"before": found.Ms[0], "after": found.Ms[1], "masses": list(found.masses)},
+        "ratios": [
+            {"motion": motion, "figure": figure, "of": kind, "ratio": ratio}
+            for (motion, figure, kind), ratio in found.ratios.items()
+        ],
+        "by_friction": tables.predicted(found.benefit).records(),
+        "evaluations": len(found.history),
+        "seed": found.settings.seed,
+    }
+    return document
+
+
+def write_tuned(found: TunedDrive, folder: Path) -> None:
+    """Write tuned.json, tables, the page, and the compensators as a controller takes them.
+
+    Raises OSError when a file cannot be written.
+    """
+    command = {"name": "tune", "learned": str(found.learned.path), "seed": found.settings.seed}
+    frames = {PARAMETERS: parameters(found).frame(), SEARCH: found.history}
+    with completed(folder, command, FILES, frames) as staging:
+        write_json(tuned_document(found), staging / DOCUMENT)
+        learned = LearnedFile(staging / DOCUMENT)  # the blocks are those that export would give
+        if found.best.feedforward:
+            _build(learned, learned.deployed(learned.share), "compensator", staging)
+        if found.best.observer:
+            _build(learned, learned.observer, "observer", staging)
+        section = Section(
+            "",
+            "studies/tune/page.j2",
+            found=found,
+            parameters=parameters(found),
+            errors=[*tables.errors(found.benefit)],
+            kept=kept,
+        )
+        write_page(staging, "Tuned loop", [section], PAGE)
+
+
+def write_optimised(found: Optimised, source: Path, cost: Path, folder: Path) -> None:
+    """Write tuned.json, tables and the page of a system that was tuned.
+
+    Raises OSError when a file cannot be written.
+    """
+    table = changed(found)
+    frames = {PARAMETERS: table.frame(), SEARCH: found.table}
+    with completed(folder, {"name": "tune", "system": str(source)}, FILES, frames) as staging:
+        document = {"system": source.name, "criterion": cost.name, "cost": found.cost}
+        document |= {"parameters": table.by_key(), "stopped": found.stopped}
+        write_json(document, staging / DOCUMENT)
+        text = "<p>{{ sentence }}.</p>{{ table.html('Parameters of the system') }}"
+        section = Section("", text, sentence=sentence_of(found), table=table)
+        write_page(staging, f"{source.name}, tuned", [section], PAGE)
+
+
+def sentence_of(found: Optimised) -> str:
+    """Return what a search brought, in a sentence without its end."""
+    before, runs = found.table["cost"].iloc[0], len(found.table)
+    return f"The cost is {found.cost:.6g} instead of {before:.6g} after {runs} runs"
+
+
+def _build(learned: LearnedFile, one: Compensator, called: str, staging: Path) -> None:
+    """Build the FMU of a compensator."""
+    of_law = models.load_model(one.model).law is not None
+    law = (one.law or learned.law.name) if of_law else None
+    models.build_fmu(
+        one.model,
+        staging,
+        start=one.values,
+        law=law,
+        called=called,
+        rotary=learned.rotary,
+    )

@@ -1,0 +1,197 @@
+"""Tuning of a learned drive: what may change, what a candidate runs, and what is taken."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip import cli
+from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
+from stickslip.cosim import Trapezoid
+from stickslip.errors import UsageError
+from stickslip.identification.criteria.runs import Runs
+from stickslip.learned.file import LearnedFile
+from stickslip.learned.writing import component_entry, loop_document, validation_document
+from stickslip.servo.axis import Axis, Datasheet
+from stickslip.servo.observer import design_observer
+from stickslip.servo.sensitivity import peak_sensitivity
+from stickslip.servo.systems import Compensator, build_loop
+from stickslip.servo.velocity_filter import Observer
+from stickslip.servo.velocity_loop import close_velocity_loop
+from stickslip.storage.codec import encode
+from stickslip.studies.tune.drive_loop import DriveLoop
+from stickslip.studies.tune.family_cost import FamilyCost, ratios
+from stickslip.studies.tune.run import TuneSettings, masses_of, tune_drive
+from stickslip.thresholds import kept
+from stickslip.trial.benefit import TrialError
+from stickslip.trial.family import axis_values, in_loop
+from stickslip.trial.guards import bench_of
+
+pytestmark = pytest.mark.slow
+
+AXIS, SHEET = Axis(5.557, 6.6135, 1e-4), Datasheet(peak_force=200.0)
+SLOW = close_velocity_loop(AXIS, 5e-4, 1e-3, 1000.0, 4e4)
+CASCADE = SLOW.changed(K_x=20.0)
+DESIGNED = design_observer(SLOW, SHEET.encoder_step, PAPER["F_c"])
+
+
+@pytest.fixture(scope="module")
+def learned(tmp_path_factory):
+    """Write a learned.json with Table 2, a loop, a feedforward and an observer; return its path."""
+
+    def write(loop=SLOW):
+        observer = Compensator("observer", "dob", DESIGNED.observer.parameters())
+        path = tmp_path_factory.mktemp("learned") / "learned.json"
+        entries = {
+            "parameters": {n: {"value": PAPER[n], "unit": UNITS[n]} for n in LUGRE},
+            "loop": loop_document(loop),
+            "share": {"value": 0.8, "unit": "1"},
+            "observer": component_entry(observer, rotary=False),
+            "datasheet": encode(SHEET),
+            "validation": validation_document(Trapezoid(0.02, 0.4, 0.1, 0.05)),
+            "written": {"files": ["compensator.fmu", "observer.fmu"], "forced": False},
+        }
+        path.write_text(json.dumps(entries))
+        return path
+
+    return write
+
+
+@pytest.fixture(scope="module")
+def cost(learned):
+    file = LearnedFile(learned(CASCADE))
+    start = DriveLoop.of(file)
+    bench = bench_of(
+        file.law, start.loop, file.friction, file.drives, command=file.validation, datasheet=SHEET
+    )
+    with bench as one, FamilyCost(one, start, masses_of(file), ["controller.K_p"]) as found:
+        yield found
+
+
+CHANGED = {
+    "controller.K_p": 1500.0, "controller.K_x": 31.0, "controller.tau_f": 7e-4,
+    "compensator.share": 0.5, "observer.share": 0.6,
+}  # fmt: skip
+
+
+def test_a_candidate_runs_as_a_loop_that_is_built_for_it(cost):
+    one, cell = cost.start.with_values(CHANGED), cost.cells[0]
+    drive, command = cell
+    folder, T_s = cost.bench.folder_of(drive.law), one.loop.T_s
+    whole = ss.Specification(
+        build_loop(folder, one.loop, one.chain),
+        step=T_s,
+        stop=(len(command.v_cmd) - 1) * T_s,
+        record=("drive.v",),
+    )
+    values = in_loop({**axis_values(one.loop, SHEET), **drive.parameters})
+    optics = {"drive.noise": False}
+    with Runs(whole) as runs:
+        v = runs.run(values | optics, one.loop.commands(command.v_cmd))["drive.v"]
+    expected = np.sqrt(np.mean((v - command.v_cmd) ** 2))
+    present = cost._errors(cost.start, cell)
+    assert cost._errors(one, cell)[0] == pytest.approx(expected, rel=1e-9)
+    assert present[0] != pytest.approx(expected, rel=0.05)
+
+
+def test_the_peak_sensitivity_is_the_largest_at_the_masses(cost):
+    fast = replace(DESIGNED.observer.filter, L_d=5.0 * DESIGNED.observer.filter.L_d)
+    one = cost.start.with_values({"observer.L_d": fast.L_d, "controller.K_p": 1500.0})
+    masses = [k * AXIS.m for k in (0.9, 1.0, 1.1)]
+    expected = max(peak_sensitivity(one.loop, Observer(fast), m) for m in masses)
+    assert cost.sensitivity(one) == pytest.approx(expected, rel=5e-3)
+    alone = max(peak_sensitivity(one.loop, None, m) for m in masses)
+    assert alone != pytest.approx(expected, rel=0.02)
+
+
+def test_an_observer_that_is_unstable_by_itself_is_a_candidate_that_fails(cost):
+    diverging = cost.start.with_values({"observer.L_v": 1e6})
+    assert cost.excess(diverging) == np.inf
+
+
+def test_beyond_a_limit_a_candidate_costs_more_the_farther_it_is(cost):
+    within, beyond, farther = (cost(np.array([K_p])) for K_p in (1200.0, 5500.0, 6500.0))
+    assert within < 10.0 < beyond < farther
+    with pytest.raises(ss.ga.CandidateFailed):
+        cost(np.array([5e4]))
+
+
+def test_no_motion_gets_worse_and_what_is_fixed_stays_to_the_bit(learned):
+    file = LearnedFile(learned())
+    fixed = ("controller.K_i", "observer")
+    found = tune_drive(file, TuneSettings(fixed=fixed, evaluations=40, seed=1))
+    before, after = found.start.tunable, found.best.tunable
+    assert found.is_better
+    assert set(found.names) == {"controller.K_p", "controller.tau_f", "compensator.share"}
+    for name in before.keys() - {*found.names} - {f"compensator.{one}" for one in PAPER}:
+        assert after[name] == before[name]
+    assert before["controller.K_i"] == SLOW.K_i
+    assert max(found.ratios.values()) <= kept.LOOP_WORSE
+    assert min(found.ratios.values()) < 0.9
+    assert found.Ms[1] <= kept.SENSITIVITY
+
+
+def test_where_nothing_is_better_the_present_loop_stays(learned):
+    narrow = {"controller.K_p": (100.0, 200.0)}
+    settings = TuneSettings(narrow, ("controller", "observer", "compensator"), evaluations=12)
+    found = tune_drive(LearnedFile(learned()), settings)
+    assert found.best is found.start
+    assert set(found.ratios.values()) == {1.0}
+    assert "stays as it is" in found.sentence
+
+
+def test_the_files_have_the_tuned_loop(learned, tmp_path, capsys):
+    path = learned(CASCADE)
+    words = ["tune", str(path), "--out", str(tmp_path), "--evaluations", "25", "--workers", "1"]
+    assert cli.main([*words, "--set-range", "controller.K_x=15:60"]) == 0
+    assert "of the tracking error of the present one" in capsys.readouterr().out
+    tuned = LearnedFile(tmp_path / "tuned.json")
+    after = {one["parameter"]: one["after"] for one in tuned.document["tuning"]["parameters"]}
+    assert 15.0 <= tuned.loop.K_x == after["controller.K_x"] <= 60.0
+    assert tuned.loop.K_p == after["controller.K_p"] != CASCADE.K_p
+    assert tuned.share == after["compensator.share"]
+    blocks = {name: ss.Fmu(tmp_path / f"{name}.fmu") for name in ("compensator", "observer")}
+    start = {name: float(v.start) for name, v in blocks["compensator"].variables.items() if v.start}
+    assert start["F_c"] == pytest.approx(tuned.share * PAPER["F_c"], rel=1e-12)
+    assert start["loop_A[1,1]"] == pytest.approx(tuned.loop.nominal.A[0, 0], rel=1e-12)
+    L_d = blocks["observer"].variables["L_d"].start
+    assert float(L_d) == pytest.approx(after["observer.L_d"], rel=1e-12)
+
+
+def test_ratios_are_of_all_drives_and_of_each():
+    rows = tuple(
+        TrialError(1.0, drive, without=a, compensated=b, command="creep")
+        for drive, a, b in (("one", 3.0, 1.5), ("other", 4.0, 2.0), ("third", 1e-3, 4e-3))
+    )
+    found = ratios((*rows, TrialError(1.0, "away", np.inf, 1.0, command="creep")))
+    assert found["creep", "velocity", "RMS"] == pytest.approx(0.5, rel=1e-4)
+    assert found["creep", "velocity", "each"] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("ranges", "fixed", "says"),
+    [
+        ({"controller.K_q": (1.0, 2.0)}, (), "no 'controller.K_q'"),
+        ({}, ("observr",), "no 'observr'"),
+        ({}, ("controller", "observer", "compensator"), "nothing is left"),
+    ],
+)
+def test_names_that_cannot_be_tuned_are_refused(learned, ranges, fixed, says):
+    with pytest.raises(UsageError, match=says):
+        DriveLoop.of(LearnedFile(learned())).problem(ranges, fixed)
+
+
+def test_a_range_of_a_drive_has_two_ends(learned):
+    with pytest.raises(UsageError, match=r"expected \(lowest, highest\) of each"):
+        ss.tune(learned(), {"controller.K_p": (1.0, 2.0, 3.0)})
+
+
+def test_a_file_without_a_loop_is_refused(learned):
+    path = learned()
+    document = json.loads(path.read_text())
+    del document["loop"]
+    path.write_text(json.dumps(document))
+    with pytest.raises(UsageError, match="contains no loop; learn with the controller"):
+        ss.tune(path)
