@@ -23,7 +23,7 @@ from stickslip.identification.fitting.identifiability import (
 from stickslip.logs import Reading, Recording
 from stickslip.models import Law
 from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet, LoopSpecification
-from stickslip.servo.measurement import smoothed
+from stickslip.servo.measurement import Array, smoothed
 from stickslip.servo.observer import MASSES
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
@@ -116,8 +116,7 @@ def try_compensator(
 ) -> SimulatedTrial:
     """Try what may compensate at the log's own speed, or what the settings name."""
     top = float(np.quantile(np.abs(estimation.figures.velocity_recorded), 0.99))
-    scale = top / VALIDATION.height
-    command = replace(VALIDATION, height=top, slope=scale * VALIDATION.slope)
+    command = trapezoid_of(estimation.figures.velocity_recorded, top, estimation.recording.T_s)
     strongest = float(np.max(np.abs(estimation.figures.measured)))
     recording = reading.recording
     step = recording.encoder_step or 1e-6 * top
@@ -164,6 +163,21 @@ def try_compensator(
     return SimulatedTrial(
         command, sheet, best, compared, warnings=warnings, drives=drives, others=others, holds=held
     )
+
+
+RAMPS = (0.1, VALIDATION.height / VALIDATION.slope)
+"""Least and largest time of a ramp to a log's speed [s]; the largest is that of the paper."""
+
+
+def trapezoid_of(v: Array, top: float, T_s: float) -> Trapezoid:
+    """Return a trapezoid at the speed ``top`` [m/s] of a log, with about its accelerations.
+
+    It is shorter than the paper's where the log's velocities (n,) [m/s] are quicker.
+    """
+    steps = np.abs(np.diff(smoothed(v, T_s, min(SLOW, 0.05 / T_s))))
+    ramp = min(max(top * T_s / max(float(np.quantile(steps, 0.95)), 1e-300), RAMPS[0]), RAMPS[1])
+    plateau = max(ramp / RAMPS[1], 0.5) * VALIDATION.plateau
+    return replace(VALIDATION, height=top, slope=top / ramp, plateau=plateau)
 
 
 def of_rivals(estimation: Estimation, known: Evidence) -> tuple[Variant, ...]:

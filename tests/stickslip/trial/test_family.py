@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.signal
 
 from stickslip.catalog.parameters import friction_law
 from stickslip.cosim import Trapezoid
@@ -14,6 +15,7 @@ from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import Compensator, build_fmus
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.trial.benefit import MotionErrors
+from stickslip.trial.compensator_trial import trapezoid_of
 from stickslip.trial.family import deflection, deflections, onset, travel
 from stickslip.trial.guards import (
     NONE,
@@ -137,6 +139,17 @@ def test_small_moves_are_those_of_the_fit_not_of_what_is_taken():
     assert found(static, {"lugre": [fit, stiff]}) == pytest.approx((bent / 2, 0.0))
     assert found(static, {}, 1e-8) == pytest.approx((1.5e-7, 0.0))
     assert found(static, {}) == pytest.approx((1e-4 * VALIDATION.height, 0.0))
+
+
+@pytest.mark.parametrize(("a", "ramp"), [(0.2, 0.2), (10.0, 0.1), (0.01, 0.04 / 0.055)])
+def test_a_trapezoid_has_the_accelerations_of_the_log(a, ramp):
+    """A triangle of velocities between -40 and 40 mm/s has one acceleration."""
+    t = np.arange(20_000) * 1e-3
+    v = 0.04 * scipy.signal.sawtooth(2 * np.pi * t * a / 0.16, 0.5)
+    found = trapezoid_of(v, 0.04, 1e-3)
+    assert found.height == 0.04
+    assert found.slope == pytest.approx(0.04 / ramp, rel=0.02)
+    assert 0.25 <= found.plateau <= 0.5
 
 
 @pytest.fixture(scope="module")
