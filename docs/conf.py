@@ -1,5 +1,6 @@
 """Sphinx builds the site from the root of the repository, so that links of pages hold there too."""
 
+import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import generate  # noqa: E402 - it lies beside this file
 from numpydoc.docscrape import NumpyDocString  # noqa: E402 - after the path
 from sphinx.application import Sphinx  # noqa: E402 - after the path
 
+shutil.rmtree(HERE / "_generated", ignore_errors=True)  # pages of names that are gone
 generate.write(HERE / "_generated")
 
 
