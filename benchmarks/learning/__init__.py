@@ -1,1 +1,1 @@
-"""How fast learning learns, and what a candidate costs: ``python -m benchmarks.learning``."""
+"""How fast learning learns, and what a candidate costs: ``python -m benchmarks speed``."""

@@ -174,9 +174,8 @@ def family(law: Law, friction: Values, command: Trapezoid, known: Evidence) -> t
 
     Each of them, as fitted or drawn from what the log supports, has the friction of the log, and
     the least and the largest that it may come to have. Those drawn differ by direction or along the
-    guide, in turn. Friction is given by parameters of the law,
-    as the compensator takes them. The command is the fastest one, whose travel gives the period of
-    friction along the guide.
+    guide, in turn. Friction is given by parameters of the law, as the compensator takes them. The
+    command is the fastest one, whose travel gives the period of friction along the guide.
     """
     along = {"position_amplitude": UNEVEN, "position_period": PERIOD * travel(command)}
     changes: list[Values] = [{"asymmetric": True, "asymmetry": UNEVEN}]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stickslip import models
+from stickslip.learned import writing
 from stickslip.presentation.page import Section, picture_files
 from stickslip.servo.systems import Compensator, deployed
 from stickslip.storage import staged
@@ -147,14 +147,6 @@ def build_part(
     learned: LearnedFromRecording, one: Compensator, called: str, staging: Path, refusal: str = ""
 ) -> None:
     """Build the FMU of a part of the loop, in whose description is why it is not recommended."""
-    of_law = models.load_model(one.model).law is not None
-    law = (one.law or learned.estimation.law.name) if of_law else None
-    models.build_fmu(
-        one.model,
-        staging,
-        start=one.values,
-        law=law,
-        called=called,
-        rotary=learned.estimation.recording.rotary,
-        note=f"Written with --force; learn does not recommend it: {refusal}" if refusal else "",
-    )
+    note = f"Written with --force; learn does not recommend it: {refusal}" if refusal else ""
+    law, rotary = learned.estimation.law, learned.estimation.recording.rotary
+    writing.build_part(one, law, called, staging, rotary=rotary, note=note)

@@ -6,13 +6,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from stickslip import models
 from stickslip.learned.file import LearnedFile
-from stickslip.learned.writing import component_entry, loop_document
+from stickslip.learned.writing import build_part, component_entry, loop_document
 from stickslip.models.export.units import motion_unit
 from stickslip.presentation.page import Section, write_page
 from stickslip.presentation.table import Column, Table
-from stickslip.servo.systems import Compensator
 from stickslip.storage import completed
 from stickslip.storage.codec import state
 from stickslip.storage.writing import write_json
@@ -97,10 +95,11 @@ def write_tuned(found: TunedDrive, folder: Path) -> None:
     with completed(folder, command, FILES, frames) as staging:
         write_json(tuned_document(found), staging / DOCUMENT)
         learned = LearnedFile(staging / DOCUMENT)  # the blocks are those that export would give
+        build = partial(build_part, law=learned.law, folder=staging, rotary=learned.rotary)
         if found.best.feedforward:
-            _build(learned, learned.deployed(learned.share), "compensator", staging)
+            build(learned.deployed(learned.share), called="compensator")
         if found.best.observer:
-            _build(learned, learned.observer, "observer", staging)
+            build(learned.observer, called="observer")
         section = Section(
             "",
             "studies/tune/page.j2",
@@ -132,17 +131,3 @@ def sentence_of(found: Optimised) -> str:
     """Return what a search brought, in a sentence without its end."""
     before, runs = found.table["cost"].iloc[0], len(found.table)
     return f"The cost is {found.cost:.6g} instead of {before:.6g} after {runs} runs"
-
-
-def _build(learned: LearnedFile, one: Compensator, called: str, staging: Path) -> None:
-    """Build the FMU of a compensator."""
-    of_law = models.load_model(one.model).law is not None
-    law = (one.law or learned.law.name) if of_law else None
-    models.build_fmu(
-        one.model,
-        staging,
-        start=one.values,
-        law=law,
-        called=called,
-        rotary=learned.rotary,
-    )
