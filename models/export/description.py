@@ -38,6 +38,7 @@ _KEYS = {
 _VARIABILITY = {"memory": "discrete", "mode": "discrete", "parameter": "fixed"}
 _OPEN = {"min": None, "max": None}
 _KINDS: tuple[Kind, ...] = get_args(Kind)
+_STOP, _STEP = 1.0, 5e-4  # s, where model.toml has no [experiment]
 
 
 @dataclass(frozen=True)
@@ -211,13 +212,14 @@ def read_model(folder: Path, law: Law | None = None) -> Model:
                 fields["state"] += fields.pop("mode")
                 for name, table in integrated.items():
                     variables += _derivatives(name, table, names)
+        times = content.get("experiment", {})
         return Model(
             name=content.get("name", folder.name),
             title=content["title"],
             description=content["description"],
             version=content["version"],
-            stop=content["experiment"]["stop"],
-            step=content["experiment"]["step"],
+            stop=times.get("stop", _STOP),
+            step=times.get("step", _STEP),
             sampled=content.get("sampled", False),
             variables=tuple(variables),
             fields=fields,

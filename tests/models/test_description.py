@@ -7,6 +7,7 @@ from stickslip.models.export.description import read_model
 from stickslip.models.export.law import MODELS, read_law
 
 DOB, DAHL = MODELS / "compensators" / "dob" / "model.toml", MODELS / "laws" / "dahl" / "law.toml"
+STATIC = MODELS / "compensators" / "static_feedforward" / "model.toml"
 
 
 @pytest.mark.parametrize(
@@ -16,13 +17,13 @@ DOB, DAHL = MODELS / "compensators" / "dob" / "model.toml", MODELS / "laws" / "d
         (DOB, "title = ", "title : ", r"model\.toml: .*line 1"),
         (DOB, '"F_motor"', '"current"', r"\[loop\]: current is unknown"),
         (DOB, '"tau_i" }', '"tau" }', r"\[loop\]: tau is unknown"),
-        (DOB, "start = 1.0", "begin = 1.0", "variable share: begin is unknown"),
-        (DOB, "start = 1.0", "start = [1.0, 2.0]", "share: 2 start values for 1 elements"),
-        (DOB, "start = 1.0", "start = 1.5", "share = 1.5 1 is outside 0"),
-        (DOB, 'F_m = "dependent", v_r', 'F_m = "linear", v_r', "variable F: linear is unknown"),
-        (DOB, 'force = "F" }', 'force = "G" }', "terminal friction: G is unknown"),
-        (DOB, '[inputs.F_in]\nunit = "N"', '[inputs.F_in]\nunit = "V"', "F_in: V is unknown"),
-        (DOB, "[inputs.F_in]\n", '[inputs.F_in]\ndisplay = "kN"\n', "F_in: kN is unknown"),
+        (DOB, "start = 0.0", "begin = 0.0", "variable L_1: begin is unknown"),
+        (DOB, "start = 0.0", "start = [1.0, 2.0]", "L_1: 2 start values for 1 elements"),
+        (DOB, "start = 0.0", "start = -1.0", "L_1 = -1 N/m/s is outside 0"),
+        (DOB, 'F_m = "dependent" }', 'F_m = "linear" }', "variable d_hat: linear is unknown"),
+        (STATIC, 'force = "F" }', 'force = "G" }', "terminal friction: G is unknown"),
+        (DOB, '[outputs.d_hat]\nunit = "N"', '[outputs.d_hat]\nunit = "V"', "d_hat: V is unknown"),
+        (DOB, "[outputs.d_hat]\n", '[outputs.d_hat]\ndisplay = "kN"\n', "d_hat: kN is unknown"),
         (DAHL, 'steady = "', 'level = "', "room/law.toml: key 'steady' is missing"),
         (DAHL, 'coordinate = "log"', 'at_least = "F_0"', "sigma_0: F_0 is unknown"),
     ],
