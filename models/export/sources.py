@@ -69,6 +69,9 @@ def _law(model: Model) -> list[str]:
     lines = [f"#define LAW_IS_SMOOTH {law.is_smooth:d}"]
     lines += [f"#define LAW_SWITCHES {model.is_switched:d}", "typedef Parameters Law;"]
     lines.append(f"typedef {'Memory' if model.sampled else 'States'} LawState;")
+    lines += ["static inline Law law_scaled(const Law *p, double factor) {", "    Law q = *p;"]
+    lines += [f"    q.{p.name} *= factor;" for p in law.parameters.values() if p.unit == "N"]
+    lines += ["    return q;", "}", ""]
     if model.is_switched:
         return [*lines, "typedef Derivatives LawRate;", "typedef Indicators LawEvents;", ""]
     if not law.is_smooth:

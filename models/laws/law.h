@@ -3,13 +3,15 @@
  *
  * variables.h is generated from law.toml and, where a model contains the law, from model.toml:
  * `Law` has the law's parameters and `LawState` its states by name. A law touches no other member
- * of them, so that the same file serves every plant and every compensator.
+ * of them, so that the same file serves every plant and every compensator. law_scaled(p, factor) is
+ * the same law where friction is that times as large at every steady speed; its stiffness stays.
  */
 #ifndef LAW_H
 #define LAW_H
 
 #include <stdbool.h>
 
+#include "numerics/elementary.h"
 #include "variables.h"
 
 /* Friction force [N] now. */
@@ -17,10 +19,6 @@ double law_force(double v, const LawState *s, const Law *p);
 
 /* Go h [s] ahead at constant v; returns the mean force [N] over the step. */
 double law_step(double h, double v, LawState *s, const Law *p);
-
-/* The same law where friction is `factor` times as large at every steady speed; its stiffness
- * stays. */
-Law law_scaled(const Law *p, double factor);
 
 #if LAW_IS_SMOOTH
 /* Derivatives of the states by time. */

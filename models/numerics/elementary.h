@@ -24,6 +24,12 @@ static inline double nearest(double x) {
     return (x + shift) - shift;
 }
 
+/* |x| */
+static inline double absolute(double x) { return x < 0.0 ? -x : x; }
+
+/* -1, 0 or 1 */
+static inline double sign_of(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; }
+
 /* x, limited to -1 .. 1 */
 static inline double clipped(double x) { return x > 1.0 ? 1.0 : x < -1.0 ? -1.0 : x; }
 

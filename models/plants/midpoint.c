@@ -17,8 +17,6 @@ static const double MAX_SUBSTEPS = 1e7; /* in one step: seconds of work */
 
 enum { MAX_ITERATIONS = 200 };
 
-static double absolute(double a) { return a < 0.0 ? -a : a; }
-
 typedef struct {
     double h, v;           /* [s], [m/s] length and first velocity of the sub-step */
     double u;              /* [N] driving force */

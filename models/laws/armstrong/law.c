@@ -2,15 +2,9 @@
 
 #include <stddef.h>
 
-#include "numerics/elementary.h"
-
 enum { INTERVALS = sizeof((LawState *)NULL)->v_past / sizeof(double) };
 
 static const double WHOLE = 1e-9; /* what may lack of an interval by rounding, as its share */
-
-static double absolute(double a) { return a < 0.0 ? -a : a; }
-
-static double sign_of(double v) { return v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0; }
 
 /* Square root of a normal x > 0, else 0. */
 static double root(double x) {
@@ -128,11 +122,4 @@ double law_step(double h, double v, LawState *s, const Law *p) {
     const double shares = remember(left, v, s, p);
     impulse += s->mode * (left * p->F_c + shares * s->share * (p->F_s - p->F_c));
     return impulse / h;
-}
-
-Law law_scaled(const Law *p, double factor) {
-    Law scaled = *p;
-    scaled.F_s *= factor;
-    scaled.F_c *= factor;
-    return scaled;
 }

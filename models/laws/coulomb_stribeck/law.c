@@ -12,18 +12,7 @@ double law_step(double h, double v, LawState *s, const Law *p) {
     return law_force(v, s, p);
 }
 
-Law law_scaled(const Law *p, double factor) {
-    Law scaled = *p;
-    scaled.F_s *= factor;
-    scaled.F_c *= factor;
-    return scaled;
-}
-
 #if LAW_SWITCHES
-static double sign_of(double a) { return a > 0.0 ? 1.0 : a < 0.0 ? -1.0 : 0.0; }
-
-static double absolute(double a) { return a < 0.0 ? -a : a; }
-
 double law_flow(double v, double u, const LawState *s, const Law *p, LawRate *rate) {
     (void)rate;
     return s->mode == 0.0 ? u : s->mode * stribeck_curve(v, p->F_s, p->F_c, p->v_s, p->delta);

@@ -7,8 +7,6 @@
 static const double SUBSTEP = 5e-5;     /* [s] */
 static const double MAX_SUBSTEPS = 1e7; /* in one step: seconds of work */
 
-static double absolute(double a) { return a < 0.0 ? -a : a; }
-
 /* Slide for up to h [s] under force u [N]; returns the time that is left when v crosses 0. */
 static double slide(double h, Motion *motion, double u, const Mass *mass, const Law *law) {
     static const LawState free = {0};

@@ -1,14 +1,10 @@
 #include "laws/law.h"
 
-#include "numerics/elementary.h"
-
 /* What is left of the force until it is s F_c, as a share of F_c: r = 1 - s F_d / F_c [1]. Along
  * the way y = sigma_0 |x| / F_c [1] it follows dr/dy = -|r|^i sgn(r). */
 
 static const double SHORT = 1e-3; /* ways up to which a series is exact to rounding */
 static const double CLOSE = 1e-9; /* exponents that are taken to be equal */
-
-static double absolute(double a) { return a < 0.0 ? -a : a; }
 
 /* x^p for x >= 0; 0^0 = 1 */
 static double power(double x, double p) {
@@ -57,12 +53,6 @@ double law_step(double h, double v, LawState *s, const Law *p) {
     const double F_mean = F_end * (1.0 - r * mean);
     s->F_d = F_end * (1.0 - r * left);
     return F_mean;
-}
-
-Law law_scaled(const Law *p, double factor) {
-    Law scaled = *p;
-    scaled.F_c *= factor;
-    return scaled;
 }
 
 void law_rate(double v, const LawState *s, const Law *p, LawRate *rate) {

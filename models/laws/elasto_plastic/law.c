@@ -1,7 +1,6 @@
 #include "laws/law.h"
 
 #include "laws/stribeck.h"
-#include "numerics/elementary.h"
 
 /* At constant v the share of steady friction r = s sigma_0 z / g(v) [1], s = sgn(v), follows
  *
@@ -17,8 +16,6 @@ enum { ORDER = 12 }; /* of the Taylor series between rho and 1 */
 static const double PI = 3.141592653589793;
 static const double LOCAL = 1e-14; /* error of r allowed in one series */
 static const double BENT = 1e-3;   /* kappa^2 e at which three terms of a logarithm are enough */
-
-static double absolute(double a) { return a < 0.0 ? -a : a; }
 
 static double g(double v, const Law *p) {
     return stribeck_curve(v, p->F_s, p->F_c, p->v_s, p->delta);
@@ -142,13 +139,6 @@ double law_step(double h, double v, LawState *s, const Law *p) {
     const double dz = (r - before) / per_reach;
     s->z += dz;
     return G * mean + p->sigma_1 * dz / h;
-}
-
-Law law_scaled(const Law *p, double factor) {
-    Law scaled = *p;
-    scaled.F_s *= factor;
-    scaled.F_c *= factor;
-    return scaled;
 }
 
 void law_rate(double v, const LawState *s, const Law *p, LawRate *rate) {

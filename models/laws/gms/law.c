@@ -3,7 +3,6 @@
 #include <stddef.h>
 
 #include "laws/stribeck.h"
-#include "numerics/elementary.h"
 
 enum { ELEMENTS = sizeof((Law *)NULL)->alpha / sizeof(double) };
 
@@ -67,16 +66,7 @@ double law_step(double h, double v, LawState *s, const Law *p) {
     return impulse / h + damping((sum(s->F_e) - before) / h, p);
 }
 
-Law law_scaled(const Law *p, double factor) {
-    Law scaled = *p;
-    scaled.F_s *= factor;
-    scaled.F_c *= factor;
-    return scaled;
-}
-
 #if LAW_SWITCHES
-static double absolute(double a) { return a < 0.0 ? -a : a; }
-
 /* Force [N] that a sticking element still lacks to its share of the Stribeck curve. */
 static double reserve(size_t i, double G, const LawState *s, const Law *p) {
     return p->alpha[i] / sum(p->alpha) * G - absolute(s->F_e[i]);

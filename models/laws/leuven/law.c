@@ -3,13 +3,10 @@
 #include <stddef.h>
 
 #include "laws/stribeck.h"
-#include "numerics/elementary.h"
 
 enum { ELEMENTS = sizeof((Law *)NULL)->kappa / sizeof(double) };
 
 enum { SUB_STEPS = 16 }; /* where n_h is not 1 */
-
-static double absolute(double a) { return a < 0.0 ? -a : a; }
 
 /* What holds over a step. */
 typedef struct {
@@ -111,13 +108,6 @@ double law_step(double h, double v, LawState *s, const Law *p) {
         for (double left = h / (double)count; left > 0.0;)
             left -= piece(left, v, &c, s, p, &impulse, &way);
     return (impulse + p->sigma_1 * way) / h;
-}
-
-Law law_scaled(const Law *p, double factor) {
-    Law scaled = *p;
-    scaled.F_s *= factor;
-    scaled.F_c *= factor;
-    return scaled;
 }
 
 #if LAW_SWITCHES

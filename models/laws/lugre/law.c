@@ -12,13 +12,6 @@ double law_step(double h, double v, LawState *s, const Law *p) {
     return lugre_step(h, v, &s->z, &contact);
 }
 
-Law law_scaled(const Law *p, double factor) {
-    Law scaled = *p;
-    scaled.F_s *= factor;
-    scaled.F_c *= factor;
-    return scaled;
-}
-
 void law_rate(double v, const LawState *s, const Law *p, LawRate *rate) {
     const LuGre contact = LUGRE_OF(p);
     rate->z = lugre_dz(v, s->z, &contact);

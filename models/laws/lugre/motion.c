@@ -32,8 +32,6 @@ typedef struct {
     double vv, vz, zv, zz;
 } Matrix;
 
-static double absolute(double a) { return a < 0.0 ? -a : a; }
-
 static Rate rate(double v, double z, double u, double scale, const Mass *s, const LuGre *p,
                  Matrix *jacobian) {
     double slope;
