@@ -11,7 +11,7 @@ from stickslip import fmi
 from stickslip.fmi.description import writing
 from stickslip.fmi.standard import standard_files
 from stickslip.models.export.description import Model, Role, Variable
-from stickslip.models.export.law import MODELS
+from stickslip.models.export.law import MODELS, Law
 
 _STRUCTS: dict[Role, str] = {
     "input": "Inputs",
@@ -60,6 +60,13 @@ def _jacobian(model: Model) -> list[str]:
     ]
 
 
+def law_scaled(law: Law) -> str:
+    """Return the C of a law that is `factor` times as large: its forces are; see laws/law.h."""
+    forces = (f"    q.{p.name} *= factor;" for p in law.parameters.values() if p.unit == "N")
+    head = "static inline Law law_scaled(const Law *p, double factor) {"
+    return "\n".join([head, "    Law q = *p;", *forces, "    return q;", "}"])
+
+
 def _law(model: Model) -> list[str]:
     """Return what laws/law.h calls a law's parameters, states, derivatives and Jacobian."""
     law = model.law
@@ -69,9 +76,7 @@ def _law(model: Model) -> list[str]:
     lines = [f"#define LAW_IS_SMOOTH {law.is_smooth:d}"]
     lines += [f"#define LAW_SWITCHES {model.is_switched:d}", "typedef Parameters Law;"]
     lines.append(f"typedef {'Memory' if model.sampled else 'States'} LawState;")
-    lines += ["static inline Law law_scaled(const Law *p, double factor) {", "    Law q = *p;"]
-    lines += [f"    q.{p.name} *= factor;" for p in law.parameters.values() if p.unit == "N"]
-    lines += ["    return q;", "}", ""]
+    lines += [law_scaled(law), ""]
     if model.is_switched:
         return [*lines, "typedef Derivatives LawRate;", "typedef Indicators LawEvents;", ""]
     if not law.is_smooth:

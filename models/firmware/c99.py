@@ -12,7 +12,7 @@ from pathlib import Path
 
 from stickslip.models.export.description import Model, Role, Variable
 from stickslip.models.export.law import MODELS
-from stickslip.models.export.sources import shared_files
+from stickslip.models.export.sources import law_scaled, shared_files
 
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _PROTOTYPE = re.compile(r"^[\w ]+?[ *](\w+)\([^{}]*\);$", re.DOTALL)
@@ -144,7 +144,8 @@ def _header(model: Model) -> str:
 def _source(model: Model) -> str:
     name, upper, struct = model.name, model.name.upper(), struct_name(model)
     sources = [*shared_files(model), model.folder / "model.c"]
-    found = pieces(path.read_text(encoding="utf-8") for path in sources)
+    texts = [path.read_text(encoding="utf-8") for path in sources]
+    found = pieces([*texts, law_scaled(model.law) if model.law else ""])
     step = "sample" if model.sampled else "model_step"
     wanted = "model_start", step, "model_outputs"
     order = sorted(needed(found, wanted), key=lambda one: "static " in found[one])  # types first
