@@ -25,11 +25,11 @@ from stickslip.cosim.errors import ConnectionFault, ExperimentError, FmuError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.library import UnloadedLibrary
 from stickslip.cosim.kernel import unroll
-from stickslip.cosim.ssp.markup import zipped
 from stickslip.cosim.system.loops import algebraic_loop, group
 from stickslip.cosim.system.settings import Coupling, Record
 from stickslip.cosim.system.system import System
 from stickslip.fmi import toolchain
+from stickslip.fmi.archive import zipped
 from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.files import atomic_write
 from stickslip.fmi.standard import standard_files

@@ -1,9 +1,7 @@
 """Names and namespaces of SSP 1.0 and 2.0, and its XML, whose errors name file and line."""
 
-import io
 import math
 import re
-import zipfile
 from collections.abc import Iterable
 from functools import cache
 from importlib.util import find_spec
@@ -335,7 +333,6 @@ def text_of(root: Any) -> bytes:
     return text
 
 
-_TIMESTAMP = (1980, 1, 1, 0, 0, 0)  # the same system gives the same bytes
 Members = dict[str, bytes]
 
 
@@ -351,16 +348,3 @@ def free_name(stem: str, suffix: str, members: Members) -> str:
         n += 1
         name = f"{stem}_{n}{suffix}"
     return name
-
-
-def zipped(members: Members) -> bytes:
-    """Return the package."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w") as archive:
-        for name, content in sorted(members.items()):
-            member = zipfile.ZipInfo(name, _TIMESTAMP)
-            member.compress_type = zipfile.ZIP_DEFLATED
-            member.create_system = 3
-            member.external_attr = 0o644 << 16
-            archive.writestr(member, content)
-    return buffer.getvalue()

@@ -38,12 +38,12 @@ from stickslip.cosim.ssp.markup import (
     tag,
     text_of,
     violation,
-    zipped,
 )
 from stickslip.cosim.ssp.read import read_experiment, read_package
 from stickslip.cosim.ssp.structure import Document, Node, Package
 from stickslip.cosim.system.scaling import PLAIN, Link, Scaling
 from stickslip.cosim.system.system import System
+from stickslip.fmi.archive import zipped
 from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.description.variables import Value
 from stickslip.fmi.files import atomic_write

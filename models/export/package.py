@@ -1,9 +1,7 @@
 """From a model's folder to an .fmu file."""
 
 import hashlib
-import io
 import re
-import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache
@@ -11,6 +9,7 @@ from pathlib import Path
 from typing import get_args
 
 from stickslip.fmi import toolchain
+from stickslip.fmi.archive import zipped
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
 from stickslip.fmi.messages import suggestion
@@ -23,7 +22,6 @@ from stickslip.models.export.model_description import model_description
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _ROOMS = ("plants", "compensators", "controllers")
 _ICON = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
-_EPOCH = (1980, 1, 1, 0, 0, 0)  # the same bytes from the same sources
 
 
 @cache
@@ -179,7 +177,7 @@ def pack_fmu(
         lambda platform: blank_library(model, fmi, platform),
         lambda library: toolchain.patched(library, marker, start),
     )
-    return atomic_write(Path(folder) / f"{model.name}.fmu", _archive(members))
+    return atomic_write(Path(folder) / f"{model.name}.fmu", zipped(members))
 
 
 def blank_library(model: Model, fmi: sources.FmiVersion, platform: toolchain.Platform) -> Path:
@@ -204,14 +202,3 @@ def _token(model: Model, fmi: sources.FmiVersion) -> str:
     for path, content in sorted(sources.c_files(model, fmi).items()):
         digest.update(f"\0{path}\0{content}".encode())
     return digest.hexdigest()[:32]
-
-
-def _archive(members: Mapping[str, bytes]) -> bytes:
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in sorted(members.items()):
-            info = zipfile.ZipInfo(name, _EPOCH)
-            info.compress_type = zipfile.ZIP_DEFLATED
-            info.external_attr = 0o644 << 16
-            archive.writestr(info, content)
-    return stream.getvalue()
