@@ -3,7 +3,6 @@
 Source: FMI 2.0.4 section 2.2, FMI 3.0.2 section 2.4.
 """
 
-import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -16,7 +15,7 @@ from stickslip.cosim.system.system import System
 from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.description.units import BASE_UNITS, Unit
 from stickslip.fmi.description.variables import Value, Variable
-from stickslip.fmi.description.writing import child, document
+from stickslip.fmi.description.writing import child, document, naming
 from stickslip.fmi.messages import escaped, suggestion
 
 Role = Literal["TIME", "INPUT", "OUTPUT", "PARAMETER", "TUNABLE"]
@@ -148,8 +147,6 @@ _CAUSALITY = {
 }
 _VARIABILITY = {"PARAMETER": "fixed", "TUNABLE": "tunable"}
 _INITIAL = {"PARAMETER": "exact", "TUNABLE": "exact", "OUTPUT": "calculated"}
-_NAME = r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?"
-_STRUCTURED = re.compile(rf"{_NAME}(\.{_NAME})*", re.ASCII)
 
 
 def model_description(
@@ -165,7 +162,6 @@ def model_description(
     serializes: bool,
 ) -> str:
     """Return the XML; the experiment's step is that of the components."""
-    structured = all(_STRUCTURED.fullmatch(v.name) for v in shown)
     head = {
         "fmiVersion": f"{version}.0",
         "modelName": name,
@@ -175,7 +171,7 @@ def model_description(
         "author": "The authors of its components",
         "license": "That of each component: documentation/licenses/license.txt",
         "generationTool": "stickslip",
-        "variableNamingConvention": "structured" if structured else "flat",
+        "variableNamingConvention": naming(v.name for v in shown),
     }
     root = ET.Element("fmiModelDescription", head)
     state = "state" if version == 2 else "State"

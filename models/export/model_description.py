@@ -1,10 +1,9 @@
 """modelDescription.xml of FMI 2.0 and FMI 3.0."""
 
-import re
 from xml.etree import ElementTree as ET
 
 from stickslip.fmi.description.model import ANNOTATION
-from stickslip.fmi.description.writing import child, document, text
+from stickslip.fmi.description.writing import child, document, naming, text
 from stickslip.models.export.description import Model, Variable
 from stickslip.models.export.sources import START, FmiVersion, c_files, compiled
 from stickslip.models.export.units import DISPLAY, base_unit
@@ -24,15 +23,10 @@ _LOG_CATEGORIES = {
     "logEvents": "Phases of the life cycle",
     "logAll": "All of these",
 }
-# A path of identifiers with indices (FMI 2.0.4, section 2.2.9).
-_NAME = r"[A-Za-z_]\w*(?:\[\d+(?:,\d+)*\])?"
-_PATH = rf"{_NAME}(?:\.{_NAME})*"
-_STRUCTURED = re.compile(rf"{_PATH}|der\({_PATH}\)", re.ASCII)
 
 
 def model_description(model: Model, token: str, fmi: FmiVersion) -> str:
     """Return the XML; the binary checks the token. Source: FMI 2.0.4, 2.2; FMI 3.0.2, 2.4."""
-    structured = all(_STRUCTURED.fullmatch(v.name) for v in model.variables)
     root = ET.Element(
         "fmiModelDescription",
         {
@@ -43,7 +37,7 @@ def model_description(model: Model, token: str, fmi: FmiVersion) -> str:
             "copyright": "(c) 2026 The stickslip authors",
             "license": "MIT",
             "generationTool": "stickslip",
-            "variableNamingConvention": "structured" if structured else "flat",
+            "variableNamingConvention": naming(v.name for v in model.variables),
             **({"version": model.version} if model.version else {}),
             ("guid" if fmi == 2 else "instantiationToken"): token,
         },
