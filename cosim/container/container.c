@@ -103,7 +103,7 @@ static Status start(Instance *x) {
     x->run.done = 0;
     x->run.answers = (Answers){0};
     x->run.start = 0.0;
-    x->stop_defined = false;
+    x->run.stop = INFINITY;
     x->phase = INSTANTIATED;
     for (int i = 0; i < N_VARIABLES; i++) {
         if (VARIABLES[i].role == INPUT) {

@@ -11,7 +11,7 @@ void general_unload(Instance *x, int part) {}
 int general_put(Instance *x, int part, void (*set)(void), uint32_t reference, void *value) {
     return ERROR;
 }
-void general_tighten(Instance *x, int part, bool stop_defined) {}
+void general_tighten(Instance *x, int part) {}
 #else
 
 #define TAKE_GENERAL(name) c->call.fmi2.name = general_##name;
@@ -91,9 +91,9 @@ void general_unload(Instance *x, int part) {
 }
 
 /* As GeneralComponent.tighten does; without a stop time for the longest run. */
-void general_tighten(Instance *x, int part, bool stop_defined) {
+void general_tighten(Instance *x, int part) {
     const double usual = PARTS[part].general->tolerance, n = (x->run.stop - x->run.start) / STEP;
-    const double share = stop_defined ? 0.1 / fmax(1.0, round(n)) : 0.0;
+    const double share = 0.1 / fmax(1.0, round(n));
     x->general[part].tolerance = fmin(usual, fmax(1e-10, share * usual));
 }
 

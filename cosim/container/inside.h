@@ -67,7 +67,6 @@ struct Instance {
     double rows[2 * WIDTH]; /* of the present and of the next point in time */
     Phase phase;
     bool stale; /* in initialisation: what was set has not reached the outputs */
-    bool stop_defined;
     Logger logger;
     char name[256];
     char resources[3072];
@@ -86,7 +85,7 @@ int general_put(Instance *x, int part, void (*set)(void), uint32_t reference, vo
 
 /* Let the errors that the solver of a coupled component makes in a run stay below the coupling's.
  */
-void general_tighten(Instance *x, int part, bool stop_defined);
+void general_tighten(Instance *x, int part);
 
 /* Model Exchange: load the solver from the resources. Reports why that fails. */
 bool solver_load(Instance *x);

@@ -40,36 +40,20 @@ Status instance_set_up(Instance *x, double start_time, bool stop_defined, double
         return report(x, ERROR, "the start time is not finite");
     }
     x->run.start = start_time;
-    x->run.stop = stop;
-    x->stop_defined = stop_defined;
+    x->run.stop = stop_defined ? stop : INFINITY;
     for (int i = 0; i < N_PARTS; i++) {
         if (PARTS[i].coupled && PARTS[i].general) {
-            general_tighten(x, i, stop_defined);
+            general_tighten(x, i);
         }
     }
     return OK;
-}
-
-static bool enter(Instance *x, Component *c) {
-    Run *run = &x->run;
-    const bool stops = x->stop_defined, limited = c->tolerance > 0.0;
-    if (c->version == 3) {
-        return passed(run, c, "fmi3EnterInitializationMode",
-                      (int)c->call.fmi3.EnterInitializationMode(c->instance, limited, c->tolerance,
-                                                                run->start, stops, run->stop));
-    }
-    return passed(run, c, "fmi2SetupExperiment",
-                  (int)c->call.fmi2.SetupExperiment(c->instance, limited, c->tolerance, run->start,
-                                                    stops, run->stop)) &&
-           passed(run, c, "fmi2EnterInitializationMode",
-                  (int)c->call.fmi2.EnterInitializationMode(c->instance));
 }
 
 Status instance_enter_initialization(Instance *x) {
     PLAIN_HERE;
     for (int i = 0; i < N_PARTS; i++) {
         Component *c = &x->components[i];
-        if (!enter(x, c) || !get_outputs(&x->run, c, c->n_outputs, x->rows)) {
+        if (!enter_initialization(&x->run, c) || !get_outputs(&x->run, c, c->n_outputs, x->rows)) {
             return failed(x);
         }
     }

@@ -5,7 +5,6 @@
 
 typedef struct {
     Phase phase;
-    bool stop_defined;
     int64_t done;
     double start, stop;
     double rows[2 * WIDTH];
@@ -44,7 +43,6 @@ Status instance_save(Instance *x, void **state) {
     }
     *state = s;
     s->own.phase = x->phase;
-    s->own.stop_defined = x->stop_defined;
     s->own.done = x->run.done;
     s->own.start = x->run.start;
     s->own.stop = x->run.stop;
@@ -62,7 +60,6 @@ Status instance_restore(Instance *x, const void *state) {
     ON_EACH_PART(ON_PART(restore, s->parts[i]))
     x->phase = s->own.phase;
     x->stale = x->phase == INITIALIZATION;
-    x->stop_defined = s->own.stop_defined;
     x->run.done = s->own.done;
     x->run.start = s->own.start;
     x->run.stop = s->own.stop;

@@ -6,6 +6,7 @@
 #include "arithmetic.h"
 #include "kernel.h"
 #include "mark.h"
+#include <math.h>
 
 #define LIKELY(condition) __builtin_expect(condition, 1)
 #define UNLIKELY(condition) __builtin_expect(condition, 0)
@@ -201,11 +202,11 @@ INLINE bool set_start_values(Run *run, const Component *c, bool late) {
 }
 
 INLINE bool enter_initialization(Run *run, const Component *c) {
-    const bool has_tolerance = c->tolerance > 0.0;
+    const bool has_tolerance = c->tolerance > 0.0, has_stop = isfinite(run->stop);
     if (LIKELY(c->version == 2)) {
         MARK(c, "fmi2SetupExperiment");
         const fmi2Status status = c->call.fmi2.SetupExperiment(
-            c->instance, has_tolerance, c->tolerance, run->start, fmi2True, run->stop);
+            c->instance, has_tolerance, c->tolerance, run->start, has_stop, run->stop);
         TRY(passed(run, c, "fmi2SetupExperiment", (int)status) && set_start_values(run, c, false) &&
             CALL_OF(run, c, 2, EnterInitializationMode));
     } else {
@@ -213,7 +214,7 @@ INLINE bool enter_initialization(Run *run, const Component *c) {
         MARK(c, "fmi3EnterInitializationMode");
         TRY(passed(run, c, "fmi3EnterInitializationMode",
                    (int)c->call.fmi3.EnterInitializationMode(
-                       c->instance, has_tolerance, c->tolerance, run->start, true, run->stop)));
+                       c->instance, has_tolerance, c->tolerance, run->start, has_stop, run->stop)));
     }
     return set_start_values(run, c, true);
 }
