@@ -61,6 +61,26 @@ def test_c_includes_what_freestanding_targets_have(exported):
     assert "memcpy" not in (exported / "compensator.c").read_text()
 
 
+@pytest.mark.parametrize(
+    ("name", "inputs"),
+    [
+        ("dob", ["x_enc", "F_m", "v_r", "F_in"]),
+        ("lffc", ["v_r", "u", "F_in"]),
+        ("lugre_observer", ["x_enc", "v_r", "F_in"]),
+    ],
+)
+def test_arguments_of_c_keep_their_order(tmp_path, name, inputs):
+    """Firmware calls these functions, and a compiler does not notice two that are swapped."""
+    header, _ = write_compensator(tmp_path, "c", model=name)
+    declared = re.search(rf"{name}_init\((.*)\);", header.read_text())[1]
+    assert re.findall(rf", {name}_real (\w+)", declared) == inputs
+
+
+def test_c_of_a_plant_has_all_that_it_calls(tmp_path):
+    _, source = write_compensator(tmp_path, "c", model="drive")
+    assert "law_scaled(const Law *p, real factor) {" in source.read_text()
+
+
 @pytest.mark.parametrize("start", [{}, {"b": 1e-300, "lead": 5e-324, "F_s": 1e9, "delta": 0.5}])
 def test_literals_of_structured_text_are_in_the_range_of_real(tmp_path, start):
     """IEC 61131-3: a literal without a type may be REAL, of 32 bits; matiec refuses others."""
