@@ -66,7 +66,7 @@ from stickslip.studies.validate import compared_logs, log_prediction, log_verdic
 from stickslip.trial import compensator_trial, guards
 from stickslip.trial.benefit import NONE, MotionErrors, TrialError
 from stickslip.trial.candidates import CompensatorComparison, Row
-from stickslip.trial.family import commands, onset
+from stickslip.trial.family import Drive, Evidence, deflections, family, onsets
 from stickslip.trial.guards import Hold, Trial, hunting, hunting_at_rest, stribeck
 from stickslip.tuning import drive_model, loop_learning, refinement
 from tests.stickslip.identification.synthetic_predictions import predicted
@@ -117,6 +117,7 @@ def evidence():
     }
     drive = namespace(fit=namespace(space=SPACE), known=known, law=SPACE.law, fitted=fitted)
     drive.held_out, drive.parameters = namespace(predictions=found), {}
+    drive.recording = namespace(encoder_step=None)
     return compensator_trial.known_friction(drive, 1.0, LearnSettings().friction_range).draws
 
 
@@ -127,14 +128,24 @@ def most(name):
 SPACE = ParameterSpace.of(friction_law())
 RIVALS = (("lugre", 1.0), ("coulomb_stribeck", 2.0))
 POOR = ("F_s", "sigma_0")
+POOR_ONE = {"F_c": 1.0, "sigma_0": 1.0}
 
 
-WORSE_ON_SOME = tuple(TrialError(1.0, "", 1.0, ratio) for ratio in (0.5, 0.6, 1.0, 1.1, 1.1))
+RIGID = [Drive(f"{k}", "coulomb_stribeck", {"F_c": 6.0, "F_s": 9.0}) for k in range(4)]
 FAST = cosim.Trapezoid(height=0.04, slope=0.8, plateau=0.1, begin=0.1)
 
 
-def small_moves():
-    return commands(FAST, T_S, FRICTION, 4e-7, bent=(1e-5, 4e-6))[3:]
+def later():
+    """Return the onsets of observers where the deflection is 10 encoder steps."""
+    known = {"sigma_0": FRICTION["F_c"] / 1e-5}
+    own = {**FRICTION, **known}
+    drives = family(friction_law(), own, FAST, Evidence())
+    return onsets(friction_law(), own, drives, FAST, 1e-6)
+
+
+def stiffest(step):
+    """Return the largest of the stiffnesses that a log shows as 1, with F_c = 1."""
+    return max(one["sigma_0"] for one in compensator_trial.stiffer(4 * [POOR_ONE], step))
 
 
 def is_growing():
@@ -833,9 +844,11 @@ def is_planned(**limits):
 CASES: dict[str, tuple[Any, object, object]] = {
     # threshold: decision, verdict with its value, and with twice of it, or half where /2 stands
     "harm.WORSE": (lambda: MotionErrors((TrialError(1.0, "", 1.0, 1.2),)).is_worse, True, False),
-    "harm.DRIVES/2": (lambda: MotionErrors(WORSE_ON_SOME).is_worse, True, False),
-    "harm.RESOLVED/2": (lambda: len(small_moves()), 3, 2),
-    "harm.ONSET": (lambda: onset(small_moves(), T_S) > 6e-5, False, True),
+    "harm.RESOLVED/2": (lambda: len(later()), 3, 0),
+    "harm.ONSET": (lambda: later()[0] > 6e-5, False, True),
+    "harm.HIDDEN": (lambda: min(deflections(RIGID, FAST, 4e-7).values()) > 3e-6, False, True),
+    "harm.COARSE/2": (lambda: stiffest(1.0 / 20.0), 3.0, 1.0),
+    "harm.STIFFER": (lambda: stiffest(1.0 / 20.0), 3.0, 4.0),
     "harm.PROMISED": (
         lambda: MotionErrors((TrialError(1.0, "", 1.0, 0.5),)).interval,
         (0.25, 1.0),

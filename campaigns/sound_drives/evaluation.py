@@ -207,8 +207,10 @@ def evaluated(drive: Drive, learned: Path, said: str = "") -> dict[str, Any]:
 
 
 def _written(document: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
-    chosen = document.get("compared", {}).get("chosen", document.get("compensation", names[0]))
-    share = document.get("share", {}).get("value", 1.0) if "compensator" in names else 1.0
+    compared = document.get("compared", {})
+    chosen = compared.get("chosen", document.get("compensation", names[0]))
+    shares = {one["compensator"]: one.get("share") for one in compared.get("compensators", ())}
+    share = shares.get(chosen) or 1.0
     return {"written": chosen, "share": round(share, 3), "why": ""}
 
 

@@ -3,13 +3,8 @@
 from stickslip.thresholds import Threshold
 
 WORSE = Threshold(1.02, "decision 134")
-"""Largest ratio of the error with a compensator to that without it, on ``DRIVES`` of the family
-with the same level of friction on the same motion; above it a smaller share of the force is tried,
-and at last none is written."""
-DRIVES = Threshold(
-    0.75, "decision 135: with 0.5, three of four sound drives were up to 2.6 times worse"
-)
-"""Share of the drives with the same level of friction on which a compensator may not be worse."""
+"""Largest ratio of the error with a compensator to that without it, on each drive of the family in
+each motion; above it a smaller share of the force is tried, and at last none is written."""
 FALLS = Threshold(0.7, "docs/adaptation.md: friction drifts by up to 30 % with temperature")
 """Least friction that the drive may come to have, over that in the log, unless a range is given."""
 GROWS = Threshold(1.3, "docs/adaptation.md: friction drifts by up to 30 % with temperature")
@@ -22,6 +17,15 @@ RESOLVED = Threshold(
 )
 """Encoder steps of the least presliding deflection that a log supports, below which the log does
 not show presliding, so that observers have an onset."""
+HIDDEN = Threshold(
+    5.0, "docs/measurements/sound-drives.md: least of the drives with a ratio above 1"
+)
+"""Encoder steps of the shortest presliding deflection for which a drive of a law without one is
+tried, and an onset is made."""
+COARSE = Threshold(30.0, "decision 135: at 7 to 14 true steps 11 to 28 were fitted")
+"""Encoder steps of a fitted presliding deflection below which the true one may be shorter."""
+STIFFER = Threshold(3.0, "decision 135: at 4 to 15 steps, true values were up to 2.7 times the fit")
+"""Largest stiffness of a drive on which a compensator is tried, over that fitted, there."""
 ONSET = Threshold(1.25, "the reference of 40 sound drives goes up to 1.23 times a small move")
 """Displacement from which an observer acts, over the longest of the moves in which the drive may
 stick."""

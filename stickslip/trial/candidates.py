@@ -29,7 +29,6 @@ from stickslip.servo.observer import FORCE_NOISE, DesignedObserver, design_obser
 from stickslip.servo.sensitivity import OpenLoop, Response
 from stickslip.servo.systems import Compensator
 from stickslip.thresholds import offer
-from stickslip.trial.family import onset
 from stickslip.trial.guards import Bench, Benefit, Variant, feedforward
 from stickslip.trial.observed import (
     BOTH,
@@ -265,9 +264,12 @@ class _Candidates(ExitStack):
     def _feedforward(self, part: Part) -> Row:
         if part.model == ANY_LAW:
             return Row(part.name, 2, self._without, self.own)
-        one = Compensator(part.name, part.model, self._values(part))
-        whole = feedforward(one.parameters(self.bench.loop), part.name, part.model)
-        (benefit,) = self.bench.benefits([whole])
+        for onset in ({}, *self._onsets(part)):
+            one = Compensator(part.name, part.model, {**self._values(part), **onset})
+            whole = feedforward(one.parameters(self.bench.loop), part.name, part.model)
+            (benefit,) = self.bench.benefits([whole])
+            if benefit.acceptable:
+                break
         return Row(part.name, 1, self._without, benefit)
 
     def _quick(self, behind: Row | None, part: Part) -> float:
@@ -300,11 +302,17 @@ class _Candidates(ExitStack):
     def _observer(self, behind: Row | None, part: Part) -> list[Row]:
         """Return the row of an observer; none if there is no observer within the limit of Ms."""
         first = behind.benefit if behind and behind.benefit else self.own
-        designs, together = self._from_best(part, alone=behind is None), behind is not None
-        try:
-            designed, benefit = strongest(self.bench, first, designs, together=together)
-        except ControlError:
-            return []
+        together = behind is not None
+        for onset in self._onsets(part) or ({},):
+            designs = (
+                designed.changed(onset) for designed in self._from_best(part, alone=not together)
+            )
+            try:
+                designed, benefit = strongest(self.bench, first, designs, together=together)
+            except ControlError:
+                return []
+            if benefit.acceptable:
+                break
         name = f"{behind.name}+{part.name}" if behind else part.name
         if together and first.acceptable:
             benefit = replace(benefit, full=first.full)
@@ -346,15 +354,16 @@ class _Candidates(ExitStack):
         """Yield an observer if its peak sensitivity is within the limit while it acts."""
         peaks = [response.peak for response in self._measured(part, values)]
         if peaks and max(peaks) <= offer.SENSITIVITY:
-            observer = Compensator("observer", part.model, {**values, **self._onset(part)})
+            first = next(iter(self._onsets(part)), {})
+            observer = Compensator("observer", part.model, {**values, **first})
             observer = replace(observer, values=observer.parameters(self.bench.loop))
             yield ObserverDesign(observer, max(peaks), self._without)
 
-    def _onset(self, part: Part) -> dict[str, float]:
-        """Return the displacement from which an observer acts, if its model has one."""
+    def _onsets(self, part: Part) -> Sequence[Mapping[str, float]]:
+        """Return the values of ``onset``, if the model of a part has one, to be tried in turn."""
         if not any(one.name == "onset" for one in models.load_model(part.model).variables):
-            return {}
-        return {"onset": onset(self.bench.commands, self.bench.loop.T_s)}
+            return ()
+        return [{"onset": one} for one in self.bench.onsets]
 
     def _grid(self, part: Part) -> list[float]:
         """Return values of the first gene of a part."""

@@ -242,13 +242,31 @@ def known_friction(estimation: Estimation, top: float, levels: tuple[float, floa
         if explains and not (other.name in draws or tried.candidate.is_level or is_alike):
             draws[other.name] = tried.plausible
     spaces = {name: ParameterSpace.of(friction_law(name)) for name in draws}
+    step = estimation.recording.encoder_step or 0.0
     return Evidence(
         {
-            name: [_of_drive(bounded_by(one, spaces[name], largest)) for one in found]
+            name: [
+                _of_drive(bounded_by(one, spaces[name], largest)) for one in stiffer(found, step)
+            ]
             for name, found in draws.items()
         },
         levels,
     )
+
+
+def stiffer(draws: Sequence[Mapping[str, float]], step: float) -> list[Mapping[str, float]]:
+    """Return draws with stiffnesses up to several times that fitted, where few steps show it.
+
+    Such a fit is too soft: the encoder rounds what it shows of the deflection.
+    """
+    found = []
+    for one, share in zip(draws, np.linspace(0.0, 1.0, len(draws)), strict=True):
+        values = dict(one)
+        if "sigma_0" in one and one["F_c"] < harm.COARSE * step * one["sigma_0"]:
+            most = max(one["F_c"] / (harm.HIDDEN * step), one["sigma_0"])
+            values["sigma_0"] = min(one["sigma_0"] * harm.STIFFER**share, most)
+        found.append(values)
+    return found
 
 
 def _spread(

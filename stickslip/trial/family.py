@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import cycle
@@ -113,15 +113,13 @@ CREEP = (0.3, 0.001, 0.03)
 """Speed of creep over the Stribeck velocity, and its bounds as shares of the log's speed."""
 CREEPS = (0.001, 0.01)  # the same shares where a log shows no such velocity
 SLIPS = (3.0, 5.0)  # times that an integral needs to break away in creep, and most of them [s]
-MICRO, SMALLEST = "micro-steps", "smallest moves"
-MOVES = {
-    MICRO: (4.0, 10.0, 0.01),
-    "short moves": (60.0, 100.0, 0.1),
-    SMALLEST: (4.0, 20.0, 0.01),
-}
-"""Lengths of small moves: in presliding deflections, at least in encoder steps, and at most as a
-share of the travel; the last in those of the stiffest drive that the log supports, where it does
-not tell how far a drive moves before it slips."""
+MICRO = "micro-steps"
+MOVES = {MICRO: (4.0, 10.0, 0.01), "short moves": (60.0, 100.0, 0.1)}
+"""Lengths of small moves: in presliding deflections of the drive, at least in encoder steps, and at
+most as a share of the travel."""
+RESTS = 1.0  # a reference that takes longer for an onset rests, numerics/onset.h [s]
+PRESLIDING = ("sigma_0", "sigma_1")  # what does not follow the level of friction, in a drawn drive
+LENGTHS = 4  # different deflections of drives whose law has none
 BEYOND = (0.5, 2.0)  # levels of friction that decide nothing, and are shown beside the others
 UNEVEN = 0.1  # share by which friction differs by direction, and along the guide
 PERIOD = 0.4  # length of its variation along the guide, as a share of the travel
@@ -149,10 +147,12 @@ class Command:
     ----------
     name : display name
     v_cmd : (n,) one value a sample [m/s]
+    drives : names of the drives that are tried on it; empty for all
     """
 
     name: str
     v_cmd: Array
+    drives: tuple[str, ...] = ()
 
     @property
     def speed(self) -> float:
@@ -189,7 +189,10 @@ def family(law: Law, friction: Values, command: Trapezoid, known: Evidence) -> t
     def at(name: str, level: float, *, decides: bool = True) -> Drive:
         own, values = named[name]
         shown = name if level == 1.0 else f"{name} x {level:g}"
-        return Drive(shown, own.name, own.share(values, level), level, decides=decides)
+        scaled = own.share(values, level)
+        if name != FITTED:  # as by another lubricant: the contact is as stiff as before
+            scaled |= {one: values[one] for one in PRESLIDING if one in values}
+        return Drive(shown, own.name, scaled, level, decides=decides)
 
     levels = tuple(dict.fromkeys((1.0, *known.levels)))
     deciding = [at(name, level) for name in named for level in levels]
@@ -204,8 +207,7 @@ def commands(
     stiffness: float = math.inf,  # force per travel of a loop whose drive is held [N/m]
     *,
     rotary: bool = False,
-    # presliding deflection of the fit, and least one that the log supports [m]
-    bent: tuple[float, float] | None = None,
+    drives: Sequence[Drive] = (),  # whose moves have the length of their own presliding
 ) -> tuple[Command, ...]:
     """Return the commands: a trapezoid at two speeds, creep that slides, and small moves.
 
@@ -221,25 +223,37 @@ def commands(
             slower = replace(slower, plateau=max(command.plateau, min(held, SLIPS[1])))
         t = np.arange(round((slower.corners()[-1] + slower.begin) / T_s) + 1) * T_s
         found.append(Command(f"{1e3 * slower.height:.3g} {unit}", slower.sample(t)))
-    fit, least = bent or 2 * (deflection(friction, command),)
-    for name, (deflections, steps, share) in MOVES.items():
-        length = max(deflections * (least if name == SMALLEST else fit), steps * encoder_step)
-        if name == SMALLEST and least >= harm.RESOLVED * encoder_step:
-            continue
-        length = min(length, share * travel(command))
-        found.append(Command(name, _moves(length, command, T_s)))
+    bent = deflections(drives, command, encoder_step) or {"": deflection(friction, command)}
+    for name, (times, steps, share) in MOVES.items():
+        of_length: dict[float, list[str]] = {}
+        for drive, own in bent.items():
+            length = min(max(times * own, steps * encoder_step), share * travel(command))
+            of_length.setdefault(float(f"{length:.6g}"), []).extend([drive] if drive else [])
+        found += [
+            Command(name, _moves(length, command, T_s), tuple(names))
+            for length, names in of_length.items()
+        ]
     return tuple(found)
 
 
-def onset(tried: Iterable[Command], T_s: float) -> float:
-    """Return from which displacement [m] on observers act, where the log does not show presliding.
+def onsets(
+    law: Law, friction: Values, drives: Sequence[Drive], command: Trapezoid, encoder_step: float
+) -> tuple[float, ...]:
+    """Return from which displacements [m] on forces may act; none where a log shows presliding.
 
-    It is longer than the moves in which the drive may stick; 0 where the log shows presliding.
+    Each leaves more motions alone, in which the drive as fitted may stick: micro-steps, short
+    moves, and creep, where the reference rests. What a compensator takes is not the fit where the
+    log does not show it.
     """
-    ways = {one.name: float(np.ptp(np.cumsum(one.v_cmd)) * T_s) for one in tried}
-    if SMALLEST not in ways:
-        return 0.0
-    return harm.ONSET * max(ways[SMALLEST], ways[MICRO])
+    bent = deflections(drives, command, encoder_step)
+    own = [one for one in drives if one.level == 1.0 and one.law == law.name]
+    taken, *drawn = [bent[one.name] for one in own if "sigma_0" in one.parameters] or [0.0]
+    if min(drawn, default=taken) >= harm.RESOLVED * encoder_step:
+        return ()
+    fit = max((drawn or [taken])[0] or max(bent.values()), harm.HIDDEN * encoder_step)
+    small = [min(times * fit, share * travel(command)) for times, _, share in MOVES.values()]
+    creep = max(_creeps(friction, command)) * abs(command.height) * RESTS
+    return tuple(harm.ONSET * one for one in (*small, max(*small, creep)))
 
 
 def travel(command: Trapezoid) -> float:
@@ -248,24 +262,26 @@ def travel(command: Trapezoid) -> float:
 
 
 def deflections(
-    law: Law, drives: Sequence[Drive], command: Trapezoid, encoder_step: float
-) -> tuple[float, float]:
-    """Return the presliding deflection of the fit, and the least that a log supports [m].
+    drives: Sequence[Drive], command: Trapezoid, encoder_step: float
+) -> dict[str, float]:
+    """Return the presliding deflection [m] at the friction of the log, by name of the drive.
 
-    What a compensator takes is not the fit where the log does not show it. A law without presliding
-    does not tell how small a small move is, but a rival may; a typical one is not so large that an
-    encoder shows it.
+    Drives of a law without presliding have, in turn, several from a short one to that of the first
+    drive with another law, or to a typical one, which is not so large that an encoder shows it.
     """
-    every = [one for one in drives if one.level == 1.0 and "sigma_0" in one.parameters]
-    taken, *drawn = [
-        deflection(one.parameters, command) for one in every if one.law == law.name
-    ] or [0]
-    if taken:
-        return (drawn or [taken])[0], min(drawn, default=taken)
-    if every:
-        return deflection(every[0].parameters, command), 0.0
-    typical = deflection({}, command)
-    return (min(typical, harm.RESOLVED * encoder_step) if encoder_step else typical), 0.0
+    shown = [one for one in drives if "sigma_0" in one.parameters]
+    longest = deflection(shown[0].parameters if shown else {}, command)
+    if encoder_step and not shown:
+        longest = min(longest, harm.RESOLVED * encoder_step)
+    shortest = min(harm.HIDDEN * encoder_step, longest) or longest
+    turns = cycle(np.geomspace(longest, shortest, LENGTHS).tolist())
+    of_draw: dict[str, float] = {}
+    for one in drives:
+        own = one.name.partition(" x ")[0]
+        if own not in of_draw:
+            bent = "sigma_0" in one.parameters
+            of_draw[own] = deflection(one.parameters, command) if bent else next(turns)
+    return {one.name: of_draw[one.name.partition(" x ")[0]] for one in drives}
 
 
 def deflection(friction: Values, command: Trapezoid) -> float:

@@ -45,8 +45,8 @@ from stickslip.trial.family import (
     Run,
     Trial,
     commands,
-    deflections,
     family,
+    onsets,
 )
 from stickslip.trial.hold import Hold, holds, hunting_at_rest
 
@@ -322,7 +322,7 @@ def bench_of(
             step,
             stiffness=stiffness,
             rotary=rotary,
-            bent=deflections(law, drives, command, step),
+            drives=drives,
         )
         bench = Bench(
             folder,
@@ -333,6 +333,7 @@ def bench_of(
             feed=feed,
             datasheet=datasheet,
             workers=workers,
+            onsets=onsets(law, friction, drives, command, step),
         )
         with closing(bench):
             yield bench

@@ -7,7 +7,7 @@ for less friction, and then only a share of its estimate is compensated.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -31,6 +31,11 @@ class ObserverDesign:
     sensitivity: float  # largest peak sensitivity at any of the masses, with the observer
     without: float  # the same without it
 
+    def changed(self, values: Mapping[str, float]) -> ObserverDesign:
+        """Return the same with other values of the observer that do not act in the linear loop."""
+        observer = replace(self.observer, values={**self.observer.values, **values})
+        return replace(self, observer=observer)
+
 
 def strongest(
     bench: Bench, feedforward: Benefit, designs: Iterable[ObserverDesign], *, together: bool
@@ -47,13 +52,13 @@ def strongest(
         if tried and bench.is_worse(shared, tried[-1][0]):
             continue
         benefit = _tried(bench, feedforward, designed.observer, together=together)
-        worst = max(benefit.motions, key=lambda one: one.upper.ratio)
+        worst = max(benefit.motions, key=lambda one: one.worst.ratio)
         tried.append((worst, designed, benefit))
         if benefit.acceptable:
             break
     if not tried:
         raise ControlError("no observer")
-    _, best, benefit = min(tried, key=lambda one: one[0].upper.ratio)
+    _, best, benefit = min(tried, key=lambda one: one[0].worst.ratio)
     return best, benefit
 
 

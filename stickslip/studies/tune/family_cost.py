@@ -51,28 +51,23 @@ class FamilyCost(ExitStack):
         noise = bench.datasheet.encoder_noise
         optics = {"noise": noise > 0.0, "noise_x": noise, "noise_F": 0.0}
         self._axis = {**axis_values(loop, bench.datasheet), **optics}
-        n = max(len(one.v_cmd) for one in bench.commands)
-        self._inputs = {
-            one.name: loop.commands(np.pad(one.v_cmd, (0, n - len(one.v_cmd)), mode="edge"))
-            for one in bench.commands
-        }
+        self._inputs = bench.inputs(loop)
         self._speed = max(one.speed for one in bench.commands)
         self._runs = {}
         for law in dict.fromkeys(one.law for one in bench.drives):
             system = build_loop(bench.folder_of(law), loop, start.chain, bench.feed)
             record = ("drive.v", "drive.x", "drive.F_m")
-            stop = (n - 1) * loop.T_s
+            stop = (bench.samples - 1) * loop.T_s
             whole = cosim.Specification(system, step=loop.T_s, stop=stop, record=record)
             self._runs[law] = self.enter_context(Runs(whole, bench.workers))
         observers = [one for one in start.chain if one.name == "observer"]
         folder = bench.folder_of(bench.law.name)
         self._chain = self.enter_context(ChainResponse(folder, loop, observers, self._speed))
         self._lock = threading.Lock()  # of the one simulation behind it
-        drives = [one for one in bench.drives if one.decides]
-        self.cells = [(drive, command) for drive in drives for command in bench.commands]
+        self.cells = [cell for cell in bench.cells if cell[0].decides]
         errors = zip(self.cells, self._each(start, self.cells), strict=True)
         self._present = {(drive.name, command.name): own for (drive, command), own in errors}
-        searched = {one.name for one in searched_of(drives)}
+        searched = {one.name for one in searched_of([drive for drive, _ in self.cells])}
         self._few = [cell for cell in self.cells if cell[0].name in searched]
         self.F_c = bench.drives[0].parameters["F_c"]
         self._own = self.forces(start)
@@ -150,7 +145,7 @@ class FamilyCost(ExitStack):
         command = cell[1]
         targets = {"drive.v": command.v_cmd}
         if one.loop.K_x:
-            targets["drive.x"] = self._inputs[command.name]["x_cmd"][: len(command.v_cmd)]
+            targets["drive.x"] = self._inputs[command]["x_cmd"][: len(command.v_cmd)]
         try:
             result = self._run(one, cell)
         except cosim.SimulationError:
@@ -164,7 +159,7 @@ class FamilyCost(ExitStack):
         drive, command = cell
         values: Mapping[str, object] = in_loop({**self._axis, **drive.parameters}) | one.parameters
         until = (len(command.v_cmd) - 1) * one.loop.T_s
-        result = self._runs[drive.law].run(values, self._inputs[command.name], until=until)
+        result = self._runs[drive.law].run(values, self._inputs[command], until=until)
         require_bounded(result["drive.v"], self._speed)
         return result
 

@@ -109,7 +109,6 @@ def compensation(compared: CompensatorComparison) -> Section:
         tried=list(tables.errors(chosen.benefit)) if chosen.benefit else [],
         relative=tables.compensators(compared),
         WORSE=harm.WORSE,
-        DRIVES=harm.DRIVES,
         LIMIT=offer.SENSITIVITY,
     )
 
