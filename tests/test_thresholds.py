@@ -140,7 +140,7 @@ def later():
     known = {"sigma_0": FRICTION["F_c"] / 1e-5}
     own = {**FRICTION, **known}
     drives = family(friction_law(), own, FAST, Evidence())
-    return onsets(friction_law(), own, drives, FAST, 1e-6)
+    return onsets(friction_law(), drives, FAST, 1e-6)
 
 
 def stiffest(step):
@@ -844,7 +844,7 @@ def is_planned(**limits):
 CASES: dict[str, tuple[Any, object, object]] = {
     # threshold: decision, verdict with its value, and with twice of it, or half where /2 stands
     "harm.WORSE": (lambda: MotionErrors((TrialError(1.0, "", 1.0, 1.2),)).is_worse, True, False),
-    "harm.RESOLVED/2": (lambda: len(later()), 3, 0),
+    "harm.RESOLVED/2": (lambda: len(later()), 2, 0),
     "harm.ONSET": (lambda: later()[0] > 6e-5, False, True),
     "harm.HIDDEN": (lambda: min(deflections(RIGID, FAST, 4e-7).values()) > 3e-6, False, True),
     "harm.COARSE/2": (lambda: stiffest(1.0 / 20.0), 3.0, 1.0),

@@ -47,6 +47,9 @@ SLOWER = (0.1, 1e-2, 1e-3, 1e-4)  # rates of the disturbance, over that of the f
 GRID = 8  # values of a gene that are compared by sensitivity and expected error
 RAMPS = (0.1, 0.3, 1.0, 3.0)
 """Velocities at which the ramp of a Coulomb force ends that are compared, over the start value."""
+LATE = (0.03, 0.1, 0.3)
+"""The same over the speed of the log, for a static feedforward that harms where friction may hold
+the drive: slow motions then get less of it."""
 SIGNALS = {"encoder": "x_enc", "motor_force": "F_motor"}  # that a controller may lack, by role
 _RAMP = "v_t"
 _REFERENCE = {"v_ref", "F_added"}
@@ -264,8 +267,9 @@ class _Candidates(ExitStack):
     def _feedforward(self, part: Part) -> Row:
         if part.model == ANY_LAW:
             return Row(part.name, 2, self._without, self.own)
-        for onset in ({}, *self._onsets(part)):
-            one = Compensator(part.name, part.model, {**self._values(part), **onset})
+        start = self._values(part)
+        for later in ({}, *({_RAMP: k * self.speed} for k in LATE if _RAMP in start)):
+            one = Compensator(part.name, part.model, {**start, **later})
             whole = feedforward(one.parameters(self.bench.loop), part.name, part.model)
             (benefit,) = self.bench.benefits([whole])
             if benefit.acceptable:

@@ -117,7 +117,6 @@ MICRO = "micro-steps"
 MOVES = {MICRO: (4.0, 10.0, 0.01), "short moves": (60.0, 100.0, 0.1)}
 """Lengths of small moves: in presliding deflections of the drive, at least in encoder steps, and at
 most as a share of the travel."""
-RESTS = 1.0  # a reference that takes longer for an onset rests, numerics/onset.h [s]
 PRESLIDING = ("sigma_0", "sigma_1")  # what does not follow the level of friction, in a drawn drive
 LENGTHS = 4  # different deflections of drives whose law has none
 BEYOND = (0.5, 2.0)  # levels of friction that decide nothing, and are shown beside the others
@@ -237,13 +236,12 @@ def commands(
 
 
 def onsets(
-    law: Law, friction: Values, drives: Sequence[Drive], command: Trapezoid, encoder_step: float
+    law: Law, drives: Sequence[Drive], command: Trapezoid, encoder_step: float
 ) -> tuple[float, ...]:
     """Return from which displacements [m] on forces may act; none where a log shows presliding.
 
-    Each leaves more motions alone, in which the drive as fitted may stick: micro-steps, short
-    moves, and creep, where the reference rests. What a compensator takes is not the fit where the
-    log does not show it.
+    Each leaves more small moves alone, in which the drive as fitted may stick. What a compensator
+    takes is not the fit where the log does not show it.
     """
     bent = deflections(drives, command, encoder_step)
     own = [one for one in drives if one.level == 1.0 and one.law == law.name]
@@ -251,9 +249,9 @@ def onsets(
     if min(drawn, default=taken) >= harm.RESOLVED * encoder_step:
         return ()
     fit = max((drawn or [taken])[0] or max(bent.values()), harm.HIDDEN * encoder_step)
-    small = [min(times * fit, share * travel(command)) for times, _, share in MOVES.values()]
-    creep = max(_creeps(friction, command)) * abs(command.height) * RESTS
-    return tuple(harm.ONSET * one for one in (*small, max(*small, creep)))
+    return tuple(
+        harm.ONSET * min(times * fit, share * travel(command)) for times, _, share in MOVES.values()
+    )
 
 
 def travel(command: Trapezoid) -> float:

@@ -333,7 +333,7 @@ def bench_of(
             feed=feed,
             datasheet=datasheet,
             workers=workers,
-            onsets=onsets(law, friction, drives, command, step),
+            onsets=onsets(law, drives, command, step),
         )
         with closing(bench):
             yield bench
