@@ -118,7 +118,7 @@ MOVES = {MICRO: (4.0, 10.0, 0.01), "short moves": (60.0, 100.0, 0.1)}
 """Lengths of small moves: in presliding deflections of the drive, at least in encoder steps, and at
 most as a share of the travel."""
 PRESLIDING = ("sigma_0", "sigma_1")  # what does not follow the level of friction, in a drawn drive
-LENGTHS = 4  # different deflections of drives whose law has none
+LENGTHS = 4  # deflections of drives whose law has none
 BEYOND = (0.5, 2.0)  # levels of friction that decide nothing, and are shown beside the others
 UNEVEN = 0.1  # share by which friction differs by direction, and along the guide
 PERIOD = 0.4  # length of its variation along the guide, as a share of the travel
@@ -222,10 +222,10 @@ def commands(
             slower = replace(slower, plateau=max(command.plateau, min(held, SLIPS[1])))
         t = np.arange(round((slower.corners()[-1] + slower.begin) / T_s) + 1) * T_s
         found.append(Command(f"{1e3 * slower.height:.3g} {unit}", slower.sample(t)))
-    bent = deflections(drives, command, encoder_step) or {"": deflection(friction, command)}
+    bent = deflections(drives, command, encoder_step) or {"": (deflection(friction, command),)}
     for name, (times, steps, share) in MOVES.items():
         of_length: dict[float, list[str]] = {}
-        for drive, own in bent.items():
+        for drive, own in ((drive, own) for drive, every in bent.items() for own in every):
             length = min(max(times * own, steps * encoder_step), share * travel(command))
             of_length.setdefault(float(f"{length:.6g}"), []).extend([drive] if drive else [])
         found += [
@@ -245,10 +245,10 @@ def onsets(
     """
     bent = deflections(drives, command, encoder_step)
     own = [one for one in drives if one.level == 1.0 and one.law == law.name]
-    taken, *drawn = [bent[one.name] for one in own if "sigma_0" in one.parameters] or [0.0]
+    taken, *drawn = [bent[one.name][0] for one in own if "sigma_0" in one.parameters] or [0.0]
     if min(drawn, default=taken) >= harm.RESOLVED * encoder_step:
         return ()
-    fit = max((drawn or [taken])[0] or max(bent.values()), harm.HIDDEN * encoder_step)
+    fit = max((drawn or [taken])[0] or max(bent.values())[0], harm.HIDDEN * encoder_step)
     return tuple(
         harm.ONSET * min(times * fit, share * travel(command)) for times, _, share in MOVES.values()
     )
@@ -261,25 +261,25 @@ def travel(command: Trapezoid) -> float:
 
 def deflections(
     drives: Sequence[Drive], command: Trapezoid, encoder_step: float
-) -> dict[str, float]:
+) -> dict[str, tuple[float, ...]]:
     """Return the presliding deflection [m] at the friction of the log, by name of the drive.
 
-    Drives of a law without presliding have, in turn, several from a short one to that of the first
-    drive with another law, or to a typical one, which is not so large that an encoder shows it.
+    Drives of a law without presliding have several, from that of the first drive with another law,
+    or a typical one, which is not so large that an encoder shows it, to a short one.
     """
     shown = [one for one in drives if "sigma_0" in one.parameters]
     longest = deflection(shown[0].parameters if shown else {}, command)
     if encoder_step and not shown:
         longest = min(longest, harm.RESOLVED * encoder_step)
     shortest = min(harm.HIDDEN * encoder_step, longest) or longest
-    turns = cycle(np.geomspace(longest, shortest, LENGTHS).tolist())
-    of_draw: dict[str, float] = {}
-    for one in drives:
-        own = one.name.partition(" x ")[0]
-        if own not in of_draw:
-            bent = "sigma_0" in one.parameters
-            of_draw[own] = deflection(one.parameters, command) if bent else next(turns)
-    return {one.name: of_draw[one.name.partition(" x ")[0]] for one in drives}
+    several = tuple(np.geomspace(longest, shortest, LENGTHS).tolist())
+    level = {one.name.partition(" x ")[0]: one.parameters for one in reversed(drives)}
+    return {
+        one.name: (deflection(level[one.name.partition(" x ")[0]], command),)
+        if "sigma_0" in one.parameters
+        else several
+        for one in drives
+    }
 
 
 def deflection(friction: Values, command: Trapezoid) -> float:

@@ -14,6 +14,11 @@ from stickslip.logs import Finding, Recording
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import law_choice, misfit
 
+NO_LAW = (
+    "none of the laws compared explains it; check sign, unit and delay of the force, and what else "
+    "pushes the drive"
+)
+
 
 @dataclass(frozen=True)
 class Cause:
@@ -49,7 +54,7 @@ def mismatch(
 
     The best of the predictions of other laws is a cause beside those that were tested.
     """
-    unit = "N m" if rotary else "N"
+    unit, another = "N m" if rotary else "N", [*_another_law(found, others)]
     if found.fails and found.moving:
         yield Finding(
             "warning",
@@ -57,12 +62,12 @@ def mismatch(
             "Coulomb and viscous friction alone",
             f"error of {found.moving.law:.3g} {unit} where it was not fitted, a regression leaves "
             f"{found.moving.regression:.3g} {unit}",
-            "give <law auto>",
+            another[0].advice if another else NO_LAW if others else "give <law auto>",
             spoils="values",
         )
     if not (is_mismatch(found) or is_beaten(found, others)):
         return
-    tested = sorted((*causes, *_another_law(found, others)), key=lambda cause: cause.left)
+    tested = sorted((*causes, *another), key=lambda cause: cause.left)
     figure = (
         f"error of {found.force:.3g} {unit} where it was not fitted, {100.0 * found.relative:.2g} "
         f"% of the force; noise and steps explain {found.explained:.3g} {unit}"

@@ -118,20 +118,19 @@ def test_creep_has_two_speeds_where_friction_does_not_rise_towards_rest():
 def test_each_drive_moves_by_its_own_presliding_deflection():
     """That at the friction of the log; laws without one share what is not known."""
     known = {"lugre": [{**TABLE_2, "sigma_0": k * TABLE_2["sigma_0"]} for k in (1.0, 4.0)]}
-    known["coulomb_stribeck"] = 4 * [{"F_c": 6.0, "F_s": 6.0, "v_s": 1e-3}]
+    known["coulomb_stribeck"] = 3 * [{"F_c": 6.0, "F_s": 6.0, "v_s": 1e-3}]
     drives = family(LUGRE, TABLE_2, VALIDATION, Evidence(known))
     bent, own = deflections(drives, VALIDATION, 4e-7), deflection(TABLE_2, VALIDATION)
-    assert bent["LuGre friction 2"] == bent["LuGre friction 2 x 0.7"] == pytest.approx(own / 4)
-    rigid = [bent[f"Coulomb-Stribeck friction {k}"] for k in range(1, 5)]
+    assert bent["LuGre friction 2"] == bent["LuGre friction 2 x 0.7"] == pytest.approx((own / 4,))
+    rigid = bent["Coulomb-Stribeck friction 3"]
     assert rigid == pytest.approx(np.geomspace(own, 5 * 4e-7, 4))
     tried = commands(VALIDATION, 5e-4, TABLE_2, 4e-7, drives=drives)
     assert not any(one.drives for one in tried[:3])
     for count, name in ((4.0, "micro-steps"), (60.0, "short moves")):
-        ways = {}
-        for one in tried[3:]:
-            if one.name == name:
-                ways |= dict.fromkeys(one.drives, 5e-4 * np.ptp(np.cumsum(one.v_cmd)))
-        assert ways == pytest.approx({k: count * x for k, x in bent.items()}, rel=1e-2)
+        small = [one for one in tried[3:] if one.name == name]
+        for drive, own in bent.items():
+            ways = [5e-4 * np.ptp(np.cumsum(x.v_cmd)) for x in small if drive in x.drives]
+            assert sorted(ways) == pytest.approx(sorted(count * x for x in own), rel=1e-2)
 
 
 @pytest.mark.parametrize(("step", "hidden"), [(1e-6, True), (1e-7, False), (0.0, False)])

@@ -23,6 +23,10 @@ def test_a_law_that_fails_beside_a_regression_has_wrong_values():
     assert finding.advice == 'give law="auto"'
     assert "0.12 N" in finding.figure
     assert "0.06 N" in finding.figure
+    others = [predicted("gms", 0.02), predicted("dahl", 0.3)]
+    for rivals, advice in ((others, 'give law="gms"'), (others[1:], "none of the laws compared")):
+        first, *_ = mismatch(predicted("lugre", 0.12, fails=True), rivals, (), rotary=False)
+        assert first.advice.startswith(advice)
     plain = predicted("coulomb_stribeck", 0.12, is_level=True, fails=True)
     assert not list(mismatch(plain, (), (), rotary=False))
 
