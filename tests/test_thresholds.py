@@ -131,6 +131,8 @@ POOR = ("F_s", "sigma_0")
 POOR_ONE = {"F_c": 1.0, "sigma_0": 1.0}
 
 
+WORSE_ON_SOME = tuple(TrialError(1.0, "", 1.0, ratio) for ratio in (0.5, 0.6, 1.0, 1.1, 1.1))
+WORSE_ON_ONE = tuple(TrialError(1.0, "", 1.0, ratio) for ratio in (0.5, 0.6, 1.0, 1.0, 1.4))
 RIGID = Drive("rigid", "coulomb_stribeck", {"F_c": 6.0, "F_s": 9.0})
 FAST = cosim.Trapezoid(height=0.04, slope=0.8, plateau=0.1, begin=0.1)
 
@@ -843,7 +845,9 @@ def is_planned(**limits):
 
 CASES: dict[str, tuple[Any, object, object]] = {
     # threshold: decision, verdict with its value, and with twice of it, or half where /2 stands
-    "harm.WORSE": (lambda: MotionErrors((TrialError(1.0, "", 1.0, 1.2),)).is_worse, True, False),
+    "harm.WORSE": (lambda: MotionErrors((TrialError(1.0, "", 1.0, 1.1),)).is_worse, True, False),
+    "harm.DRIVES/2": (lambda: MotionErrors(WORSE_ON_SOME).is_worse, True, False),
+    "harm.SCATTER": (lambda: MotionErrors(WORSE_ON_ONE).is_worse, True, False),
     "harm.RESOLVED/2": (lambda: len(later()), 2, 0),
     "harm.ONSET": (lambda: later()[0] > 6e-5, False, True),
     "harm.HIDDEN": (lambda: min(deflections([RIGID], FAST, 4e-7)["rigid"]) > 3e-6, False, True),

@@ -109,6 +109,8 @@ def compensation(compared: CompensatorComparison) -> Section:
         tried=list(tables.errors(chosen.benefit)) if chosen.benefit else [],
         relative=tables.compensators(compared),
         WORSE=harm.WORSE,
+        DRIVES=harm.DRIVES,
+        SCATTER=harm.SCATTER,
         LIMIT=offer.SENSITIVITY,
     )
 
