@@ -1,5 +1,7 @@
-"""What lies in an FMU beside binary and description: sources, documents, pictures, results."""
+"""What lies in an FMU: sources, documents, pictures, results, and libraries for all platforms."""
 
+import subprocess
+import sys
 import zipfile
 from pathlib import Path
 
@@ -10,6 +12,8 @@ from lxml import etree, html
 
 from stickslip import models
 from stickslip.fmi import toolchain
+from stickslip.fmi.binary import read_library
+from stickslip.fmi.toolchain import PLATFORMS
 from stickslip.models.export.presentation import reference_file
 from stickslip.models.export.sources import fmi_headers, grouped
 
@@ -103,3 +107,80 @@ def test_the_reference_inside_is_met(fmu, tmp_path):
 def test_other_start_values_have_no_reference_inside(tmp_path):
     with zipfile.ZipFile(models.build_fmu("stage", tmp_path, start={"m": 2.0})) as archive:
         assert not [name for name in archive.namelist() if name.startswith("extra/")]
+
+
+SYSTEM = {"libc.so.6", "KERNEL32.dll", "/usr/lib/libSystem.B.dylib"}
+FOLDERS = {
+    2: {"linux64": "so", "aarch64-linux": "so", "win64": "dll", "darwin64": "dylib"},
+    3: {name: p.suffix[1:] for name, p in PLATFORMS.items()},
+}
+
+
+@pytest.mark.parametrize("version", [2, pytest.param(3, marks=pytest.mark.thorough)])
+def test_one_fmu_holds_all_platforms(version, tmp_path):
+    """In FMI 2.0 both processors of macOS share one universal library."""
+    fmu = models.build_fmu("stage", tmp_path, fmi=version, platforms=PLATFORMS.values())
+    with zipfile.ZipFile(fmu) as archive:
+        libraries = {
+            name: archive.read(name) for name in archive.namelist() if name.startswith("binaries/")
+        }
+    expected = {f"binaries/{folder}/stage.{end}" for folder, end in FOLDERS[version].items()}
+    assert set(libraries) == expected
+    if version == 2:
+        assert libraries.pop("binaries/darwin64/stage.dylib")[:4] == b"\xca\xfe\xba\xbe"
+    for library in libraries.values():
+        found = read_library(library)
+        assert set(found.needs) <= SYSTEM
+        assert f"fmi{version}DoStep" in found.exports
+
+
+@pytest.mark.platforms
+def test_an_empty_cache_gives_the_same_bytes_for_every_platform(tmp_path, monkeypatch):
+    here = {}
+    for folder in ("one", "two with a blank"):
+        monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / folder / "cache"))
+        fmu = models.build_fmu("stage", tmp_path / folder, platforms=PLATFORMS.values())
+        here[folder] = fmu.read_bytes()
+    assert len(set(here.values())) == 1
+
+
+CALL = """
+import sys
+from fmu_manipulation_toolbox.cli.fmutool import fmutool
+
+for path in sys.stdin:
+    sys.argv[1:] = ["-input", path.rstrip(), "-check"]
+    try:
+        status = fmutool()
+    except SystemExit as end:
+        status = end.code
+    print("status", status or 0, flush=True)
+"""
+
+
+@pytest.fixture(scope="module")
+def fmutool():
+    """Check FMUs one after the other in a process of its own: what it says of each."""
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    with subprocess.Popen([sys.executable, "-c", CALL], text=True, **pipes) as process:
+
+        def check(path):
+            print(path, file=process.stdin, flush=True)
+            said = ""
+            while not (line := process.stdout.readline()).startswith("status "):
+                assert line, said  # it has ended
+                said += line
+            assert line == "status 0\n", said
+            return said
+
+        yield check
+        process.stdin.close()
+
+
+@pytest.mark.slow
+def test_fmu_manipulation_toolbox_finds_nothing(some_fmu, fmutool):
+    said = fmutool(some_fmu.path)
+    assert f"compliant with FMI-{some_fmu.version}.0" in said
+    assert "No semantic error" in said
+    assert "ERROR" not in said
+    assert "WARNING" not in said

@@ -1,4 +1,4 @@
-"""Laws of the algorithm, for both presets."""
+"""Laws of every optimiser: order of calls, seeds, costs, failures and the end of a run."""
 
 import json
 from dataclasses import replace
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from problems import GENES, quadratic
+from problems import GENES, TARGET, always_fails, breaks, quadratic, sometimes_fails
 
 from stickslip import ga
 
@@ -97,3 +97,143 @@ def test_a_cost_that_is_not_a_number_is_infinite_with_a_reason():
     assert algorithm.convergence().to_dict("records") == [
         {"generation": 1, "evaluations": 10, "best_cost": 1.0, "mean_cost": 1.0}
     ]
+
+
+EVERY = pytest.mark.parametrize("algorithm", ga.ALGORITHMS)
+HELD = ga.AtLeast("b", "a")
+
+
+def learned(algorithm, cost=quadratic, evaluations=600, seed=0, repair=HELD, genes=GENES):
+    limits = ga.Limits(evaluations=evaluations)
+    optimiser = ga.optimiser(algorithm, ga.Problem(genes, repair), limits, seed)
+    ga.learn(optimiser, cost)
+    return optimiser
+
+
+@EVERY
+def test_candidates_keep_bounds_and_constraint(algorithm):
+    history = learned(algorithm).history
+    for gene in GENES:
+        assert history[gene.name].between(gene.lower, gene.upper).all()
+    assert (history["b"] >= history["a"]).all()
+
+
+@EVERY
+def test_the_start_is_the_first_candidate(algorithm):
+    first = ga.optimiser(algorithm, ga.Problem(GENES)).ask()[0]
+    span = np.array([gene.upper - gene.lower for gene in GENES])
+    assert (np.abs(first - [gene.start for gene in GENES]) <= 0.51e-4 * span).all()
+
+
+@EVERY
+def test_the_same_seed_gives_the_same_bytes_and_leaves_numpy_alone(algorithm):
+    before = np.random.get_state()[1].copy()  # noqa: NPY002 - this is the point
+    histories = [learned(algorithm, evaluations=200, seed=s).history.to_csv() for s in (5, 5, 6)]
+    assert histories[0] == histories[1] != histories[2]
+    np.testing.assert_array_equal(np.random.get_state()[1], before)  # noqa: NPY002
+
+
+@pytest.mark.parametrize("algorithm", ["default", "cma", "de"])
+def test_it_finds_the_bottom_where_part_of_the_range_fails(algorithm):
+    found = learned(algorithm, sometimes_fails, 1000).best
+    np.testing.assert_allclose(found.values, np.minimum(TARGET, [2, np.inf, np.inf]), rtol=1e-2)
+
+
+@pytest.mark.slow
+def test_restarts_leave_a_trap():
+    """A wide basin at the start that costs 1, and a narrow one far away that costs nothing."""
+
+    def cost(values):
+        away = np.log10(values / [0.2, 300.0, 5e-3])
+        return float(min(1 + quadratic(values), 4 * (away @ away)))
+
+    def median(**settings):
+        limits = ga.Limits(evaluations=2000)
+        runs = [
+            ga.GeneticAlgorithm(GENES, ga.Settings(near_share=1.0, **settings), seed, limits=limits)
+            for seed in range(3)
+        ]
+        return np.median([ga.learn(optimiser, cost).best.cost for optimiser in runs])
+
+    assert median(patience=None) > 0.5
+    assert median(patience=10, restarts=10) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "genes", "message"),
+    [
+        ("magic", GENES, "no algorithm 'magic'; expected one of default, paper, cma, de"),
+        ("cma", GENES[:1], "two genes or more"),
+    ],
+)
+def test_what_cannot_be_is_named(name, genes, message):
+    with pytest.raises(ga.SettingsError, match=message):
+        ga.optimiser(name, ga.Problem(genes))
+
+
+SHORT = replace(ga.DEFAULT, generations=12)
+
+
+def ended(settings, cost=quadratic, seed=0, executor=None):
+    algorithm = ga.GeneticAlgorithm(GENES, settings, seed)
+    return algorithm, ga.learn(algorithm, cost, executor)
+
+
+def test_when_all_fail_the_first_reason_is_given():
+    with pytest.raises(ga.NothingLearned, match=r"all 10 candidates failed.*no luck with 3 genes"):
+        ended(SHORT, always_fails)
+
+
+def crashes(error):
+    """Return a cost that raises an error wherever gene a is large, but not at the start."""
+
+    def cost(values):
+        if values[0] > 2:
+            raise error
+        return quadratic(values)
+
+    return cost
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize(
+    ("error", "reason"),
+    [
+        (ZeroDivisionError("no force"), "ZeroDivisionError: no force"),
+        (ga.CandidateFailed("no force"), "no force"),
+    ],
+)
+def test_a_candidate_that_fails_costs_infinity_and_says_why(workers, error, reason):
+    with ga.executor("threads", workers) as executor:
+        algorithm, found = ended(SHORT, crashes(error), executor=executor)
+    history = algorithm.history
+    assert (history["cost"] == np.inf).tolist() == (history["a"] > 2).tolist()
+    failed = history[history["cost"] == np.inf]
+    assert (failed["reason"] == reason).all()
+    assert len(failed) > 0
+    assert found.best.cost < np.inf
+
+
+def test_a_fault_of_the_machine_ends_the_run():
+    with pytest.raises(FileNotFoundError):
+        ended(SHORT, crashes(FileNotFoundError("drive.fmu")))
+    cost = crashes(LookupError("no such variable"))
+    cost.fatal = (LookupError,)
+    with pytest.raises(LookupError):
+        ended(SHORT, cost)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_an_error_of_the_very_first_candidate_ends_the_run(workers):
+    with ga.executor("threads", workers) as executor, pytest.raises(ZeroDivisionError):
+        ended(SHORT, breaks, executor=executor)
+
+
+def test_it_stops_at_the_threshold_or_the_last_generation():
+    algorithm, found = ended(replace(ga.DEFAULT, threshold=1e-2))
+    assert found.best.cost <= 1e-2
+    assert algorithm.generation < 100
+    assert "reached the threshold 0.01" in found.stopped
+    algorithm, found = ended(SHORT)
+    assert algorithm.generation == 12
+    assert found.stopped == "all 12 generations are done"

@@ -28,6 +28,7 @@ Parameters = dict[str, float]
 Network = Callable[..., np.ndarray]
 STEP = 5e-4  # s
 GMS_SHARES = ("alpha", "kappa")
+INSTANT = 1e-11  # s, in place of no lag
 Z_UNIT = 1e-6  # the solver sees the bristle in um, so that one absolute tolerance fits all
 
 
@@ -240,7 +241,8 @@ def armstrong(p: Parameters) -> Columns:
         return p["F_c"] + share * (p["F_s"] - p["F_c"])
 
     def risen(time: float) -> float:
-        return share + (1.0 - share) * (rest + time) / (rest + time + p["gamma"])
+        rested = rest + time
+        return share + (1.0 - share) * rested / (rested + p["gamma"]) if p["gamma"] else 1.0
 
     for k, speed in enumerate(v[:-1]):
         s, begin, weights = np.sign(speed), 0.0, weight[per_step * k :][:per_step]
@@ -302,16 +304,17 @@ def velocity_controller(p: Parameters) -> Columns:
     return {"time": t, **inputs, "u": np.append(0.0, u), "v_est": np.append(0.0, v_est)}
 
 
-def lagging_motion() -> Columns:
+def lagging_motion(p: Parameters) -> Columns:
     """Return a motion under a lagging force, of which known friction takes a part late."""
-    p = start_values("velocity_filter")
+    p = start_values("velocity_filter") | p
+    lag = p["tau_i"] or INSTANT
     t = np.arange(201) * STEP
     u = 40.0 * np.sin(2 * np.pi * 14.0 * t) + np.where(t > 0.05, 8.0, 0.0)
     F_ff = 6.0 * np.sign(np.sin(2 * np.pi * 14.0 * t - 0.4))
     rates = np.zeros((6, 6))  # x, v, and what changes it: motor force, known friction, u, F_ff
     rates[0, 1] = 1.0
     rates[1, 1:4] = np.array([-p["b"], 1.0, -1.0]) / p["m"]
-    rates[2, [2, 4]] = rates[3, [3, 5]] = -1.0 / p["tau_i"], 1.0 / p["tau_i"]
+    rates[2, [2, 4]] = rates[3, [3, 5]] = -1.0 / lag, 1.0 / lag
     rates[1, 5] = -0.1 / p["m"]
     move = expm(rates * STEP)
     state = [np.zeros(6)]
@@ -331,7 +334,8 @@ def predictor(p: Parameters, N: np.ndarray) -> Callable[[int, np.ndarray], np.nd
     rates = np.zeros((5, 5))  # x, v, d, N, u
     rates[0, 1] = 1.0
     rates[1, 1:4] = np.array([-p["b"], 1.0, 1.0]) / p["m"]
-    rates[3, 3:] = -1.0 / p["tau_i"], 1.0 / p["tau_i"]
+    lag = p["tau_i"] or INSTANT
+    rates[3, 3:] = -1.0 / lag, 1.0 / lag
     move = expm(rates * STEP)
     held = (N[1:] - move[3, 3] * N[:-1]) / move[3, 4]
 
@@ -344,7 +348,7 @@ def predictor(p: Parameters, N: np.ndarray) -> Callable[[int, np.ndarray], np.nd
 
 def velocity_filter(p: Parameters) -> Columns:
     """Estimate a motion under a lagging force; friction is known but for a tenth of it."""
-    given = lagging_motion()
+    given = lagging_motion(p)
     ahead, gain = predictor(p, given.pop("N")), np.array([p["L_x"], p["L_v"], p["L_d"]])
     estimate, rate = [np.zeros(3)], 0.0
     for k, position in enumerate(given["x_enc"][:-1]):
@@ -371,7 +375,7 @@ def reversing(t: np.ndarray, p: Parameters) -> tuple[np.ndarray, np.ndarray]:
 
 def coulomb_observer(p: Parameters) -> Columns:
     """Observe the same, with a reference velocity that reverses and creeps."""
-    given = lagging_motion()
+    given = lagging_motion(p)
     N = given.pop("N")
     ahead, (v_r, share) = predictor(p, N), reversing(given["time"], p)
     now, a, s, v_last = np.zeros(3), p["a_0"], 0.0, v_r[0]
@@ -418,7 +422,7 @@ def momentum(p: Parameters) -> Callable[[np.ndarray, np.ndarray], tuple[float, f
 
 def momentum_observer(p: Parameters) -> Columns:
     """Observe the same by the change of momentum."""
-    given, residual = lagging_motion(), momentum(p)
+    given, residual = lagging_motion(p), momentum(p)
     N, x, (v_r, share) = given.pop("N"), given["x_enc"], reversing(given["time"], p)
     a, F, a_hat, s, w, v_k = p["a_0"], [0.0], [p["a_0"]], 1.0, p["w_q"], 0.0
     for k in range(200):
@@ -439,7 +443,7 @@ def momentum_observer(p: Parameters) -> Columns:
 
 def adaptive_scale(p: Parameters) -> Columns:
     """Scale known friction beside a reference that reverses; the axis moves in one direction."""
-    given, residual = lagging_motion(), momentum(p)
+    given, residual = lagging_motion(p), momentum(p)
     given.pop("N")
     x, f, F_m = given["x_enc"], given["F_in"], given["F_m"]
     v_r = 0.05 * np.sin(2 * np.pi * 14.0 * given["time"] - 0.4) + 0.01

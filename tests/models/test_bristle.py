@@ -1,4 +1,4 @@
-"""The LuGre law: the exact step, a damping that fades."""
+"""The LuGre law, and the compensator that follows it: exact steps, damping, lead, viscous force."""
 
 import math
 
@@ -68,3 +68,46 @@ def test_a_pushed_mass_against_radau(push):
         assert 1e3 * found["v"][k + 40] == pytest.approx(y[1], abs=2e-3)
         assert 1e6 * found["x"][k + 40] == pytest.approx(y[0], abs=0.01)
     assert np.ptp(found["v"]) > 0.03
+
+
+STEP = 5e-4  # s
+RECORD = ("compensator.F_f", "compensator.F_mean", "compensator.z")
+
+
+def velocity(n: int) -> np.ndarray:
+    """Return a velocity [m/s] that crosses zero, creeps and runs fast."""
+    t = np.arange(n) * STEP
+    return 0.04 * np.sin(40 * t) * np.cos(3 * t) + 2e-4 * np.sin(7 * t)
+
+
+def test_without_hold_the_velocity_of_a_step_is_the_mean_of_its_ends(alone):
+    v = velocity(401)
+    with alone("compensator", RECORD, step=STEP, stop=0.2) as simulation:
+        middle = simulation.run(inputs={"v": v}, parameters={"compensator.hold": False})
+        means = np.append(0.5 * (np.append(v[0], v[:-2]) + v[:-1]), 0.0)
+        held = simulation.run(inputs={"v": means})
+    np.testing.assert_allclose(
+        middle["compensator.F_mean"], held["compensator.F_mean"], rtol=0, atol=1e-12
+    )
+    assert np.ptp(middle["compensator.F_mean"]) > 1.0
+
+
+def test_lead_advances_the_velocity(alone):
+    """A ramp a t with the lead T is the ramp a (t + T)."""
+    with alone("compensator", RECORD, step=STEP, stop=0.1) as simulation:
+        ramp = 0.5 * (simulation.time - 0.05)
+        early = simulation.run(inputs={"v": ramp}, parameters={"compensator.lead": 2e-3})
+        shifted = simulation.run(inputs={"v": ramp + 0.5 * 2e-3})
+        plain = simulation.run(inputs={"v": ramp})
+    for name in ("compensator.F_mean", "compensator.F_f"):
+        assert abs(plain[name] - shifted[name])[40:].max() > 1.0
+        np.testing.assert_allclose(early[name][40:], shifted[name][40:], rtol=0, atol=1e-8)
+
+
+def test_viscous_term_of_equation_5(alone):
+    v = velocity(401)
+    with alone("compensator", RECORD, step=STEP, stop=0.2) as simulation:
+        without = simulation.run(inputs={"v": v})
+        result = simulation.run(inputs={"v": v}, parameters={"compensator.b": 30.0})
+    extra = result["compensator.F_mean"] - without["compensator.F_mean"]
+    np.testing.assert_allclose(extra[1:], 30.0 * v[:-1], atol=1e-12)

@@ -16,6 +16,9 @@ CONTROLLERS = [
     {"K_p": 0.0, "K_i": 0.0, "P_x": 2e5},
 ]
 CASES = [
+    ("velocity_filter", {"b": 0.0}),
+    ("velocity_filter", {"m": 0.5, "b": 900.0, "tau_i": 2e-3}),
+    ("velocity_filter", {"m": 12.0, "tau_i": 0.0}),
     *(("dob", {"share": share, "L_1": 1e7}) for share in SHARES),
     *(("coulomb_observer", {"share": share, "k_a": 0.2, "a_0": 3.0}) for share in SHARES),
     *(("coulomb_observer", {"share": share, "measured": 1.0}) for share in SHARES),
@@ -40,9 +43,11 @@ CASES = [
     ("lugre_network", {"gamma": 0.3, "F_c": 1.0, "F_s": 1.01, "D": 0.0}),
     ("lugre", {"delta": 2.0}),
     ("elasto_plastic", {"z_ba": 0.3, "delta": 2.0}),
+    *(("elasto_plastic", {"z_ba": z_ba}) for z_ba in (0.0, 0.05, 0.7, 0.95)),
+    *(("elasto_plastic", {"sigma_0": sigma_0, "sigma_1": 0.0}) for sigma_0 in (4e3, 4e7)),
     ("gms", {"alpha[1]": 0.7, "alpha[4]": 0.1, "kappa[2]": 0.6, "C": 300.0}),
     ("leuven", {"W[1]": 0.5, "kappa[4]": 0.6, "delta": 2.0}),
-    ("armstrong", {"gamma": 0.5}),
+    *(("armstrong", {"gamma": gamma}) for gamma in (0.0, 1e-3, 0.5, 1e5)),
 ]
 LUGRE = {"k_e": 0.6, "tau_f": 0.0, "delta": 2.0}
 HELD = ((0.02, 0.018), (2e-4, -1e-4), (-0.001, 0.003), (0.0, 0.01))  # measured, expected [m/s]

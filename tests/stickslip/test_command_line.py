@@ -14,7 +14,9 @@ import pytest
 import stickslip as ss
 from stickslip import cosim, models
 from stickslip.cli import COMMANDS, main
+from stickslip.commandline.assignments import coarse_factors
 from stickslip.commands.simulate import add_isolation, isolation_of
+from stickslip.errors import UsageError
 from stickslip.fmi.toolchain import PLATFORMS
 
 SHORT = ["--stop", "0.02", "--step", "0.001"]
@@ -277,3 +279,24 @@ def test_only_foreign_fmus_are_isolated_unless_asked(monkeypatch):
         "--isolate": ss.cosim.Isolation(),
         "--timeout 3": ss.cosim.Isolation(timeout=3.0),
     }
+
+
+def test_a_coarse_start_is_stated_on_the_command_line():
+    assert coarse_factors(["F_c=0.7", "v_s=3"]) == {"F_c": 0.7, "v_s": 3.0}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("m=2", "expected one of F_s, F_c"),
+        ("F_c=-1", "positive number"),
+        ("F_c=0", "positive number"),
+        ("F_c=nan", "positive number"),
+        ("F_c=inf", "positive number"),
+        ("F_c=much", "must be a number"),
+        ("F_c", "expected NAME=VALUE"),
+    ],
+)
+def test_a_coarse_start_that_makes_no_sense_is_refused(text, message):
+    with pytest.raises(UsageError, match=f"--coarse.*{message}"):
+        coarse_factors([text])

@@ -1,4 +1,4 @@
-"""Coupled runs that go on elsewhere, lie in a container, or meet numbers near zero."""
+"""Coupled runs with scenarios, and runs that go on where the same system was saved."""
 
 import math
 
@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim import Adaptive, Coupling
+from stickslip.cosim import Adaptive, Coupling, Link, Scaling, Scenario
+from tests.cosim.single import halves, repacked
 
 STEP, HALF, STOP = 0.01, 0.3, 0.8
 COUPLINGS = [
@@ -59,3 +60,172 @@ def test_rounding_left_by_derivatives_does_not_reach_the_solver(linear, version)
     assert np.array_equal(*results)
     assert results[0][-1] == pytest.approx(math.cos(5.0), abs=1e-3)
     assert 1.0 + 1e-30 == 1.0
+
+
+def ring(linear):
+    """Two components of one state each, connected in a ring; one has an input from outside."""
+    system = cosim.System("ring")
+    system.add("a", linear, {"a11": -1.0, "b11": 1.0, "b12": 1.0, "c11": 1.0, "x1": 1.0})
+    system.add("b", linear, {"a11": -2.0, "b11": 1.0, "c11": 1.0})
+    system.connect("a.y1", "b.u1", Link(Scaling(2.0, 0.5)))
+    system.connect("b.y1", "a.u1")
+    system.expose("x", "a.u2")
+    return system
+
+
+def link(system, factor, offset):
+    system.links["b.u1"] = Link(Scaling(factor, offset))
+
+
+def reverse(system):
+    system.components = dict(reversed(system.components.items()))
+
+
+def other_file(system):
+    """The same description and token, another binary."""
+    old = system.components["b"].path
+    new = repacked(
+        old,
+        old.with_name("other.fmu"),
+        lambda name, content: content + b"\0" * ("binaries" in name),
+    )
+    system.components["b"] = cosim.Fmu(new)
+
+
+CHANGES = [
+    (lambda s: s.connections.pop("a.u1"), r"input a\.u1 was b\.y1, .*, is absent"),
+    (lambda s: s.connect("a.y1", "b.u2"), r"input b\.u2 was absent, is a\.y1"),
+    (lambda s: s.connections.update({"a.u1": "b.y2"}), r"input a\.u1 was b\.y1, .* is b\.y2"),
+    (lambda s: link(s, 3.0, 0.5), r"input b\.u1 was .*factor=2\.0.* is .*factor=3\.0"),
+    (lambda s: link(s, 2.0, 0.0), r"input b\.u1 was .*offset=0\.5.* is .*offset=0\.0"),
+    (lambda s: s.inputs.pop("x"), r"input a\.u2 was x, .* is absent"),
+    (lambda s: s.set("b.a11", -3.0), r"start value of b\.a11 was -2\.0, is -3\.0"),
+    (lambda s: s.set("b.f1", 1.0), r"start value of b\.f1 was absent, is 1\.0"),
+    (reverse, r"order of the components was a, b, is b, a"),
+    (other_file, r"component b was co_simulation of the file with SHA-256"),
+]
+
+
+@pytest.mark.parametrize(
+    ("change", "how", "said"),
+    [
+        *((change, {}, said) for change, said in CHANGES),
+        (None, {"step": 0.05}, r"step was 0\.1, is 0\.05"),
+        (None, {"start": 0.1}, r"start was 0\.0, is 0\.1"),
+        (None, {"coupling": "jacobi"}, "coupling was .*gauss_seidel.* is .*jacobi"),
+        (None, {"tolerance": 1e-3}, r"tolerance was None, is 0\.001"),
+        (None, {"record": ["a.y1"]}, "signals was"),
+    ],
+)
+def test_a_changed_system_is_refused_and_the_change_named(linear, tmp_path, change, how, said):
+    fmu = tmp_path / "linear.fmu"
+    fmu.write_bytes(linear(2).read_bytes())
+    spec = {"step": 0.1, "stop": 1.0}
+    system = ring(fmu)
+    with system.prepare(**spec) as simulation:
+        simulation.run(inputs={"x": np.sin}, until=0.5)
+        path = simulation.save(tmp_path / "half.state")
+    if change:
+        change(system)
+    with (
+        system.prepare(**{**spec, **how}) as simulation,
+        pytest.raises(cosim.SimulationError, match=said) as error,
+    ):
+        simulation.resume(path)
+    assert "\n" not in str(error.value)
+    assert len(str(error.value)) < 1000
+
+
+def test_what_changes_nothing_may_change(linear, tmp_path):
+    """A later stop, names, outputs of the system, another way to step and to give parameters."""
+    system = ring(linear(2))
+    with system.prepare(step=0.1, stop=1.0) as simulation:
+        whole = simulation.run({"b.a11": -3.0}, {"x": np.sin})
+        simulation.run({"b.a11": -3.0}, {"x": np.sin}, until=0.5)
+        path = simulation.save(tmp_path / "half.state")
+    system.name = "renamed"
+    system.expose_output("y", "a.y1")
+    how = {"compiled": True, "allow_nan": True, "isolation": "process"}
+    with system.prepare(step=0.1, stop=2.0, **how) as simulation:
+        rest = simulation.resume(path, {"x": np.sin})
+    np.testing.assert_array_equal(rest.values[:6], whole.values[5:])
+    assert rest.time[-1] == 2.0
+
+
+N = 60
+SOME = ["gauss_seidel", Coupling("iterative", degree=0), *COUPLINGS]
+each_coupling = pytest.mark.parametrize("coupling", SOME, ids=str)
+
+
+@pytest.fixture(params=[2, 3])
+def system(two_masses, linear, request):
+    return two_masses.system(linear, request.param)
+
+
+def run(system, scenario, coupling):
+    with system.prepare(step=STEP, stop=N * STEP, coupling=coupling) as simulation:
+        before = simulation.run().values
+        result = simulation.run(scenario=scenario)
+        np.testing.assert_array_equal(simulation.run().values, before)  # nothing stays behind
+    return result
+
+
+def until_30(system, folder, coupling, **scenarios):
+    """Return a whole run, and the rest of one that was saved at step 30."""
+    spec = {"step": STEP, "stop": N * STEP, "coupling": coupling, "until": 30 * STEP}
+    return halves(system, folder / "a.state", **spec, **scenarios)
+
+
+@each_coupling
+def test_a_replaced_signal_cuts_the_loop(system, linear, coupling):
+    """From its first value on, the left mass is driven by a given force alone."""
+    force = np.sin(3 * STEP * np.arange(N + 1))
+    result = run(system, Scenario().override("right.y1", force), coupling)
+    np.testing.assert_array_equal(result["right.y1"], force)
+    if isinstance(coupling, Coupling) and coupling.adaptive:
+        return  # its steps between points depend on signals that are no longer there
+    alone = cosim.System("alone")
+    alone.add("left", system.components["left"])
+    for name, value in system.parameters.items():
+        if name.startswith("left."):
+            alone.set(name, value)
+    alone.add("right", linear(2, "d11"), {"d11": 1.0})  # what is replaced, with the same coupling
+    alone.expose("f", "right.u1")
+    alone.connect("right.y1", "left.u1")
+    again = run(alone, Scenario().override("right.y1", force), coupling)
+    np.testing.assert_allclose(again["left.y1"], result["left.y1"], rtol=1e-12)
+
+
+@each_coupling
+def test_a_scenario_that_changes_nothing_changes_no_bit(system, coupling):
+    quiet = Scenario().add_noise("left.y1", 0.0, 1)
+    plain = run(system, None, coupling)
+    np.testing.assert_array_equal(run(system, quiet, coupling).values, plain.values)
+
+
+@each_coupling
+def test_a_scenario_may_begin_in_a_resumed_run(system, tmp_path, coupling):
+    scenario = Scenario().set("left.y1", 2.0, at=33 * STEP).stick("right.y1", 35 * STEP)
+    whole, rest = until_30(system, tmp_path, coupling, first=Scenario(), scenario=scenario)
+    np.testing.assert_array_equal(rest.values, whole.values[30:])
+
+
+def test_adaptive_steps_do_not_shrink_at_a_jump_of_a_scenario(system):
+    coupling = Coupling("gauss_seidel", degree=2, adaptive=Adaptive(1e-4))
+    scenario = Scenario().set("left.y1", 5.0, at=20 * STEP).set("right.y1", 0.0, at=20 * STEP)
+    with system.prepare(step=STEP, stop=N * STEP, coupling=coupling) as simulation:
+        simulation.run(scenario=scenario, until=20 * STEP)
+        before = simulation.effort["rejected"]
+        simulation.run(scenario=scenario)
+        assert simulation.effort["rejected"] <= before + 8
+
+
+@each_coupling
+def test_a_stuck_signal_may_be_noisy_and_is_resumed(system, tmp_path, coupling):
+    noise = 0.1 * np.random.default_rng(2).standard_normal(N + 1)
+    scenario = Scenario().stick("left.y1", 20 * STEP, 40 * STEP).add_noise("left.y1", 0.1, 2, 0.25)
+    free = run(system, None, coupling)["left.y1"]
+    whole, rest = until_30(system, tmp_path, coupling, scenario=scenario)
+    np.testing.assert_array_equal(whole["left.y1"][20:25], free[19])
+    np.testing.assert_array_equal(whole["left.y1"][25:40], free[19] + noise[25:40])
+    np.testing.assert_array_equal(rest.values, whole.values[30:])

@@ -1,5 +1,6 @@
-"""What changed the force between drive and log is named, with its figure."""
+"""What changed the force between drive and log: a delay, a low-pass, a limit."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -7,7 +8,17 @@ import pytest
 from rigid_drive import rigid_drive
 from scipy.signal import lfilter
 
-from stickslip.logs import check_recording
+from stickslip.logs import (
+    Recording,
+    aligned,
+    check_recording,
+    force_delay,
+    samples_late,
+    signal_delay,
+)
+from stickslip.logs.force_path import force_path
+from stickslip.planning import LINEAR, Limits, plan
+from stickslip.servo.measurement import smoothed
 
 DRIVE = rigid_drive(n=8000, step=4e-7)
 NOISE = 0.05 * np.random.default_rng(3).standard_normal(len(DRIVE.t))
@@ -70,3 +81,124 @@ def test_a_delay_beyond_the_search_is_named(delay):
 def test_presliding_is_no_low_pass():
     """Its force is that of a spring, like that of a negative mass."""
     assert spoiled(500.0 * DRIVE.position + NOISE) == []
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.25, -0.6, 1.0, 3.4, 12.0])
+def test_of_a_rigid_drive_with_a_noisy_force(delay):
+    drive = rigid_drive(n=6000, delay=delay, step=4e-7)
+    noise = 0.05 * np.random.default_rng(0).standard_normal(len(drive.t))
+    found = force_delay(replace(drive, force=drive.force + noise))
+    assert found.value / drive.T_s == pytest.approx(delay, abs=0.03)
+    assert found.known(drive.T_s)
+    assert abs(found.value / drive.T_s - delay) < 5 * found.standard_error / drive.T_s
+
+
+@pytest.fixture(scope="module")
+def log(drive_log) -> Recording:
+    """Half a standard plan, run on the paper's drive."""
+    return drive_log(plan(Limits(duration=10.0))["velocity_command"].to_numpy())
+
+
+def test_between_channels(log):
+    v = smoothed(np.gradient(log.position, log.T_s), log.T_s, 50.0)
+    late = np.interp(log.t - 2.3 * log.T_s, log.t, 1.7 * v + 0.01)
+    found = signal_delay(log.t, v, late)
+    assert found.value / log.T_s == pytest.approx(2.3, abs=0.1)
+    assert LINEAR.speed > np.abs(v).max() * 0.5
+
+
+def test_what_shows_no_delay(log):
+    assert force_delay(replace(log, force=None)) is None
+    steady = Recording(log.t, 0.01 * log.t, 5.0 + 0.0 * log.t)
+    found = force_delay(steady)
+    assert found is None or not found.known(log.T_s)
+    noise = np.random.default_rng(0).standard_normal(len(log.t))
+    found = force_delay(replace(log, force=noise))
+    assert found is None or not found.known(log.T_s)
+
+
+@pytest.mark.parametrize("late", [0, 12, -5])
+@pytest.mark.parametrize(("mass", "viscous"), [(3.0, 60.0), (3.2, 44.0), (1.0, 20.0)])
+def test_of_a_force_that_switches(mass, viscous, late):
+    """A wrong delay with a negative mass, or Coulomb friction alone, explains it best."""
+    t = np.arange(20000) * 1e-3
+    force = 18.6 * np.sign(np.sin(2 * np.pi * (0.3 * t + 0.04 * t**2)))
+    x = v = 0.0
+    position = []
+    for F in np.repeat(force, 10):
+        w = v + 1e-4 * (F - viscous * v) / mass
+        v = np.sign(w) * max(abs(w) - 1e-4 * 7.6 / mass, 0.0)
+        x += 1e-4 * v
+        position.append(x)
+    shown = np.round(np.array(position[9::10]) / 1e-7) * 1e-7
+    logged = force[np.clip(np.arange(20000) - late, 0, None).clip(max=19999)]
+    drive = Recording(t, shown, logged, encoder_step=1e-7)
+    found = force_delay(drive)
+    assert found.value / 1e-3 == pytest.approx(late + 0.55, abs=0.1)  # held forces show half late
+    assert not list(force_path(aligned(drive, samples_late(drive))))
+
+
+T_S, N = 1e-3, 12_000
+T = np.arange(N) * T_S
+TRAPEZOID = 0.1 * np.clip(8.0 * np.sin(2 * np.pi * 0.25 * T), -1.0, 1.0)
+
+
+def run(force=None, b=0.0, limits=(-math.inf, math.inf), m=3.0, F_c=6.0) -> Recording:
+    """Simulate a drive under a force (n,), or in a PI velocity loop that follows ``TRAPEZOID``."""
+    x = v = F = total = 0.0
+    log = np.empty((N, 3))
+    for k in range(N):
+        error = TRAPEZOID[k] - v
+        command = 200.0 * m * error + total if force is None else force[k]
+        applied = min(max(command, limits[0]), limits[1])
+        total += 6000.0 * m * T_S * error * (applied == command)
+        for _ in range(10):
+            F += 0.1 * (applied - F)
+            v += 0.1 * T_S / m * (F - b * v - F_c * math.tanh(v / 2e-4))
+            x += 0.1 * T_S * v
+        log[k] = round(x / 1e-7) * 1e-7, F, command
+    x, F, command = log.T
+    command = {"velocity_command": TRAPEZOID} if force is None else {"force_command": command}
+    return Recording(T, x, F, **command, encoder_step=1e-7)
+
+
+def said(recording) -> str:
+    found = check_recording(recording)
+    return "\n".join(str(one) for one in found if "saturates" in one.what or "cut off" in one.what)
+
+
+EXPERIMENTS = {
+    "trapezoids with Coulomb friction alone": {},
+    "bang-bang force": {"force": 14.0 * np.sign(np.sin(2 * np.pi * (0.3 * T + 0.04 * T**2)))},
+    "steps of force": {
+        "force": np.repeat([12, -9, 18, -18, 18, -10, 15, -12, 18, -18], N // 10) * 1.0, "b": 90.0,
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_a_plateau_that_was_commanded_is_no_limit(name):
+    """Its force stays at an extreme for a long time, in a log with and without the command."""
+    log = run(**EXPERIMENTS[name])
+    assert np.mean(np.abs(log.force) > 0.98 * np.quantile(np.abs(log.force), 0.98)) > 0.01
+    for force in (log.force, np.round(log.force / 0.5) * 0.5):
+        for change in ({}, {"force_command": None, "velocity_command": None}):
+            assert said(replace(log, force=force, **change)) == ""
+
+
+@pytest.mark.parametrize("limits", [(-7.5, 7.5), (-math.inf, 7.5), (-7.5, math.inf)])
+@pytest.mark.parametrize("noise", [0.0, 0.03])
+def test_a_limit_is_found_where_the_error_of_the_motion_grows(limits, noise):
+    log = run(limits=limits)
+    noise = noise * np.random.default_rng(0).standard_normal(N)
+    found = said(replace(log, force=log.force + noise))
+    assert float(found.split("saturates at ")[1].split(":")[0]) == pytest.approx(7.5, rel=0.02)
+
+
+def test_a_limit_is_found_where_the_force_command_is_larger():
+    command = 16.0 * np.sin(2 * np.pi * (0.3 * T + 0.04 * T**2))
+    log = run(command, b=90.0, limits=(-11.0, 13.0))
+    told = said(log).split("saturates at 13: ")[1]
+    share = np.mean((log.force > 12.8) | (log.force < -10.8))
+    assert float(told.split("%")[0]) == pytest.approx(100 * share, rel=0.1)
+    assert "saturates" not in said(replace(log, force_command=log.force))

@@ -1,11 +1,16 @@
-"""Whenever a process is killed or a disk is full, the old set or the new one is there, whole."""
+"""Whoever kills or interrupts a command finds the old set, the new one or nothing."""
 
 import json
+import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
+
+from stickslip import models
 
 pytestmark = pytest.mark.slow
 
@@ -42,3 +47,94 @@ def test_without_room_for_any_operation_a_whole_set_is_left(outcomes, how):
 
 def test_a_folder_that_vanishes_leaves_a_whole_set_or_a_complaint(outcomes):
     assert sum(outcomes["removed"].values()) == 8
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
+def test_ctrl_c_leaves_no_process_and_no_folder(log, tmp_path):
+    """With a pool of processes, in the middle of learning; only the checkpoint stays."""
+    temporary, out = tmp_path / "tmp", tmp_path / "out"
+    temporary.mkdir()
+    mark = f"ctrl-c-{os.getpid()}"
+    pool = ["--workers", "2", "--pool", "processes"]
+    checkpoint = out / "learning.checkpoint.json"
+    with subprocess.Popen(
+        [sys.executable, "-m", "stickslip", "learn", str(log), *pool, "--out", str(out)],
+        env=os.environ | {"TMPDIR": str(temporary), "PYTHONPATH": str(ROOT), "MARK": mark},
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        while not checkpoint.exists() and process.poll() is None:
+            time.sleep(0.02)
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        said = process.communicate()[1]
+    assert process.returncode == 130, said
+    assert said.startswith("stickslip: ")
+    assert said.count("\n") == 1
+    assert [*out.iterdir()] == [checkpoint]
+    assert not list(temporary.iterdir())
+    _assert_gone(mark)
+
+
+COMMANDS = {
+    "simulate": (
+        ["simulate", "FMU", "--step=1e-7", "--stop=10", "--last", "--isolate", "--allow=env=MARK"],
+        "child",
+    ),
+    "check": (["check", "--allow=env=MARK", "FMU", "FMU", "FMU", "FMU"], "fmucheck-*"),
+    "identify": (["identify", "--out", "OUT"], "stickslip-*/drive.fmu"),
+}
+"""Commands, and what there is in the temporary folder, or as a process, when they are at work."""
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
+@pytest.mark.parametrize(
+    ("command", "number"),
+    [*((command, signal.SIGTERM) for command in COMMANDS), ("check", signal.SIGHUP)],
+)
+def test_what_ends_a_process_is_one_line_and_leaves_nothing(command, number, tmp_path):
+    temporary, out = tmp_path / "tmp", tmp_path / "out"
+    temporary.mkdir()
+    arguments, at_work = COMMANDS[command]
+    names = {"OUT": str(out)}
+    if "FMU" in arguments:
+        names["FMU"] = str(models.build_fmu("compensator", tmp_path))
+    mark = f"signals-{os.getpid()}"
+    settings = {"TMPDIR": str(temporary), "PYTHONPATH": str(ROOT), "MARK": mark}
+    with subprocess.Popen(
+        [sys.executable, "-m", "stickslip", *(names.get(word, word) for word in arguments)],
+        env=os.environ | settings,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        there = {"child": lambda: len(_marked(f"MARK={mark}".encode())) > 1}
+        ready = there.get(at_work, lambda: any(temporary.glob(at_work)))
+        while not ready() and process.poll() is None:
+            time.sleep(0.02)
+        process.send_signal(number)
+        said = process.communicate(timeout=30)[1]
+    assert (process.returncode, said) == (128 + number, "stickslip: interrupted\n")
+    assert not list(temporary.iterdir())
+    assert not out.exists() or not list(out.rglob("*"))
+    _assert_gone(mark)
+
+
+def _assert_gone(mark):
+    """Check that no process with a mark is left; one that was killed may take a moment to end."""
+    deadline = time.monotonic() + 5.0
+    while _marked(f"MARK={mark}".encode()):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def _marked(mark):
+    """Return the processes that have something in their environment."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/environ"):
+        try:
+            if mark in path.read_bytes():
+                found.append(path.parent.name)
+        except OSError:
+            continue  # another user's, or gone
+    return found

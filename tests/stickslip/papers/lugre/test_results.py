@@ -1,7 +1,8 @@
-"""The files that a reproduction leaves behind."""
+"""The folder of results: its files, its tables, and what a reproduction is compared with."""
 
 import hashlib
 import json
+from types import SimpleNamespace
 
 import fmpy
 import numpy as np
@@ -9,15 +10,19 @@ import pandas as pd
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from stickslip import cosim
+from stickslip import cosim, ga, models
 from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.cli import main
+from stickslip.errors import IdentificationError
 from stickslip.evaluation.motions import MOTIONS, TRAINING, VALIDATION
 from stickslip.evaluation.validation import covered, run_command
 from stickslip.fmi.toolchain import PLATFORMS
+from stickslip.papers.lugre import studies
 from stickslip.papers.lugre.folder import FILES
+from stickslip.papers.lugre.reproduction import Options
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import Datasheet
+from stickslip.work.jobs import Execution
 
 
 def test_all_files_are_there_and_the_manifest_knows_them(results):
@@ -142,3 +147,44 @@ def test_the_package_is_plain_ssp(results):
         assert folders == {platform.fmi2 for platform in PLATFORMS.values()}
     assert experiment.step == 5e-4
     assert np.isfinite(experiment.stop)
+
+
+def run(tmp_path, quiet, monkeypatch, outcome):
+    """Return what came out, and the call that ``reproduce`` got."""
+    calls = []
+
+    def reproduce(options, fmus, _, execution):
+        calls.append((options, fmus, execution))
+        assert fmus.is_dir()
+        if isinstance(outcome, BaseException):
+            raise outcome
+        return SimpleNamespace(validation=outcome)
+
+    monkeypatch.setattr(studies, "reproduce", reproduce)
+    execution = Execution(workers=2, checkpoint=tmp_path / "kept.json", resume=True)
+    options = Options(truth={"F_c": 4.0, "dac": False}, seed=3)
+    monkeypatch.setattr(studies, "step_by_step", lambda *_: "step by step")
+    extras = studies.reproduce_with_extras(options, tmp_path / "extras", quiet, execution)
+    return extras, *calls
+
+
+def test_the_drive_with_all_extras_has_every_effect_and_the_same_options(
+    tmp_path, quiet, monkeypatch
+):
+    extras, (options, fmus, execution) = run(tmp_path, quiet, monkeypatch, "validated")
+    assert (extras.table4, extras.reason) == ("step by step", "")
+    booleans = {v.name for v in models.load_model("drive").variables if v.type == "boolean"}
+    assert options == Options(truth={"F_c": 4.0, **dict.fromkeys(booleans, True)}, seed=3, seeds=0)
+    assert {"asymmetric", "position_dependent", "ripple", "noise"} <= booleans
+    assert (fmus.name, execution.workers) == ("extras", 2)
+
+
+def test_a_drive_that_cannot_be_learned_with_all_extras_is_reported(tmp_path, quiet, monkeypatch):
+    extras, _ = run(tmp_path, quiet, monkeypatch, IdentificationError("it sticks"))
+    assert (extras.table4, extras.reason) == (None, "it sticks")
+
+
+def test_ctrl_c_does_not_say_that_nothing_is_kept(tmp_path, quiet, monkeypatch):
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        run(tmp_path, quiet, monkeypatch, ga.Interrupted(None, 3, 30))
+    assert not str(stopped.value)
