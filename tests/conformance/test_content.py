@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -16,19 +15,15 @@ from stickslip.fmi.binary import read_library
 from stickslip.fmi.toolchain import PLATFORMS
 from stickslip.models.export.presentation import reference_file
 from stickslip.models.export.sources import fmi_headers, grouped
+from tests.cosim.single import members
 
 ROOT = Path(models.__file__).parent.parent
 LS_REF = "extra/org.fmi-standard.fmi-ls-ref"
 
 
-def members(fmu):
-    with zipfile.ZipFile(fmu.path) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
-
-
 def test_the_sources_are_those_of_the_binary(some_fmu):
     """Compiled again from what is inside, as is stated there, they give the same bytes."""
-    content = members(some_fmu)
+    content = members(some_fmu.path)
     [listed] = etree.fromstring(content["sources/buildDescription.xml"]).iter("SourceFileSet")
     flags = ["-Wno-unused-parameter", *listed.attrib["compilerOptions"].split()]
     files = {
@@ -48,7 +43,7 @@ def test_the_sources_are_those_of_the_binary(some_fmu):
 
 
 def test_the_documentation_is_the_readme(some_fmu):
-    content = members(some_fmu)
+    content = members(some_fmu.path)
     page = html.document_fromstring(content["documentation/index.html"]).text_content()
     rooms = [some_fmu.model.folder, *([some_fmu.model.law.folder] if some_fmu.model.law else [])]
     for room in rooms:
@@ -80,7 +75,7 @@ TOLERANCE = {
 def test_the_reference_inside_is_met(fmu, tmp_path):
     if reference_file(fmu.model) is None:
         pytest.skip("the reference of a plant is for its default law")
-    content = members(fmu)
+    content = members(fmu.path)
     manifest = etree.fromstring(content[f"{LS_REF}/fmi-ls-manifest.xml"])
     sources = [related.get("source") for related in manifest.iter("Related")]
     assert {f"{LS_REF}/{source}" for source in sources} | {f"{LS_REF}/fmi-ls-manifest.xml"} == {
@@ -105,8 +100,8 @@ def test_the_reference_inside_is_met(fmu, tmp_path):
 
 
 def test_other_start_values_have_no_reference_inside(tmp_path):
-    with zipfile.ZipFile(models.build_fmu("stage", tmp_path, start={"m": 2.0})) as archive:
-        assert not [name for name in archive.namelist() if name.startswith("extra/")]
+    built = members(models.build_fmu("stage", tmp_path, start={"m": 2.0}))
+    assert not [name for name in built if name.startswith("extra/")]
 
 
 SYSTEM = {"libc.so.6", "KERNEL32.dll", "/usr/lib/libSystem.B.dylib"}
@@ -120,10 +115,7 @@ FOLDERS = {
 def test_one_fmu_holds_all_platforms(version, tmp_path):
     """In FMI 2.0 both processors of macOS share one universal library."""
     fmu = models.build_fmu("stage", tmp_path, fmi=version, platforms=PLATFORMS.values())
-    with zipfile.ZipFile(fmu) as archive:
-        libraries = {
-            name: archive.read(name) for name in archive.namelist() if name.startswith("binaries/")
-        }
+    libraries = {name: x for name, x in members(fmu).items() if name.startswith("binaries/")}
     expected = {f"binaries/{folder}/stage.{end}" for folder, end in FOLDERS[version].items()}
     assert set(libraries) == expected
     if version == 2:

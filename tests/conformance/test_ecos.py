@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from stickslip import cosim
+from tests.cosim.single import exposed
 
 STEP, STEPS = 5e-4, 200
 
@@ -35,11 +36,8 @@ def in_ecos(path, inputs, outputs):
 
 def in_kernel(path, inputs, outputs):
     """Hold the inputs from the start, and the step as it was asked for: so does ecos."""
-    system = cosim.System()
-    system.add("fmu", path)
-    for name in inputs:
-        system.expose(name, f"fmu.{name}")
-    result = system.prepare(step=STEP, stop=STEPS * STEP, constant_step=True).run(inputs=inputs)
+    times = {"step": STEP, "stop": STEPS * STEP, "constant_step": True}
+    result = exposed(path, name="fmu").prepare(**times).run(inputs=inputs)
     return [result[f"fmu.{name}"][-1] for name in outputs]
 
 

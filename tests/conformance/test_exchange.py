@@ -8,24 +8,20 @@ import libcosimpy.CosimObserver
 import libcosimpy.CosimSlave
 import numpy as np
 
-from stickslip import cosim
+from tests.cosim.single import exposed
 
 STEP = 5e-4  # s
 
 
 def _alone(fmu, time):
     """Return a system of this FMU with its inputs exposed, and their values over time."""
-    system = cosim.System(fmu.model.name)
     settings = {
         name: bool(value) if fmu.variables[name].type == "Boolean" else int(value)
         for name, value in fmu.settings().items()
     }
-    system.add("fmu", fmu.path, settings)
-    inputs = {}
-    for k, (name, size) in enumerate(fmu.sizes().items()):
-        system.expose(name, f"fmu.{name}")
-        inputs[name] = size * np.sin(9.0 * (k + 1) * time + k)
-    return system, settings, inputs
+    sizes = enumerate(fmu.sizes().items())
+    inputs = {name: size * np.sin(9.0 * (k + 1) * time + k) for k, (name, size) in sizes}
+    return exposed(fmu.path, settings, "fmu"), settings, inputs
 
 
 def test_fmpy_and_our_kernel_give_the_same_bits(fmu):

@@ -17,12 +17,13 @@ FMI2_TYPES = {
 TIME = 99
 """Value reference of the time in FMI 3.0."""
 
-_SHOWN = """#ifdef _WIN32
-#define SHOWN __declspec(dllexport)
+EXPORT = """#ifdef _WIN32
+#define EXPORT __declspec(dllexport)
 #else
-#define SHOWN __attribute__((visibility("default")))
+#define EXPORT __attribute__((visibility("default")))
 #endif
 """
+"""C for what a library shows."""
 
 
 @dataclass(frozen=True)
@@ -152,9 +153,9 @@ def library(
     """Return a library of these sources; if ``complete``, functions they lack return an error."""
     files = headers(versions)
     names = re.findall(r"FMI[23]_Export fmi[23]\w+TYPE\s+(\w+);", "".join(files.values()))
-    stubs = (f"__attribute__((weak)) SHOWN int {name}(void) {{ return 3; }}\n" for name in names)
+    stubs = (f"__attribute__((weak)) EXPORT int {name}(void) {{ return 3; }}\n" for name in names)
     if complete:
-        files["absent.c"] = _SHOWN + "".join(dict.fromkeys(stubs))
+        files["absent.c"] = EXPORT + "".join(dict.fromkeys(stubs))
     shared = Path(__file__).with_name("fmu.h")
     files |= {source.name: source.read_text(encoding="utf-8") for source in (shared, *sources)}
     return toolchain.shared_library(name, files, flags=flags)

@@ -22,6 +22,18 @@ def one(
     return system
 
 
+def exposed(
+    path: Path, parameters: Mapping[str, object] | None = None, name: str = "a", **how: object
+) -> cosim.System:
+    """Return a system of one component, whose inputs are exposed under their own names."""
+    system = cosim.System(name)
+    system.add(name, path, parameters, **how)
+    for variable in system.components[name].variables.values():
+        if variable.causality == "input":
+            system.expose(variable.name, f"{name}.{variable.name}")
+    return system
+
+
 def by_fmpy(
     path: Path, step: float, stop: float, *output: str, inputs: Any = (), **more: Any
 ) -> Any:

@@ -7,16 +7,10 @@ import pytest
 from stickslip.fmi import toolchain
 from stickslip.fmi.binary import Names, NotALibrary, read_library, universal
 from stickslip.fmi.toolchain import PLATFORMS
+from tests.corpus.fmu import EXPORT
 
-VISIBLE = """
-#ifdef _WIN32
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
-"""
 SOURCE = {
-    "two.c": f"""{VISIBLE}
+    "two.c": f"""{EXPORT}
 #include <string.h>
 EXPORT int one(void);
 EXPORT void two(void *a, const void *b, unsigned n);

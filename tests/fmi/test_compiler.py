@@ -9,14 +9,8 @@ import pytest
 
 from stickslip.fmi import toolchain
 from stickslip.fmi.toolchain import compiler
+from tests.corpus.fmu import EXPORT
 
-EXPORT = """
-#ifdef _WIN32
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
-"""
 ANSWER = {
     "answer.h": f"{EXPORT}EXPORT int answer(void);\n#ifndef ANSWER\n#define ANSWER 42\n#endif\n",
     "answer.c": '#include "answer.h"\nint answer(void) { return ANSWER; }\n',

@@ -4,7 +4,6 @@ import hashlib
 import platform
 import struct
 import sys
-import zipfile
 from concurrent.futures import Future
 from threading import Event
 
@@ -22,6 +21,7 @@ from stickslip.fmi.toolchain import (
     host_platform,
     patched,
 )
+from tests.cosim.single import members
 
 
 @pytest.mark.parametrize(
@@ -89,9 +89,8 @@ START_VALUES = {"A[1,1]": 4.25, "D": 1e-300}
 
 
 def library_of(path):
-    with zipfile.ZipFile(path) as archive:
-        [name] = [one for one in archive.namelist() if one.startswith("binaries/")]
-        return archive.read(name)
+    [library] = [data for name, data in members(path).items() if name.startswith("binaries/")]
+    return library
 
 
 def pages(library):

@@ -5,7 +5,6 @@ import random
 import re
 import struct
 import time
-import zipfile
 from pathlib import Path
 
 import pytest
@@ -19,6 +18,7 @@ from stickslip.fmucheck.description.model import Description
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import Callbacks
 from tests.corpus.defects.reference import binary_name, members, pack, with_defect
+from tests.cosim.single import members as unzipped
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -73,9 +73,7 @@ def test_an_unsigned_library_for_arm_macs_is_found(tmp_path):
     sound = models.build_fmu("stage", tmp_path, fmi=3)
     assert "unsigned-for-arm-mac" not in check(sound, run=False).rules
     path = tmp_path / "unsigned.fmu"
-    with zipfile.ZipFile(sound) as archive:
-        content = {name: archive.read(name) for name in archive.namelist()}
-    pack(path, content | {"binaries/aarch64-darwin/stage.dylib": unsigned})
+    pack(path, unzipped(sound) | {"binaries/aarch64-darwin/stage.dylib": unsigned})
     assert "unsigned-for-arm-mac" in check(path, run=False).rules
 
 

@@ -11,6 +11,7 @@ import pytest
 from stickslip import cosim, models
 from stickslip.fmi import toolchain
 from stickslip.models.export.sources import shared_files, variables_header
+from tests.cosim.single import exposed
 from tests.models.contacts import TABLE_2
 
 MODELS = Path(models.__file__).parent
@@ -39,11 +40,8 @@ def observe(fmus: Path) -> Callable[..., cosim.Result]:
         scenario: cosim.Scenario | None = None,
         **parameters: float,
     ) -> cosim.Result:
-        system = cosim.System()
         path = fmus / f"{name}.fmu" if isinstance(name, str) else name
-        system.add("fmu", path, parameters)
-        for signal in signals:
-            system.expose(signal, f"fmu.{signal}")
+        system = exposed(path, parameters, "fmu")
         stop = 5e-4 * (len(next(iter(signals.values()))) - 1)
         options = {"step": 5e-4, "stop": stop, "record": record}
         return system.prepare(constant_step=True, **options).run(inputs=signals, scenario=scenario)
@@ -59,12 +57,7 @@ def alone(fmus: Path) -> Prepare:
     """Prepare one model, its inputs exposed: ``alone("stage", step=5e-4, stop=1.0)``."""
 
     def alone(name: str, record: tuple[str, ...] | None = None, **options: float) -> object:
-        system = cosim.System(name)
-        system.add(name, fmus / f"{name}.fmu")
-        for variable in system.components[name].variables.values():
-            if variable.causality == "input":
-                system.expose(variable.name, f"{name}.{variable.name}")
-        return system.prepare(record=record, **options)
+        return exposed(fmus / f"{name}.fmu", name=name).prepare(record=record, **options)
 
     return alone
 
@@ -84,10 +77,8 @@ def with_law(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], P
 def _run(
     path: Path, h: float, values: np.ndarray, parameters: Mapping[str, float]
 ) -> dict[str, np.ndarray]:
-    system = cosim.System()
-    system.add("fmu", path, parameters)
-    [fed] = [v.name for v in system.components["fmu"].variables.values() if v.causality == "input"]
-    system.expose(fed, f"fmu.{fed}")
+    system = exposed(path, parameters, "fmu")
+    [fed] = system.inputs
     values = np.append(values, values[-1])
     result = system.prepare(step=h, stop=h * (len(values) - 1)).run(inputs={fed: values})
     return {name[4:]: result[name].copy() for name in result.names if name.startswith("fmu.")}

@@ -11,6 +11,7 @@ import pytest
 
 from stickslip import models
 from stickslip.fmi import toolchain
+from tests.corpus.fmu import EXPORT
 
 PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620900")
 
@@ -144,20 +145,15 @@ def test_draws_are_independent_of_those_before(draw):
 
 
 ADAPTER = Path(models.__file__).parent / "adapter"
-PROBE = """
+PROBE = f"""{EXPORT}
 #include "text.h"
-#ifdef _WIN32
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
 EXPORT void probe(char *out, size_t size, const char *format, ...);
-void probe(char *out, size_t size, const char *format, ...) {
+void probe(char *out, size_t size, const char *format, ...) {{
     va_list arguments;
     va_start(arguments, format);
     text_write(out, size, format, arguments);
     va_end(arguments);
-}
+}}
 """
 
 

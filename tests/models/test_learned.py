@@ -5,6 +5,7 @@ import pytest
 
 from stickslip import cosim, models
 from stickslip.cosim import ParameterError, SimulationError
+from tests.cosim.single import exposed
 
 T = 2.0**-11  # s; times and positions of the tests are not rounded
 LEARNERS = [
@@ -37,12 +38,8 @@ def signals(v: np.ndarray, friction: float = 5.0) -> dict[str, np.ndarray]:
 
 
 def simulation(fmu, n, **options):
-    system = cosim.System()
-    system.add("c", fmu)
-    for variable in system.components["c"].variables.values():
-        if variable.causality == "input":
-            system.expose(variable.name, f"c.{variable.name}")
-    return system.prepare(step=T, stop=T * (n - 1), constant_step=True, **options)
+    times = {"step": T, "stop": T * (n - 1), "constant_step": True}
+    return exposed(fmu, name="c").prepare(**times, **options)
 
 
 def inputs(prepared, given):

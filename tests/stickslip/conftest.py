@@ -1,7 +1,6 @@
 """One reproduction of the paper, and one short log, made once for all tests that judge them."""
 
 import re
-import zipfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +22,7 @@ from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 from stickslip.work.jobs import Execution
+from tests.cosim.single import repacked
 from tests.kept import kept
 
 
@@ -105,14 +105,13 @@ def edited():
     """Return what writes a copy of an archive in which one file has other texts, by patterns."""
 
     def edited(archive, path, changes, member="modelDescription.xml"):
-        with zipfile.ZipFile(archive) as old, zipfile.ZipFile(path, "w") as new:
-            for name in old.namelist():
-                data = old.read(name)
-                for pattern, text in changes.items() if name == member else ():
-                    data, n = re.subn(pattern.encode(), text.encode(), data, flags=re.DOTALL)
-                    assert n
-                new.writestr(name, data)
-        return path
+        def change(name, data):
+            for pattern, text in changes.items() if name == member else ():
+                data, n = re.subn(pattern.encode(), text.encode(), data, flags=re.DOTALL)
+                assert n
+            return data
+
+        return repacked(archive, path, change)
 
     return edited
 

@@ -11,16 +11,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip import cosim, models
+from stickslip import models
 from stickslip.fmi import toolchain
 from stickslip.models.firmware import c_files, write_compensator
 from stickslip.models.firmware.structured_text import st_file
 from stickslip.servo.axis import Axis
 from stickslip.servo.systems import loop_values
 from stickslip.servo.velocity_loop import close_velocity_loop
-
-sys.path.insert(0, str(Path(__file__).parent))  # structured_text
-import structured_text
+from tests.cosim.single import exposed
+from tests.models.firmware import structured_text
 
 STEP, N = 5e-4, 1500  # s
 STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wconversion", "-ffreestanding")
@@ -89,10 +88,7 @@ def of_fmu(folder: Path, case: str, n: int = N - 1) -> tuple[models.Model, np.nd
     found = models.load_model(model, law)
     found = replace(found, name=called or found.name)
     inputs, outputs = members(found, "input"), members(found, "output")
-    system = cosim.System()
-    system.add("c", folder / f"{found.name}.fmu")
-    for name in inputs:
-        system.expose(name, f"c.{name}")
+    system = exposed(folder / f"{found.name}.fmu", name="c")
     given = {name: values[: n + 1] for name, values in signals(inputs).items()}
     with system.prepare(step=STEP, stop=n * STEP, constant_step=True) as simulation:
         result = simulation.run(inputs=given)

@@ -2,7 +2,6 @@
 
 import ctypes
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +10,8 @@ import pytest
 from stickslip import models
 from stickslip.fmi import toolchain
 from stickslip.models.firmware import write_compensator
-
-sys.path.insert(0, str(Path(__file__).parent))  # structured_text
-import structured_text
+from tests.corpus.fmu import EXPORT
+from tests.models.firmware import structured_text
 
 STEP = 5e-4  # s
 TUNED = {"F_s": 8.91, "F_c": 6.0002185, "v_s": 5.627e-4, "sigma_0": 3.9298e5, "sigma_1": 4436.34}
@@ -29,11 +27,9 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_exp_and_log_in_float_are_within_two_bits():
     """Their header claims a relative error below 2e-7; a bit of a float is 6e-8 to 1.2e-7."""
-    visible = '__attribute__((visibility("default"))) '
-    export = "__declspec(dllexport) " if sys.platform == "win32" else visible
-    source = '#include "single.h"\n' + "\n".join(
-        f"{export}float probe_{name}(float x);\n"
-        f"{export}float probe_{name}(float x) {{ return elementary_{name}(x); }}"
+    source = f'{EXPORT}#include "single.h"\n' + "\n".join(
+        f"EXPORT float probe_{name}(float x);\n"
+        f"EXPORT float probe_{name}(float x) {{ return elementary_{name}(x); }}"
         for name in ("exp", "log", "sin")
     )
     header = Path(models.__file__).with_name("firmware") / "single.h"

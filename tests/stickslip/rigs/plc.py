@@ -5,20 +5,16 @@ import math
 import os
 import re
 import struct
-import sys
 import threading
 import time
 from contextlib import contextmanager
-from pathlib import Path
 
 from pyads.testserver import AdsTestServer, AdvancedHandler
 from pyads.testserver.handler import AmsResponseData
 
 from stickslip.rigs.ads_rig import CODE
 from stickslip.rigs.served_drive import stepped
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "models" / "firmware"))  # structured_text
-import structured_text
+from tests.models.firmware import structured_text
 
 F_MAX = 205.0
 NUMBERS = itertools.count(1)

@@ -23,6 +23,7 @@ from stickslip.servo.velocity_loop import (
     design_velocity_loop,
 )
 from stickslip.trial.guards import commands
+from tests.cosim.single import exposed
 from tests.models.firmware import structured_text
 
 ROOT = Path(__file__).parents[3]
@@ -131,10 +132,7 @@ def by_structured_text(folder, given):
 def by_fmu(folder, given):
     """Return the force by the FMU, connected as the table of the guide says."""
     inputs = re.findall(r"^\| `(\w+)` \| .* \| .* \|$", GUIDE, re.M)[:3]
-    system = cosim.System()
-    system.add("c", folder / "compensator.fmu")
-    for name in inputs:
-        system.expose(name, f"c.{name}")
+    system = exposed(folder / "compensator.fmu", name="c")
     n = len(given["v_cmd"])
     inputs = {name: np.append(given[name], given[name][-1]) for name in inputs}
     with system.prepare(step=T_S, stop=n * T_S, constant_step=True) as simulation:
