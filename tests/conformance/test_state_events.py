@@ -9,6 +9,7 @@ import pytest
 
 from stickslip import cosim
 from tests.conformance import hybrid
+from tests.cosim.single import one
 
 FORCES = [9.5, -9.5, 3.0]  # N, each held for PIECE: away, through a reversal, to a stop
 PIECE = 0.02  # s
@@ -41,9 +42,7 @@ def by_fmpy(fmu, table, step, *outputs, **options):
 
 
 def by_master(fmu, table, step, interface="model_exchange", tolerance=1e-9, **start):
-    system = cosim.System()
-    system.add("a", fmu.path, start, interface=interface)
-    system.expose("u", "a.u")
+    system = one(fmu.path, start, "u", interface=interface)
     names = [f"a.{n}" for n in ("x", "v", "F_f", *mode_names(fmu))]
     options = {"step": step, "stop": table[-1, 0], "tolerance": tolerance, "record": names}
     return system.prepare(**options).run(inputs={"u": cosim.Table(*table.T)})

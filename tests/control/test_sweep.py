@@ -10,6 +10,7 @@ from closed_loop import ideal_servo
 from stickslip import cosim, models
 from stickslip.cosim.control import measure_response
 from stickslip.presentation.bode import draw_bode
+from tests.cosim.single import exposed
 
 T_S = 5e-4
 F = np.geomspace(2.0, 450.0, 9)
@@ -18,9 +19,7 @@ F = np.geomspace(2.0, 450.0, 9)
 def test_a_linear_system_shows_its_response(tmp_path):
     """Continuous and held: what python-control samples, at every amplitude and offset."""
     plant = control.tf([4e4, 2e6], [1.0, 60.0, 4e4], inputs="u", outputs="y", name="plant")
-    system = cosim.System()
-    system.add("plant", models.export_lti(plant, tmp_path))
-    system.expose("u", "plant.u")
+    system = exposed(models.export_lti(plant, tmp_path), name="plant")
     found = measure_response(system, "u", ["plant.y"], F, 3.0, step=T_S, offset=1.0, settle=1.0)
     sampled = control.sample_system(plant, T_S, method="zoh")
     expected = sampled(np.exp(2j * np.pi * found.f * T_S))
@@ -35,10 +34,8 @@ def test_a_linear_system_shows_its_response(tmp_path):
 
 def test_a_limit_shows_its_describing_function(fmus):
     """u = 205 N at most: N(A) = 2/pi (asin(s) + s sqrt(1 - s^2)) K with s = limit / (K A)."""
-    system = cosim.System()
     parameters = {"K_p": 1e3, "K_i": 0.0, "tau_f": 0.0, "T_s": 1e-4}
-    system.add("controller", fmus / "velocity_controller.fmu", parameters)
-    system.expose("v_cmd", "controller.v_cmd")
+    system = exposed(fmus / "velocity_controller.fmu", parameters, "controller")
     limit = cosim.Fmu(fmus / "velocity_controller.fmu").variables["u_max"].start
     for amplitude in (0.1, 0.3, 2.0):
         found = measure_response(
@@ -59,9 +56,7 @@ def test_the_peak_of_a_resonance_is_found_by_settling_long_enough(tmp_path, capl
     omega, f = 20 * np.pi, [3.0, 9.9, 10.0]
     poles = [1.0, 0.002 * omega, omega**2]
     plant = control.tf([0.00306 * omega**2], poles, inputs="u", outputs="y", name="plant")
-    system = cosim.System()
-    system.add("plant", models.export_lti(plant, tmp_path))
-    system.expose("u", "plant.u")
+    system = exposed(models.export_lti(plant, tmp_path), name="plant")
     found = measure_response(system, "u", ["plant.y"], f, 1.0, step=1e-3)
     expected = control.sample_system(plant, 1e-3, method="zoh")(np.exp(2e-3j * np.pi * found.f))
     np.testing.assert_allclose(found.response("plant.y"), expected, rtol=1e-4)
@@ -73,9 +68,7 @@ def test_the_peak_of_a_resonance_is_found_by_settling_long_enough(tmp_path, capl
 
 def test_a_system_that_did_not_settle_drifts(tmp_path):
     slow = control.tf([1.0], [10.0, 1.0], inputs="u", outputs="y", name="slow")
-    system = cosim.System()
-    system.add("slow", models.export_lti(slow, tmp_path))
-    system.expose("u", "slow.u")
+    system = exposed(models.export_lti(slow, tmp_path), name="slow")
     drift = [
         measure_response(
             system, "u", ["slow.y"], [5.0], 1.0, step=0.01, settle=s, longest=0.0

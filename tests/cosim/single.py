@@ -12,13 +12,17 @@ from stickslip import cosim
 
 
 def one(
-    path: Path, parameters: Mapping[str, object] | None = None, u: str = "", **how: object
+    path: Any,
+    parameters: Mapping[str, object] | None = None,
+    u: str = "",
+    name: str = "a",
+    **how: object,
 ) -> cosim.System:
-    """Return a system of the component ``a``; its input u leads to the variable ``u``."""
+    """Return a system of one component; its input u leads to the variable ``u``."""
     system = cosim.System()
-    system.add("a", path, parameters, **how)
+    system.add(name, path, parameters, **how)
     if u:
-        system.expose("u", f"a.{u}")
+        system.expose("u", f"{name}.{u}")
     return system
 
 

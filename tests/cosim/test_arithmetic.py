@@ -11,6 +11,7 @@ import pytest
 from stickslip import cosim
 from stickslip.cosim.kernel import plain_arithmetic
 from tests.corpus.hostile import fmus
+from tests.cosim.single import one
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="hostile.c is for Linux")
 
@@ -22,8 +23,8 @@ TINY = {"k": 1.1e-308}  # a step adds a hundredth of it, which is subnormal
 
 def is_plain() -> bool:
     """Sums and products of this thread, computed by C and by Python."""
-    one, small, subnormal = np.float64([1.0, 1e-30, 1e-310])
-    rounds = one + small == 1.0 and one - small == 1.0 and float(one) + float(small) == 1.0
+    unit, small, subnormal = np.float64([1.0, 1e-30, 1e-310])
+    rounds = unit + small == 1.0 and unit - small == 1.0 and float(unit) + float(small) == 1.0
     return bool(rounds and subnormal * 0.5 > 0.0 and float(subnormal) + float(subnormal) > 0.0)
 
 
@@ -37,8 +38,7 @@ def expected(sound):
     """The outputs of those that compute, when each is alone."""
     values = {}
     for name in ("plain", "tiny"):
-        system = cosim.System("alone")
-        system.add(name, sound, {"k": 1 / 3} if name == "plain" else TINY)
+        system = one(sound, {"k": 1 / 3} if name == "plain" else TINY, name=name)
         values[name] = run(system)[0][f"{name}.y"].tobytes()
     assert 0.0 < np.frombuffer(values["tiny"])[1] < sys.float_info.min
     return values
@@ -103,8 +103,7 @@ def test_a_caller_keeps_an_arithmetic_of_his_own(sound, expected):
     """Runs do not depend on it, and it is there again afterwards."""
     libm = ctypes.CDLL("libm.so.6")
     before = libm.fegetround()
-    system = cosim.System("alone")
-    system.add("plain", sound, {"k": 1 / 3})
+    system = one(sound, {"k": 1 / 3}, name="plain")
     upward = 0x800 if fmpy.platform == "linux64" else 0x400000  # FE_UPWARD of x86-64 and of arm64
     libm.fesetround(upward)
     try:

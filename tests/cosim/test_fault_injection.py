@@ -10,6 +10,7 @@ from stickslip import cosim
 from stickslip.cosim import Adaptive, Coupling
 from stickslip.cosim.run import resets
 from tests.corpus.hostile import faults
+from tests.cosim.single import one
 
 # function -> which of its calls fails
 COMMON = {"SetReal": 3, "GetReal": 5, "Reset": 1, "EnterInitializationMode": 1}
@@ -268,8 +269,7 @@ def test_warnings_are_counted_and_no_flood(rigs, caplog):
 
 
 def test_a_warning_in_a_process_of_its_own_is_logged_here(tmp_path, caplog):
-    system = cosim.System()
-    system.add("a", faults.write(tmp_path / "a.fmu", "DoStep 4 1"))
+    system = one(faults.write(tmp_path / "a.fmu", "DoStep 4 1"))
     with (
         system.prepare(step=0.1, stop=1.0, isolation="process") as simulation,
         caplog.at_level(logging.WARNING),

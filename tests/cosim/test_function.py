@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from tests.cosim.single import one
 
 STEP, STOP = 0.1, 2.0
 SYSTEM = {"step": STEP, "stop": STOP}
@@ -93,8 +94,7 @@ def test_a_run_goes_on_from_its_saved_state(tmp_path):
     ids=["raises", "other outputs", "no number", "infinite"],
 )
 def test_a_function_that_fails_ends_the_run(step, message):
-    system = cosim.System("s")
-    system.add("f", cosim.Function(step, {}, {"y": None}))
+    system = one(cosim.Function(step, {}, {"y": None}), name="f")
     with (
         system.prepare(**SYSTEM) as simulation,
         pytest.raises(cosim.SimulationError, match=message),
@@ -103,8 +103,7 @@ def test_a_function_that_fails_ends_the_run(step, message):
 
 
 def test_a_state_keeps_its_shape():
-    system = cosim.System("s")
-    system.add("f", cosim.Function(lambda t, h, x, u: (np.ones(2), 0.0), {}, {"y": None}, 1.0))
+    system = one(cosim.Function(lambda t, h, x, u: (np.ones(2), 0.0), {}, {"y": None}, 1.0))
     with (
         system.prepare(**SYSTEM) as simulation,
         pytest.raises(cosim.SimulationError, match=r"new state has shape \(2,\), expected \(\)"),
@@ -116,8 +115,7 @@ def test_an_interruption_is_not_an_error_of_the_function():
     def interrupted(t, u):
         raise KeyboardInterrupt
 
-    system = cosim.System("s")
-    system.add("f", cosim.Function(interrupted, {}, {"y": None}))
+    system = one(cosim.Function(interrupted, {}, {"y": None}), name="f")
     with system.prepare(**SYSTEM) as simulation, pytest.raises(KeyboardInterrupt):
         simulation.run()
 
@@ -143,9 +141,7 @@ def test_names_are_checked(inputs, outputs):
 
 
 def test_an_input_left_out_keeps_its_start_value(make):
-    system = cosim.System()
-    system.add("a", make("gain"), {"u": 5.0})
-    system.expose("u", "a.u")
+    system = one(make("gain"), {"u": 5.0}, "u")
     assert set(system.prepare(step=0.1, stop=1.0).run()["a.y"]) == {5.0}
     assert set(system.prepare(step=0.1, stop=1.0).run({"a.u": 7.0})["a.y"]) == {7.0}
 

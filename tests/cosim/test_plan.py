@@ -20,6 +20,7 @@ from stickslip.cosim.assembly.plan import count_steps
 from stickslip.cosim.kernel import MOST_COMPONENTS, structures
 from stickslip.cosim.system.loops import stepping_order
 from stickslip.fmi import toolchain
+from tests.cosim.single import one
 
 
 @pytest.mark.parametrize(
@@ -48,8 +49,7 @@ N = 20_000
 
 
 def test_a_few_of_very_many_variables_are_recorded(tmp_path):
-    system = cosim.System()
-    system.add("mass", ring.build(tmp_path, "mass", 2, extra=N), {"u": 1.0})
+    system = one(ring.build(tmp_path, "mass", 2, extra=N), {"u": 1.0}, name="mass")
     assert gc.isenabled()  # which reading paused
     result = system.prepare(step=0.1, stop=1.0, record=["mass.copy[7]", "mass.v"]).run()
     assert result["mass.copy[7]"][-1] == result["mass.v"][-1] > 0

@@ -8,6 +8,7 @@ from pyarrow import parquet
 
 from stickslip import cosim
 from stickslip.cosim import Deviation, Record
+from tests.cosim.single import one
 
 N = 1000  # several blocks of the kernel, and neither 7 nor 300 divides it
 TERMINATE = 11
@@ -127,8 +128,7 @@ def test_sums_are_those_of_the_record_one_after_the_other(system, coupling, comp
 @pytest.mark.parametrize("every", [1, 7])
 @pytest.mark.parametrize("at", [0.455, 8.005])
 def test_a_run_that_an_fmu_ends(make, at, every):
-    system = cosim.System()
-    system.add("a", make("integrator", 3), {"u": 1.0, "fault": TERMINATE, "fault_time": at})
+    system = one(make("integrator", 3), {"u": 1.0, "fault": TERMINATE, "fault_time": at})
     sums = {"all": "a.y", "end": Deviation("a.y", 1.0, begin=at - 0.1)}
     full = prepare(system).run()
     assert full.stopped
@@ -202,8 +202,7 @@ def simulation(make, version, coupling, compiled):
 
 
 def test_an_early_return_that_was_not_allowed_is_a_failure(make):
-    system = cosim.System()
-    system.add("a", make("gain", 3), {"fault": RETURN_EARLY, "fault_time": 0.5})
+    system = one(make("gain", 3), {"fault": RETURN_EARLY, "fault_time": 0.5})
     with pytest.raises(cosim.SimulationError, match="returned early"):
         system.prepare(step=0.1, stop=1.0).run()
 

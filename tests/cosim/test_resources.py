@@ -6,6 +6,7 @@ import pytest
 
 from stickslip import cosim
 from tests.corpus.hostile import fmus
+from tests.cosim.single import one
 
 pytestmark = [
     pytest.mark.slow,
@@ -22,18 +23,12 @@ def behaviour(fmu):
     return (fmu.folder / "resources" / "behaviour.txt").read_text()
 
 
-def alone(fmu):
-    system = cosim.System("alone")
-    system.add("a", fmu)
-    return system
-
-
 def test_every_preparation_finds_what_was_packed(writer):
     """With one Fmu object, in children: a library that is loaded here stays loaded."""
     fmu = cosim.Fmu(writer)
     limits = cosim.Isolation(allow=(f"files={fmu.folder}",))
     for _ in range(3):
-        with alone(fmu).prepare(step=0.01, stop=0.1, isolation=limits) as simulation:
+        with one(fmu).prepare(step=0.01, stop=0.1, isolation=limits) as simulation:
             assert behaviour(fmu) == "DoStep rewrite"
             simulation.run()
         assert behaviour(fmu) == "DoStep abort  "

@@ -9,7 +9,7 @@ from stickslip import cosim
 from stickslip.cosim.run.checkpoint import Checkpoint
 from stickslip.cosim.run.guards import RealTimePacing
 from tests.corpus.defects import reference
-from tests.cosim.single import repacked
+from tests.cosim.single import one, repacked
 
 STEP, N = 0.01, 40
 STOP = N * STEP
@@ -121,17 +121,15 @@ def test_what_is_wrong_is_said(system, isolation):
 
 @pytest.fixture
 def simulation(make):
-    system = cosim.System("one")
-    system.add("a", make("integrator"))
-    system.expose("x", "a.u")
+    system = one(make("integrator"), u="u")
     with system.prepare(step=0.001, stop=0.1) as simulation:
         yield simulation
 
 
 def test_real_time_passes_as_fast_as_asked_and_changes_no_value(simulation):
-    free = simulation.run(inputs={"x": np.sin})
+    free = simulation.run(inputs={"u": np.sin})
     assert simulation.pacing is None
-    paced = simulation.run(inputs={"x": np.sin}, real_time=2.0)
+    paced = simulation.run(inputs={"u": np.sin}, real_time=2.0)
     np.testing.assert_array_equal(paced.values, free.values)
     assert simulation.pacing.looks == 10
     assert simulation.pacing.clock() - simulation.pacing._start >= 0.05
@@ -175,8 +173,7 @@ def test_a_halt_lies_on_a_point_in_time_and_needs_fmus_that_serialise(simulation
 @pytest.fixture
 def halted(tmp_path):
     """A simulation halted at half its time, and the file of its state."""
-    system = cosim.System("one")
-    system.add("a", reference.pack(tmp_path / "a.fmu", reference.members(3)))
+    system = one(reference.pack(tmp_path / "a.fmu", reference.members(3)))
     with system.prepare(step=0.1, stop=1.0) as simulation:
         simulation.run(until=0.5)
         yield simulation, simulation.save(tmp_path / "half.state")
@@ -231,8 +228,7 @@ def test_a_row_of_another_length_is_told(halted):
 )
 def test_what_a_coupling_remembers_is_its_own(tmp_path, part, values):
     """The kernel counts with these numbers."""
-    system = cosim.System("one")
-    system.add("a", reference.pack(tmp_path / "a.fmu", reference.members(3)))
+    system = one(reference.pack(tmp_path / "a.fmu", reference.members(3)))
     coupling = cosim.Coupling("iterative", adaptive=cosim.Adaptive(1e-3))
     with system.prepare(step=0.1, stop=1.0, coupling=coupling) as simulation:
         simulation.run(until=0.5)

@@ -8,6 +8,7 @@ import pytest
 from stickslip import cosim
 from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link, Scaling, conversion
 from stickslip.fmi.description.units import Unit
+from tests.cosim.single import one
 
 
 @pytest.fixture
@@ -231,8 +232,6 @@ def test_a_unit_from_outside_is_for_what_its_target_is(make):
 
 
 def test_a_container_says_that_its_signals_are_differences(make, tmp_path):
-    system = cosim.System("one")
-    system.add("a", make("gain", 2, u="degC difference", y="degC"))
-    system.expose("u", "a.u")
+    system = one(make("gain", 2, u="degC difference", y="degC"), u="u")
     variables = cosim.Fmu(cosim.write_fmu(system, tmp_path / "a.fmu", step=0.1, fmi=3)).variables
     assert [n for n, v in variables.items() if v.relative] == ["u"]

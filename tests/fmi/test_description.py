@@ -15,6 +15,7 @@ from stickslip.fmi.description import DescriptionFault, read_description
 from stickslip.fmi.xml import Malformed, parse_xml
 from tests.corpus.hostile.sound import describe, replaced
 from tests.corpus.hostile.zips import zipped
+from tests.cosim.single import one
 
 HEAD = '<?xml version="1.0" encoding="UTF-8"?>'
 RATE = 'min="0" max="10" start="2"'
@@ -152,8 +153,7 @@ def test_infinite_times_can_be_mended(tmp_path):
 def test_an_array_too_large_is_refused_by_its_parameter(tmp_path):
     path = tmp_path / "a.fmu"
     path.write_bytes(zipped(describe(replaced(3), 3)))
-    system = cosim.System()
-    system.add("a", path)
+    system = one(path)
     with pytest.raises(cosim.ParameterError, match="w would have 1000001 elements"):
         system.set("a.n", 1_000_001)
     with pytest.raises(cosim.ParameterError, match="w would have 0 elements"):

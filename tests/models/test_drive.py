@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from stickslip import cosim, models
+from stickslip import models
+from tests.cosim.single import one
 
 STEP = 5e-4  # s
 IDEAL = {"drive.current_loop": False, "drive.dac": False, "drive.encoder": False}
@@ -88,11 +89,10 @@ def test_friction_varies_along_the_guide(run):
 @pytest.mark.parametrize("law", ["lugre", "coulomb_stribeck", "gms"])
 def test_friction_falls_as_the_guide_gets_warm(with_law, law):
     """At a steady speed F_f = F_c (1 - drift (1 - e^(-t / drift_time))), whatever the law."""
-    system = cosim.System()
     size = {"drift": 0.3, "drift_time": 0.5, "b": 100.0, "current_loop": False, "sigma_1": 0.0}
     known = {v.name for v in models.load_model("drive", law).variables}
-    system.add("drive", with_law("drive", law), {k: v for k, v in size.items() if k in known})
-    system.expose("u", "drive.u")
+    given = {k: v for k, v in size.items() if k in known}
+    system = one(with_law("drive", law), given, "u", "drive")
     result = system.prepare(step=STEP, stop=3.0).run(inputs={"u": 12.0})
     late = result.time > 0.6
     expected = 5.999 * (1.0 - 0.3 * (1.0 - np.exp(-result.time / 0.5)))

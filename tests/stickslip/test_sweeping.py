@@ -7,6 +7,7 @@ import pytest
 import stickslip as ss
 from stickslip.ga.execution.evaluation import DIED
 from stickslip.work.jobs import Outcome
+from tests.cosim.single import one
 
 M, B, PUSH, STOP = 5.557, 6.6135, 12.0, 0.5
 RUN = {"stop": STOP, "step": 1e-3, "inputs": {"u": PUSH}}
@@ -41,9 +42,7 @@ def test_a_sweep_is_a_table_of_all_combinations(stage):
 def test_a_row_of_the_table_gives_its_run_again(stage):
     table = ss.sweep(stage, pd.Series({"F_c": [0.2, 0.5], "m": [M, 2 * M]}), {"end": end}, **RUN)
     row, frame = table[["F_c", "m"]].iloc[2], table.loc[[2], ["F_c", "m"]]
-    alone = ss.System("alone")
-    alone.add("stage", stage, row)
-    alone.expose("u", "stage.u")
+    alone = one(stage, row, "u", "stage")
     start = pd.concat([row, pd.Series({"F_s": 1.0})])
     built = ss.build_fmu("stage", stage.parent / "built", law="coulomb_stribeck", start=start)
     ends = [end(ss.simulate(stage, parameters=given, **RUN)) for given in (row, frame)]

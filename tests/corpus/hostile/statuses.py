@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from stickslip import cosim
 from tests.corpus.hostile import faults
 from tests.corpus.hostile.case import Case
 from tests.corpus.hostile.faults import Kind
+from tests.cosim.single import one
 
 _SAVE = "--until 0.5 --save state"
 
@@ -26,9 +26,7 @@ def _case(
 
 def _resumed(name: str, about: str, plan: str, says: str, version: int) -> Case:
     def save(path: Path) -> None:
-        system = cosim.System("a")
-        system.add("faults", path.with_name("a.fmu"))
-        system.expose("u", "faults.u")
+        system = one(path.with_name("a.fmu"), u="u", name="faults")
         with system.prepare(step=0.1, stop=1.0) as simulation:
             simulation.run(until=0.5)
             simulation.save(path)

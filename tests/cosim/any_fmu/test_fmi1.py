@@ -8,7 +8,7 @@ import pytest
 
 from stickslip import cosim
 from tests.corpus import fmu
-from tests.cosim.single import by_fmpy
+from tests.cosim.single import by_fmpy, exposed, one
 
 VARIABLE = '<ScalarVariable name="{}" valueReference="{}" causality="{}" variability="{}" {}>{}'
 ROWS = [
@@ -51,10 +51,7 @@ def test_runs_equal_fmpy(tmp_path, binary):
     path = fmu.pack(tmp_path / "old.fmu", new, binary)
     time = np.linspace(0.0, 1.0, 11)
     u, on = 1.0 + np.sin(7 * time), time < 0.45
-    system = cosim.System()
-    system.add("a", path, {"k": 0.5})
-    for name in ("u", "on"):
-        system.expose(name, f"a.{name}")
+    system = exposed(path, {"k": 0.5})
     theirs = by_fmpy(
         path,
         0.1,
@@ -85,8 +82,7 @@ def test_what_is_not_run_is_one_line(tmp_path, binary):
     lacking = (*ROWS[-1][:-1], "<Boolean/><DirectDependency><Name>z</Name>")
     unclear = cosim.Fmu(fmu.pack(tmp_path / "lacking.fmu", described([lacking]), binary))
     assert "dependencies of Unknown" in unclear.description.remarks[0]
-    system = cosim.System()
-    system.add("a", fmu.pack(tmp_path / "old.fmu", described(), binary))
+    system = one(fmu.pack(tmp_path / "old.fmu", described(), binary))
     with pytest.raises(
         cosim.FmuError, match=r"a \(old.fmu\) cannot go into a container: it is of FMI 1"
     ):

@@ -17,8 +17,7 @@ from tests.cosim.single import halves, one, saves
 def test_the_only_library_of_the_folder_is_taken_with_a_warning(export, version, caplog):
     path = export("stair", version, binary_name="libstair_linux")
     with caplog.at_level(logging.WARNING, "stickslip.cosim.fmu.fmu"):
-        system = cosim.System()
-        system.add("a", path)
+        system = one(path)
     assert "libstair_linux" in caplog.text
     assert "modelIdentifier is 'stair'" in caplog.text
     system.prepare(step=0.1, stop=0.2).run()
@@ -60,8 +59,7 @@ def test_one_instance_per_process(export):
 def test_a_simulation_collected_while_another_gives_up_does_not_wait_for_itself(
     export, monkeypatch
 ):
-    system = cosim.System()
-    system.add("a", export("stair", 2, "CS", 'canBeInstantiatedOnlyOncePerProcess="true"'))
+    system = one(export("stair", 2, "CS", 'canBeInstantiatedOnlyOncePerProcess="true"'))
     forgotten = [system.prepare(step=0.1, stop=0.2)]
     present = once._present
 

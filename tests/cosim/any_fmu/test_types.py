@@ -41,8 +41,7 @@ def test_a_connection_carries_any_type(export, version, name):
 
 @pytest.mark.parametrize("recorded", ["a.Float64_out", "a.*"])  # as it is, on the general path
 def test_a_start_value_of_an_input_is_set_in_initialization_mode(export, version, recorded):
-    system = cosim.System()
-    system.add("a", export("feedthrough", version), {"Float64_in": 3.0})  # it fails before
+    system = one(export("feedthrough", version), {"Float64_in": 3.0})  # it fails before
     with system.prepare(step=0.1, stop=0.2, record=[recorded]) as simulation:
         np.testing.assert_array_equal(simulation.run()["a.Float64_out"], 3.0)
 
@@ -85,8 +84,7 @@ def test_a_start_value_that_a_type_cannot_hold_is_refused(export, name, value):
 
 
 def test_an_alias_is_another_name(export):
-    system = cosim.System()
-    system.add("ball", export("ball", 3))
+    system = one(export("ball", 3), name="ball")
     assert "ball.height of the ball" not in system.prepare(step=0.1, stop=1.0).run()
     with system.prepare(
         step=0.1, stop=1.0, record=["ball.height of the ball", "ball.height"]

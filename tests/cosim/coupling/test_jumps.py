@@ -5,6 +5,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.cosim import Adaptive, Coupling, Scenario, Table
+from tests.cosim.single import one
 
 KINDS = {
     "CS 2.0 interpolating": (2, {}),
@@ -39,10 +40,7 @@ def at_each_start(couplings):
 def integrator(linear, kind):
     """x' = u, y1 = x."""
     version, abilities = KINDS[kind]
-    system = cosim.System("integrator")
-    system.add("a", linear(version, **abilities), {"b11": 1.0, "c11": 1.0})
-    system.expose("u", "a.u1")
-    return system
+    return one(linear(version, **abilities), {"b11": 1.0, "c11": 1.0}, "u1")
 
 
 def run(system, coupling, start, step, signal, **more):

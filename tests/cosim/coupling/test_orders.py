@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from stickslip import cosim
 from stickslip.cosim import Adaptive, Coupling
+from tests.cosim.single import one
 
 METHODS = ["gauss_seidel", "jacobi", "iterative"]
 KINDS = {
@@ -23,11 +23,8 @@ each_kind = pytest.mark.parametrize("kind", KINDS)
 def single(linear, kind):
     """x' = u, y1 = x, y2 = x + 2 u."""
     version, abilities = KINDS[kind]
-    system = cosim.System("single")
     parameters = {"b11": 1.0, "c11": 1.0, "c21": 1.0, "d21": 2.0}
-    system.add("a", linear(version, "d21", **abilities), parameters)
-    system.expose("u", "a.u1")
-    return system
+    return one(linear(version, "d21", **abilities), parameters, "u1")
 
 
 def source_error(linear, kind, step, coupling, signal):

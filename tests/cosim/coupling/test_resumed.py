@@ -7,7 +7,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.cosim import Adaptive, Coupling, Link, Scaling, Scenario
-from tests.cosim.single import halves, repacked
+from tests.cosim.single import halves, one, repacked
 
 STEP, HALF, STOP = 0.01, 0.3, 0.8
 COUPLINGS = [
@@ -52,9 +52,8 @@ def test_rounding_left_by_derivatives_does_not_reach_the_solver(linear, version)
     """Bit for bit as with the same FMU that leaves nothing; an oscillation, so all of it counts."""
     results = []
     for flags in ((), ("-DLEAVES_ROUNDING",)):
-        system = cosim.System("oscillator")
         parameters = {"a12": 1.0, "a21": -1.0, "c11": 1.0, "x1": 1.0}
-        system.add("a", linear(version, exchange=True, flags=flags), parameters)
+        system = one(linear(version, exchange=True, flags=flags), parameters)
         with system.prepare(step=0.01, stop=5.0) as simulation:
             results.append(simulation.run()["a.y1"])
     assert np.array_equal(*results)

@@ -6,6 +6,7 @@ import pytest
 
 from stickslip import cosim
 from tests.corpus.hostile import fmus
+from tests.cosim.single import one
 
 Hostile = Callable[..., cosim.System]
 
@@ -19,9 +20,6 @@ def hostile(tmp_path_factory) -> Hostile:
         path = folder / f"{behaviour or 'clean'} {version}.fmu"
         if not path.exists():
             fmus.write(path, behaviour, version=version)
-        system = cosim.System("loop")
-        system.add("plant", path)
-        system.expose("u", "plant.u")
-        return system
+        return one(path, u="u", name="plant")
 
     return make

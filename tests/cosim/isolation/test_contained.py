@@ -15,6 +15,7 @@ import pytest
 from stickslip import cosim
 from stickslip.cosim.control import linearise
 from tests.corpus.hostile import fmus
+from tests.cosim.single import one
 
 pytestmark = [
     pytest.mark.slow,
@@ -216,8 +217,7 @@ def test_what_this_installation_compiled_runs_here_and_what_is_foreign_in_a_chil
     """By default; one byte makes a binary foreign."""
     binaries = {fmus.place(): fmus.library() + b"\0"}
     path = fmus.write(tmp_path / "foreign.fmu", "DoStep segv 3", binaries=binaries)
-    system = cosim.System("loop")
-    system.add("plant", path)
+    system = one(path)
     with (
         system.prepare(step=0.01, stop=0.1) as simulation,
         pytest.raises(cosim.FmuCrashed, match=r"died of SIGSEGV at t = 0\.02"),
@@ -226,9 +226,7 @@ def test_what_this_installation_compiled_runs_here_and_what_is_foreign_in_a_chil
     assert system.prepare(step=0.01, stop=0.1, isolation=None).spec.limits is None
     with pytest.raises(cosim.FmuCrashed, match="fmi2DoStep died of SIGSEGV"):
         linearise(path, step=0.01)
-    known = cosim.System("known")
-    known.add("plant", fmus.write(tmp_path / "known.fmu"))
+    known = one(fmus.write(tmp_path / "known.fmu"))
     assert cosim.Specification(known, 0.01, 0.1).limits is None
-    packed = cosim.System("packed")
-    packed.add("container", cosim.write_fmu(known, tmp_path / "packed.fmu", step=0.01))
+    packed = one(cosim.write_fmu(known, tmp_path / "packed.fmu", step=0.01))
     assert cosim.Specification(packed, 0.01, 0.1).limits == cosim.Isolation()

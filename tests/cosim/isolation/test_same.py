@@ -8,6 +8,7 @@ import pytest
 from benchmarks.coupling import ring
 from stickslip import cosim
 from stickslip.cosim.signals.signals import Table
+from tests.cosim.single import one
 
 STEP, STOP = 1e-3, 0.5
 
@@ -85,17 +86,15 @@ def test_a_result_outlives_the_next_run_and_the_child(fmus):
 
 def test_events_and_model_exchange_behind_the_general_path(tmp_path):
     models = pytest.importorskip("models")
-    system = cosim.System("push")
-    system.add("stage", models.build_fmu("stage", tmp_path), interface="model_exchange")
-    system.expose("u", "stage.u")
+    system = one(
+        models.build_fmu("stage", tmp_path), u="u", name="stage", interface="model_exchange"
+    )
     assert_same(*both(system, {}, inputs={"u": 20.0}))
 
 
 def test_state_progress_and_pace(tmp_path):
     models = pytest.importorskip("models")
-    system = cosim.System("push")
-    system.add("stage", models.build_fmu("stage", tmp_path))
-    system.expose("u", "stage.u")
+    system = one(models.build_fmu("stage", tmp_path), u="u", name="stage")
     spec = cosim.Specification(system, STEP, STOP)
     reached = []
     with spec.prepare() as here, replace(spec, isolation="process").prepare() as there:
@@ -113,8 +112,7 @@ def test_state_progress_and_pace(tmp_path):
 
 def test_a_run_that_an_fmu_ends(make):
     """Times are not sent: the parent knows all but the last one."""
-    system = cosim.System()
-    system.add("a", make("integrator", 3), {"u": 1.0, "fault": 11, "fault_time": 0.455})
+    system = one(make("integrator", 3), {"u": 1.0, "fault": 11, "fault_time": 0.455})
     for how in ({"record": cosim.Record("a.y", every=7)}, {"record": cosim.Record(keep="last")}):
         here, there = both(system, how)
         assert here.stopped

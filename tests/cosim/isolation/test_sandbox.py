@@ -16,6 +16,7 @@ from stickslip.fmi.process import permitted, sandbox
 from stickslip.fmi.process import sandbox as calls
 from stickslip.fmi.toolchain import cache_directory
 from tests.corpus.hostile import attempts
+from tests.cosim.single import one
 
 pytestmark = pytest.mark.skipif(bool(sandbox.unavailable()), reason=sandbox.unavailable())
 
@@ -66,8 +67,7 @@ def test_other_threads_of_the_child_are_in_the_sandbox():
         binary = attempts.library().read_bytes()
         path = attempts.write(room / "attempts.fmu", binary, victim, ["other_threads"])
         before = victim.state()
-        system = cosim.System("threads")
-        system.add("attempts", path)
+        system = one(path)
         with pytest.raises(cosim.SimulationError, match=r"tried to write .*/new"):
             system.prepare(step=0.1, stop=0.2, isolation="process")
         assert victim.state() == before

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from stickslip import cosim, models
+from stickslip import models
+from tests.cosim.single import one
 
 SPECIFIED = {  # parameters of the values below that are not the start values
     "leuven": {"kappa[1]": 0.612839, "kappa[2]": 0.0, "kappa[3]": 0.0, "kappa[4]": 0.387161}
@@ -96,11 +97,9 @@ def test_a_plant_rests_below_its_break_away_force_and_moves_above(push, law):
 @every
 def test_roughness_scales_the_declared_force(with_law, law):
     """The drive's asymmetry multiplies the steady force and leaves the stiffness."""
-    system = cosim.System()
     extras = {"asymmetric": True, "asymmetry": 0.25, "dac": False, "current_loop": False}
     extras |= RESTED.get(law.name, {})
-    system.add("drive", with_law("drive", law.name), extras)
-    system.expose("u", "drive.u")
+    system = one(with_law("drive", law.name), extras, "u", "drive")
     result = system.prepare(step=H, stop=2.0).run(inputs={"u": -20.0})
     assert result["drive.v"][-1] < -0.5
     assert result["drive.F_f"][-1] == pytest.approx(0.75 * level(law, -1.0), rel=1e-3)

@@ -19,6 +19,7 @@ from stickslip.servo.velocity_loop import (
     close_velocity_loop,
     design_velocity_loop,
 )
+from tests.cosim.single import exposed
 
 K_X = 75.4
 
@@ -151,9 +152,7 @@ SPEEDS = np.array([1e-4, 4e-4, 1e-3, 3e-3])
 @pytest.mark.parametrize("v", SPEEDS)
 def test_it_is_where_the_compensator_settles(fmus, v, delta):
     p = {name: PAPER[name] for name in LUGRE} | {"delta": delta}
-    system = cosim.System("steady")
-    system.add("compensator", fmus / "compensator.fmu", {**p, "hold": False})
-    system.expose("v", "compensator.v")
+    system = exposed(fmus / "compensator.fmu", {**p, "hold": False}, "compensator")
     stop = 20.0 * PAPER["F_s"] / PAPER["sigma_0"] / v  # a bristle's way, many times
     with system.prepare(step=stop / 100.0, stop=stop, record=["compensator.F_f"]) as simulation:
         settled = simulation.run(inputs={"v": np.full(101, v)})["compensator.F_f"][-1]
