@@ -1,4 +1,3 @@
-import sys
 from pathlib import Path
 
 import pytest
@@ -6,8 +5,6 @@ import pytest
 from stickslip import models
 from stickslip.servo.axis import Axis
 from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
-
-sys.path.insert(0, str(Path(__file__).parent))  # closed_loop
 
 
 @pytest.fixture(scope="session")

@@ -5,11 +5,11 @@ import math
 import control
 import numpy as np
 import pytest
-from closed_loop import ideal_servo
 
 from stickslip import cosim, models
 from stickslip.cosim.control import measure_response
 from stickslip.presentation.bode import draw_bode
+from tests.control.closed_loop import ideal_servo
 from tests.cosim.single import exposed
 
 T_S = 5e-4

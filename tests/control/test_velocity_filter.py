@@ -4,13 +4,13 @@ import dataclasses
 
 import numpy as np
 import pytest
-from closed_loop import ideal_servo, nominal_values
 from scipy.linalg import expm
 
 from stickslip import cosim
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
 from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
+from tests.control.closed_loop import ideal_servo, nominal_values
 
 T_S = 5e-4
 SPECIFICATION = FilterSpecification(encoder_step=4e-7, force_noise=0.05, disturbance_rate=1.5)

@@ -7,7 +7,6 @@ import warnings
 import control
 import numpy as np
 import pytest
-from closed_loop import follow, open_loop_gain
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -16,6 +15,7 @@ from stickslip.servo.velocity_loop import (
     LoopSpecification,
     design_velocity_loop,
 )
+from tests.control.closed_loop import follow, open_loop_gain
 
 T_S = 5e-4
 

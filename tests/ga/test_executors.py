@@ -12,8 +12,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from problems import GENES, quadratic, sometimes_fails
-from workers import KillsItsWorker
+from problems import GENES, KillsItsWorker, quadratic, sometimes_fails
 
 from stickslip import ga
 from stickslip.ga.execution.evaluation import DIED

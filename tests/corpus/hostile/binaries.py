@@ -1,4 +1,4 @@
-"""Groups 14, 15, 16 and 20: binaries that do not load, refuse, attack their process, run out."""
+"""Groups 14, 15, 16, 20 and 29: binaries that do not load, refuse, attack, run out, reach out."""
 
 from pathlib import Path
 
@@ -61,6 +61,23 @@ def _binaries(name: str, about: str, says: str, **binaries: object) -> Case:
 
 _HERE = fmus.place()
 
+_LIMITED = ["simulate", "h.fmu", "--isolate", "--memory", "100"]
+
+
+def _reaches(name: str, behaviour: str, about: str, says: str, *, harms: bool = False) -> Case:
+    """Return a case of an FMU that tries something in its second step.
+
+    Parameters
+    ----------
+    harms : whether it would harm what is outside; FMPy, which does not hinder it, is not tried
+    """
+    files = {"h.fmu": lambda path: fmus.write(path, f"DoStep {behaviour} 2")}
+    code = f"import sys; sys.exit(main({_LIMITED}))" if harms else ""
+    command = "" if harms else " ".join(_LIMITED)
+    about += " (FMPy: not tried)" * harms
+    return Case(29, name, about, r".*hostile \(h\.fmu\): fmi2DoStep " + says, command, files, code)
+
+
 _NOT_LOADING = [
     _binaries("no-binaries", "no binary at all", r".*h\.fmu: no binary for this machine"),
     _binaries("other-platform", "binaries for other platforms only", r".*no binary for this machine: expected .*, the FMU has plan9", **{"binaries/plan9/hostile.so": fmus.library}),
@@ -119,4 +136,10 @@ _NUMBERED = [
     _pair("same-instance", "gives the same instance to both", "Instantiate same 2", r"two: .*\.fmu gives an instance that it has given before"),
 ]  # fmt: skip
 
-CASES = [*_NOT_LOADING, *_REFUSING, *_ATTACKING, *_NUMBERED]
+_REACHING = [
+    _reaches("home", "read_home", "reads the home folder", "tried to read .*, which the sandbox denies"),
+    _reaches("kill-parent", "kill_parent", "kills the process that started it", r"tried to send a signal to process \d+, which the sandbox denies", harms=True),
+    _reaches("share", "share", "takes all memory as shared mappings", "took more than the 100 MB it may"),
+]  # fmt: skip
+
+CASES = [*_NOT_LOADING, *_REFUSING, *_ATTACKING, *_NUMBERED, *_REACHING]

@@ -1,20 +1,16 @@
 """Logs with known content."""
 
-import sys
 from pathlib import Path
 
 import pandas as pd
 import pytest
 import scipy.io
 
-sys.path.insert(0, str(Path(__file__).parent))  # rigid_drive
-
-from rigid_drive import rigid_drive
-
 from stickslip.cli import main
 from stickslip.logs import Recording
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
+from tests.stickslip.logs.rigid_drive import rigid_drive
 
 DATA = Path(__file__).resolve().parents[4] / "shared" / "data"
 

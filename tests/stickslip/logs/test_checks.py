@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rigid_drive import rigid_drive
 
 from stickslip.evaluation.motions import TRAINING
 from stickslip.logs import (
@@ -19,6 +18,7 @@ from stickslip.logs import (
 )
 from stickslip.planning import plan
 from stickslip.servo.axis import LOOP
+from tests.stickslip.logs.rigid_drive import rigid_drive
 
 DRIVE = rigid_drive(n=8000, step=4e-7)
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pandas as pd
 import pytest
-from rigid_drive import rigid_drive
 from scipy import signal
 
 from stickslip.cli import main
+from tests.stickslip.logs.rigid_drive import rigid_drive
 
 INCH, TURN = 0.0254, 2 * np.pi
 GAINS = ("--controller", "PI", "--gain", "K_p=100", "K_i=100")

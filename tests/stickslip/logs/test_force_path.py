@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rigid_drive import rigid_drive
 from scipy.signal import lfilter
 
 from stickslip.logs import (
@@ -19,6 +18,7 @@ from stickslip.logs import (
 from stickslip.logs.force_path import force_path
 from stickslip.planning import LINEAR, Limits, plan
 from stickslip.servo.measurement import smoothed
+from tests.stickslip.logs.rigid_drive import rigid_drive
 
 DRIVE = rigid_drive(n=8000, step=4e-7)
 NOISE = 0.05 * np.random.default_rng(3).standard_normal(len(DRIVE.t))

@@ -4,7 +4,6 @@ import importlib.util
 import sys
 from pathlib import Path
 
-import format_writers as writers
 import h5py
 import numpy as np
 import pytest
@@ -14,6 +13,7 @@ from stickslip.cli import main
 from stickslip.errors import RecordingError
 from stickslip.logs import read_recording, reader_process
 from stickslip.logs.formats import read_table
+from tests.stickslip.logs import format_writers as writers
 
 FILES = {
     "excel": ("log.xlsx", writers.excel),

@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-from rigid_drive import rigid_drive
 
 from stickslip.logs import Description, Recording, read_recording
+from tests.stickslip.logs.rigid_drive import rigid_drive
 
 STEP = 4e-7
 DRIVE = rigid_drive(n=6000, step=STEP)

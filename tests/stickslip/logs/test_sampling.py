@@ -3,13 +3,13 @@
 import numpy as np
 import pandas as pd
 import pytest
-from rigid_drive import rigid_drive
 
 from stickslip.errors import RecordingError
 from stickslip.logs import Description, read_recording
 from stickslip.logs.grid import even_grid
 from stickslip.logs.sampling import mean_period, regular_times, step_of
 from stickslip.logs.table import LogTable
+from tests.stickslip.logs.rigid_drive import rigid_drive
 
 K = np.arange(6000)
 LOST = np.delete(K, [40, 41, 999, 3000, 3001, 3002, 3003, 5990])
