@@ -9,8 +9,6 @@ Linear systems, sums, gains and delays become FMUs, so they run natively and can
 Functions, saturation and lookup tables run in Python, and in this process only.
 """
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial, update_wrapper

@@ -1,7 +1,5 @@
 """A friction law by itself, under an imposed motion or force."""
 
-from __future__ import annotations
-
 import math
 import tempfile
 from collections.abc import Mapping

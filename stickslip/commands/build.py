@@ -1,7 +1,5 @@
 """``stickslip build``: build FMUs of the models."""
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import os

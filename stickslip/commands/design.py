@@ -1,7 +1,5 @@
 """``stickslip design``: design the velocity loop from bandwidth and phase margin."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from pathlib import Path

@@ -3,8 +3,6 @@
 An entrant is data; see ``entrants.toml`` for what an entry says and for what enters without one.
 """
 
-from __future__ import annotations
-
 import re
 import zlib
 from collections.abc import Callable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Several ways to control a drive, compared on several motions."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ taken at 1.6 to 3.9 mm/s; the other motions are slower or shorter. Commands and 
 for every drive. Why these: docs/decisions/0041-motions-that-test-all-five.md.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 

@@ -6,8 +6,6 @@ parameter by 1e-10, as another processor makes, draws again. Published figures a
 over ``PHASES``, with their range. Each phase has other noise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar, cast

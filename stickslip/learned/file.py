@@ -14,8 +14,6 @@ Only ``parameters`` is needed to read a file. ``schema`` counts changes of keys:
 without it, has ``judge`` and ``visible`` where 2 has ``criterion`` and ``identifiability``.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import re

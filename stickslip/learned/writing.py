@@ -1,7 +1,5 @@
 """Entries of learned.json that several studies write, and the keys and units that are read."""
 
-from __future__ import annotations
-
 import dataclasses
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How a text file writes its numbers, what its columns are called, and how they belong together."""
 
-from __future__ import annotations
-
 import contextlib
 import csv
 import re

@@ -1,7 +1,5 @@
 """A measured frequency response over the designed Bode plot."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

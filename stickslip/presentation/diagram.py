@@ -1,7 +1,5 @@
 """Block diagrams: blocks, sums and arrows on a sheet measured in mm."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any

@@ -4,8 +4,6 @@ The page contains BokehJS, compressed, and loads it when the first figure is ope
 and in print it shows its pictures alone.
 """
 
-from __future__ import annotations
-
 import base64
 import gzip
 import json

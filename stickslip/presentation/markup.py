@@ -5,8 +5,6 @@ A symbol is written as in matplotlib: ``$F_c$``, ``$\sigma_0$``, ``$E_{rms}$``. 
 Templates have the functions of ``parts.j2`` and those of ``quantity``.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator

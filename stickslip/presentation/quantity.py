@@ -1,7 +1,5 @@
 """Numbers as people read them: rounded, thousands set apart, with symbols and units."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Any

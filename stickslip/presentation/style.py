@@ -4,8 +4,6 @@ Colours differ in lightness as well as in hue (orange against blue), so they sur
 the common kinds of colour-blindness. Fonts ship with matplotlib: figures look the same everywhere.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -3,8 +3,6 @@
 Identification and learning get a rig, never the drive's parameters or its true motion.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager

@@ -1,7 +1,5 @@
 """A drive FMU that runs like a drive: sample after sample, with its controller and its limits."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence

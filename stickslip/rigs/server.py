@@ -1,7 +1,5 @@
 """A served drive behind a socket: what ``stickslip serve`` runs. The protocol: docs/rig.md."""
 
-from __future__ import annotations
-
 import selectors
 import socket
 import time

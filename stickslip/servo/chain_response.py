@@ -5,8 +5,6 @@ at each of its inputs is the difference of two runs of its FMU, without knowledg
 computes, so this holds for a compensator of the user's as well.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

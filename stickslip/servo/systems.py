@@ -1,7 +1,5 @@
 """The paper's loops as systems of FMUs: Fig. 2a around a drive, and what experiments need of it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Who may write into a folder of results: one process at a time."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import sys

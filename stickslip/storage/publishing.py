@@ -13,8 +13,6 @@ Files that no manifest lists, or that were changed since, stay as they are: wher
 place of a new file, nothing is written.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 from collections.abc import Collection, Iterator, Mapping

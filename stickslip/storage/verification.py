@@ -1,7 +1,5 @@
 """Whether a folder still holds the results that its manifest names."""
 
-from __future__ import annotations
-
 import os
 from collections import Counter
 from collections.abc import Sequence

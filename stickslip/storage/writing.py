@@ -1,7 +1,5 @@
 """Tables and plain data as files, and documents that are kept while a command runs."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The content of learned.json of a reproduction."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

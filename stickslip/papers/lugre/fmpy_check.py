@@ -5,8 +5,6 @@ differs from the recorded one in any bit would mean that other tools do not get 
 was learned.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import version

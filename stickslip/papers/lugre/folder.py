@@ -1,7 +1,5 @@
 """The folders that a reproduction and the learning as published leave behind."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

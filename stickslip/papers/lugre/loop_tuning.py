@@ -4,8 +4,6 @@ The drive's truth enters here, when all is learned: the error is that of its tru
 drive with its friction times a factor.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -6,8 +6,6 @@ As published: Table 3, Steps 1 to 4, (6) and (7), and no later step. The paper l
 "real number strings" are; with genes on a logarithmic scale the same algorithm lowers the cost.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 

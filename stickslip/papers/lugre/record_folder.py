@@ -1,7 +1,5 @@
 """The folder that ``reproduce --mode record`` leaves behind."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 

@@ -5,8 +5,6 @@ factor of three. All that is learned comes from that recording; Table 4 is then 
 velocity filter and feedforward of inertia that a known mass allows.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path

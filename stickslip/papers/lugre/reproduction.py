@@ -4,8 +4,6 @@ Data flow: the drive's truth goes into drive.fmu and, when all is learned, into 
 between sees a ``Rig``.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """What each step brings: one drive, controlled in every way that a reproduction knows."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 
 import pandas as pd

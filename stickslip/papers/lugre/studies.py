@@ -1,7 +1,5 @@
 """What a reproduction is compared with: a drive with all effects, other motions and learning."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 

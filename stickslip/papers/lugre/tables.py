@@ -3,8 +3,6 @@
 In Table 2 the truth of the drive enters.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 from math import nan

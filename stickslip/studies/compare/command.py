@@ -1,7 +1,5 @@
 """``stickslip compare``: results side by side, parameters and tracking errors."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

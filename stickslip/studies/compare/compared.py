@@ -1,7 +1,5 @@
 """Results side by side: parameters with their intervals, and what the compensators do."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path

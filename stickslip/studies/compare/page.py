@@ -1,7 +1,5 @@
 """Several drives side by side: a panel for each parameter, a line for each drive."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

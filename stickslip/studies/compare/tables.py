@@ -1,7 +1,5 @@
 """The tables of several drives, as terminal, page and files have them."""
 
-from __future__ import annotations
-
 import math
 
 from stickslip.presentation.quantity import number, symbol

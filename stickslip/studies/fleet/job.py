@@ -1,7 +1,5 @@
 """What a worker does with one drive, from its recording to the text of its learned.json."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """A fleet study in its folder: what is kept there, and what is still to be learned."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Sequence
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """The drives of a fleet, and the table that lists them: a CSV with a row for each."""
 
-from __future__ import annotations
-
 import csv
 import io
 import re

@@ -1,7 +1,5 @@
 """The table and the files of a fleet study."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import isnan
 from pathlib import Path

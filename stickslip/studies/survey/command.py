@@ -1,7 +1,5 @@
 """``stickslip survey``: run every FMU and system below a folder, and compare with FMPy."""
 
-from __future__ import annotations
-
 import argparse
 import csv
 import io

@@ -1,7 +1,5 @@
 """One run of a file of another tool, here or in FMPy, in a process of its own."""
 
-from __future__ import annotations
-
 import logging
 import multiprocessing
 import os

@@ -5,8 +5,6 @@ that both have differ by a share of the greatest value of each: equal (1e-12), n
 different.
 """
 
-from __future__ import annotations
-
 import hashlib
 import re
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ Each log's own errors count, where the same command ran. The uncertainty of a re
 jackknife over repetitions of the command, or over parts of the logs where it does not repeat.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The folders that ``stickslip validate --log`` leaves behind."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What ``stickslip validate LEARNED --log`` does: another log against a learned drive."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path

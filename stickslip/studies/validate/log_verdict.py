@@ -1,7 +1,5 @@
 """What a prediction of another log says about a learned drive, in sentences."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

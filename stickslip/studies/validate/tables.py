@@ -1,7 +1,5 @@
 """The tables of a learned drive against other logs, as terminal, page and files have them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

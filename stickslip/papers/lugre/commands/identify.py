@@ -1,7 +1,5 @@
 """``stickslip identify``: identify the parameters of the drive FMU."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from pathlib import Path

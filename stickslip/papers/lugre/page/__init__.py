@@ -1,7 +1,5 @@
 """The pages of a reproduction: drive mode, record mode, and the learning as published."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path

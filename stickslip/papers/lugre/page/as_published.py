@@ -1,7 +1,5 @@
 """The learning as published, over seeds, beside least squares from the same coarse starts."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Figures over time, velocity and generations: experiments, Figs. 5 and 6, motions, and steps."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Figs. 2 to 4: the loops, the learning scheme, and its flow chart."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """The identification: experiments, and prior knowledge."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 

@@ -1,7 +1,5 @@
 """The learning of the loop: Figs. 3 to 5, the settings beside Table 3, and what was learned."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The head of the page: what was done, the result, and the errors at a glance."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A section of the page of a reproduction."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """Section 4.2 of the paper, Table 4 step by step, and the slow motions."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import pandas as pd

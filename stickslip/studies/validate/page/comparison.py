@@ -1,7 +1,5 @@
 """Sections on a log with the compensator running against one without."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

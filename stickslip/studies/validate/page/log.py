@@ -1,7 +1,5 @@
 """Sections on another log against a learned drive."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from matplotlib.figure import Figure
