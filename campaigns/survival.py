@@ -113,12 +113,7 @@ _fault = cache(_Fault)
 def fault(
     folder: Path, act: Callable[[], object], n: int, *, deletions: bool = True
 ) -> Iterator[_Fault]:
-    """Call ``act`` before the n-th operation in a folder and each after it.
-
-    Parameters
-    ----------
-    deletions : whether they count
-    """
+    """Call ``act`` before the n-th operation in a folder, deletions too, and each after it."""
     it = _fault()
     it.act, it.n, it.counted, it.deletions, it.folder = act, n, 0, deletions, str(folder)
     try:

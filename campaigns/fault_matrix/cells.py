@@ -6,10 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from campaigns.fault_matrix.drives import DRIVES
+from campaigns.fault_matrix.drives import DRIVES, record
 from campaigns.fault_matrix.faults import FAULTS, Fault, cases
 from campaigns.fault_matrix.outcome import outcome_of, remarks_of
-from campaigns.fault_matrix.recordings import record
 from stickslip.errors import StickslipError
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import Description, raise_errors, read_and_check

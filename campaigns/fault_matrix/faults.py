@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from scipy.signal import lfilter
 
-from campaigns.fault_matrix.recordings import SOUND, Experiment
+from campaigns.fault_matrix.drives import SOUND, Experiment
 from stickslip.logs import Description
 
 Log = pd.DataFrame
@@ -18,20 +18,12 @@ COLUMNS = ("time", "position", "force", "velocity_command")
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault of a log.
+    """A fault of a log."""
 
-    Attributes
-    ----------
-    damage : changes log and description
-    experiment : that is recorded
-    columns : that the log has
-    gains : whether the owner gives the controller's gains; None tries both
-    """
-
-    damage: Damage = lambda log, known, _: (log, known)
-    experiment: Experiment = SOUND
-    columns: tuple[str, ...] = COLUMNS
-    gains: bool | None = True
+    damage: Damage = lambda log, known, _: (log, known)  # changes log and description
+    experiment: Experiment = SOUND  # that is recorded
+    columns: tuple[str, ...] = COLUMNS  # that the log has
+    gains: bool | None = True  # whether the owner gives the controller's gains; None tries both
 
     def applied(
         self, log: Log, known: Description, rng: np.random.Generator

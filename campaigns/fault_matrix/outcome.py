@@ -27,19 +27,13 @@ OUTCOMES = ("right", "flagged", "refused", "confident and wrong")
 
 
 def outcome_of(
-    fmus: Path,
+    fmus: Path,  # folder with those of the drive's loop
     drive: Drive,
     path: Path,
     description: Description,
-    sound: Callable[[], frozenset[str]],
+    sound: Callable[[], frozenset[str]],  # warnings on its sound log, which flag no fault
 ) -> tuple[str, str]:
-    """Return what becomes of a log, one of ``OUTCOMES``, and why.
-
-    Parameters
-    ----------
-    fmus : folder with those of the drive's loop
-    sound : gives the warnings that the sound log of the drive has; they flag no fault
-    """
+    """Return what becomes of a log, one of ``OUTCOMES``, and why."""
     try:
         findings = read_and_check(path, description)[1]
         raise_errors(path, findings)

@@ -1,13 +1,50 @@
-"""Many inputs to one parser, counted."""
+"""Parsers, and many inputs to one of them, counted."""
 
 import time
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from random import Random
 
-from campaigns.fuzz.mutation import mutated
-from campaigns.fuzz.parser import Parser
+from campaigns.fuzz.mutation import by_tokens, mutated
+
+Parse = Callable[[bytes, Path], object]
+
+
+@dataclass(frozen=True)
+class Parser:
+    """A parser, and inputs for it."""
+
+    parse: Parse  # reads an input; removes what it writes into the folder
+    corpus: Callable[[], list[bytes]]  # gives valid inputs, from which all others are made
+    # keeps the structure, for half of the inputs; the others are changed as bytes
+    change: Callable[[Random, bytes], bytes]
+    expected: tuple[type[Exception], ...]  # by which an input may be refused
+
+
+def from_file(name: str, read: Callable[[Path], object]) -> Parse:
+    """Return a parser of the content of a file of this name."""
+
+    def parse(data: bytes, folder: Path) -> None:
+        (folder / name).write_bytes(data)
+        read(folder / name)
+
+    return parse
+
+
+def text(
+    name: str,
+    read: Callable[[Path], object],
+    words: tuple[bytes, ...],
+    corpus: list[bytes],
+    *expected: type[Exception],
+) -> Parser:
+    """Return a parser of text files, whose words are replaced, moved and repeated."""
+    change = partial(by_tokens, words=words)
+    return Parser(from_file(name, read), lambda: corpus, change, expected)
+
 
 SLOW = 2.0  # s of the processor for one input
 
@@ -41,12 +78,9 @@ def made(parser: Parser, corpus: list[bytes], seed: int, i: int) -> bytes:
 def run(
     parser: Parser, seed: int, first: int, last: int, folder: Path, found: Path | None = None
 ) -> Tally:
-    """Feed inputs first .. last - 1.
+    """Feed inputs first .. last - 1; in ``folder``, which is empty, the parser may write.
 
-    Parameters
-    ----------
-    folder : empty, for what the parser writes
-    found : where inputs are saved that end otherwise than they should
+    ``found`` is the folder for inputs that end otherwise than they should.
     """
     tally, corpus = Tally(), parser.corpus()
     for i in range(first, last):

@@ -15,8 +15,8 @@ import pyarrow.parquet as pq
 import scipy.io
 from lxml import etree
 
+from campaigns.fuzz.campaign import Parser, from_file
 from campaigns.fuzz.mutation import NUMBERS, mutated
-from campaigns.fuzz.parser import Parser, from_file
 from stickslip import cosim, fmucheck
 from stickslip.cosim.run.checkpoint import Checkpoint
 from stickslip.errors import RecordingError

@@ -57,9 +57,7 @@ _TOKEN = re.compile(rb"[\w.+-]+|\s+|.", re.DOTALL)
 def by_tokens(rng: Random, data: bytes, words: Sequence[bytes]) -> bytes:
     """Return a text in which one to three stretches of words were replaced, moved or repeated.
 
-    Parameters
-    ----------
-    words : of the language, beside the numbers that are hostile anywhere
+    The words are those of the language, beside the numbers that are hostile anywhere.
     """
     tokens = _TOKEN.findall(data) or [b""]
     for _ in range(rng.randint(1, 3)):

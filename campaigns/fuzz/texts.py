@@ -7,8 +7,8 @@ from functools import cache, partial
 from pathlib import Path
 from unittest import mock
 
+from campaigns.fuzz.campaign import Parser, text
 from campaigns.fuzz.mutation import by_tokens
-from campaigns.fuzz.parser import Parser, text
 from stickslip import cosim, ga, models
 from stickslip.cosim.ssp.markup import violation
 from stickslip.cosim.ssp.read import read_package

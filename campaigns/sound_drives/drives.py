@@ -29,29 +29,19 @@ DAMPING = {"lugre": (0.3, 1.2), "elasto_plastic": (0.3, 1.2), "gms": (0.1, 0.5)}
 
 @dataclass(frozen=True)
 class Drive:
-    """A drive in its loop.
-
-    Attributes
-    ----------
-    parameters : of the simulator, by name
-    seed : of the noise of its log
-    noise_F : standard deviation of the measured force [N]
-    speed, acceleration, stroke : limits of its motions [m/s], [m/s2], [m]
-    bandwidth : of the velocity loop [Hz]
-    travel : lowest and highest position of its log [m]
-    """
+    """A drive in its loop."""
 
     name: str
-    seed: int
+    seed: int  # of the noise of its log
     law: str
     rotary: bool
-    parameters: dict[str, float]
-    noise_F: float
-    speed: float
-    acceleration: float
-    stroke: float
-    bandwidth: float
-    travel: tuple[float, float] = (0.0, 0.0)
+    parameters: dict[str, float]  # of the simulator, by name
+    noise_F: float  # standard deviation of the measured force [N]
+    speed: float  # largest of its motions [m/s]
+    acceleration: float  # [m/s2]
+    stroke: float  # [m]
+    bandwidth: float  # of the velocity loop [Hz]
+    travel: tuple[float, float] = (0.0, 0.0)  # lowest and highest position of its log [m]
 
     @property
     def learn(self) -> list[str]:

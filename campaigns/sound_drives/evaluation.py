@@ -175,10 +175,8 @@ def _glue(headers: Mapping[str, str]) -> str:
 def evaluated(drive: Drive, learned: Path, said: str = "") -> dict[str, Any]:
     """Return the row of a drive: what was written, ratios, predicted ratios, intervals.
 
-    Parameters
-    ----------
-    learned : the folder that ``stickslip learn`` wrote, if it wrote one
-    said : what it printed on standard error, for a drive of which nothing was learned
+    ``learned`` is the folder that ``stickslip learn`` wrote, if it wrote one, and ``said`` what it
+    printed on standard error, for a drive of which nothing was learned.
     """
     p, path = drive.parameters, learned / "learned.json"
     row: dict[str, Any] = {

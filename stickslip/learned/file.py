@@ -115,12 +115,8 @@ class LearnedFile:
     """A learned.json, whose entries are checked when they are used, ``components`` at once.
 
     Raises UsageError when the file, or the entry that is asked for, is not valid, or OSError when
-    the file cannot be read.
-
-    Attributes
-    ----------
-    document : its content
-    components : compensators that learn while they run: model with its start values, by name
+    the file cannot be read. ``document`` is its content; ``components`` are the compensators that
+    learn while they run: model with its start values, by name.
     """
 
     def __init__(self, path: Path) -> None:

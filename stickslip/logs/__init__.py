@@ -1,6 +1,6 @@
 """Logs of drives: read, checked, put on an even grid."""
 
-from stickslip.logs.checked import read_and_check
+from stickslip.logs.checked import read_and_check, shortened
 from stickslip.logs.checks import check_recording
 from stickslip.logs.description import (
     ROLES,
@@ -15,7 +15,6 @@ from stickslip.logs.motion import aligned, force_delay, samples_late, signal_del
 from stickslip.logs.plausibility import check_units, implausible_mass
 from stickslip.logs.reading import Reading, raise_errors, read_recording
 from stickslip.logs.recording import Finding, Motion, Recording
-from stickslip.logs.stretch import shortened
 
 __all__ = [
     "ROLES",

@@ -149,13 +149,9 @@ ONE_WAY = "F_c and the constant force cannot be told apart"
 def check_recording(
     recording: Recording, controller: Controller | None = None, force_limit: float | None = None
 ) -> tuple[Finding, ...]:
-    """Return the findings on a recording before learning.
+    """Return the findings on a recording on its even grid, before learning.
 
-    Parameters
-    ----------
-    recording : on its even grid
-    controller : that was in use
-    force_limit : of motor or amplifier [N]
+    The controller is the one that was in use, the force limit that of motor or amplifier [N].
     """
     controller = controller or Controller()
     if force_limit is None and np.isfinite(controller.u_max):

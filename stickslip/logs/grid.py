@@ -185,16 +185,10 @@ class Grid:
 def even_grid(
     table: LogTable, t: Array, signals: Mapping[str, Array], motion: Motion = "linear"
 ) -> Grid:
-    """Return signals on an even grid.
+    """Return signals on an even grid, from those (n,) by role, NaN where a value is missing.
 
-    Raises RecordingError when no stretch without gaps is long enough, or its times do not rise.
-
-    Parameters
-    ----------
-    table : for messages
-    t : (n,) that do not fall [s]
-    signals : (n,) by role, nan where a value is missing
-    motion : for messages
+    The times t (n,) do not fall [s]; table and motion are for messages. Raises RecordingError when
+    no stretch without gaps is long enough, or its times do not rise.
     """
     findings: list[Finding] = []
     if len(t) < log_content.FEWEST:

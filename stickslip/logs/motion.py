@@ -55,11 +55,7 @@ def kinematics(recording: Recording, cutoff: float = CUTOFF) -> Kinematics:
 def sliding(motion: Kinematics, T_s: float, share: float = 0.1) -> NDArray[np.bool_]:
     """Return where (n,) the drive slides fast, farther from slow motion than the low-pass smears.
 
-    Parameters
-    ----------
-    motion : of a recording
-    T_s : its sample period [s]
-    share : of the top speed that is fast
+    T_s is the sample period of the recording [s], and fast is more than a share of the top speed.
     """
     slow = np.abs(motion.v) < share * np.max(np.abs(motion.v))
     reach = max(1, min(round(1.0 / (motion.cutoff * T_s)), (len(slow) - 1) // 2))

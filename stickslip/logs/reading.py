@@ -63,15 +63,10 @@ def read_recording(
 ) -> Reading:
     """Read a log: CSV and its relatives, or one of ``formats``.
 
+    What the description leaves open is detected and reported. Unless ``strict``, a column whose
+    unit is wrong or missing is an error among the findings, and its numbers are kept as they are.
     Raises RecordingError when the file cannot become a recording; names row or column, or
     UsageError when the description does not suit it.
-
-    Parameters
-    ----------
-    path : of the file
-    description : what its columns mean; what it leaves open is detected and reported
-    strict : whether a column whose unit is wrong or missing is raised; else it is an error among
-        the findings, and its numbers are kept as they are
     """
     given = description or Description()
     table = with_joined_times(read_table(Path(path), given.delimiter, given.decimal))

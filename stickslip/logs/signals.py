@@ -153,16 +153,11 @@ TIMEOUT = 60.0  # time limit of the reader [s]
 
 
 def read_isolated(path: str, data: bytes, module: str, title: str) -> list[Signal] | str:
-    """Return the signals of a file, or its table as text.
+    """Return the signals of a file with these data, or its table as text.
 
-    Raises RecordingError when the file is damaged, takes too long or too much memory.
-
-    Parameters
-    ----------
-    path : for messages
-    data : content of the file
-    module : path of the module whose ``contents`` reads it
-    title : of the format, for messages
+    ``module`` is the path of the module whose ``contents`` reads it; path and title of the format
+    are for messages. Raises RecordingError when the file is damaged, takes too long or too much
+    memory.
     """
     search = {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p), "OPENBLAS_NUM_THREADS": "1"}
     pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)

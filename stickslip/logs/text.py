@@ -72,17 +72,11 @@ class _Column:
 
 
 def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None) -> LogTable:
-    """Read a text file.
+    """Read a text file with these data; delimiter and decimal sign are detected where not known.
 
     Raises RecordingError when it is not text, holds no rows of numbers, or its rows differ in
     length, or UsageError when delimiter and decimal sign are the same, and no quotes tell them
-    apart.
-
-    Parameters
-    ----------
-    path : for messages
-    data : content of the file
-    delimiter, decimal : where known; detected otherwise
+    apart. Messages name the path.
     """
     if len(data) > MOST_BYTES:
         raise RecordingError(f"{path}: {len(data)} bytes; at most {MOST_BYTES} are read as text")

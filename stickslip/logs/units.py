@@ -173,13 +173,8 @@ def unit_fitting(text: str, quantities: Collection[str]) -> Unit | None:
 def parse_quantity(text: str, what: str, quantities: Collection[str]) -> tuple[float, Unit | None]:
     """Return the SI value of a text such as 100mm or 2.5 rev/s, and its unit; None is SI.
 
-    Raises UsageError when there is no number, or the unit measures something else.
-
-    Parameters
-    ----------
-    text : number and unit
-    what : is given, for messages
-    quantities : that its unit may measure, such as length and angle
+    Raises UsageError, which names what is given, when there is no number, or the unit measures none
+    of the quantities, such as length and angle.
     """
     match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*", text)
     unit = unit_named(match[2]) if match and match[2] else None

@@ -33,21 +33,17 @@ PACKAGES = (
 class Section:
     """A part of a page.
 
-    Parameters
-    ----------
-    title : its heading; empty for the head of the page
-    content : the name of a template, or its text; it calls ``figure(name, alternative)``, with the
-        caption as its content and a text for readers who do not see the figure
-    figures : what draws each of them, in the order of their numbers
-    values : of the template
+    Its content calls ``figure(name, alternative)``, with the caption as its content and a text for
+    readers who do not see the figure.
     """
 
     def __init__(
         self,
-        title: str,
-        content: str,
+        title: str,  # its heading; empty for the head of the page
+        content: str,  # the name of a template, or its text
+        # what draws each figure, in the order of their numbers
         figures: Mapping[str, Callable[[], Figure]] | None = None,
-        **values: object,
+        **values: object,  # of the template
     ) -> None:
         self.title, self.content = title, content
         self.figures, self.values = figures or {}, values

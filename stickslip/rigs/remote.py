@@ -31,16 +31,8 @@ class Refused(RigError):
 class RemoteRig(Rig):
     """A drive behind a connection, asked as in the protocol of docs/rig.md.
 
-    A kind of connection implements ``_request`` and ``_disconnect``. Raises RigError when nobody
-    answers, or not with this protocol.
-
-    Parameters
-    ----------
-    name : display name
-    datasheet : what is known of the drive
-    limits : that abort a motion, there and here
-    law : friction law of the compensator
-    patience : how long a lost connection is tried again [s]
+    A kind of connection implements ``_request`` and ``_disconnect``; a lost one is tried again for
+    ``patience`` [s]. Raises RigError when nobody answers, or not with this protocol.
     """
 
     chunk = CHUNK

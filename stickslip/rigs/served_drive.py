@@ -49,15 +49,6 @@ class ServedDrive:
     """A drive with a velocity controller: it runs one motion after the other from where it stands.
 
     Between motions a brake holds it, and its time stands still.
-
-    Attributes
-    ----------
-    state : idle, moving or stopping
-    motion : number of the last motion that was started; 0 for none
-    x, F : log of that motion, a value each sample [m], [N]
-    reason : why that motion was aborted, or empty
-    at_limit : whether a limit aborted it
-    failed : why it can run no motion any more, or empty
     """
 
     def __init__(self, drive: Path, controller: Path, T_s: float, ports: Ports) -> None:
@@ -66,10 +57,12 @@ class ServedDrive:
         signals = ("v_cmd", "a_cmd", "x_cmd", "F_ff", "x_enc")
         self._controller = stepped(controller, T_s, signals, ["u"])
         self._measured = self._measure(self._drive.start())
-        self.state, self.motion, self.reason, self.at_limit = "idle", 0, "", False
-        self.failed = ""
-        self.x: list[float] = []
-        self.F: list[float] = []
+        self.state = "idle"  # idle, moving or stopping
+        self.motion = 0  # number of the last motion that was started; 0 for none
+        self.reason, self.at_limit = "", False  # why it was aborted, and whether by a limit
+        self.failed = ""  # why it can run no motion any more
+        self.x: list[float] = []  # its positions, one a sample [m]
+        self.F: list[float] = []  # its forces [N]
 
     @property
     def position(self) -> float:

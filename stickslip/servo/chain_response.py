@@ -82,11 +82,8 @@ def frequencies(loop: VelocityLoop) -> Array:
 class ChainResponse:
     """Measures a chain of compensators again and again, with other parameters.
 
-    Parameters
-    ----------
-    fmus : folder of the FMUs
-    chain : compensators in the order in which their forces are added
-    speed : operating point [m/s]: sliding, where friction adds next to nothing to the loop
+    They are in the order in which their forces are added. At the speed [m/s] they slide, so that
+    friction adds next to nothing to the loop.
     """
 
     def __init__(

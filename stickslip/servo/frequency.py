@@ -19,13 +19,9 @@ _SHARES = np.geomspace(1e-5, 1.0, 4001)[:-1]  # of half the sample rate
 
 
 def frequency_response(system: control.StateSpace, f: Array | float) -> NDArray[np.complex128]:
-    """Return the response of a discrete system with one input and one output.
+    """Return the response, (n,) or (), of a discrete system with one input and one output.
 
     The frequencies f (n,), or one, are in Hz.
-
-    Returns
-    -------
-    ndarray, shape (n,) or ()
     """
     return respond(system, np.exp(2j * np.pi * np.asarray(f) * system.dt))[..., 0, 0]
 

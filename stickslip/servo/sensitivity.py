@@ -65,11 +65,8 @@ class Response:
 class OpenLoop:
     """A velocity loop on an axis, opened at the controller, for which observers are tried.
 
-    Parameters
-    ----------
-    loop : controller, and the axis for which it was designed
-    m : true mass [kg], by default that of the loop's axis
-    f : (n,) frequencies [Hz], by default ``FREQUENCIES`` up to half the sample rate
+    The true mass m [kg] is by default that of the axis for which the loop was designed, the
+    frequencies f (n,) [Hz] are ``FREQUENCIES`` up to half the sample rate.
     """
 
     def __init__(self, loop: VelocityLoop, m: float | None = None, f: Array | None = None) -> None:
@@ -117,11 +114,9 @@ class OpenLoop:
     def response_with(self, compensator: Mapping[str, ComplexArray]) -> tuple[Response, bool]:
         """Return the response with a compensator, and whether the loop is stable.
 
-        Parameters
-        ----------
-        compensator : (n,) from a signal to its force at ``z``, by the role of the signal:
-            ``x_enc``, ``F_motor``, ``u``, ``v_est``; the last two are those of the sample before.
-            It must be stable by itself.
+        The compensator, stable by itself, is its response (n,) from a signal to its force at ``z``,
+        by the role of the signal: ``x_enc``, ``F_motor``, ``u``, ``v_est``; the last two are those
+        of the sample before.
         """
         late = 1.0 / self.z
         by = {role: compensator.get(role, 0.0) for role in ("x_enc", "F_motor", "u")}

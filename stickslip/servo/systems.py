@@ -124,12 +124,8 @@ def feedforward(
 ) -> cosim.System:
     """Return nominal loop and compensator without a drive, with the inputs of ``loop.commands``.
 
-    Parameters
-    ----------
-    fmus : folder of the FMUs
-    loop : gives the nominal loop its matrices
-    compensator : its parameters by name
-    feed : what drives the compensator, the nominal loop's response or the command
+    The compensator is its parameters by name; the feed is what drives it, the nominal loop's
+    response or the command.
     """
     system = cosim.System("feedforward")
     chain = [Compensator("compensator", "compensator", compensator)]

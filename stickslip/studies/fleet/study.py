@@ -1,4 +1,4 @@
-"""A fleet study in its folder: what is kept there, and what is still to be learned."""
+"""A fleet study: drives learned in workers, and the folder in which what is learned is kept."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -7,15 +7,84 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from stickslip import ga
-from stickslip.errors import UsageError
+from stickslip.errors import StickslipError, UsageError
 from stickslip.fmi.files import digest
+from stickslip.identification.estimation import Search
 from stickslip.learned.writing import SCHEMA, versions
+from stickslip.logs import Description, load_description
+from stickslip.output import SILENT, Factors, Progress
+from stickslip.papers.lugre.record_mode import learn_from_recording
+from stickslip.rigs.fmu import rig_of
 from stickslip.storage import MANIFEST, UNFINISHED, complete, refuse_foreign, staged
 from stickslip.storage.writing import read_kept, write_json
-from stickslip.studies.fleet.job import learn_drive
 from stickslip.studies.fleet.table import Drive, LogSource
-from stickslip.work.jobs import Execution, Job, Outcome, run_jobs, stopped
+from stickslip.studies.learn.document import log_document, recording_document
+from stickslip.studies.learn.log_learning import learn
+from stickslip.work.jobs import (
+    Execution,
+    Job,
+    OnStage,
+    Outcome,
+    ended_by_signals,
+    run_jobs,
+    stopped,
+)
+
+
+@dataclass(frozen=True)
+class _Stages(Progress):
+    """Tells the pool of workers that a drive is still wanted."""
+
+    on_stage: OnStage
+
+    def stage(self, name: str) -> None:
+        self.on_stage(name)
+
+    def generation(self, algorithm: ga.Optimiser, scale: Factors | None = None) -> None:  # noqa: ARG002
+        self.on_stage("searching")
+
+
+def learn_drive(drive: Drive, seed: int, on_stage: OnStage | None = None) -> Outcome:
+    """Learn one drive. Whatever goes wrong is an outcome, too, and costs no other drive.
+
+    The result does not depend on where this runs: sums of products are formed by one thread here,
+    because their last digits depend on how many share the work.
+    """
+    threadpool_limits(limits=1, user_api="blas")
+    try:
+        with ended_by_signals():
+            document = _document(drive, seed, _Stages(on_stage) if on_stage else SILENT)
+    except Exception as error:  # noqa: BLE001 - a fleet outlives any fault of one drive
+        return Outcome(reason=_reason(drive, error))
+    return Outcome(learned=json.dumps(document))
+
+
+def _document(drive: Drive, seed: int, progress: Progress) -> dict[str, Any]:
+    """Return the content of learned.json, with what the checks found."""
+    if isinstance(drive.source, LogSource):
+        config = drive.source.config
+        description = load_description(config) if config else Description()
+        learned = learn(drive.source.log, description, seed=seed, progress=progress)
+        document = log_document(learned)
+    else:
+        with rig_of(drive.source) as rig:
+            learned = learn_from_recording(rig, seed, Search(), progress)
+        document = recording_document(learned)
+    return document | {"findings": [str(finding) for finding in learned.findings]}
+
+
+def _reason(drive: Drive, error: Exception) -> str:
+    """Return one line, with paths as the table has them."""
+    text = " ".join(str(error).split())
+    if isinstance(drive.source, LogSource):
+        for column, path in (("log", drive.source.log), ("config", drive.source.config)):
+            text = text.replace(str(path), drive.row[column]) if path else text
+    expected = isinstance(error, StickslipError)
+    return text if expected and text else f"{type(error).__name__}: {text}".rstrip(": ")
+
 
 TABLE = "fleet.csv"
 

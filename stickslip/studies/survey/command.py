@@ -35,7 +35,7 @@ def run(options: argparse.Namespace) -> Answer:
     """Print a row for each run and the number of each outcome."""
     require_files(options.folder)
     from stickslip.fmi.process import Threads
-    from stickslip.studies.survey.table import COLUMNS, surveyed, tasks
+    from stickslip.studies.survey.runs import COLUMNS, surveyed, tasks
 
     folder = options.folder.absolute()  # runs have working folders of their own
     found = list(tasks(folder))

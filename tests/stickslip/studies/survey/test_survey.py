@@ -7,8 +7,7 @@ import pytest
 
 from stickslip import models
 from stickslip.cli import main
-from stickslip.studies.survey.runs import Outcome
-from stickslip.studies.survey.table import compare
+from stickslip.studies.survey.runs import Outcome, compare
 from tests.corpus.hostile import fmus
 from tests.corpus.hostile.sound import describe, members, replaced
 from tests.corpus.hostile.zips import zipped
