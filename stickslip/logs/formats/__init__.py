@@ -1,8 +1,8 @@
 """Formats of logs besides text: one module each, found in this folder.
 
-A module has ``TITLE``, the format's name; ``SUFFIXES`` of its files; ``NEEDS``, module and extra of
-the library that it takes, if that is optional; ``recognises(data: bytes) -> bool``, which detects
-the format from the content; and one of
+A module has ``TITLE``, the format's name; ``SUFFIXES`` of its files; ``BEGINS``, with one of which
+a file of the format begins; ``CONTAINS``, what it also has somewhere, if others begin so, too;
+``NEEDS``, module and extra of the library that it takes, if that is optional; and one of
 
 - ``contents(data: bytes)``, which returns signals as a tree of mappings, lists and arrays, or a
   table as text. It runs in a process of its own with limits of memory and time. The module is
@@ -47,7 +47,8 @@ def read_table(path: Path, delimiter: str | None = None, decimal: str | None = N
     name, suffix = str(path), path.suffix.lower()
     if not data:
         raise RecordingError(f"{name}: empty; expected columns of numbers")
-    known = [each for each in _FORMATS if each.recognises(data)]
+    begun = (each for each in _FORMATS if data.startswith(each.BEGINS))
+    known = [each for each in begun if getattr(each, "CONTAINS", b"") in data]
     named = [each for each in _FORMATS if suffix in each.SUFFIXES]
     if not known and named and is_text(data):
         what = f"a text, not a file of {named[-1].TITLE} as its name says; rename it to .csv"

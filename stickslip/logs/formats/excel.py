@@ -6,14 +6,10 @@ from typing import Any
 
 TITLE = "Excel"
 SUFFIXES = (".xlsx", ".xlsm")
+BEGINS, CONTAINS = (b"PK\x03\x04",), b"xl/workbook.xml"
 NEEDS = ("openpyxl", "excel")
 
 MOST = 1 << 28  # bytes of a workbook when it is unpacked
-
-
-def recognises(data: bytes) -> bool:
-    """Tell whether a file is of this format."""
-    return data.startswith(b"PK\x03\x04") and b"xl/workbook.xml" in data
 
 
 def contents(data: bytes) -> str:

@@ -7,13 +7,9 @@ import numpy as np
 
 TITLE = "HDF5 or MATLAB 7.3"
 SUFFIXES = (".h5", ".hdf5", ".hdf", ".mat")
+BEGINS = (b"\x89HDF\r\n\x1a\n", b"MATLAB 7.3")
 _UNITS = ("unit", "units")
 NEEDS = ("h5py", "hdf5")
-
-
-def recognises(data: bytes) -> bool:
-    """Tell whether a file is of this format."""
-    return data.startswith((b"\x89HDF\r\n\x1a\n", b"MATLAB 7.3"))
 
 
 def contents(data: bytes) -> dict[str, Any]:

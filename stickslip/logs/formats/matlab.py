@@ -7,11 +7,7 @@ import numpy as np
 
 TITLE = "MAT"
 SUFFIXES = (".mat",)
-
-
-def recognises(data: bytes) -> bool:
-    """Tell whether a file is of this format."""
-    return data.startswith(b"MATLAB ") and not data.startswith(b"MATLAB 7.3")
+BEGINS = (b"MATLAB 5",)
 
 
 def contents(data: bytes) -> dict[str, Any]:

@@ -5,12 +5,8 @@ from typing import Any
 
 TITLE = "MDF"
 SUFFIXES = (".mf4", ".mdf")
+BEGINS = (b"MDF     ", b"UnFinMF ")
 NEEDS = ("asammdf", "mdf")
-
-
-def recognises(data: bytes) -> bool:
-    """Tell whether a file is of this format."""
-    return data.startswith((b"MDF     ", b"UnFinMF "))
 
 
 def contents(data: bytes) -> list[dict[str, Any]]:

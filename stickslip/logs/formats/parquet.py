@@ -8,12 +8,8 @@ from stickslip.servo.measurement import Array
 
 TITLE = "Parquet"
 SUFFIXES = (".parquet", ".pq")
+BEGINS = (b"PAR1",)
 NEEDS = ("pyarrow", "parquet")
-
-
-def recognises(data: bytes) -> bool:
-    """Tell whether a file is of this format."""
-    return data.startswith(b"PAR1")
 
 
 def read(path: str, data: bytes) -> LogTable:

@@ -7,12 +7,8 @@ import numpy as np
 
 TITLE = "TDMS"
 SUFFIXES = (".tdms",)
+BEGINS = (b"TDSm",)
 NEEDS = ("nptdms", "tdms")
-
-
-def recognises(data: bytes) -> bool:
-    """Tell whether a file is of this format."""
-    return data.startswith(b"TDSm")
 
 
 def contents(data: bytes) -> list[dict[str, Any]]:
