@@ -46,10 +46,10 @@ from stickslip.logs import (
     plausibility,
     same_command,
     sampling,
-    shortened,
     units,
 )
 from stickslip.logs import reading as log_reading
+from stickslip.logs.checked import shortened
 from stickslip.logs.excitation import Excitation, TurnAround, is_one_way
 from stickslip.planning import LINEAR, Limits, arrange
 from stickslip.planning.shown import DataSheet, not_shown

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, get_args
 from stickslip.commandline import SEVERAL, add_options, require_files
 from stickslip.commandline.assignments import split_assignments
 from stickslip.errors import UsageError
-from stickslip.logs import ROLES, Column, Description, Finding, Kind, load_description
-from stickslip.logs.description import CONFIRMED, GAINS
+from stickslip.logs import Column, Description, Finding, load_description
+from stickslip.logs.description import CONFIRMED, GAINS, ROLES, Kind
 from stickslip.logs.units import parse_quantity
 from stickslip.planning import LINEAR, Limits
 

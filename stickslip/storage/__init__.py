@@ -10,27 +10,17 @@
 """
 
 from stickslip.storage.locking import locked, writable
-from stickslip.storage.manifest import MANIFEST, Manifest, refuse_foreign
-from stickslip.storage.publishing import (
-    UNFINISHED,
-    complete,
-    completed,
-    remove_results,
-    reserved,
-    staged,
-)
-from stickslip.storage.verification import Verdict, verify
+from stickslip.storage.manifest import MANIFEST, refuse_foreign
+from stickslip.storage.publishing import UNFINISHED, complete, completed, reserved, staged
+from stickslip.storage.verification import verify
 
 __all__ = [
     "MANIFEST",
     "UNFINISHED",
-    "Manifest",
-    "Verdict",
     "complete",
     "completed",
     "locked",
     "refuse_foreign",
-    "remove_results",
     "reserved",
     "staged",
     "verify",

@@ -20,11 +20,11 @@ from stickslip.logs import (
     Reading,
     aligned,
     check_recording,
-    implausible_mass,
     raise_errors,
     read_and_check,
     samples_late,
 )
+from stickslip.logs.plausibility import implausible_mass
 from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Rig
 from stickslip.servo.axis import ControlError

@@ -7,15 +7,9 @@ import numpy as np
 import pytest
 
 from stickslip.evaluation.motions import TRAINING
-from stickslip.logs import (
-    Controller,
-    Recording,
-    check_recording,
-    excitation,
-    load_description,
-    read_recording,
-    shortened,
-)
+from stickslip.logs import Controller, Recording, check_recording, load_description, read_recording
+from stickslip.logs.checked import shortened
+from stickslip.logs.excitation import excitation
 from stickslip.planning import plan
 from stickslip.servo.axis import LOOP
 from tests.stickslip.logs.rigid_drive import rigid_drive

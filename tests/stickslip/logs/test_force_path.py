@@ -7,15 +7,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from stickslip.logs import (
-    Recording,
-    aligned,
-    check_recording,
-    force_delay,
-    samples_late,
-    signal_delay,
-)
+from stickslip.logs import Recording, aligned, check_recording, samples_late
 from stickslip.logs.force_path import force_path
+from stickslip.logs.motion import force_delay, signal_delay
 from stickslip.planning import LINEAR, Limits, plan
 from stickslip.servo.measurement import smoothed
 from tests.stickslip.logs.rigid_drive import rigid_drive
