@@ -19,7 +19,7 @@ from stickslip import cosim
 from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.errors import LimitError, RigError, UsageError
 from stickslip.fmi.process import temporary_folder
-from stickslip.ga import CandidateFailed
+from stickslip.ga import CandidateFailed, SimulatedCost
 from stickslip.rigs.limits import RigLimits, Watch
 from stickslip.servo.axis import Datasheet, LoopSpecification
 from stickslip.servo.measurement import Array
@@ -311,13 +311,21 @@ class Rig(ABC):
         fixed : parameters of the compensator that no trial has
         compensated : whether the compensator's force reaches the drive
         """
-        system = feedforward(self.fmus, loop, fixed or {}, feed)
-        record, stop = ("nominal.v_r", "compensator.F_mean"), (len(v_cmd) - 1) * self.T_s
-        with system.prepare(step=self.T_s, stop=stop, record=record) as simulation:
+        whole = self._simulated(v_cmd, loop, (fixed or {}) if compensated else None, feed)
+        record = ("nominal.v_r", "compensator.F_mean")
+        specification = whole or cosim.Specification(
+            feedforward(self.fmus, loop, fixed or {}, feed),
+            step=self.T_s,
+            stop=(len(v_cmd) - 1) * self.T_s,
+            record=record,
+        )
+        with specification.prepare() as simulation:
 
             def run(values: Mapping[str, float]) -> Recorded:
                 named = {f"compensator.{name}": value for name, value in values.items()}
                 computed = simulation.run(named, loop.commands(v_cmd))
+                if whole:
+                    return computed
                 force = computed["compensator.F_mean"]
                 # The force of row n + 1 acts from t[n] on.
                 added = np.append(force[1:], force[-1]) if compensated else None
@@ -339,10 +347,21 @@ class Rig(ABC):
         """Return the cost function of a compensator on the drive, with ``trials`` for candidates.
 
         Its argument are the parameters (k,) in the order of the law; ``cost`` evaluates the
-        recorded ``drive.x_enc`` and ``nominal.v_r``.
+        recorded ``drive.x_enc`` and ``nominal.v_r``. Of a simulated drive without limits it
+        pickles, and its runs go side by side.
         """
+        if whole := self._simulated(v_cmd, loop, (fixed or {}) if compensated else None, feed):
+            names = [f"compensator.{name}" for name in estimated(self.law)]
+            return SimulatedCost(whole, names, cost, loop.commands(v_cmd))
         trials = self.trials(v_cmd, loop, feed, fixed, compensated=compensated)
         return _TrialCost(trials, estimated(self.law), cost)
+
+    def _simulated(
+        self, v_cmd: Array, loop: VelocityLoop, connected: Mapping[str, float] | None, feed: Feed
+    ) -> cosim.Specification | None:
+        """Return a run of drive and compensator, connected or not; None of a real drive."""
+        del v_cmd, loop, connected, feed
+        return None
 
     def close(self) -> None:
         """Let go of the drive, which is at rest."""

@@ -1,14 +1,12 @@
 """A drive FMU as a rig."""
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from stickslip import cosim
-from stickslip.catalog.parameters import estimated
 from stickslip.fmi.process import temporary_folder
-from stickslip.ga import SimulatedCost
-from stickslip.rigs.contract import Command, Log, Recorded, Rig, Trial
+from stickslip.rigs.contract import Command, Log, Rig
 from stickslip.rigs.limits import RigLimits
 from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.measurement import Array
@@ -60,52 +58,12 @@ class FmuRig(Rig):
             result = simulation.run(inputs=command.signals)
         return Log(result.time, *(result[measured] for measured in MEASURED))
 
-    @contextmanager
-    def trials(
-        self,
-        v_cmd: Array,
-        loop: VelocityLoop,
-        feed: Feed = "nominal",
-        fixed: Mapping[str, float] | None = None,
-        *,
-        compensated: bool = True,
-    ) -> Iterator[Trial]:
-        """Do what ``Rig.trials`` does, in one simulation where there are no limits to check."""
-        if self.limits is not None:
-            with super().trials(v_cmd, loop, feed, fixed, compensated=compensated) as trial:
-                yield trial
-            return
-        connected = (fixed or {}) if compensated else None
-        with self._loop_run(v_cmd, loop, connected, feed).prepare() as simulation:
-
-            def run(values: Mapping[str, float]) -> Recorded:
-                named = {f"compensator.{name}": value for name, value in values.items()}
-                return simulation.run(named, loop.commands(v_cmd))
-
-            yield run
-
-    def cost_of(
-        self,
-        v_cmd: Array,
-        loop: VelocityLoop,
-        cost: Callable[[Recorded], float],
-        feed: Feed = "nominal",
-        fixed: Mapping[str, float] | None = None,
-        *,
-        compensated: bool = True,
-    ) -> AbstractContextManager[Callable[[Array], float]]:
-        """Do what ``Rig.cost_of`` does; without limits it pickles, and its runs go side by side."""
-        if self.limits is not None:
-            return super().cost_of(v_cmd, loop, cost, feed, fixed=fixed, compensated=compensated)
-        connected = (fixed or {}) if compensated else None
-        specification = self._loop_run(v_cmd, loop, connected, feed)
-        names = [f"compensator.{name}" for name in estimated(self.law)]
-        return SimulatedCost(specification, names, cost, loop.commands(v_cmd))
-
-    def _loop_run(
+    def _simulated(
         self, v_cmd: Array, loop: VelocityLoop, connected: Mapping[str, float] | None, feed: Feed
-    ) -> cosim.Specification:
-        """Return a run of the loop with a compensator, or with one that is not connected."""
+    ) -> cosim.Specification | None:
+        """Return a run of the loop with a compensator, where there are no limits to check."""
+        if self.limits is not None:
+            return None
         return cosim.Specification(
             paper_loop(self.fmus, loop, connected, feed),
             step=self.T_s,
