@@ -215,16 +215,10 @@ def validate(
     """
     v_cmd = command.sample(rig.samples(trapezoid(command).duration))
     chains = ((plain or loop, None, ()), (loop, compensator, behind))
-    if isinstance(rig, FmuRig):
-        without, compensated = (
-            next(runs_of(rig, used, [values], v_cmd, feed=feed, phases=phases, behind=more))
-            for used, values, more in chains
-        )
-    else:
-        without, compensated = (
-            [run_command(rig, used, values, v_cmd, feed=feed, behind=more)]
-            for used, values, more in chains
-        )
+    without, compensated = (
+        next(runs_of(rig, used, [values], v_cmd, feed=feed, phases=phases, behind=more))
+        for used, values, more in chains
+    )
     for run in (*without, *compensated):
         for v in run.v.values():
             require_bounded(v, abs(command.height))
@@ -232,36 +226,8 @@ def validate(
     return Validation(*first, windows(command), repeated)
 
 
-def run_command(
-    rig: Rig,
-    loop: VelocityLoop,
-    compensator: Mapping[str, float] | None,
-    v_cmd: Array,
-    feed: Feed = "nominal",
-    behind: Sequence[Compensator] = (),
-) -> Run:
-    """Run a velocity command (n,) [m/s], one value a sample, with a compensator or None."""
-    if isinstance(rig, FmuRig):
-        return next(runs_of(rig, loop, [compensator], v_cmd, feed=feed, behind=behind))[0]
-    if behind:
-        raise RigError(f"{rig.name}: compensators with feedback run in the drive, not beside it")
-    with rig.trials(v_cmd, loop, feed, compensated=compensator is not None) as trial:
-        found = trial(compensator or {})
-    x_enc, unknown = found["drive.x_enc"], np.full(len(v_cmd), np.nan)
-    return Run(
-        t=rig.samples((len(v_cmd) - 1) * rig.T_s),
-        v_cmd=v_cmd,
-        x_enc=x_enc,
-        v={"measured": measured_velocity(x_enc, rig.T_s)},
-        v_r=found["nominal.v_r"],
-        F_f=unknown,
-        F_ff=found["compensator.F_mean"],
-        x=unknown,
-    )
-
-
 def runs_of(
-    rig: FmuRig,
+    rig: Rig,
     loop: VelocityLoop,
     compensators: Sequence[Mapping[str, float] | None],  # one that is None, for none, stands alone
     v_cmd: Array,
@@ -269,7 +235,17 @@ def runs_of(
     phases: Sequence[float] = ONCE,
     behind: Sequence[Compensator] = (),
 ) -> Iterator[list[Run]]:
-    """Do what ``run_command`` does, with several compensators at every phase; prepare once."""
+    """Run a velocity command (n,) [m/s], one value a sample, with each of several compensators.
+
+    A simulated drive does so at every phase, and is prepared once.
+    """
+    if not isinstance(rig, FmuRig):
+        if behind:
+            what = "compensators with feedback run in the drive, not beside it"
+            raise RigError(f"{rig.name}: {what}")
+        for compensator in compensators:
+            yield [_moved(rig, loop, compensator, v_cmd, feed=feed)]
+        return
     connected: dict[str, float] | None = None if compensators[0] is None else {}
     system = paper_loop(rig.fmus, loop, connected, feed, behind=behind)
     stop, commands = (len(v_cmd) - 1) * rig.T_s, loop.commands(v_cmd)
@@ -284,3 +260,22 @@ def runs_of(
                 shown = {"measured": measured_velocity(x_enc, rig.T_s), "true": v}
                 runs.append(Run(result.time, v_cmd, x_enc, shown, v_r=v_r, F_f=F_f, F_ff=F_ff, x=x))
             yield runs
+
+
+def _moved(
+    rig: Rig, loop: VelocityLoop, compensator: Mapping[str, float] | None, v_cmd: Array, feed: Feed
+) -> Run:
+    """Run a command on a drive whose truth is not known."""
+    with rig.trials(v_cmd, loop, feed, compensated=compensator is not None) as trial:
+        found = trial(compensator or {})
+    x_enc, unknown = found["drive.x_enc"], np.full(len(v_cmd), np.nan)
+    return Run(
+        t=rig.samples((len(v_cmd) - 1) * rig.T_s),
+        v_cmd=v_cmd,
+        x_enc=x_enc,
+        v={"measured": measured_velocity(x_enc, rig.T_s)},
+        v_r=found["nominal.v_r"],
+        F_f=unknown,
+        F_ff=found["compensator.F_mean"],
+        x=unknown,
+    )

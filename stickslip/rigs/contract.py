@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from threading import Lock
-from typing import Any, Protocol, Self
+from typing import Protocol, Self
 
 import numpy as np
 import pandas as pd
@@ -354,7 +354,7 @@ class Rig(ABC):
             names = [f"compensator.{name}" for name in estimated(self.law)]
             return SimulatedCost(whole, names, cost, loop.commands(v_cmd))
         trials = self.trials(v_cmd, loop, feed, fixed, compensated=compensated)
-        return _TrialCost(trials, estimated(self.law), cost)
+        return _trial_cost(trials, estimated(self.law), cost)
 
     def _simulated(
         self, v_cmd: Array, loop: VelocityLoop, connected: Mapping[str, float] | None, feed: Feed
@@ -374,35 +374,25 @@ class Rig(ABC):
         self.close()
 
 
-class _TrialCost(AbstractContextManager["_TrialCost"]):
-    """The cost of a candidate on a rig.
+@contextmanager
+def _trial_cost(
+    trials: AbstractContextManager[Trial], names: Sequence[str], cost: Callable[[Recorded], float]
+) -> Iterator[Callable[[Array], float]]:
+    """Give the cost of a candidate on a rig.
 
     A candidate whose motion a limit refuses or aborts has failed; what else goes wrong ends the
     learning.
     """
+    one = Lock()  # workers wait for the drive, of which there is one
+    with trials as run:
 
-    fatal = (RigError,)
+        def evaluate(values: Array) -> float:
+            try:
+                with one:
+                    recorded = run(dict(zip(names, values.tolist(), strict=True)))
+            except LimitError as fault:
+                raise CandidateFailed(str(fault)) from fault
+            return cost(recorded)
 
-    def __init__(
-        self,
-        trials: AbstractContextManager[Trial],
-        names: Sequence[str],
-        cost: Callable[[Recorded], float],
-    ) -> None:
-        self._trials, self._names, self._cost = trials, names, cost
-        self._one = Lock()  # workers wait for the drive, of which there is one
-
-    def __enter__(self) -> Self:
-        self._run = self._trials.__enter__()
-        return self
-
-    def __exit__(self, *error: Any) -> None:
-        self._trials.__exit__(*error)
-
-    def __call__(self, values: Array) -> float:
-        try:
-            with self._one:
-                recorded = self._run(dict(zip(self._names, values.tolist(), strict=True)))
-        except LimitError as fault:
-            raise CandidateFailed(str(fault)) from fault
-        return self._cost(recorded)
+        evaluate.fatal = (RigError,)  # type: ignore[attr-defined]
+        yield evaluate

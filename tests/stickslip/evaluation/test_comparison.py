@@ -6,7 +6,7 @@ import pytest
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.comparison import KEYS, Entry, evaluate
 from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS, Motion
-from stickslip.evaluation.validation import PHASES, run_command
+from stickslip.evaluation.validation import PHASES, runs_of
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.axis import LOOP
 from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
@@ -105,7 +105,7 @@ def test_each_entry_runs_in_its_own_loop_with_its_own_compensator(drive, compare
     half = {**exact, "F_c": 0.5 * exact["F_c"]}
     tried = (("without", loop, None), (("F_c", 0.5), loop, half), ("filtered", filtered, exact))
     for name, own, compensator in tried:
-        alone = run_command(rig, own, compensator, v_cmd)
+        alone = next(runs_of(rig, own, [compensator], v_cmd))[0]
         assert (alone.v["true"] == runs[name].v["true"]).all()
 
 

@@ -14,7 +14,7 @@ from stickslip.evaluation.validation import (
     beginnings,
     reduction,
     repetitions,
-    run_command,
+    runs_of,
     summary,
     tracking_errors,
     validate,
@@ -120,7 +120,7 @@ def test_motions_and_table_4_agree(drive):
     found = evaluate(rig, entries, motions=MOTIONS[:1], phases=PHASES)
     names = [f"{name}{end}" for name in entries for end in ("", "_low", "_high")]
     pd.testing.assert_frame_equal(found.table()[names], expected[names], check_exact=True)
-    alone = run_command(rig, loop, EXACT, found.runs["trapezoid"]["with"].v_cmd)
+    alone = next(runs_of(rig, loop, [EXACT], found.runs["trapezoid"]["with"].v_cmd))[0]
     assert (alone.x == found.runs["trapezoid"]["with"].x).all()
 
 

@@ -16,7 +16,7 @@ from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.cli import main
 from stickslip.errors import IdentificationError
 from stickslip.evaluation.motions import MOTIONS, TRAINING, VALIDATION
-from stickslip.evaluation.validation import PHASES, covered, run_command, validate
+from stickslip.evaluation.validation import PHASES, covered, runs_of, validate
 from stickslip.fmi.toolchain import PLATFORMS
 from stickslip.papers.lugre import studies
 from stickslip.papers.lugre.folder import FILES
@@ -105,7 +105,7 @@ def test_the_cost_without_compensation_is_that_of_the_training_run(results, repr
     loop = reproduction.identification.loop
     rig = FmuRig(reproduction.system.components["drive"].path.parent, Datasheet(), loop.T_s)
     v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
-    run = run_command(rig, loop, None, v_cmd)
+    run = next(runs_of(rig, loop, [None], v_cmd))[0]
     gap = sosfiltfilt(
         butter(2, 117.0, fs=1.0 / loop.T_s, output="sos"),
         np.gradient(run.x_enc, loop.T_s) - run.v_r,
