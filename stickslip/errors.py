@@ -22,8 +22,8 @@ from stickslip.fmi.messages import printable
 _COMMAND = "STICKSLIP_COMMAND"
 """Variable of the environment of a command, and of the processes that it starts."""
 _SETTING = re.compile(
-    "<(column|compensator|confirm|controller|encoder_step|friction_range|law|motion|rated_force"
-    "|rated_torque|sample_period|scale|span|unit)(?: ([^<>]+))?>"
+    "<(column|compensator|confirm|controller|encoder_step|friction_range|law|motion|out|rated_force"
+    "|rated_torque|resume|sample_period|scale|span|unit)(?: ([^<>]+))?>"
 )
 
 
@@ -54,17 +54,22 @@ def with_settings(text: str) -> str:
     """Return a message in which settings are options in a command, and keywords in Python.
 
     ``<sample_period 0.01>`` is ``--sample-period 0.01`` or ``sample_period=0.01``, and
-    ``<unit time=ms>`` is ``--unit time=ms`` or ``columns={"time": Column(unit="ms")}``.
+    ``<unit time=ms>`` is ``--unit time=ms`` or ``columns={"time": Column(unit="ms")}``. ``<out>``
+    is a folder, of a command that of ``--out``, and ``<resume>`` is ``resume=True`` in Python.
     """
     return _SETTING.sub(_option if names_options() else _keyword, text)
 
 
 def _option(found: re.Match[str]) -> str:
+    if found[1] == "out":
+        return "folder with --out"
     return f"--{found[1].replace('_', '-')} {found[2] or ''}".rstrip()
 
 
 def _keyword(found: re.Match[str]) -> str:
     name, value = found.groups()
+    if name in ("out", "resume"):
+        return {"out": "folder", "resume": "resume=True"}[name]
     if name in ("column", "unit", "scale") and value:
         pairs = re.findall(r"(\w+)=(.*?)(?= \w+=|$)", value)
         part = name.replace("column", "name")

@@ -124,7 +124,7 @@ class Model:
         if path.suffix != ".fmu":
             raise UsageError(f"{path}: expected a file .ssp or .fmu")
         if variant is not None:
-            raise UsageError(f"{path}: --variant names a system of an .ssp; this is one FMU")
+            raise UsageError(f"{path}: a variant names a system of an .ssp; this is one FMU")
         return cls._lone(cosim.Fmu(path), path)
 
     @classmethod

@@ -128,8 +128,8 @@ class LearnedDrive:
 
 
 @dataclass(frozen=True)
-class Motion:
-    """Motion of a drive in a loop."""
+class SimulatedMotion:
+    """Simulated motion of a drive in a loop."""
 
     position: Array  # (n,) true [m]
     velocity: Array  # (n,) true [m/s]
@@ -147,7 +147,7 @@ def commanded_velocity(recording: Recording) -> Array:
     if recording.position_command is None:
         raise UsageError(
             f"{recording.source}: no command; log the velocity or position command, or name its "
-            "column with --column velocity_command=NAME"
+            "column with <column velocity_command=NAME>"
         )
     T_s = recording.T_s
     velocity: Array = derivative(smoothed(recording.position_command, T_s, SHARE / T_s), T_s)
@@ -172,7 +172,7 @@ def simulate(
     gains: Mapping[str, float],
     drive: LearnedDrive,
     force_limit: float | None = None,
-) -> dict[str, Motion]:
+) -> dict[str, SimulatedMotion]:
     """Return the motion of the drive by variant: without and with compensator, without friction.
 
     Parameters
@@ -200,7 +200,7 @@ def simulate(
         runs = {name: loop.bounded(of, further, added) for name, (of, added) in variants.items()}
     signals = ("candidate.x", "candidate.v", "candidate.x_enc")
     return {
-        name: Motion(*(run[signal] / scale.length for signal in signals))
+        name: SimulatedMotion(*(run[signal] / scale.length for signal in signals))
         for name, run in runs.items()
     }
 

@@ -65,7 +65,7 @@ def writable(folder: Path) -> Iterator[None]:
                 file.write(b"x")
         except OSError as error:
             raise UsageError(
-                f"{folder}: cannot write there ({error.strerror}); choose another folder with --out"
+                f"{folder}: cannot write there ({error.strerror}); choose another <out>"
             ) from None
         yield
     finally:
@@ -88,7 +88,7 @@ def _lock(folder: Path, path: Path) -> IO[str]:
                 owner = file.read(20).strip()
             raise UsageError(
                 f"{folder}: process {owner if owner.isdigit() else 'unknown'} is writing there; "
-                "wait until it has ended, or choose another folder with --out"
+                "wait until it has ended, or choose another <out>"
             )
         if is_at(file, path):  # else its owner has just ended and deleted it
             file.truncate(0)

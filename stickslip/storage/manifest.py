@@ -125,7 +125,7 @@ def refuse_foreign(folder: Path, names: Iterable[str]) -> None:
             listed = Manifest.read(folder).sha256
         except ResultsError as error:
             raise UsageError(
-                f"{error}; it is not overwritten: move it away, or choose another folder with --out"
+                f"{error}; it is not overwritten: move it away, or choose another <out>"
             ) from None
     for name in sorted(names):
         refuse_places(folder, name)
@@ -138,7 +138,7 @@ def refuse_foreign(folder: Path, names: Iterable[str]) -> None:
                 )
                 raise UsageError(
                     f"{folder / name}: {why}; it is not overwritten: move it away, or choose "
-                    "another folder with --out"
+                    "another <out>"
                 )
 
 

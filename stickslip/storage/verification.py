@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from stickslip.errors import ResultsError
+from stickslip.errors import ResultsError, with_settings
 from stickslip.storage.locking import PREFIX
 from stickslip.storage.manifest import MANIFEST, Manifest, hash_of, refuse_places
 from stickslip.storage.publishing import READY, complete, files_in
 
 NOTES = {
-    "learning.checkpoint*.json": "of a learning that did not end; continue with --resume",
-    "unfinished/*": "of a study that did not end; continue with --resume",
+    "learning.checkpoint*.json": "of a learning that did not end; continue with <resume>",
+    "unfinished/*": "of a study that did not end; continue with <resume>",
     f"{PREFIX}*": "of a process that writes or was killed; the next that writes deletes it",
 }
 """Files that may accompany results, by pattern."""
@@ -65,7 +65,7 @@ def _compare(folder: Path, manifest: Manifest, without: Sequence[str]) -> Verdic
         patterns = unseen | (NOTES if state == "additional" else {})
         known = [note for pattern, note in patterns.items() if fnmatchcase(name, pattern)]
         if known:
-            notes[name] = known[0]
+            notes[name] = with_settings(known[0])
         elif state:
             faults[name] = state
     return Verdict(intact, faults, notes)

@@ -16,7 +16,7 @@ from typing import TypeVar
 from threadpoolctl import threadpool_limits
 
 from stickslip import ga
-from stickslip.errors import StickslipError, name_options, names_options
+from stickslip.errors import StickslipError, name_options, names_options, with_settings
 from stickslip.fmi.process import Threads, cancel_all, interrupted_by, interruptible, wait_first
 from stickslip.ga.execution.evaluation import ALONE, DIED, received
 
@@ -56,9 +56,10 @@ def processors() -> int:
 
 def stopped(stop: KeyboardInterrupt | ga.WorkersLost, kept: str) -> BaseException:
     """Return the same error, which also says what is kept and how to go on."""
+    kept = with_settings(f"{kept}; continue with <resume>")
     if isinstance(stop, ga.WorkersLost):
-        return ga.WorkersLost(f"{stop}; {kept}; continue with --resume")
-    return KeyboardInterrupt(f"interrupted; {kept}; continue with --resume")
+        return ga.WorkersLost(f"{stop}; {kept}")
+    return KeyboardInterrupt(f"interrupted; {kept}")
 
 
 Item = TypeVar("Item")

@@ -77,7 +77,10 @@ def test_pages_and_notebooks_show_escapes(odd):
     assert text(f"a{ODD[0]}{SEEN}<b>") == f"a\\u202e{SEEN}&lt;b&gt;"
 
 
-ROOMS = ("logs", "identification", "rigs", "servo", "trial")
+ROOMS = (
+    *("logs", "identification", "rigs", "servo", "trial", "storage", "evaluation", "presentation"),
+    *("tuning", "catalog", "compensators", "learned", "work", "planning"),
+)
 SOURCES = Path(errors.__file__).parent
 
 
@@ -96,6 +99,8 @@ SOURCES = Path(errors.__file__).parent
             "--scale force=2*-1 time=3",
             'columns={"force": Column(scale="2*-1"), "time": Column(scale=3)}',
         ),
+        ("continue with <resume>", "continue with --resume", "continue with resume=True"),
+        ("another <out>", "another folder with --out", "another folder"),
         ("<unit> <b> <>", "--unit <b> <>", "unit <b> <>"),
     ],
 )
@@ -108,7 +113,7 @@ def test_a_setting_is_an_option_or_a_keyword(text, option, keyword):
 def test_every_setting_is_one_of_both():
     names = re.search(r"<\((.*?)\)", errors._SETTING.pattern)[1].split("|")
     keywords = {one.name for kind in (ss.Description, ss.LearnSettings) for one in fields(kind)}
-    assert not {*names} - keywords - {"column", "unit", "scale"}
+    assert not {*names} - keywords - {"column", "unit", "scale", "out", "resume"}
     learn = cli._parser(["learn"])._subparsers._group_actions[0].choices["learn"]
     assert not {f"--{name.replace('_', '-')}" for name in names} - {*learn._option_string_actions}
 

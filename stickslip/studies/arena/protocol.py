@@ -166,7 +166,7 @@ def run_arena(
     if not execution.resume and (unfinished / MANIFEST).exists():
         raise UsageError(
             f"{unfinished}: an earlier arena did not end; continue with --resume, delete it, or"
-            " choose another folder with --out"
+            " choose another <out>"
         )
     documents: dict[tuple[str, str], Mapping[str, Any]] = {}
     reasons: dict[tuple[str, str], str] = {}

@@ -121,8 +121,8 @@ def learn_fleet(
     refuse_foreign(unfinished, [_learned(drive) for drive in drives])
     if not execution.resume and (unfinished / MANIFEST).exists():
         raise UsageError(
-            f"{unfinished}: an earlier study did not end; continue with --resume, delete it, "
-            "or choose another folder with --out"
+            f"{unfinished}: an earlier study did not end; continue with <resume>, delete it, "
+            "or choose another <out>"
         )
     origins = {drive.name: _origin(drive) for drive in drives}
     learned: dict[str, dict[str, Any]] = {}

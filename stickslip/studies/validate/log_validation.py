@@ -56,7 +56,7 @@ def read_log(
     if kinds[0] != kinds[1]:
         raise UsageError(
             f"{path}: a log of a {kinds[0]} drive, but {learned.path} has a {kinds[1]} one; give "
-            f"--motion {kinds[1]}, or the log of the drive that was learned"
+            f"<motion {kinds[1]}>, or the log of the drive that was learned"
         )
     if not learned.drive["m"] and recording.friction is None:
         raise UsageError(

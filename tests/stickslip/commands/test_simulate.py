@@ -74,7 +74,7 @@ def test_an_fmu_of_another_tool_with_dots_in_names_and_no_step(stage, force, edi
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--variant", "x"], "--variant names a system of an .ssp"),
+        (["--variant", "x"], "a variant names a system of an .ssp"),
         (["--hold", "u"], "--hold names columns of --input"),
         (["--timeout", "0"], "timeout is 0.0, expected a positive number$"),
         (["--set", "m=1_0"], r"m: expected a value of type \w+, got '1_0'$"),

@@ -54,7 +54,7 @@ def test_interrupted_and_resumed_is_the_same_as_never_interrupted(where, drives,
         learn_fleet(fleet, out, execution=execution, job=Counting(diary, "c"))
     kept = sorted(path.parent.name for path in out.rglob("learned.json"))
     assert kept
-    with pytest.raises(UsageError, match=r"an earlier study did not end; continue with --resume"):
+    with pytest.raises(UsageError, match="study did not end; continue with resume=True"):
         learn_fleet(fleet, out, job=quick)
     diary.unlink()
     resumed = Execution(execution.workers, resume=True)
