@@ -73,10 +73,10 @@ def function(step: Callable[..., float]) -> cosim.Function:
         raise UsageError(f"{name}: its parameters do not name the inputs; use ss.Function")
     wanted = [one.name for one in parameters if one.default is one.empty]
     inputs = [name for name in wanted if name != "t"]
-    return cosim.Function(_Named(step, timed="t" in wanted), dict.fromkeys(inputs), {"y": None})
+    return cosim.Function(_Function(step, timed="t" in wanted), dict.fromkeys(inputs), {"y": None})
 
 
-class _Named:
+class _Function:
     """A function of named inputs, called as ``cosim.Function`` does."""
 
     def __init__(self, step: Callable[..., float], *, timed: bool) -> None:

@@ -42,7 +42,7 @@ class _Lines(logging.Handler):
         print(f"stickslip: {kind}{line}", file=sys.stderr, flush=True)  # noqa: T201
 
 
-class _Harmless:
+class _HarmlessStream:
     """Standard output, on which text from files is harmless."""
 
     def __init__(self, stream: TextIO) -> None:
@@ -77,7 +77,7 @@ def quiet() -> bool:
 def answered(options: argparse.Namespace, run: Callable[..., Answer | None]) -> int:
     """Run a command; print its text, its document as JSON, or nothing; return its exit status."""
     if not (options.json or options.quiet):
-        with redirect_stdout(cast("TextIO", _Harmless(sys.stdout))):
+        with redirect_stdout(cast("TextIO", _HarmlessStream(sys.stdout))):
             return (run(options) or Answer()).status
     with Path(os.devnull).open("w", encoding="utf-8") as nothing, redirect_stdout(nothing):
         answer = run(options) or Answer()

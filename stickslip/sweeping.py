@@ -35,7 +35,7 @@ Figure = Callable[[cosim.Result], float]  # evaluates a run to a number
 
 
 @dataclass(frozen=True)
-class Optimised:
+class Optimum:
     """What a search found."""
 
     parameters: dict[str, float]  # the best values by name, in the unit of each variable
@@ -48,7 +48,7 @@ class Optimised:
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name} = {value:.6g}" for name, value in self.parameters.items())
-        return f"Optimised({values}; cost {self.cost:.6g}, {self._runs})"
+        return f"Optimum({values}; cost {self.cost:.6g}, {self._runs})"
 
     def _repr_html_(self) -> str:
         rows = [(name, f"{value:.6g}") for name, value in self.parameters.items()]
@@ -156,7 +156,7 @@ def optimise(
     where: str = "threads",
     progress: Progress | bool = False,
     **options: Any,
-) -> Optimised:
+) -> Optimum:
     """Search the parameters of a system for which a cost is least, by the genetic algorithm.
 
     Parameters
@@ -214,7 +214,7 @@ def optimise(
 
         found = ga.learn(search, evaluate, executor, on_generation=told)
     table = search.history.drop(columns="index")
-    return Optimised(found.parameters, float(found.best.cost), table, found.stopped, units=units)
+    return Optimum(found.parameters, float(found.best.cost), table, found.stopped, units=units)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from stickslip.cosim import DefaultExperiment
     from stickslip.cosim.component import Interface
-    from stickslip.sweeping import Figure, Optimised
+    from stickslip.sweeping import Figure, Optimum
 
 
 class System(system.System):
@@ -63,7 +63,7 @@ class System(system.System):
 
     def optimise(
         self, ranges: Mapping[str, Sequence[float]], cost: Figure, **settings: Any
-    ) -> Optimised:
+    ) -> Optimum:
         """Search the parameters for which a cost is least; see ``ss.optimise``."""
         from stickslip.sweeping import optimise  # late, for those who start quickly
 

@@ -296,7 +296,7 @@ def compared(shared, repetitions=8):
 def parts(repetitions):
     """Return whether repetitions of a command are the parts over which errors are compared."""
     command = np.tile(np.append(np.sin(np.linspace(0.0, 6.2, 990)), np.zeros(10)), repetitions)
-    stretch = compared_logs.Stretch(0, 0, len(command))
+    stretch = compared_logs.Overlap(0, 0, len(command))
     return compared_logs._parts(command, [stretch], 1e-3)[1]
 
 

@@ -65,7 +65,7 @@ def sliding(motion: Kinematics, T_s: float, share: float = 0.1) -> NDArray[np.bo
 
 
 @dataclass(frozen=True, eq=False)
-class Rigid:
+class RigidDrive:
     """F = m a + b v + F_c sign v + F_0 while sliding."""
 
     used: NDArray[np.bool_]  # (n,) where the drive slides
@@ -73,13 +73,13 @@ class Rigid:
     force: Array  # (n,) through the low-pass of the motion [N]
 
 
-def rigid(recording: Recording, motion: Kinematics) -> Rigid | None:
+def rigid(recording: Recording, motion: Kinematics) -> RigidDrive | None:
     """Return the equations of a rigid drive, None without a force or with few samples sliding."""
     used = sliding(motion, recording.T_s)
     if recording.force is None or used.sum() < log_content.SLIDING:
         return None
     columns = rigid_columns(motion, recording.T_s)[used]
-    return Rigid(used, columns, smoothed(recording.force, recording.T_s, motion.cutoff))
+    return RigidDrive(used, columns, smoothed(recording.force, recording.T_s, motion.cutoff))
 
 
 def rigid_columns(motion: Kinematics, T_s: float) -> Array:

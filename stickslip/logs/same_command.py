@@ -18,7 +18,7 @@ LAGS = 20  # lags of the second log that are tried, of each kind
 
 
 @dataclass(frozen=True)
-class Stretch:
+class Overlap:
     """Samples of two logs with the same command: ``n`` from ``first`` and from ``second`` on."""
 
     first: int
@@ -26,14 +26,14 @@ class Stretch:
     n: int
 
 
-def same_command(first: Array, second: Array, T_s: float) -> list[Stretch]:
+def same_command(first: Array, second: Array, T_s: float) -> list[Overlap]:
     """Return the stretches in which two velocity commands (n,), (k,) [m/s] are the same.
 
     No sample belongs to two stretches. The lag with the most motion in common comes first.
     """
     least = max(2, round(transfer.STRETCH / T_s))
     free = np.ones(len(first), dtype=bool), np.ones(len(second), dtype=bool)
-    found: list[Stretch] = []
+    found: list[Overlap] = []
     lags = _lags(first, second)
     while True:
         candidates = [list(_runs(first, second, lag, free, T_s=T_s, least=least)) for lag in lags]
@@ -115,7 +115,7 @@ def _runs(
     free: tuple[NDArray[np.bool_], NDArray[np.bool_]],
     T_s: float,
     least: int,
-) -> Iterator[Stretch]:
+) -> Iterator[Overlap]:
     """Yield the stretches in which second[i] is first[i + lag], and the drive is moved."""
     begin = max(0, lag)
     n = min(len(first), len(second) + lag) - begin
@@ -130,11 +130,11 @@ def _runs(
     same = (b <= maximum_filter1d(a, 3) + tolerance) & (b >= minimum_filter1d(a, 3) - tolerance)
     same &= free[0][one] & free[1][other]
     for left, right in runs(same):
-        run = Stretch(begin + left, begin - lag + left, right - left)
+        run = Overlap(begin + left, begin - lag + left, right - left)
         if run.n >= least and _motion(first, run):
             yield run
 
 
-def _motion(command: Array, run: Stretch) -> int:
+def _motion(command: Array, run: Overlap) -> int:
     """Return in how many samples of a stretch the command moves the drive."""
     return int(np.sum(is_moving(command)[run.first : run.first + run.n]))

@@ -14,7 +14,7 @@ from typing import Any
 from stickslip.errors import RigError, UsageError
 from stickslip.rigs.contract import Command, Log
 from stickslip.rigs.limits import RigLimits, Watch
-from stickslip.rigs.remote import Refused, RemoteRig
+from stickslip.rigs.remote import Refusal, RemoteRig
 from stickslip.servo.axis import Datasheet
 from stickslip.thresholds import rig_motion
 
@@ -117,12 +117,12 @@ class AdsRig(RemoteRig):
                         return self._hello()
                     self._watch_over()
                     return kinds[what](fields)
-            except Refused as refusal:
-                raise Refused(f"{self.name} refuses to {what}: {refusal}") from None
+            except Refusal as refusal:
+                raise Refusal(f"{self.name} refuses to {what}: {refusal}") from None
             except (OSError, self._ads.ADSError) as fault:
                 why = str(fault).removeprefix("ADSError: ").strip(" .")
                 if 0x700 <= (getattr(fault, "err_code", None) or 0) < 0x740:  # of the controller
-                    raise Refused(f"{self.name}.{self._at}: {why}; expected StickslipRig") from None
+                    raise Refusal(f"{self.name}.{self._at}: {why}; expected StickslipRig") from None
                 self._disconnect()
             if time.monotonic() > give_up:
                 raise self._lost(why)
@@ -130,7 +130,7 @@ class AdsRig(RemoteRig):
 
     def _hello(self) -> dict[str, Any]:
         if self._get("state") and self._get("session") != self._session:
-            raise Refused("the drive moves for another program")
+            raise Refusal("the drive moves for another program")
         self._put("session", self._session)
         self._most = self._get("most")
         wanted = ("protocol", "T_s", "heartbeat")
@@ -139,7 +139,7 @@ class AdsRig(RemoteRig):
     def _watch_over(self) -> None:
         """Show that this program watches, by the time of the controller that it read."""
         if self._get("session") != self._session:
-            raise Refused(
+            raise Refusal(
                 "another program has taken the drive, or the controller was started again"
             )
         self._put("heard", self._get("clock"))
@@ -150,7 +150,7 @@ class AdsRig(RemoteRig):
         given = {"F_ff": values["F"]} if self._by_force else values
         end = begin + len(next(iter(values.values())))
         if end > self._most:
-            raise Refused(f"{REFUSALS[5]}, {self._most} samples; make them longer there")
+            raise Refusal(f"{REFUSALS[5]}, {self._most} samples; make them longer there")
         for name in SIGNALS:
             samples = given.get(name, ())
             self._put_block(f"{name}[{begin // BLOCK}]", samples)
@@ -159,7 +159,7 @@ class AdsRig(RemoteRig):
     def _start(self, asked: Mapping[str, Any]) -> dict[str, Any]:
         motion, loop, limits = asked["motion"], asked["loop"], dict(asked["limits"])
         if not all(0.0 <= gain < math.inf for gain in loop.values()):
-            raise Refused(f"expected gains of 0 or more, got {loop}")
+            raise Refusal(f"expected gains of 0 or more, got {loop}")
         if self._get("answered") < motion:
             self._watch = Watch(RigLimits(**limits), self.T_s)
             low, high = limits.pop("travel")
@@ -172,10 +172,10 @@ class AdsRig(RemoteRig):
         give_up = time.monotonic() + ANSWER
         while self._get("answered") < motion:
             if time.monotonic() > give_up:
-                raise Refused(f"StickslipRig was not called for {ANSWER:g} s; is the PLC running?")
+                raise Refusal(f"StickslipRig was not called for {ANSWER:g} s; is the PLC running?")
             time.sleep(0.005)
         if self._get("motion") != motion:
-            raise Refused(REFUSALS.get(self._get("refusal"), "unknown reason"))
+            raise Refusal(REFUSALS.get(self._get("refusal"), "unknown reason"))
         return {}
 
     def _read(self, asked: Mapping[str, Any]) -> dict[str, Any]:

@@ -147,7 +147,7 @@ def refuse(limits: RigLimits, command: Command) -> None:
                 raise LimitError(f"the command exceeds a limit, nothing has moved: {found}")
 
 
-class Recorded(Protocol):
+class TrialLog(Protocol):
     """What a trial recorded: signals (n,) by name."""
 
     def __getitem__(self, name: str) -> Array:
@@ -180,7 +180,7 @@ def _wrong_log(log: object, command: Command) -> str:
     return ""
 
 
-Trial = Callable[[Mapping[str, float]], Recorded]  # runs compensator parameters on the drive
+Trial = Callable[[Mapping[str, float]], TrialLog]  # runs compensator parameters on the drive
 
 
 class Rig(ABC):
@@ -321,7 +321,7 @@ class Rig(ABC):
         )
         with specification.prepare() as simulation:
 
-            def run(values: Mapping[str, float]) -> Recorded:
+            def run(values: Mapping[str, float]) -> TrialLog:
                 named = {f"compensator.{name}": value for name, value in values.items()}
                 computed = simulation.run(named, loop.commands(v_cmd))
                 if whole:
@@ -338,7 +338,7 @@ class Rig(ABC):
         self,
         v_cmd: Array,
         loop: VelocityLoop,
-        cost: Callable[[Recorded], float],
+        cost: Callable[[TrialLog], float],
         feed: Feed = "nominal",
         fixed: Mapping[str, float] | None = None,
         *,
@@ -376,7 +376,9 @@ class Rig(ABC):
 
 @contextmanager
 def _trial_cost(
-    trials: AbstractContextManager[Trial], names: Sequence[str], cost: Callable[[Recorded], float]
+    trials: AbstractContextManager[Trial],
+    names: Sequence[str],
+    cost: Callable[[TrialLog], float],
 ) -> Iterator[Callable[[Array], float]]:
     """Give the cost of a candidate on a rig.
 

@@ -24,7 +24,7 @@ RETURNS, RETURN_SPEED, DWELL, K_X = 5, 0.02, 0.5, 20.0
 MARGIN = 1e-3  # by how much a move back may overshoot where it begins [m]
 
 
-class Refused(RigError):
+class Refusal(RigError):
     """A request was refused; nothing came of it."""
 
 
@@ -129,7 +129,7 @@ class RemoteRig(Rig):
             start = {"samples": n, "crc": crc_of(signals), "loop": loop, "limits": asdict(limits)}
             try:
                 self._request("start", motion=motion, **start)
-            except Refused:
+            except Refusal:
                 self._motion = before
                 raise
             moved = time.monotonic()

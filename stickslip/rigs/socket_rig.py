@@ -8,7 +8,7 @@ from typing import Any
 from stickslip.errors import RigError, UsageError
 from stickslip.rigs.limits import RigLimits
 from stickslip.rigs.lines import Lines, line_of, sent_limits
-from stickslip.rigs.remote import Refused, RemoteRig
+from stickslip.rigs.remote import Refusal, RemoteRig
 from stickslip.servo.axis import Datasheet
 
 
@@ -77,7 +77,7 @@ class SocketRig(RemoteRig):
                 self._heard = max(self._heard, float(reply["clock"]))
             if "error" in reply:
                 why = " ".join(str(reply["error"]).split())
-                raise Refused(f"{self.name} refuses to {what}: {why}")
+                raise Refusal(f"{self.name} refuses to {what}: {why}")
             return reply
         raise self._lost(why)
 

@@ -32,7 +32,7 @@ from stickslip.catalog.parameters import (
 )
 from stickslip.identification.stages import Estimate
 from stickslip.models import Law
-from stickslip.rigs.contract import Recorded, Rig
+from stickslip.rigs.contract import Rig, TrialLog
 from stickslip.servo.measurement import CUTOFF, Array, smoothed
 from stickslip.servo.systems import Feed, feedforward
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -88,12 +88,12 @@ class VelocityCost:
     T_s: float  # sample period [s]
     cutoff: float | None = CUTOFF  # of the low-pass of v - v_r [Hz], None for none
 
-    def __call__(self, result: Recorded) -> float:
+    def __call__(self, result: TrialLog) -> float:
         """Return the cost of the recorded ``drive.x_enc`` [m] and ``nominal.v_r`` [m/s]."""
         gap = self.gap(result)
         return float(np.sum(gap * gap))  # the same bits whatever the threads of the linear algebra
 
-    def gap(self, result: Recorded) -> Array:
+    def gap(self, result: TrialLog) -> Array:
         """Return v - v_r (n,) [m/s]."""
         v = np.gradient(result["drive.x_enc"], self.T_s)
         gap = v - result["nominal.v_r"]

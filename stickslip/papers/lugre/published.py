@@ -168,14 +168,14 @@ def _search(
     searched: Sequence[ga.Gene], settings: ga.Settings, seed: int, cost: Callable[[Array], float]
 ) -> SeedRun:
     algorithm = ga.GeneticAlgorithm(searched, settings, seed)
-    ga.learn(algorithm, _Once(cost))
+    ga.learn(algorithm, _CostMemo(cost))
     best = algorithm.best
     names = [gene.name for gene in searched]
     values = dict(zip(names, best.values.tolist(), strict=True))  # noqa: PD011 - an array
     return SeedRun(seed, values, best.cost, settings.population * settings.generations, algorithm)
 
 
-class _Once:
+class _CostMemo:
     """A cost that runs each candidate once: the drive FMU repeats itself bit for bit."""
 
     def __init__(self, cost: Callable[[Array], float]) -> None:

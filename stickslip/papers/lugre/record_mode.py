@@ -14,7 +14,7 @@ import pandas as pd
 from stickslip.identification.estimation import Estimation, LearnSettings, Search
 from stickslip.logs import check_recording
 from stickslip.output import Progress
-from stickslip.papers.lugre.reproduction import Options, Reproduced, build_rig, validated
+from stickslip.papers.lugre.reproduction import BaseResult, Options, build_rig, validated
 from stickslip.papers.lugre.tables import table2_of_recording
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
@@ -27,7 +27,7 @@ from stickslip.work.jobs import Execution
 
 
 @dataclass(frozen=True)
-class RecordReproduction(Reproduced):
+class RecordReproduction(BaseResult):
     """All that was computed from one recording."""
 
     learned: LearnedFromRecording

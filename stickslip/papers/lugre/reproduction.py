@@ -71,7 +71,7 @@ class Extras:
 
 
 @dataclass(frozen=True)
-class Reproduced:
+class BaseResult:
     """What both modes compute."""
 
     options: Options
@@ -82,7 +82,7 @@ class Reproduced:
 
 
 @dataclass(frozen=True)
-class Reproduction(Reproduced):
+class Reproduction(BaseResult):
     """All that was computed with the three experiments, and by running the drive."""
 
     identification: Identification
@@ -137,7 +137,7 @@ def build_rig(options: Options, fmus: Path, progress: Progress) -> FmuRig:
     return FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
 
 
-def validated(options: Options, rig: FmuRig, learned: Learned, progress: Progress) -> Reproduced:
+def validated(options: Options, rig: FmuRig, learned: Learned, progress: Progress) -> BaseResult:
     """Run the trapezoid on the drive without and with what was learned; join the truth.
 
     Raises stickslip.servo.axis.ControlError when no loop could be designed.
@@ -148,7 +148,7 @@ def validated(options: Options, rig: FmuRig, learned: Learned, progress: Progres
         rig, loop, learned.friction, VALIDATION, options.feed, plain, phases=PHASES
     )
     system = paper_loop(rig.fmus, loop, learned.friction, options.feed)
-    return Reproduced(options, drive_truth(options.truth, options.law), learned, validation, system)
+    return BaseResult(options, drive_truth(options.truth, options.law), learned, validation, system)
 
 
 def reproduce(

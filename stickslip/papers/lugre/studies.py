@@ -69,7 +69,7 @@ def reproduce_with_extras(
 ) -> Extras:
     """Take the steps on the drive with all effects on; ``fmus`` is made."""
     fmus.mkdir()
-    stages = _Named(progress)
+    stages = _ExtrasProgress(progress)
     parameters = (v for v in models.load_model("drive").variables if v.role == "parameter")
     effects = {v.name: True for v in parameters if v.type == "boolean"}
     options = replace(options, seeds=0, truth={**options.truth, **effects})
@@ -92,7 +92,7 @@ def step_by_step(found: Reproduction, fmus: Path) -> pd.DataFrame:
 
 
 @dataclass(frozen=True)
-class _Named(Progress):
+class _ExtrasProgress(Progress):
     """Tells stages with the drive that they are of."""
 
     progress: Progress

@@ -33,7 +33,7 @@ _CONTEXT.set_forkserver_preload(["fmpy.simulation", "stickslip.simulation"])
 _FMPY = {"co_simulation": "CoSimulation", "model_exchange": "ModelExchange"}
 
 
-Run = Callable[..., "Iterator[Outcome]"]
+Run = Callable[..., "Iterator[RunOutcome]"]
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Times:
 
 
 @dataclass
-class Outcome:
+class RunOutcome:
     """What came of a run."""
 
     fault: str = ""  # the error in one line, or ``died`` or ``out of time``; empty where it worked
@@ -66,7 +66,7 @@ class Outcome:
     again: bool | None = None
 
 
-def here(task: Task) -> Iterator[Outcome]:
+def here(task: Task) -> Iterator[RunOutcome]:
     """Run a file here as ``stickslip simulate --allow-nan`` does, and again; packages as FMPy."""
     model = _model(task)
     start, stop = model.experiment.start or 0.0, model.experiment.stop
@@ -81,10 +81,10 @@ def here(task: Task) -> Iterator[Outcome]:
     ) as simulation:
         first = simulation.run(inputs=model.inputs)
         signals = {name.removeprefix(prefix): first[name] for name in first.names}
-        yield Outcome("", times, first.time, signals)
+        yield RunOutcome("", times, first.time, signals)
         second = simulation.run(inputs=model.inputs)
     again = np.array_equal(first.values, second.values, equal_nan=True)
-    yield Outcome("", times, first.time, signals, again=again)
+    yield RunOutcome("", times, first.time, signals, again=again)
 
 
 def _model(task: Task) -> Model:
@@ -96,7 +96,7 @@ def _model(task: Task) -> Model:
     return Model(task.path, system, fmu.experiment)
 
 
-def in_fmpy(task: Task, times: Times | None, names: Iterable[str]) -> Iterator[Outcome]:
+def in_fmpy(task: Task, times: Times | None, names: Iterable[str]) -> Iterator[RunOutcome]:
     """Run a file in FMPy, as ``fmpy simulate`` does; it records these names, or what it chooses.
 
     Its rows of a package have the time at which the step began, which is corrected.
@@ -134,10 +134,10 @@ def in_fmpy(task: Task, times: Times | None, names: Iterable[str]) -> Iterator[O
         for place in np.ndindex(values.shape[1:]):
             indices = ",".join(str(i + 1) for i in place)
             signals[f"{name}[{indices}]"] = values[(slice(None), *place)]
-    yield Outcome("", times, time_column, signals)
+    yield RunOutcome("", times, time_column, signals)
 
 
-def apart(run: Run, *arguments: object, limit: float) -> Outcome:
+def apart(run: Run, *arguments: object, limit: float) -> RunOutcome:
     """Return the last outcome of a run in a process of its own, within a limited time (s)."""
     receiver, sender = _CONTEXT.Pipe(duplex=False)
     outcome, end = None, time.monotonic() + limit
@@ -147,15 +147,15 @@ def apart(run: Run, *arguments: object, limit: float) -> Outcome:
         sender.close()
         with suppress(EOFError):
             while receiver.poll(max(0.0, end - time.monotonic())):
-                following: Outcome = receiver.recv()
+                following: RunOutcome = receiver.recv()
                 outcome = following if outcome is None or not following.fault else outcome
-            outcome = outcome or Outcome("out of time")
+            outcome = outcome or RunOutcome("out of time")
         with suppress(OSError):
             os.killpg(process.pid or 0, signal.SIGKILL)
         process.join()
     if outcome is None:
         code = process.exitcode or 0
-        return Outcome(f"died: {signal.Signals(-code).name if code < 0 else f'status {code}'}")
+        return RunOutcome(f"died: {signal.Signals(-code).name if code < 0 else f'status {code}'}")
     return outcome
 
 
@@ -171,7 +171,7 @@ def _serve(run: Run, arguments: tuple[object, ...], folder: str, sender: Connect
         for outcome in run(*arguments):
             sender.send(outcome)
     except (Exception, SystemExit) as error:  # noqa: BLE001 - of any tool
-        sender.send(Outcome(f"{type(error).__name__}: {' '.join(str(error).split())}"))
+        sender.send(RunOutcome(f"{type(error).__name__}: {' '.join(str(error).split())}"))
 
 
 EQUAL, NEAR = 1e-12, 1e-3
@@ -200,7 +200,7 @@ def tasks(folder: Path) -> Iterator[Task]:
         yield from (Task(path, interface) for tag, interface in _TAGS.items() if tag in present)
 
 
-def compare(ours: Outcome, theirs: Outcome) -> tuple[str, float, str]:
+def compare(ours: RunOutcome, theirs: RunOutcome) -> tuple[str, float, str]:
     """Return the verdict on two runs that worked, the largest difference, and its signal."""
     names = {name: name for name in theirs.signals}
     for name in theirs.signals:  # FMPy gives connectors the path of their systems
@@ -234,7 +234,7 @@ def compare(ours: Outcome, theirs: Outcome) -> tuple[str, float, str]:
 def surveyed(folder: Path, task: Task, limit: float, *, fmpy: bool) -> tuple[str, ...]:
     """Run a task here, and in FMPy if asked to, each at most so long [s]; return its row."""
     ours = apart(here, task, limit=limit)
-    difference, signal, theirs = 0.0, "", Outcome()
+    difference, signal, theirs = 0.0, "", RunOutcome()
     if fmpy:
         theirs = apart(in_fmpy, task, ours.times, list(ours.signals), limit=limit)
     if ours.fault and any(lack in ours.fault + theirs.fault for lack in NO_BINARY):

@@ -20,7 +20,7 @@ from stickslip.servo.observer import MASSES
 from stickslip.studies.tune.drive_loop import DriveLoop
 from stickslip.studies.tune.family_cost import FamilyCost, cost_of, ratios
 from stickslip.studies.tune.signal_cost import read_cost
-from stickslip.sweeping import Figure, Optimised, optimise
+from stickslip.sweeping import Figure, Optimum, optimise
 from stickslip.thresholds import kept
 from stickslip.trial.benefit import Benefit, Rows, Variant
 from stickslip.trial.guards import bench_of
@@ -187,7 +187,7 @@ def tune(
     ranges: Mapping[str, Sequence[float]] | None = None,
     cost: Figure | Path | str | None = None,
     **options: Any,
-) -> TunedDrive | Optimised:
+) -> TunedDrive | Optimum:
     """Tune the loop of a learned drive, or parameters of any system of FMUs.
 
     Parameters

@@ -16,7 +16,7 @@ from stickslip.storage.codec import state
 from stickslip.storage.writing import write_json
 from stickslip.studies.learn import tables
 from stickslip.studies.tune.run import TunedDrive
-from stickslip.sweeping import Optimised
+from stickslip.sweeping import Optimum
 from stickslip.thresholds import kept
 
 DOCUMENT, PARAMETERS, SEARCH, PAGE = "tuned.json", "parameters.csv", "search.csv", "report.html"
@@ -38,7 +38,7 @@ def parameters(found: TunedDrive) -> Table:
     return Table(COLUMNS, [row for row in found.changes if row["parameter"] in found.names])
 
 
-def changed(found: Optimised) -> Table:
+def changed(found: Optimum) -> Table:
     """Return what was searched of a system, before and after."""
     first = found.table.iloc[0]
     rows = [
@@ -111,7 +111,7 @@ def write_tuned(found: TunedDrive, folder: Path) -> None:
         write_page(staging, "Tuned loop", [section], PAGE)
 
 
-def write_optimised(found: Optimised, source: Path, cost: Path, folder: Path) -> None:
+def write_optimised(found: Optimum, source: Path, cost: Path, folder: Path) -> None:
     """Write tuned.json, tables and the page of a system that was tuned.
 
     Raises OSError when a file cannot be written.
@@ -127,7 +127,7 @@ def write_optimised(found: Optimised, source: Path, cost: Path, folder: Path) ->
         write_page(staging, f"{source.name}, tuned", [section], PAGE)
 
 
-def sentence_of(found: Optimised) -> str:
+def sentence_of(found: Optimum) -> str:
     """Return what a search brought, in a sentence without its end."""
     before, runs = found.table["cost"].iloc[0], len(found.table)
     return f"The cost is {found.cost:.6g} instead of {before:.6g} after {runs} runs"

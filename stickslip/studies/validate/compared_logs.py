@@ -23,7 +23,7 @@ from stickslip.evaluation.tracking import (
     measured_errors,
 )
 from stickslip.logs import Motion, Recording
-from stickslip.logs.same_command import Stretch, is_moving, period, same_command
+from stickslip.logs.same_command import Overlap, is_moving, period, same_command
 from stickslip.servo.measurement import Array
 from stickslip.studies.validate.log_prediction import Change
 from stickslip.thresholds import transfer
@@ -55,7 +55,7 @@ class LogComparison:
     motion: Motion
     t: Array  # (n,) of the common samples, in the log without compensator [s]
     v_cmd: Array  # (n,) [m/s]
-    stretches: tuple[Stretch, ...]  # where in the two logs the command was the same
+    stretches: tuple[Overlap, ...]  # where in the two logs the command was the same
     part: Samples  # (n,) number of the part that each sample belongs to
     repeated: bool  # whether the parts are repetitions of the command
     measured: TrackingComparison  # in the logs
@@ -69,7 +69,7 @@ class LogComparison:
         return int(self.part.max()) + 1
 
 
-def common(without: Recording, compensated: Recording) -> tuple[Recording, list[Stretch]]:
+def common(without: Recording, compensated: Recording) -> tuple[Recording, list[Overlap]]:
     """Return the second log on the sampling of the first, and where both have the same command.
 
     Raises UsageError when the commands differ, or one was not logged.
@@ -78,7 +78,7 @@ def common(without: Recording, compensated: Recording) -> tuple[Recording, list[
     first, second = commanded_velocity(without), commanded_velocity(compensated)
     edge = round(EDGE / cutoff(without.T_s) / without.T_s)
     stretches = [
-        Stretch(run.first + begin, run.second + begin, end - begin)
+        Overlap(run.first + begin, run.second + begin, end - begin)
         for run in same_command(first, second, without.T_s)
         for begin, end in [_inside(run, edge, len(first), len(second))]
         if end > begin
@@ -97,7 +97,7 @@ def common(without: Recording, compensated: Recording) -> tuple[Recording, list[
     return compensated, stretches
 
 
-def _inside(run: Stretch, edge: int, first: int, second: int) -> tuple[int, int]:
+def _inside(run: Overlap, edge: int, first: int, second: int) -> tuple[int, int]:
     """Return begin and end in a stretch of what is not near the ends of the logs."""
     begin = max(0, edge - run.first, edge - run.second)
     return begin, min(run.n, first - edge - run.first, second - edge - run.second)
@@ -116,7 +116,7 @@ def resampled(recording: Recording, T_s: float) -> Recording:
     return replace(recording, **{**signals, "t": t})
 
 
-def compare(without: Recording, compensated: Recording, stretches: list[Stretch]) -> LogComparison:
+def compare(without: Recording, compensated: Recording, stretches: list[Overlap]) -> LogComparison:
     """Return the measured comparison of two logs on one sampling."""
     first = np.concatenate([np.arange(run.first, run.first + run.n) for run in stretches])
     second = np.concatenate([np.arange(run.second, run.second + run.n) for run in stretches])
@@ -178,7 +178,7 @@ def _percent(share: float) -> str:
     return f"{100.0 * share:.3g} %"
 
 
-def _parts(command: Array, stretches: list[Stretch], T_s: float) -> tuple[Samples, bool]:
+def _parts(command: Array, stretches: list[Overlap], T_s: float) -> tuple[Samples, bool]:
     """Return the part of each common sample: repetitions of the command, or equal parts."""
     moving = is_moving(command)
     longest = max(stretches, key=lambda run: run.n)
@@ -197,7 +197,7 @@ def _parts(command: Array, stretches: list[Stretch], T_s: float) -> tuple[Sample
     return np.arange(n) * PARTS // n, False
 
 
-def _moved(moving: NDArray[np.bool_], run: Stretch) -> slice:
+def _moved(moving: NDArray[np.bool_], run: Overlap) -> slice:
     """Return the samples of a stretch from the first to the last in which the command moves."""
     where = run.first + np.flatnonzero(moving[run.first : run.first + run.n])
     return slice(int(where[0]), int(where[-1]) + 1)

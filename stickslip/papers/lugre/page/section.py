@@ -8,7 +8,7 @@ from stickslip.evaluation import motions
 from stickslip.evaluation.validation import PHASES
 from stickslip.papers.lugre import tables
 from stickslip.papers.lugre.published import PAPER_COST
-from stickslip.papers.lugre.reproduction import Reproduced
+from stickslip.papers.lugre.reproduction import BaseResult
 from stickslip.presentation.page import Section
 from stickslip.servo.axis import LOOP
 
@@ -16,7 +16,7 @@ from stickslip.servo.axis import LOOP
 def section(
     title: str,
     template: str,
-    of: Reproduced | None = None,
+    of: BaseResult | None = None,
     figures: Mapping[str, Callable[[], Figure]] | None = None,
     **values: object,
 ) -> Section:

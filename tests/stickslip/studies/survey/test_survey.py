@@ -7,7 +7,7 @@ import pytest
 
 from stickslip import models
 from stickslip.cli import main
-from stickslip.studies.survey.runs import Outcome, compare
+from stickslip.studies.survey.runs import RunOutcome, compare
 from tests.corpus.hostile import fmus
 from tests.corpus.hostile.sound import describe, members, replaced
 from tests.corpus.hostile.zips import zipped
@@ -54,6 +54,6 @@ def test_a_folder_without_files_is_an_error(tmp_path, capsys):
 def test_infinite_values_and_none_are_compared(theirs, verdict):
     time = np.arange(3.0)
     same = np.ones(3)
-    ours = Outcome(time=time, signals={"y": np.array([1.0, np.inf, np.nan]), "z": same})
-    other = Outcome(time=time, signals={"y": np.array(theirs), "z": same})
+    ours = RunOutcome(time=time, signals={"y": np.array([1.0, np.inf, np.nan]), "z": same})
+    other = RunOutcome(time=time, signals={"y": np.array(theirs), "z": same})
     assert compare(ours, other)[0] == verdict

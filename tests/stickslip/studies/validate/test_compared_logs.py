@@ -12,7 +12,7 @@ from stickslip.errors import UsageError
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import Column, Description, Recording
-from stickslip.logs.same_command import Stretch, period, same_command
+from stickslip.logs.same_command import Overlap, period, same_command
 from stickslip.studies.validate.compared_logs import common, compare
 from stickslip.studies.validate.log_validation import compare_logs, read_log
 from tests.stickslip.studies.validate import plain_stage as stage
@@ -124,7 +124,7 @@ def test_the_simulation_predicts_what_the_compensator_brought(logs):
     for key, one in found.measured.reductions.items():
         assert one.value > 0.5
         assert found.simulated.reductions[key].value == pytest.approx(one.value, abs=0.05)
-    assert [type(run) for run in found.stretches] == [Stretch]
+    assert [type(run) for run in found.stretches] == [Overlap]
 
 
 def test_the_command_labels_measured_and_simulated(logs, tmp_path, capsys):
