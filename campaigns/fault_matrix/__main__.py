@@ -19,10 +19,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from campaigns.fault_matrix.cells import CELL, check_all, learn_all
+from campaigns.fault_matrix.cells import CELL, OUTCOMES, check_all, learn_all
 from campaigns.fault_matrix.drives import DRIVES
 from campaigns.fault_matrix.faults import FAULTS
-from campaigns.fault_matrix.outcome import OUTCOMES
 
 
 def main() -> None:
