@@ -1,6 +1,6 @@
 """A log, read, cut where it is long, and checked."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -29,11 +29,7 @@ def shortened(recording: Recording) -> tuple[Recording, tuple[Finding, ...]]:
     rows = max(round(ROW / T_s), 1)
     motion = motion[: n // rows * rows].reshape(-1, rows).mean(axis=1)
     begin = rows * _most_telling(motion, most // rows, is_position=recording.position is not None)
-    cut = {
-        one.name: getattr(recording, one.name)[begin : begin + most]
-        for one in fields(recording)
-        if isinstance(getattr(recording, one.name), np.ndarray)
-    }
+    cut = {name: one[begin : begin + most] for name, one in recording.arrays.items()}
     cut["t"] = recording.t[:most]
     note = Finding(
         "note",

@@ -1,7 +1,6 @@
 """Faults of a recording, and what it can show."""
 
 from collections.abc import Iterator
-from dataclasses import fields
 
 import numpy as np
 import scipy
@@ -139,9 +138,6 @@ def _demand(
     return np.asarray(terms @ gains), True
 
 
-SIGNALS = tuple(
-    field.name for field in fields(Recording) if field.type == "Array | None"
-)  # of a recording, by role
 PLAN = "stickslip plan --show"
 ONE_WAY = "F_c and the constant force cannot be told apart"
 
@@ -174,9 +170,8 @@ def check_recording(
 
 def _signals(recording: Recording, controller: Controller) -> Iterator[Finding]:
     """Yield what is missing, not finite, constant or short."""
-    for name in SIGNALS:
-        signal = getattr(recording, name)
-        if signal is None:
+    for name, signal in recording.arrays.items():
+        if name == "t":
             continue
         if len(signal) != len(recording.t):
             figure = f"{len(signal)} values, expected {len(recording.t)}"

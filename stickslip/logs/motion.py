@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -277,10 +277,6 @@ def aligned(recording: Recording, samples: int) -> Recording:
         return recording
     n = len(recording.t) - abs(samples)
     late, other = max(samples, 0), max(-samples, 0)
-    cut: dict[str, Any] = {
-        field.name: value[other : other + n]
-        for field in fields(recording)
-        if isinstance(value := getattr(recording, field.name), np.ndarray)
-    }
+    cut: dict[str, Any] = {k: one[other : other + n] for k, one in recording.arrays.items()}
     cut |= {"t": recording.t[:n], "force": recording.force[late : late + n]}
     return replace(recording, **cut)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from stickslip.errors import with_settings
 from stickslip.servo.measurement import Array
 
@@ -32,6 +34,11 @@ class Recording:
     encoder_step: float = 0.0  # resolution of the position [m]; 0 when none shows
     motion: Motion = "linear"  # linear or rotary
     source: str = "recording"  # where it comes from, as displayed
+
+    @property
+    def arrays(self) -> dict[str, Array]:
+        """Its signals and their times (n,) by name."""
+        return {name: one for name, one in vars(self).items() if isinstance(one, np.ndarray)}
 
     @property
     def rotary(self) -> bool:

@@ -108,11 +108,7 @@ def resampled(recording: Recording, T_s: float) -> Recording:
     if abs(recording.T_s - T_s) <= 1e-6 * T_s:
         return recording
     t = np.arange(int(recording.t[-1] / T_s * (1.0 + 1e-9)) + 1) * T_s
-    signals = {
-        name: np.interp(t, recording.t, signal)
-        for name, signal in vars(recording).items()
-        if isinstance(signal, np.ndarray) and name != "t"
-    }
+    signals = {name: np.interp(t, recording.t, one) for name, one in recording.arrays.items()}
     return replace(recording, **{**signals, "t": t})
 
 
