@@ -121,14 +121,11 @@ def _published(
     from stickslip.identification.stages import identify
     from stickslip.papers.lugre.folder import write_published_results
     from stickslip.papers.lugre.published import PAPER_COST, study_as_published
+    from stickslip.papers.lugre.reproduction import build_rig
     from stickslip.papers.lugre.tables import panel
-    from stickslip.rigs.fmu import FmuRig
-    from stickslip.servo.axis import LOOP, Datasheet
-    from stickslip.servo.systems import build_fmus
+    from stickslip.servo.axis import LOOP
 
-    progress.stage("building the FMUs")
-    build_fmus(fmus, options.truth)
-    rig = FmuRig(fmus, Datasheet(), LOOP.T_s)
+    rig = build_rig(options, fmus, progress)
     identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
     study = study_as_published(
         rig,
