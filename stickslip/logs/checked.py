@@ -29,14 +29,12 @@ def shortened(recording: Recording) -> tuple[Recording, tuple[Finding, ...]]:
     rows = max(round(ROW / T_s), 1)
     motion = motion[: n // rows * rows].reshape(-1, rows).mean(axis=1)
     begin = rows * _most_telling(motion, most // rows, is_position=recording.position is not None)
-    cut = {name: one[begin : begin + most] for name, one in recording.arrays.items()}
-    cut["t"] = recording.t[:most]
     note = Finding(
         "note",
         "the stretch of the log that shows most is used",
         f"{most * T_s:.4g} s from {begin * T_s:.4g} s on, of {n * T_s:.4g} s",
     )
-    return replace(recording, **cut), (note,)
+    return recording.part(begin, begin + most), (note,)
 
 
 def _most_telling(motion: Array, length: int, *, is_position: bool) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import scipy
@@ -277,6 +276,4 @@ def aligned(recording: Recording, samples: int) -> Recording:
         return recording
     n = len(recording.t) - abs(samples)
     late, other = max(samples, 0), max(-samples, 0)
-    cut: dict[str, Any] = {k: one[other : other + n] for k, one in recording.arrays.items()}
-    cut |= {"t": recording.t[:n], "force": recording.force[late : late + n]}
-    return replace(recording, **cut)
+    return replace(recording.part(other, other + n), force=recording.force[late : late + n])

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 
@@ -39,6 +39,11 @@ class Recording:
     def arrays(self) -> dict[str, Array]:
         """Its signals and their times (n,) by name."""
         return {name: one for name, one in vars(self).items() if isinstance(one, np.ndarray)}
+
+    def part(self, begin: int, end: int) -> Recording:
+        """Return its samples from one on to another, whose time begins at 0."""
+        cut: dict[str, Any] = {name: one[begin:end] for name, one in self.arrays.items()}
+        return replace(self, **cut | {"t": self.t[: end - begin]})
 
     @property
     def rotary(self) -> bool:
