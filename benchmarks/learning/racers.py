@@ -16,10 +16,10 @@ from stickslip.ga.problem.problem import Encoding
 
 Cost = Callable[[np.ndarray], float]
 Racer = Callable[[Cost, ga.Problem, int, int], None]
-"""(cost of values (k,), problem, seed, budget): evaluates until `Spent` is raised or it is done"""
+"""(cost of values (k,), problem, seed, budget): evaluates until it raises `BudgetEnd` or is done"""
 
 
-class Spent(Exception):
+class BudgetEnd(Exception):
     """The budget is used up."""
 
 
@@ -32,7 +32,7 @@ class Clock:
 
     def __call__(self, values: np.ndarray) -> float:
         if self.evaluations == self._budget:
-            raise Spent
+            raise BudgetEnd
         self.evaluations += 1
         found = self._cost(values)
         self.best = min(found, self.best)
@@ -42,7 +42,7 @@ class Clock:
 def race_one(racer: Racer, evaluate: Cost, given: ga.Problem, seed: int, budget: int) -> Clock:
     """Let one of them search a problem, and return what it found."""
     clock = Clock(evaluate, budget)
-    with warnings.catch_warnings(), contextlib.suppress(Spent):
+    with warnings.catch_warnings(), contextlib.suppress(BudgetEnd):
         warnings.simplefilter("ignore")  # of the other
         racer(clock, given, seed, budget)
     return clock

@@ -96,7 +96,7 @@ _PLACES = {
 }
 
 
-class Faulty(Exception):
+class CheckErrors(Exception):
     """The check found errors."""
 
 
@@ -117,7 +117,7 @@ def check(data: bytes, folder: Path) -> None:
     finally:
         path.unlink()
     if report.count(fmucheck.Severity.ERROR):
-        raise Faulty
+        raise CheckErrors
 
 
 _CODE = '__attribute__((visibility("default"))) double twice(double x) { return x + x; }\n'
@@ -266,7 +266,7 @@ PARSERS = {
         other_description,
         (Malformed, DescriptionFault),
     ),
-    "check": Parser(check, checked_files, other_description, (Faulty,)),
+    "check": Parser(check, checked_files, other_description, (CheckErrors,)),
     "library": Parser(lambda data, _: read_library(data), libraries, other_library, (NotALibrary,)),
     "mat": Parser(from_file("log.mat", read_table), mat_files, other_mat, (RecordingError,)),
     "parquet": Parser(

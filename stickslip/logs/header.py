@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import chain, islice, pairwise
 
 from stickslip.errors import UsageError
-from stickslip.logs.roles import role_named
+from stickslip.logs.roles import is_time, role_named
 from stickslip.logs.table import is_clock
 from stickslip.logs.units import unit_named
 
@@ -196,17 +196,13 @@ def find_header(lines: Iterable[Line], dialect: Dialect) -> Header:
     if not above:
         return Header(begin, width, [], [])
     names, units = _above(above)
-    paired = width >= 4 and all(map(_is_time, names[::2])) and not any(map(_is_time, names[1::2]))
+    paired = width >= 4 and all(map(is_time, names[::2])) and not any(map(is_time, names[1::2]))
     return Header(below, width, names, units, paired=paired)
 
 
 def _known(row: list[str], dialect: Dialect) -> int:
     """Return how many fields are numbers."""
     return sum(dialect.number(field) is not None for field in row)
-
-
-def _is_time(name: str) -> bool:
-    return (role_named(name) or ("",))[0] == "time"
 
 
 def _above(above: list[list[str]]) -> tuple[list[str], list[str | None]]:

@@ -178,7 +178,7 @@ def _guesses(
 ) -> dict[str, str]:
     candidates: dict[str, dict[int, list[str]]] = {}
     for name in table.names:
-        if name in taken or (name not in table.numbers and not _may_be_time(table, name)):
+        if name in taken or not (name in table.numbers or (name in table.texts and is_time(name))):
             continue
         if found := _role_of(name, table.units.get(name)):
             role, rank = found
@@ -209,8 +209,9 @@ def _distinct(table: LogTable, names: list[str]) -> list[str]:
     return sorted(columns.values(), key=names.index)
 
 
-def _may_be_time(table: LogTable, name: str) -> bool:
-    return name in table.texts and (role_named(name) or ("", 0))[0] == "time"
+def is_time(name: str) -> bool:
+    """Tell whether a column's name is that of a time."""
+    return (role_named(name) or ("",))[0] == "time"
 
 
 def _role_of(name: str, stated: str | None) -> tuple[str, int] | None:

@@ -33,7 +33,6 @@ from stickslip.simulation import pack_input
 from stickslip.storage import staged
 from stickslip.storage.codec import encode, state
 from stickslip.storage.writing import write_json, write_tables
-from stickslip.tuning.drive_model import DriveModel
 from stickslip.tuning.loop_runs import GENES
 
 FMU = "compensator"  # Name of the compensator's model and FMU
@@ -177,21 +176,20 @@ def _loop_learning_entry(reproduction: Reproduction) -> dict[str, Any]:
         "peak_sensitivity": {"value": best.Ms, "unit": "1"},
         "evaluations": best.evaluations,
         "runs": best.runs,
-        "models": [_model_entry(model) for model in reproduction.loops.study.models],
+        "models": [
+            {
+                **_friction_entry(model.law, model.friction),
+                "mismatch": {"value": model.mismatch, "unit": "1"},
+                "noise_x": {"value": model.noise, "unit": "m"},
+            }
+            for model in reproduction.loops.study.models  # on which candidates ran
+        ],
         "genes": state(best.genes, {g.name: g.unit for g in GENES}),
         "loop": loop_document(best.tuned.loop),
         "share": {"value": best.tuned.share, "unit": "1"},
         "feedforward": _friction_entry(best.tuned.law.name, best.tuned.friction),
     }
     return found | {one.name: component_entry(one, rotary=False) for one in best.tuned.chain()[1:]}
-
-
-def _model_entry(model: DriveModel) -> dict[str, Any]:
-    """Return a model of the drive on which candidates ran."""
-    return _friction_entry(model.law, model.friction) | {
-        "mismatch": {"value": model.mismatch, "unit": "1"},
-        "noise_x": {"value": model.noise, "unit": "m"},
-    }
 
 
 def _friction_entry(law: str, friction: Mapping[str, float]) -> dict[str, Any]:

@@ -87,17 +87,14 @@ def _settings(algorithm: ga.Optimiser) -> list[tuple[str, str, str]]:
         ("generations", str(algorithm.generation), PAPER_TABLE3["generations"]),
     ]
     if isinstance(algorithm, ga.GeneticAlgorithm):
-        rows = _of_genetic(algorithm.settings)
+        own = algorithm.settings
+        rows = [
+            *((n.replace("_", " "), _setting(own, n), paper) for n, paper in PAPER_TABLE3.items()),
+            ("crossover, mutation", f"{own.crossover}, {own.mutation}", "not stated"),
+            ("survival", own.survival, "elitist"),
+            ("encoding of the genes", own.encoding, "real numbers"),
+        ]
     return [*rows, ("evaluations", str(algorithm.evaluations), "1000")]
-
-
-def _of_genetic(settings: ga.Settings) -> list[tuple[str, str, str]]:
-    return [
-        *((n.replace("_", " "), _setting(settings, n), paper) for n, paper in PAPER_TABLE3.items()),
-        ("crossover, mutation", f"{settings.crossover}, {settings.mutation}", "not stated"),
-        ("survival", settings.survival, "elitist"),
-        ("encoding of the genes", settings.encoding, "real numbers"),
-    ]
 
 
 def _setting(settings: ga.Settings, name: str) -> str:
