@@ -254,7 +254,7 @@ def known_friction(estimation: Estimation, top: float, levels: tuple[float, floa
     )
 
 
-def stiffer(draws: Sequence[Mapping[str, float]], step: float) -> list[Mapping[str, float]]:
+def stiffer(draws: Sequence[Mapping[str, float]], step: float) -> list[dict[str, float]]:
     """Return draws with stiffnesses up to several times that fitted, where few steps show it.
 
     Such a fit is too soft: the encoder rounds what it shows of the deflection.
