@@ -245,10 +245,11 @@ def onsets(
     """
     bent = deflections(drives, command, encoder_step)
     own = [one for one in drives if one.level == 1.0 and one.law == law.name]
-    taken, *drawn = [bent[one.name][0] for one in own if "sigma_0" in one.parameters] or [0.0]
-    if min(drawn, default=taken) >= harm.RESOLVED * encoder_step:
+    taken, *drawn = [bent[one.name] for one in own if "sigma_0" in one.parameters] or [(0.0,)]
+    if min((one[0] for one in drawn), default=taken[0]) >= harm.RESOLVED * encoder_step:
         return ()
-    fit = max((drawn or [taken])[0] or max(bent.values())[0], harm.HIDDEN * encoder_step)
+    fit = max((drawn or [taken])[0]) or max(map(max, bent.values()))
+    fit = max(fit, harm.HIDDEN * encoder_step)
     return tuple(
         harm.ONSET * min(times * fit, share * travel(command)) for times, _, share in MOVES.values()
     )
@@ -262,10 +263,11 @@ def travel(command: Trapezoid) -> float:
 def deflections(
     drives: Sequence[Drive], command: Trapezoid, encoder_step: float
 ) -> dict[str, tuple[float, ...]]:
-    """Return the presliding deflection [m] at the friction of the log, by name of the drive.
+    """Return presliding deflections [m] at the friction of the log, by name of the drive.
 
-    Drives of a law without presliding have several, from that of the first drive with another law,
-    or a typical one, which is not so large that an encoder shows it, to a short one.
+    One of few encoder steps may be somewhat longer or shorter. Drives of a law without presliding
+    have several, from that of the first drive with another law, or a typical one, which is not so
+    large that an encoder shows it, to a short one.
     """
     shown = [one for one in drives if "sigma_0" in one.parameters]
     longest = deflection(shown[0].parameters if shown else {}, command)
@@ -274,12 +276,13 @@ def deflections(
     shortest = min(harm.HIDDEN * encoder_step, longest) or longest
     several = tuple(np.geomspace(longest, shortest, LENGTHS).tolist())
     level = {one.name.partition(" x ")[0]: one.parameters for one in reversed(drives)}
-    return {
-        one.name: (deflection(level[one.name.partition(" x ")[0]], command),)
-        if "sigma_0" in one.parameters
-        else several
-        for one in drives
-    }
+    found = {}
+    for one in drives:
+        own = deflection(level[one.name.partition(" x ")[0]], command)
+        sure = own >= harm.COARSE * encoder_step
+        about = (own,) if sure else (own, own * harm.UNSURE, own / harm.UNSURE)
+        found[one.name] = about if "sigma_0" in one.parameters else several
+    return found
 
 
 def deflection(friction: Values, command: Trapezoid) -> float:

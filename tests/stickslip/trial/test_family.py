@@ -98,6 +98,7 @@ def test_with_an_onset_moves_are_left_alone_in_which_a_drive_may_stick():
         every = [Variant("", (Compensator("it", "dob", own),)) for own in ({}, *later)]
         found = [
             {one.rows[0].command: one.worst.ratio for one in benefit.motions}
+            | {"fast": benefit.motions[0].median.ratio}
             for benefit in bench.benefits(every)
         ]
     micro, short = "micro-steps", "short moves"
@@ -105,8 +106,7 @@ def test_with_an_onset_moves_are_left_alone_in_which_a_drive_may_stick():
     assert found[1][micro] == found[2][micro] == pytest.approx(1.0, abs=1e-6)
     assert not 0.99 < found[1][short] < 1.01
     assert found[2][short] == pytest.approx(1.0, abs=1e-6)
-    fast = bench.commands[0].name
-    assert found[0][fast] < found[1][fast] < found[2][fast] < 1.0
+    assert found[0]["fast"] < found[1]["fast"] < min(found[2]["fast"], 0.95)
 
 
 def test_creep_has_two_speeds_where_friction_does_not_rise_towards_rest():
@@ -121,7 +121,8 @@ def test_each_drive_moves_by_its_own_presliding_deflection():
     known["coulomb_stribeck"] = 3 * [{"F_c": 6.0, "F_s": 6.0, "v_s": 1e-3}]
     drives = family(LUGRE, TABLE_2, VALIDATION, Evidence(known))
     bent, own = deflections(drives, VALIDATION, 4e-7), deflection(TABLE_2, VALIDATION)
-    assert bent["LuGre friction 2"] == bent["LuGre friction 2 x 0.7"] == pytest.approx((own / 4,))
+    assert bent["LuGre friction 1"] == bent["LuGre friction 1 x 0.7"] == pytest.approx((own,))
+    assert bent["LuGre friction 2"] == pytest.approx([own / 4 * k for k in (1.0, 1.4, 1 / 1.4)])
     rigid = bent["Coulomb-Stribeck friction 3"]
     assert rigid == pytest.approx(np.geomspace(own, 5 * 4e-7, 4))
     tried = commands(VALIDATION, 5e-4, TABLE_2, 4e-7, drives=drives)
@@ -139,7 +140,7 @@ def test_an_onset_is_longer_than_small_moves_of_the_fit_where_presliding_is_hidd
     fit, stiff = ({**TABLE_2, "sigma_0": k * TABLE_2["sigma_0"]} for k in (2.0, 5.0))
     drives = family(LUGRE, TABLE_2, VALIDATION, Evidence({"lugre": [fit, stiff]}))
     found = onsets(LUGRE, drives, VALIDATION, step)
-    lengths = [times * deflection(fit, VALIDATION) for times in (4.0, 60.0)]
+    lengths = [times * 1.4 * deflection(fit, VALIDATION) for times in (4.0, 60.0)]
     expected = [1.25 * one for one in lengths]
     assert found == (pytest.approx(expected) if hidden else ())
     static, rigid = friction_law("coulomb_stribeck"), {"F_c": 6.0, "F_s": 9.0, "v_s": 1e-3}
