@@ -32,8 +32,8 @@ from stickslip.logs.signals import Signal, table_of
 from stickslip.logs.table import FILETIME, LogTable, clock_seconds, filetime_seconds, is_clock
 from stickslip.servo.measurement import Array
 
-MOST_BYTES = 1 << 28
-MOST_LINES = 4_000_000
+MOST_BYTES = 1 << 30  # more than an hour of five columns at 2 kHz
+MOST_LINES = 20_000_000
 LONGEST = 1 << 17  # characters of a line
 _BLOCK = 1 << 20  # characters of the lines that are texts at a time; their fields take about 40 MB
 _BEGIN = 1 << 16

@@ -72,8 +72,10 @@ class Row:
 
     @property
     def acceptable(self) -> bool:
-        """Whether it is nowhere worse than no compensation."""
-        return self.benefit is None or self.benefit.acceptable
+        """Whether it is nowhere worse than no compensation, by more than it helps in the mean."""
+        if self.benefit is None:
+            return True
+        return self.benefit.acceptable and self.benefit.worst_ratio - 1.0 <= 1.0 - self.mean
 
     @property
     def choice(self) -> Choice:

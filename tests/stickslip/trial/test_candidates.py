@@ -144,3 +144,10 @@ def test_a_feedforward_of_another_law_runs_with_it():
         own, lugre = bench.benefits([Variant("dahl", (rival,)), feedforward(other)], [1.0])
     assert own.mean_ratio < 0.9 * lugre.mean_ratio
     assert own.variant.share(LAW, 0.5).feedforward == {"sigma_0": 2e6, "F_c": 30.0}
+
+
+@pytest.mark.parametrize(("most", "acceptable"), [(0.5, True), (0.9, False)])
+def test_what_one_drive_loses_is_not_more_than_what_all_gain(most, acceptable):
+    ratios = (*4 * (most,), 1.13)
+    rows = tuple(TrialError(0.01, f"drive {k}", 1.0, r, "one") for k, r in enumerate(ratios))
+    assert Row("it", 1, 1.3, Benefit(1.0, rows, rows)).acceptable == acceptable
