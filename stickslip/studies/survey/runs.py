@@ -145,7 +145,7 @@ def apart(run: Run, *arguments: object, limit: float) -> RunOutcome:
         process = _CONTEXT.Process(target=_serve, args=(run, arguments, folder, sender))
         process.start()
         sender.close()
-        with suppress(EOFError):
+        with suppress(EOFError, OSError):  # it may die in the middle of a message
             while receiver.poll(max(0.0, end - time.monotonic())):
                 following: RunOutcome = receiver.recv()
                 outcome = following if outcome is None or not following.fault else outcome
