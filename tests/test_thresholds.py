@@ -62,6 +62,7 @@ from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.studies.learn import log_learning
 from stickslip.studies.tune.family_cost import FamilyCost
+from stickslip.studies.tune.on_rig import RigTest
 from stickslip.studies.validate import compared_logs, log_prediction, log_verdict
 from stickslip.trial import compensator_trial, guards
 from stickslip.trial.benefit import NONE, MotionErrors, TrialError
@@ -747,6 +748,16 @@ def is_within(chatter=0.0, peak=0.0):
     return FamilyCost.excess(cost, None) <= 1.0
 
 
+def goes_on(ripple=0.0, ratio=1.0):
+    """Return whether a rig goes on after a motion; friction and force limit are 1 N and 100 N."""
+    test = namespace(learned=namespace(friction={"F_c": 1.0}), _peak=100.0, _unit=str)
+    test.rig = namespace(datasheet=Datasheet())
+    present = namespace(force=1.0, ripple=1.0, hold=Hold(0.0, 0, 1.0))
+    found = namespace(force=1.0, ripple=ripple, hold=present.hold, ratios=(ratio,), loop="")
+    found.motion = ""
+    return not RigTest.worse(test, found, present)
+
+
 def is_run(Ms):
     """Return whether a candidate of the loop with a peak sensitivity is run."""
     loop = namespace(peak_sensitivity=lambda: Ms)
@@ -1028,6 +1039,8 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "kept.ERRS_WELL": (lambda: len(models({"lugre": 0.15}, {"lugre": 0.07})[1]), 2, 1),
     "kept.HOPELESS": (lambda: "gms" in models({"lugre": 0.2, "gms": 0.6})[1], False, True),
     "kept.FURTHER": (lambda: models({"lugre": 0.2, "gms": 0.3})[0], ["lugre"], ["lugre", "gms"]),
+    "rig_tuning.WORSE": (lambda: goes_on(ratio=1.5), False, True),
+    "rig_tuning.RIPPLE": (lambda: goes_on(ripple=3.0), False, True),
     "rig_motion.SPACING": (lambda: is_refused_log(0.015), True, False),
     "rig_motion.RETURNED": (lambda: returns(3e-5), False, True),
     "rig_motion.STALL": (lambda: is_stopped(15.0), True, False),

@@ -267,6 +267,11 @@ class Rig(ABC):
         return log
 
     @property
+    def bounds(self) -> RigLimits | None:
+        """The limits that a motion must keep, whoever checks them."""
+        return self.limits
+
+    @property
     def loop(self) -> VelocityLoop:
         """The loop in which the drive is recorded; a soft one for the mass of the datasheet."""
         return commissioning_loop(self.datasheet, self.T_s)

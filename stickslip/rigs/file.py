@@ -56,6 +56,11 @@ class KeptRig(Rig):
         self._own = json.dumps(own, default=float)
 
     @property
+    def bounds(self) -> RigLimits | None:
+        """The limits of the rig that runs the motions."""
+        return self._rig.bounds
+
+    @property
     def loop(self) -> VelocityLoop:
         """The loop of the rig that runs the motions."""
         return self._rig.loop

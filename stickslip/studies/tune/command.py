@@ -8,13 +8,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from stickslip.commandline import SEVERAL, add_options, at_least, positive, require_files
+from stickslip.commandline import SEVERAL, add_options, at_least, positive, require_files, warn
 from stickslip.commandline.assignments import split_assignments
 from stickslip.commandline.execution import add_algorithm_option
+from stickslip.commandline.log_options import add_rig_option, rig_of
 from stickslip.commandline.progress import TerminalProgress, add_live_option
 from stickslip.errors import UsageError
 from stickslip.output import Answer
 from stickslip.storage import reserved
+from stickslip.studies.tune import MOTIONS
 from stickslip.work.jobs import processors
 
 
@@ -26,7 +28,10 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "loop stays robust. For a system of FMUs, search the parameters given by --set-range for "
         "the least cost of --cost."
     )
-    parser.add_argument("file", type=Path, metavar="LEARNED.json|LOOP.ssp")
+    parser.add_argument("file", nargs="?", type=Path, metavar="LEARNED.json|LOOP.ssp")
+    add_rig_option(parser, "run the present loop, the tuned one and loops between on this drive")
+    most = {"--motions N": f"of --rig: budget of motions of the drive (default: {MOTIONS})"}
+    add_options(parser, most, type=at_least(2), default=MOTIONS)
     several = {
         "--set-range NAME=LOW:HIGH": "range of component.variable, such as controller.K_p; of a "
         "learned drive instead of or beside those that are searched by default",
@@ -54,10 +59,13 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Tune, print what it brings, and write the results."""
-    require_files(options.file, options.cost, options.input)
+    if options.file is None:
+        first = f"stickslip learn --rig {options.rig} --out DIR" if options.rig else "learn"
+        raise UsageError(f"expected LEARNED.json or LOOP.ssp; run '{first}' first")
+    require_files(options.file, options.cost, options.input, options.rig)
     ranges = ranges_of(options.set_range)
     learned = options.file.suffix == ".json"
-    other = ("cost", "input", "stop", "step") if learned else ("fixed", "force_limit")
+    other = ("cost", "input", "stop", "step") if learned else ("fixed", "force_limit", "rig")
     if given := [name for name in other if getattr(options, name)]:
         kind = "a learned drive" if learned else "a system"
         raise UsageError(f"--{given[0].replace('_', '-')}: is not an option of {kind}")
@@ -86,20 +94,32 @@ def _of_drive(
 ) -> dict[str, Any]:
     from stickslip.learned.file import LearnedFile
     from stickslip.studies.learn import tables
+    from stickslip.studies.tune.on_rig import tune_on_rig
     from stickslip.studies.tune.run import TuneSettings, tune_drive
     from stickslip.studies.tune.writing import parameters, tuned_document, write_tuned
 
     names = ("force_limit", "evaluations", "algorithm", "seed", "workers")
     given = {name: getattr(options, name) for name in names}
     settings = TuneSettings(ranges, tuple(options.fixed), **given)
-    with TerminalProgress(live=options.live) as progress:
-        found = tune_drive(LearnedFile(options.file), settings, progress)
+    learned = LearnedFile(options.file)
+    with (
+        TerminalProgress(live=options.live) as progress,
+        rig_of(options.rig, options.out, learned.law.name) as (rig, _),
+    ):
+        if rig is None:
+            found = tune_drive(learned, settings, progress)
+        else:
+            if "observer.fmu" in learned.written:
+                warn("an observer would have to run in the drive: the loop is tuned without it")
+            found = tune_on_rig(rig, learned, settings, options.motions, progress)
     print(parameters(found).text())
     for figure, table in tables.errors(found.benefit):
         print(
             f"\nRMS error of {figure} over that of the present loop, median of simulated drives"
             f" (where that of the true one is expected):\n{table.text()}"
         )
+    if found.on_rig:
+        print(f"\n{found.on_rig.table.text()}\n{found.on_rig.sentence}")
     print(f"\n{found.sentence}")
     if options.out:
         write_tuned(found, options.out)

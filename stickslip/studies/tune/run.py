@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from statistics import geometric_mean
-from typing import Any
 
 import pandas as pd
 
-from stickslip import cosim, ga
-from stickslip.errors import UsageError
+from stickslip import ga
 from stickslip.learned.file import LearnedFile
 from stickslip.output import SILENT, Progress
+from stickslip.servo.axis import ControlError
 from stickslip.servo.observer import MASSES
 from stickslip.studies.tune.drive_loop import DriveLoop
 from stickslip.studies.tune.family_cost import FamilyCost, cost_of, ratios
-from stickslip.studies.tune.signal_cost import read_cost
-from stickslip.sweeping import Figure, Optimum, optimise
+from stickslip.studies.tune.rig_trial import RigTrial
 from stickslip.thresholds import kept
 from stickslip.trial.benefit import Benefit, Rows, Variant
+from stickslip.trial.family import Command
 from stickslip.trial.guards import bench_of
 from stickslip.tuning.search import Finalist, Ratios, best_of, choose, search
 from stickslip.work.jobs import Execution
@@ -44,6 +42,17 @@ class TuneSettings:
     algorithm: str = "default"  # one of ``ga.ALGORITHMS``
     seed: int = 0
     workers: int = 1
+    steps: int = 0  # loops from the present to the best one for which the family is run
+
+
+@dataclass(frozen=True)
+class Step:
+    """A loop between the present one and the best one, or the best one."""
+
+    name: str  # display name
+    loop: DriveLoop
+    Ms: float  # largest peak sensitivity at the masses
+    rows: Rows  # errors beside those of the present loop, on the whole family
 
 
 @dataclass(frozen=True)
@@ -59,6 +68,9 @@ class TunedDrive:
     rows: Rows  # errors of the best loop beside those of the present one, on the whole family
     names: tuple[str, ...]  # what was searched
     history: pd.DataFrame  # of the search: a row for each candidate
+    commands: tuple[Command, ...] = ()  # motions of the trial
+    steps: tuple[Step, ...] = ()  # within the limits, the best loop last
+    on_rig: RigTrial | None = None  # what a drive showed of the steps
 
     @property
     def benefit(self) -> Benefit:
@@ -96,6 +108,8 @@ class TunedDrive:
     def sentence(self) -> str:
         """What tuning brings, in a sentence without its end."""
         before, after = self.Ms
+        if not self.is_better and self.steps:
+            return f"the present loop stays as it is, with Ms = {before:.3g}"
         if not self.is_better:
             return (
                 f"none of {len(self.history)} loops with a peak sensitivity of at most"
@@ -116,13 +130,15 @@ def tune_drive(
     learned: LearnedFile,
     settings: TuneSettings,
     progress: Progress = SILENT,
+    *,
+    start: DriveLoop | None = None,  # the present loop, by default that of the file
 ) -> TunedDrive:
     """Search the loop of a learned drive, and choose among the best on the whole family.
 
     Raises UsageError when the file has no loop or a name is unknown, or NothingLearned when no
     candidate can be run.
     """
-    start = DriveLoop.of(learned)
+    start = start or DriveLoop.of(learned)
     problem = start.problem(settings.ranges, settings.fixed)
     sheet, friction = learned.datasheet, learned.friction
     if settings.force_limit:
@@ -157,6 +173,8 @@ def tune_drive(
         chosen = choose(finalists).name
         best, rows = loops[chosen], errors[chosen]
         peaks = cost.sensitivity(start), cost.sensitivity(best)
+        steps = tuple(_steps(start, best, settings.steps, cost)) if best is not start else ()
+        commands = tuple(bench.commands)
     return TunedDrive(
         learned,
         settings,
@@ -167,7 +185,30 @@ def tune_drive(
         rows=rows,
         names=tuple(problem.names),
         history=algorithm.history,
+        commands=commands,
+        steps=steps,
     )
+
+
+def _steps(start: DriveLoop, best: DriveLoop, n: int, cost: FamilyCost) -> Iterator[Step]:
+    """Yield n loops in even steps from one to another, without those beyond a limit.
+
+    Steps are even in the logarithm of what is above 0.
+    """
+    before, after = start.tunable, best.tunable
+    for k in range(1, n + 1):
+        share, values = k / n, dict[str, float]()
+        for name, a in before.items():
+            b = after[name]
+            positive = a > 0.0 and b > 0.0
+            values[name] = a * (b / a) ** share if positive else a + share * (b - a)
+        try:
+            one = best if k == n else start.with_values(values)
+        except ControlError:
+            continue
+        if cost.excess(one) <= 1.0:
+            name = TUNED if k == n else f"{100.0 * share:.0f} % of the way"
+            yield Step(name, one, cost.sensitivity(one), cost.rows(one))
 
 
 def masses_of(learned: LearnedFile) -> tuple[float, ...]:
@@ -180,45 +221,3 @@ def masses_of(learned: LearnedFile) -> tuple[float, ...]:
     m = loop.axis.m if loop else math.nan
     low, high = (float(entry.get(key) or m) / m for key in ("low", "high"))
     return min(MASSES[0], low), 1.0, max(MASSES[-1], high)
-
-
-def tune(
-    system: cosim.System | cosim.Fmu | Path | str,
-    ranges: Mapping[str, Sequence[float]] | None = None,
-    cost: Figure | Path | str | None = None,
-    **options: Any,
-) -> TunedDrive | Optimum:
-    """Tune the loop of a learned drive, or parameters of any system of FMUs.
-
-    Parameters
-    ----------
-    system : a learned.json, or a system, an FMU, FILE.fmu or FILE.ssp
-    ranges : ``component.variable`` -> (lowest, highest); of a learned drive instead of or beside
-        those that are searched by default
-    cost : of a system: a cost file, or a function of the result that gives a number of 0 or more
-    options : ``evaluations``, ``algorithm``, ``seed`` and ``workers``; of a learned drive those of
-        ``TuneSettings``, of a system those of ``optimise``
-
-    Raises
-    ------
-    UsageError
-        When the file, a range, a name or the cost is not valid.
-    GaError
-        When no candidate can be run.
-    CosimError
-        When the system, a name or an input is wrong.
-    """
-    if isinstance(system, Path | str) and Path(system).suffix == ".json":
-        try:
-            spans = {
-                name: (float(low), float(high)) for name, (low, high) in (ranges or {}).items()
-            }
-        except (TypeError, ValueError):
-            raise UsageError(f"ranges: expected (lowest, highest) of each, got {ranges}") from None
-        return tune_drive(LearnedFile(Path(system)), TuneSettings(spans, **options))
-    if not callable(cost):
-        if cost is None or not ranges:
-            raise UsageError("a system is tuned with ranges and a cost")
-        cost = read_cost(Path(cost))
-        options.setdefault("record", cost.record)
-    return optimise(system, ranges or {}, cost, **options)

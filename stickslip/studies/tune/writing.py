@@ -69,6 +69,10 @@ def tuned_document(found: TunedDrive) -> dict[str, Any]:
         document["observer"] = {**document["observer"], **entry}
         peaks = {"peak_sensitivity": {"value": found.Ms[1], "unit": "1"}}
         document["observer"] |= peaks
+    elif "observer.fmu" in learned.written:  # a rig does not run it
+        files = [name for name in learned.written if name != "observer.fmu"]
+        document["written"] = {**document["written"], "files": files}
+        del document["observer"]
     document["tuning"] = {
         "from": learned.path.name,
         "sentence": found.sentence,
@@ -82,6 +86,9 @@ def tuned_document(found: TunedDrive) -> dict[str, Any]:
         "evaluations": len(found.history),
         "seed": found.settings.seed,
     }
+    if (shown := found.on_rig) is not None:
+        rig = {"rig": shown.rig, "motions": shown.table.records(), "budget": shown.budget}
+        document["tuning"]["on_rig"] = rig | {"stopped": shown.stopped, "used": len(shown.motions)}
     return document
 
 
