@@ -244,11 +244,15 @@ class Model:
 
     def start(self, name: str) -> float:
         """Return what a variable starts with; raise UsageError where that is no number."""
-        target = self.qualified(name)
+        target = self.target(name)
         value = self.system.parameters.get(
             target, self.system.variable(target, ParameterError).start
         )
         return number(f"{name}: its start value", value)
+
+    def target(self, name: str) -> str:
+        """Return what a start value is of, component.variable: of an exposed input, its first."""
+        return self.system.inputs.get(name, (self.qualified(name),))[0]
 
     def qualified(self, name: str) -> str:
         """Return component.variable, also for a variable alone that one component has."""

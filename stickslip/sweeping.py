@@ -23,6 +23,7 @@ from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import Inputs
 from stickslip.errors import UsageError, number
 from stickslip.fmi.by_name import by_name
+from stickslip.fmi.description.variables import FLOATS
 from stickslip.fmi.messages import printable
 from stickslip.ga.execution.evaluation import DIED
 from stickslip.simulation import Model
@@ -45,6 +46,7 @@ class Optimum:
     table: pd.DataFrame
     stopped: str  # why the search ended
     units: Mapping[str, str]  # of the parameters, by name
+    ranges: Mapping[str, tuple[float, float]]  # in which they were searched
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name} = {value:.6g}" for name, value in self.parameters.items())
@@ -111,7 +113,7 @@ def sweep(
     if taken := sorted({*values, "reason"} & {*figures}):
         raise UsageError(f"figure {taken[0]!r}: has the name of another column; choose another")
     model, specification, signals = _prepared(system, inputs, options)
-    names = [model.qualified(name) for name in values]
+    names = [model.target(name) for name in values]
     model.require_free(names, signals)
     for name, some in zip(names, values.values(), strict=True):
         some[:] = [number(name, model.system.checked(name, value)) for value in some]
@@ -190,7 +192,17 @@ def optimise(
         if len(three) != 3:
             raise UsageError(f"{name}: expected (lowest, start, highest), got {tuple(span)}")
         low, start, high = three
-        units[name] = model.system.unit(model.qualified(name)) or ""
+        target = model.target(name)
+        if (kind := model.system.variable(target).type) not in FLOATS:
+            raise UsageError(f"{name}: expected a real number to search, got one of type {kind}")
+        for end in (low, high):
+            model.system.checked(target, end)
+        if not low <= (present := model.start(name)) <= high and len(span) == 2:
+            _log.warning(
+                "%s: its own value, %.6g, is outside the range; the search begins at %.6g",
+                *(name, present, start),
+            )
+        units[name] = model.system.unit(target) or ""
         genes.append(ga.Gene(name, low, high, start, unit=units[name], linear=low <= 0.0))
     if not (isinstance(evaluations, Integral) and isinstance(seed, Integral) and seed >= 0):
         raise UsageError(
@@ -199,7 +211,7 @@ def optimise(
         )
     limits = ga.Limits(evaluations=evaluations)
     search = ga.optimiser(algorithm, ga.Problem(genes), limits, seed)
-    names = [model.qualified(name) for name in spans]
+    names = [model.target(name) for name in spans]
     model.require_free(names, signals)
     with (
         ga.SimulatedCost(
@@ -214,7 +226,9 @@ def optimise(
 
         found = ga.learn(search, evaluate, executor, on_generation=told)
     table = search.history.drop(columns="index")
-    return Optimum(found.parameters, float(found.best.cost), table, found.stopped, units=units)
+    ends = {gene.name: (gene.lower, gene.upper) for gene in genes}
+    cost_of = float(found.best.cost)
+    return Optimum(found.parameters, cost_of, table, found.stopped, units=units, ranges=ends)
 
 
 @dataclass(frozen=True)

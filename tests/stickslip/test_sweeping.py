@@ -120,6 +120,8 @@ def test_mistakes_are_one_line(stage):
         ss.sweep(stage, {"F_c": [1.0]}, {"end": lambda result: result["w"][-1]}, **RUN)
     with pytest.raises(ss.Fault, match=r"F_c: expected \(lowest, start, highest\)"):
         ss.optimise(stage, {"F_c": (0.1,)}, end, **RUN)
+    with pytest.raises(ss.Fault, match=r"stage\.b = -1\.0 .* is outside its range 0\.0 "):
+        ss.optimise(stage, {"b": (-1.0, 5.0)}, end, **RUN)
     for given in ({"parameters": [1.0], "figures": {}}, {"parameters": {}, "figures": [end]}):
         with pytest.raises(ss.Fault, match="expected a dictionary with a name for each"):
             ss.sweep(stage, **given, **RUN)
@@ -180,3 +182,15 @@ def test_a_search_finds_the_value_that_made_a_run(stage, workers):
     assert list(found.table) == ["generation", "F_c", "cost", "reason"]
     assert len(found.table) <= 150
     assert found.table["F_c"][0] == pytest.approx(0.9)
+
+
+def test_a_search_finds_the_constant_input_of_one_fmu(stage, caplog):
+    def off(result: ss.Result) -> float:
+        return abs(end(result) - expected(1.0, M))
+
+    run = {"stop": STOP, "step": 1e-3, "evaluations": 60}
+    found = ss.optimise(stage, {"u": (5.0, 40.0)}, off, **run)
+    assert found.parameters["u"] == pytest.approx(PUSH, rel=0.02)
+    assert "u: its own value, 0, is outside the range; the search begins at 5" in caplog.text
+    swept = ss.sweep(stage, {"u": [PUSH]}, {"end": end}, stop=STOP, step=1e-3)
+    assert swept["end"].tolist() == pytest.approx([expected(1.0, M)], rel=1e-3)

@@ -111,7 +111,7 @@ def _of_drive(
         else:
             if "observer.fmu" in learned.written:
                 warn("an observer would have to run in the drive: the loop is tuned without it")
-            found = tune_on_rig(rig, learned, settings, options.motions, progress)
+            found = tune_on_rig(rig, learned, settings, options.motions, progress=progress)
     print(parameters(found).text())
     for figure, table in tables.errors(found.benefit):
         print(

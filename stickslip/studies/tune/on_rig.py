@@ -44,6 +44,7 @@ def tune_on_rig(
     learned: LearnedFile,
     settings: TuneSettings | None = None,
     motions: int = MOTIONS,
+    *,
     progress: Progress = SILENT,
 ) -> TunedDrive:
     """Tune the loop of a learned drive, and take what also helps in a few motions of the drive.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ FILES = (DOCUMENT, PARAMETERS, SEARCH, PAGE, *FMUS)
 """What ``write_tuned`` writes or removes."""
 STALE = ("predicted_error", "tracking_error", "tracking", "hold", "compared", "validation_errors")
 """Entries of learned.json that hold in the present loop only."""
+NEAR = 0.01  # share of a range at its ends; a least cost there may be an end, not a minimum
 COLUMNS = (
     Column("parameter", "", "parameter", "Parameter"),
     Column("unit", "", "unit", "Unit"),
@@ -134,7 +136,18 @@ def write_optimised(found: Optimum, source: Path, cost: Path, folder: Path) -> N
         write_page(staging, f"{source.name}, tuned", [section], PAGE)
 
 
+def _is_near_end(value: float, low: float, high: float) -> bool:
+    """Tell whether a value is near an end of its range, by the logarithm as it is searched."""
+    if low > 0.0:
+        value, low, high = map(math.log, (value, low, high))
+    return min(value - low, high - value) < NEAR * (high - low)
+
+
 def sentence_of(found: Optimum) -> str:
     """Return what a search brought, in a sentence without its end."""
     before, runs = found.table["cost"].iloc[0], len(found.table)
-    return f"The cost is {found.cost:.6g} instead of {before:.6g} after {runs} runs"
+    at_end = [
+        name for name, span in found.ranges.items() if _is_near_end(found.parameters[name], *span)
+    ]
+    ends = f"; {', '.join(at_end)}: near an end of the range, try a wider one" if at_end else ""
+    return f"The cost is {found.cost:.6g} instead of {before:.6g} after {runs} runs{ends}"

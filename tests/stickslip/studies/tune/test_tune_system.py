@@ -59,6 +59,10 @@ def test_the_command_writes_what_it_found(files, tmp_path, capsys):
     assert document["cost"] == pytest.approx((a + b - 1.0) ** 2 + 4.0 * (b - 0.7) ** 2, abs=1e-12)
     assert document["cost"] < 1.44
     assert (out / "report.html").exists()
+    assert "near an end" not in capsys.readouterr().out
+    words[words.index("total.u2=0.0:3.0")] = "total.u2=0.9:3"
+    assert cli.main(words) == 0
+    assert "; total.u2: near an end of the range" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -80,6 +84,12 @@ def test_a_cost_file_that_is_not_valid_is_one_line(files, text, says):
     files[1].write_text(text)
     with pytest.raises(ss.Fault, match=says):
         ss.tune(files[0], RANGES, files[1], evaluations=20, **RUN)
+
+
+def test_only_real_numbers_are_searched(files):
+    drive = ss.build_fmu("drive", files[1].parent, law="lugre")
+    with pytest.raises(ss.Fault, match=r"noise: expected a real number .* one of type Boolean"):
+        ss.tune(drive, {"noise": (0.0, 1.0)}, lambda _: 0.0, **RUN)
 
 
 @pytest.mark.parametrize("text", ["total.u1=1", "total.u1=2:1", "total.u1=a:b", "total.u1"])
