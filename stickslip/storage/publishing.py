@@ -13,6 +13,7 @@ Files that no manifest lists, or that were changed since, stay as they are: wher
 place of a new file, nothing is written.
 """
 
+import gzip
 import os
 import shutil
 from collections.abc import Collection, Iterator, Mapping
@@ -86,13 +87,15 @@ def completed(
 ) -> Iterator[Path]:
     """Give a folder as ``staged`` does, for the results of all jobs.
 
-    Adds the tables (pandas, by file name), and removes what was kept while the jobs ran. Raises
-    UsageError, ResultsError, OSError as ``staged``.
+    Adds the tables (pandas, by file name: .csv or .csv.gz), and removes what was kept while the
+    jobs ran. Raises UsageError, ResultsError, OSError as ``staged``.
     """
     with staged(folder, command, without) as staging:
         yield staging
         for name, table in tables.items():
-            atomic_write(staging / name, table.to_csv(index=False, lineterminator="\n"))
+            text = table.to_csv(index=False, lineterminator="\n")
+            packed = gzip.compress(text.encode(), mtime=0) if name.endswith(".gz") else text
+            atomic_write(staging / name, packed)
     remove_results(folder / UNFINISHED)
 
 

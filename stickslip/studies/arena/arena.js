@@ -7,6 +7,12 @@ function line(label, colour, values, duration) {
   return { label, colour, joined: true, x, y: values.map(value => value / 1000) };
 }
 
+/* The command that makes the motions of a cell again. */
+function again(drive, name, tuned) {
+  const drives = [...new Set([tuned, drive])].join(" "), names = [...new Set([data.reference, name])].join(" ");
+  return `stickslip arena --only ${drives} --compensators ${names} ${data.settings} --out motions`;
+}
+
 function show(place) {
   const [drive, name, tuned] = place.split("|");
   const own = data.cells[place] || {};
@@ -21,7 +27,9 @@ function show(place) {
       y: { label: motion.unit, scale: "linear", range: [-high, high] },
     };
   });
-  openPanels(panels, `${name} on ${drive}, tuned on ${tuned === drive ? "this drive" : tuned}, first run`);
+  const title = `${name} on ${drive}, tuned on ${tuned === drive ? "this drive" : tuned}`;
+  if (panels.length) openPanels(panels, `${title}, first run`);
+  else openPanels([], `${title}: ${again(drive, name, tuned)}`);
 }
 
 /* Text and colour of a cell of a heat map, as page.py writes them. */

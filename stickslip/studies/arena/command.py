@@ -28,7 +28,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Tune every compensator on every drive, with the same algorithm and budget and from"
         " measured signals only, and validate it on motions that it was not tuned on. Writes"
-        " arena.csv, arena.html, and the winner of each drive as FMU, C and structured text."
+        " arena.csv.gz, arena.html, and the winner of each drive as FMU, C and structured text."
     )
     laws = f"only drives with these friction laws: {', '.join(models.law_names())}"
     add_options(parser, {"--laws LAW": laws}, choices=models.law_names(), **SEVERAL)

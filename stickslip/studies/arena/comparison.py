@@ -87,7 +87,7 @@ class Comparison:
     """What an arena found."""
 
     arena: Arena  # every cell
-    table: pd.DataFrame  # the rows of arena.csv, see docs/arena.md
+    table: pd.DataFrame  # the rows of arena.csv.gz, see docs/arena.md
 
     @property
     def ranking(self) -> pd.DataFrame:
@@ -137,7 +137,7 @@ class Comparison:
         return list(grid[0])
 
     def write(self, folder: Path | str) -> Path:
-        """Write arena.csv, arena.html with its figures, and the winners; return the folder.
+        """Write arena.csv.gz, arena.html with its figures, and the winners; return the folder.
 
         Raises UsageError, OSError when a file to be replaced is the user's, or cannot be written.
         """

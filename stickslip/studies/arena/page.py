@@ -25,12 +25,14 @@ from stickslip.studies.arena.table import (
     points,
     ranking,
     relative_errors,
+    settings_text,
 )
 from stickslip.thresholds import offer
 
 TEMPLATES = "studies/arena"
 TITLE = "Friction compensators compared"
 FIGURES = ("pareto", "circle")
+MOTIONS = 60  # cells of a page that has their motions; of more it has the commands
 DEEP = 3.0  # Factor on the error at which the colour of a cell is the deepest
 _BETTER, _WORSE = (0, 79, 134), (224, 123, 0)
 """Colours of errors below and above those of the reference."""
@@ -86,8 +88,19 @@ def _heat_maps(arena: Arena, found: pd.DataFrame) -> Section:
         ranked={name: one.title for name, one in COMMANDS.items() if one.ranked},
         maps=maps,
         marked=_marked(arena),
+        shown=bool(_motions(arena)),
         LIMIT=offer.SENSITIVITY,
     )
+
+
+def _motions(arena: Arena) -> dict[str, dict[str, list[int]]]:
+    """Return the errors over time by place; none where there are more than ``MOTIONS`` cells."""
+    found = {
+        f"{drive}|{name}|{tuned_on}": validated["plots"]
+        for (drive, name), document in arena.documents.items()
+        for tuned_on, validated in document["validated"].items()
+    }
+    return found if len(found) <= MOTIONS else {}
 
 
 def _heat_map(
@@ -180,11 +193,7 @@ def _errors(arena: Arena, found: pd.DataFrame) -> dict[str, dict[str, float]]:
 
 def _script(arena: Arena, found: pd.DataFrame) -> dict[str, Html]:
     """Return the time plots as data, and the script that draws one when its cell is clicked."""
-    cells = {
-        f"{drive}|{name}|{tuned_on}": validated["plots"]
-        for (drive, name), document in arena.documents.items()
-        for tuned_on, validated in document["validated"].items()
-    }
+    plan = arena.plan
     motions = {
         name: {
             "title": f"{one.title[:1].upper()}{one.title[1:]}",
@@ -194,8 +203,8 @@ def _script(arena: Arena, found: pd.DataFrame) -> dict[str, Html]:
         }
         for name, one in COMMANDS.items()
     }
-    data: dict[str, object] = {"cells": cells, "motions": motions}
-    data["reference"] = arena.plan.reference
+    data: dict[str, object] = {"cells": _motions(arena), "motions": motions}
+    data["reference"], data["settings"] = plan.reference, settings_text(plan)
     data["errors"], data["deep"] = _errors(arena, found), DEEP
     packed = gzip.compress(json.dumps(data, separators=(",", ":")).encode(), mtime=0)
     folder = files(__package__)

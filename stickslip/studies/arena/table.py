@@ -1,4 +1,4 @@
-"""arena.csv: a row for each drive, entrant, command, metric, and drive that it was tuned on."""
+"""arena.csv.gz: a row for each drive, entrant, command, metric, and drive that it was tuned on."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ RANKING = (
     Column(PER_STEP, head="Resolution", digits=3),
     Column("states", head="States", digits=3),
 )
-"""Means of an entrant over the drives; metrics of arena.csv by their names."""
+"""Means of an entrant over the drives; metrics of arena.csv.gz by their names."""
 
 
 def entrant_table(table: pd.DataFrame, plan: Plan) -> Table:
@@ -150,6 +150,14 @@ def entrant_table(table: pd.DataFrame, plan: Plan) -> Table:
 def budget_text(plan: Plan) -> str:
     """Return the budget of each entrant on each drive."""
     return f"{plan.budget.evaluations} evaluations, {plan.budget.seconds:g} s of motion"
+
+
+def settings_text(plan: Plan) -> str:
+    """Return the options that give the cells of a plan again."""
+    budget = plan.budget
+    options = {"evaluations": budget.evaluations, "seconds": budget.seconds}
+    options |= {"seeds": plan.starts, "seed": plan.seed}
+    return " ".join(f"--{name} {value:g}" for name, value in options.items())
 
 
 def _law(plan: Plan, drive: str) -> str:

@@ -23,9 +23,10 @@ from stickslip.studies.arena.table import entrant_table, relative_errors, time_t
 from stickslip.studies.arena.tuning import TuningResult
 from stickslip.thresholds import offer
 
-TABLE, RANKING, TIMES = "arena.csv", "ranking.csv", "time.csv"
+TABLE, RANKING, TIMES = "arena.csv.gz", "ranking.csv", "time.csv"
 PAGE, FOLDER = "arena.html", "winners"
-FILES = (TABLE, RANKING, TIMES, PAGE, *picture_files(FIGURES))
+FILES = (TABLE, "arena.csv", RANKING, TIMES, PAGE, *picture_files(FIGURES))
+"""What ``write_arena`` writes, or removes, as the table of older versions."""
 
 
 def write_arena(arena: Arena, table: pd.DataFrame, folder: Path) -> None:

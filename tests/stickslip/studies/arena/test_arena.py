@@ -1,5 +1,6 @@
 """The arena on a few drives and entrants, with small budgets."""
 
+import argparse
 import gzip
 import json
 import re
@@ -31,6 +32,8 @@ from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import close_velocity_loop
 from stickslip.storage import UNFINISHED
+from stickslip.studies.arena import command as arena_command
+from stickslip.studies.arena import page as arena_page
 from stickslip.studies.arena import protocol, table
 from stickslip.studies.arena.comparison import Comparison
 from stickslip.studies.arena.comparison import arena as arena_of
@@ -238,7 +241,7 @@ def test_what_learns_is_validated_with_what_it_learned_and_learns_no_more(built,
 
 def test_the_table_has_every_cell(arena):
     found, folder = arena
-    table = pd.read_csv(folder / "arena.csv")
+    table = pd.read_csv(folder / "arena.csv.gz")
     assert list(table.columns) == COLUMNS
     assert not found.reasons
     assert not table["reason"].notna().any()
@@ -275,7 +278,7 @@ def test_python_gives_the_arena_of_the_command(arena, tmp_path):
     assert (comparison.sensitivity() <= 2.2).all(axis=None)
     assert not comparison.arena.reasons
     written = comparison.write(tmp_path / "written")
-    assert (written / "arena.csv").read_bytes() == (folder / "arena.csv").read_bytes()
+    assert (written / "arena.csv.gz").read_bytes() == (folder / "arena.csv.gz").read_bytes()
     with mpl.rc_context({"backend": "agg"}):
         left, right = comparison.plot()
         plt.close("all")
@@ -315,10 +318,31 @@ def test_a_killed_arena_resumes_to_the_same_bytes(arena, tmp_path):
     resumed = run_arena(found.plan, tmp_path, Execution(workers=2, resume=True))
     assert resumed.kept == 5
     write_arena(resumed, arena_table(resumed), tmp_path)
-    for name in ("arena.csv", "arena.html", "pareto.svg"):
+    for name in ("arena.csv.gz", "arena.html", "pareto.svg"):
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
     other = replace(found.plan, seed=1, entrants=("none",), drives=found.plan.drives[:1])
     assert run_arena(other, tmp_path, Execution(resume=True)).kept == 0
+
+
+def test_a_page_of_many_cells_has_the_command_that_makes_a_cell_again(arena, monkeypatch, tmp_path):
+    found, folder = arena
+    monkeypatch.setattr(arena_page, "MOTIONS", 11)  # of 12 cells
+    write_arena(found, arena_table(found), tmp_path)
+    text = (tmp_path / "arena.html").read_text(encoding="utf-8")
+    packed = text.partition('id="data">')[2].partition("</script>")[0]
+    data = json.loads(gzip.decompress(b64decode(packed)))
+    assert not data["cells"]
+    assert "the command that makes its motions again" in text
+    assert (tmp_path / "arena.html").stat().st_size < (folder / "arena.html").stat().st_size
+    words = ["--only", "lugre", "heavy", "--compensators", "pi", "static"]
+    words = ["arena", *words, *data["settings"].split(), "--out", str(tmp_path / "again")]
+    parser = argparse.ArgumentParser()
+    arena_command.declare(parser)
+    plan = arena_command._plan(parser.parse_args(words[1:]))
+    again = run_arena(plan, tmp_path / "again", Execution())
+    for place in (("heavy", "static"), ("heavy", "pi")):
+        for entry in ("tuned", "validated"):
+            assert again.documents[place][entry] == found.documents[place][entry]
 
 
 def test_the_page_has_a_plot_for_every_cell_of_the_heat_maps(arena):
@@ -338,7 +362,7 @@ def test_the_page_has_a_plot_for_every_cell_of_the_heat_maps(arena):
 
 def test_a_further_column_is_on_terminal_page_and_in_files(arena, tmp_path, monkeypatch, capsys):
     found, folder = arena
-    rows = pd.read_csv(folder / "arena.csv").set_index(["metric", "compensator"])
+    rows = pd.read_csv(folder / "arena.csv.gz").set_index(["metric", "compensator"])
     size = float(f"{rows.loc['binary size', 'lugre']['median'].mean():.6g}")
     further, out = Column("binary size", ".0f", "size", "Size"), tmp_path / "out"
     monkeypatch.setattr(table, "RANKING", (*table.RANKING, further))
