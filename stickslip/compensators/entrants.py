@@ -182,7 +182,10 @@ class Part:
     ranges: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     design: str = ""  # of ``DESIGNS`` or ``REGULATORS``; empty where genes are parameters
     controller: bool = False
-    positions: bool = False  # whether it controls the position, and is tuned on moves
+    positions: bool = False  # whether it controls the position
+    experiment: str = (
+        ""  # ``identified`` or ``fitted``: how the drive shows its friction parameters
+    )
     own_ports: models.Ports | None = None  # how an FMU of the user is connected
     own_fmu: Path | None = None  # its file
 
@@ -226,8 +229,8 @@ class Part:
 
     @property
     def learns(self) -> bool:
-        """Whether it learns by itself while it runs, and keeps what it has learned."""
-        return self.ports is not None and bool(self.ports.frozen)
+        """Whether the drive trains it: while it runs, or in experiments of its own."""
+        return self.ports is not None and bool(self.ports.frozen or self.experiment)
 
     def genes(self, coarse: Coarse) -> list[ga.Gene]:
         """Return what is tuned: its own genes, then the parameters of friction."""
@@ -409,10 +412,16 @@ def parts() -> dict[str, Part]:
 
 
 def default_names() -> list[str]:
-    """Return the names of all entrants: every part that adds a force, then the combinations."""
+    """Return the names of all entrants: every part that adds a force, then the combinations.
+
+    Each that leaves the gains of the controller as designed also competes with tuned gains.
+    """
     tables = content()
     alone = [name for name in part_names() if name not in tables["behind"]]
-    return [*alone, *tables["combinations"]]
+    names = [*alone, *tables["combinations"]]
+    chains = {name: entrant(name).parts for name in names}
+    plain = [n for n, chain in chains.items() if not any(p.controller for p in chain)]
+    return [*names, *(f"pi+{name}" for name in plain if name != "none")]
 
 
 def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
@@ -518,6 +527,7 @@ def _part(name: str, table: Mapping[str, Any] | None) -> Part:
         design=table.get("design", ""),
         controller=table.get("controller", False),
         positions=table.get("positions", False),
+        experiment=table.get("experiment", ""),
     )
     if part.model == FEEDFORWARD and part.law is None:
         return replace(part, law=models.load_model(FEEDFORWARD).law)

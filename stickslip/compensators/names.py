@@ -13,15 +13,14 @@ from stickslip.fmi.messages import suggestion
 
 @cache
 def content() -> dict[str, Any]:
-    """Return ``entrants.toml``: a table for each part, ``combinations`` and ``behind``."""
+    """Return ``entrants.toml``: a table for each part, and lists of names."""
     return parse_toml(files(__package__).joinpath("entrants.toml").read_bytes())
 
 
 @cache
 def part_names() -> tuple[str, ...]:
     """Return the names of all parts: those of ``entrants.toml``, then what enters without one."""
-    further = ("combinations", "behind")
-    tables = {name: table for name, table in content().items() if name not in further}
+    tables = {name: table for name, table in content().items() if isinstance(table, dict)}
     used = {table.get("model") for table in tables.values()} | {"compensator"}
     blocks = (name for name in models.model_names() if name not in used)
     added = (name for name in blocks if models.load_model(name).ports is not None)

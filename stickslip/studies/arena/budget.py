@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+STARTS = 6  # runs of each command
+TUNINGS = 5  # random seeds with which an entrant is tuned whose rank moves with the seed
+
 
 @dataclass(frozen=True)
 class Budget:
     """What each entrant may use on each drive."""
 
-    evaluations: int = 180  # candidates
+    evaluations: int = 90  # candidates
     seconds: float = 2000.0  # of motion of the drive [s]
 
     def runs(self, duration: float) -> int:

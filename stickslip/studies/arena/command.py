@@ -15,7 +15,7 @@ from stickslip.compensators.names import part_names, require_parts
 from stickslip.errors import UsageError
 from stickslip.output import Answer
 from stickslip.storage import reserved
-from stickslip.studies.arena.budget import Budget
+from stickslip.studies.arena.budget import STARTS, TUNINGS, Budget
 from stickslip.studies.arena.drive_names import drive_names, require_drives
 from stickslip.work.jobs import Execution
 
@@ -46,7 +46,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     chosen = parser.add_argument("--only", metavar="DRIVE", help=only, **SEVERAL)
     complete_with(chosen, drive_names)
     starts = "runs of each command, with other noise and another place between encoder steps"
-    add_options(parser, {"--seeds N": starts}, type=at_least(1), default=20)
+    add_options(parser, {"--seeds N": starts}, type=at_least(1), default=STARTS)
     evaluations = "budget of each compensator on each drive: candidates"
     add_options(
         parser, {"--evaluations N": evaluations}, type=at_least(10), default=Budget().evaluations
@@ -55,6 +55,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, {"--seconds S": seconds}, type=float, default=Budget().seconds)
     seed = {"--seed": "random seed of the algorithm and of the coarse start values"}
     add_options(parser, seed, type=at_least(0), default=0)
+    tunings = "random seeds, from --seed on, of entrants whose rank moves with the seed"
+    add_options(parser, {"--tunings N": tunings}, type=at_least(1), default=TUNINGS)
     add_worker_options(parser, "cells")
     parser.set_defaults(where="processes")
     resume = "keep what an interrupted run has found with the same options"
@@ -127,4 +129,5 @@ def _plan(options: argparse.Namespace) -> Plan:
         seconds=options.seconds,
         seeds=options.seeds,
         seed=options.seed,
+        tunings=options.tunings,
     )

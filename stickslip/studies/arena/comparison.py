@@ -18,7 +18,7 @@ from stickslip.errors import UsageError
 from stickslip.fmi.process import temporary_folder
 from stickslip.presentation.style import WITH, WITHOUT
 from stickslip.storage import reserved
-from stickslip.studies.arena.budget import Budget
+from stickslip.studies.arena.budget import STARTS, TUNINGS, Budget
 from stickslip.studies.arena.drive_names import require_drives
 from stickslip.studies.arena.drives import default_drives, learned_drive, read_drives
 from stickslip.studies.arena.protocol import Arena, Plan, run_arena
@@ -39,8 +39,9 @@ def make_plan(
     own: Mapping[Path, Path | Mapping[str, Any]] | None = None,
     evaluations: int = Budget.evaluations,
     seconds: float = Budget.seconds,
-    seeds: int = 20,
+    seeds: int = STARTS,
     seed: int = 0,
+    tunings: int = TUNINGS,
 ) -> Plan:
     """Return what an arena compares; parameters are those of ``arena``.
 
@@ -64,6 +65,7 @@ def make_plan(
         ("--evaluations", evaluations, 10),
         ("--seeds", seeds, 1),
         ("--seed", seed, 0),
+        ("--tunings", tunings, 1),
     ):
         if not (isinstance(given, int) and given >= least):
             raise UsageError(f"{option} {given!r}: expected a whole number, at least {least}")
@@ -76,6 +78,7 @@ def make_plan(
         seeds,
         seed,
         parts,
+        tunings,
     )
     for name in plan.entrants:
         plan.entrant(name)
@@ -157,8 +160,9 @@ def arena(
     own: Mapping[Path | str, Path | str | Mapping[str, Any]] | None = None,
     evaluations: int = Budget.evaluations,
     seconds: float = Budget.seconds,
-    seeds: int = 20,
+    seeds: int = STARTS,
     seed: int = 0,
+    tunings: int = TUNINGS,
     workers: int = 1,
     where: str | None = None,
     folder: Path | str | None = None,
@@ -178,6 +182,7 @@ def arena(
     evaluations, seconds : budget of each compensator on each drive: candidates, and motion [s]
     seeds : runs of each command
     seed : of the algorithm and of the coarse start values
+    tunings : random seeds, from that one on, of entrants whose rank moves with the seed
     workers, where : how many, and ``threads``, ``processes`` (the default for more than one) or
         the address of a Dask scheduler; the result does not depend on it
     folder : in which the cells are kept while the arena runs; none by default
@@ -203,6 +208,7 @@ def arena(
         seconds=seconds,
         seeds=seeds,
         seed=seed,
+        tunings=tunings,
     )
     place = where or ("threads" if workers == 1 else "processes")
     with ExitStack() as stack:

@@ -12,7 +12,7 @@ from stickslip import cosim, models
 from stickslip.compensators.entrants import Entrant, TunedEntrant
 from stickslip.identification.criteria.runs import Closing
 from stickslip.servo.measurement import Array
-from stickslip.servo.systems import build_loop, nominal_parameters
+from stickslip.servo.systems import build_fmus, build_loop, nominal_parameters
 from stickslip.servo.velocity_loop import VelocityLoop
 
 
@@ -27,6 +27,8 @@ def build_entrants(folder: Path, entrants: list[Entrant]) -> None:
         else:
             law = part.law.name if part.law else None
             models.build_fmu(part.model, folder, law=law, called=file)
+            if part.experiment and law:  # what a rig runs beside the drive
+                build_fmus(folder, {}, law, only=("compensator", "stage"))
 
 
 class Course(Closing):

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.evaluation.motions import Span
-from stickslip.servo.measurement import Array
+from stickslip.servo.measurement import Array, measured_velocity
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.studies.arena.motion_commands import Command
 
@@ -43,6 +43,13 @@ class Trace:
         v, x, u, v_r = (np.asarray(recorded[name][: len(v_cmd)]) for name in RECORDED)
         x_cmd = T_s * np.concatenate([[0.0], np.cumsum(v_cmd[:-1])])
         return cls(T_s, v_cmd, x_cmd, v, x, u, v_r, encoder_step)
+
+    @classmethod
+    def measured(cls, T_s: float, v_cmd: Array, x_enc: Array, encoder_step: float) -> Trace:
+        """Return what the encoder (n,) [m] shows of a run; forces are not known."""
+        x_cmd = T_s * np.concatenate([[0.0], np.cumsum(v_cmd[:-1])])
+        v, unknown = measured_velocity(x_enc, T_s), np.full(len(v_cmd), np.nan)
+        return cls(T_s, v_cmd, x_cmd, v, x_enc, unknown, unknown, encoder_step)
 
     @property
     def velocity_error(self) -> Array:

@@ -1,4 +1,4 @@
-"""The motions of the arena: one sweep to tune with, and others to validate with."""
+"""The motions of the arena: those to tune with, and others of the same kinds to validate with."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.cosim import Signal, SineSweep, Table
 from stickslip.evaluation.motions import (
@@ -21,7 +20,7 @@ from stickslip.evaluation.motions import (
 )
 from stickslip.servo.measurement import Array
 
-PASSES = 2  # Sweeps of the training command; the last one counts, when observers have settled
+PASSES = 2  # Sweeps in which an entrant learns that learns while it runs
 _SWEEP = SineSweep(frequency=(0.2, 1.0), amplitude=(0.03, 0.04), duration=5.0)
 _REST = 0.3  # After each sweep, so that starts from rest count as well [s]
 FIRST = (0.0, 0.1)
@@ -32,8 +31,6 @@ RADIUS = 0.01  # Of the circles [m]
 GLITCH = 0.3  # How far after a reversal the error of a circle counts [rad]
 MOVES = {1e-6: 0.02, 2e-6: 0.02, 5e-6: 0.02, 1e-5: 0.02, 1e-4: 0.05, 1e-3: 0.2}
 """Lengths of the small moves [m], and how long each lasts [s]."""
-TRAINING_MOVES = {1.5e-6: 0.02, 3e-6: 0.02, 7e-6: 0.02, 2e-5: 0.02, 5e-5: 0.05, 3e-4: 0.1}
-"""As ``MOVES``, to tune what controls the position."""
 SETTLING = 0.4  # Rest after each [s]
 MOVE_POINTS = 200
 HOLD = (2.0, 5.0)  # From when to when after a stop the rest counts [s]
@@ -89,32 +86,31 @@ class _Scaled:
 
 
 @dataclass(frozen=True)
-class Training:
-    """A motion to tune with."""
+class _Repeated:
+    """A signal again and again."""
 
-    v_cmd: Array  # (n,) [m/s], one a sample
-    counted: NDArray[np.bool_]  # (n,) whether the error of a sample counts
+    signal: Signal
+    period: float  # [s]
 
-
-def moves(T_s: float, factor: float = 1.0) -> Training:
-    """Return small moves, whose rests count in the last pass, for what controls the position."""
-    motion = _small_moves(TRAINING_MOVES).motion
-    t = np.asarray(np.arange(round(motion.duration / T_s)) * T_s)
-    spans = [span for spans in motion.regions.values() for span in spans]
-    rests = np.any([(t >= begin) & (t < end) for begin, end in spans], axis=0)
-    v_cmd = np.tile(factor * motion.command.sample(t), PASSES)
-    return Training(v_cmd, np.append(np.zeros((PASSES - 1) * len(t), bool), rests))
+    def sample(self, t: Array) -> Array:
+        """Return the values (n,) at the times t (n,) [s]."""
+        within: Array = np.mod(t, self.period)
+        return np.asarray(self.signal.sample(within))
 
 
-def sweep(T_s: float, factor: float = 1.0) -> Training:
-    """Return a slow sweep, whose last pass counts, times a factor.
+def _sweep(passes: int = 1) -> Command:
+    """Return slow sweeps, of which the start and the reversals count.
 
     What learns while it runs needs reversals that last longer than the loop takes to answer, which
     those of the paper's sweep to 5 Hz do not.
     """
-    n = round((_SWEEP.duration + _REST) / T_s)
-    v_cmd = factor * np.tile(_SWEEP.sample(np.asarray(np.arange(n) * T_s)), PASSES)
-    return Training(v_cmd, np.arange(PASSES * n) >= (PASSES - 1) * n)
+    period = _SWEEP.duration + _REST
+    t = np.asarray(np.arange(round(_SWEEP.duration / 1e-3)) * 1e-3)
+    turns = t[:-1][np.diff(np.sign(_SWEEP.sample(t))) != 0.0]
+    spans = {"start and reversals": tuple((float(turn), float(turn) + FIRST[1]) for turn in turns)}
+    sweeps = _Repeated(_SWEEP, period)
+    motion = Motion("sweep", "Sweep of 0.2 to 1 Hz", sweeps, passes * period, spans)
+    return Command("sweep", "sweep", "velocity", motion, tuple(spans))
 
 
 def _trapezoid() -> Command:
@@ -131,27 +127,27 @@ def _trapezoid() -> Command:
     )
 
 
-def _creep() -> Command:
+def _creep(speeds: Sequence[float] = SPEEDS, lasts: float = CREEP) -> Command:
     time, v = [0.0, BEGIN], [0.0, 0.0]
     spans: dict[str, tuple[Span, ...]] = {}
-    for speed in SPEEDS:
-        end = time[-1] + CREEP
-        spans[f"{1e3 * speed:g} mm/s"] = ((end - COUNTED, end),)
+    for speed in speeds:
+        end = time[-1] + lasts
+        spans[f"{1e3 * speed:g} mm/s"] = ((end - COUNTED / CREEP * lasts, end),)
         time += [time[-1], end, end, end + BEGIN]
         v += [speed, speed, 0.0, 0.0]
     motion = Motion(
         "creep", "Constant low speeds", Table(np.array(time), np.array(v)), time[-1], spans
     )
     return Command(
-        "V", "creep", "velocity", motion, tuple(spans), dict(zip(spans, SPEEDS, strict=True))
+        "V", "creep", "velocity", motion, tuple(spans), dict(zip(spans, speeds, strict=True))
     )
 
 
-def _reversals() -> Command:
-    moves = [("reversals", Stroke(sign * 5e-4, 0.25, 0.0, 0.0, 0.5)) for sign in 4 * (1, -1)]
-    motion = strokes(
-        "reversals", "A triangle of the velocity, ±0.5 mm/s with a period of 1 s", moves
-    )
+def _reversals(speed: float = 5e-4, rise: float = 0.25, pairs: int = 4) -> Command:
+    stroke = Stroke(speed, rise, 0.0, 0.0, 2.0 * rise)
+    moves = [("reversals", replace(stroke, speed=sign * speed)) for sign in pairs * (1, -1)]
+    text = f"A triangle of the velocity, ±{1e3 * speed:g} mm/s with a period of {4.0 * rise:g} s"
+    motion = strokes("reversals", text, moves)
     return Command("R", "slow reversals", "velocity", motion, ("reversals",))
 
 
@@ -182,8 +178,8 @@ class _Circles:
         return found
 
 
-def _circles() -> Command:
-    circles = _Circles(((4.0, 2.0), (1.0, 1.1)))
+def _circles(*parts: tuple[float, float]) -> Command:
+    circles = _Circles(parts)
     spans: dict[str, tuple[Span, ...]] = {}
     for (w, _), (name, times) in zip(circles.parts, circles.reversals().items(), strict=True):
         spans[name] = tuple((t, t + GLITCH / w) for t in times)
@@ -229,8 +225,7 @@ def _hold() -> Command:
     return Command("H", "hold", "hunting", motion, position=True, ranked=False)
 
 
-def _inner_loops() -> Command:
-    corners = (0.0, 4e-5, 0.0, 1.5e-5, 0.0, -4e-5, 0.0)
+def _inner_loops(*corners: float) -> Command:
     moves = [(float(step), 0.1) for step in np.diff(corners)]
     table, ends = _smooth_moves(moves, 0.1)
     spans = {"path": ((BEGIN, ends[-1][2]),)}
@@ -242,7 +237,19 @@ COMMANDS = {
     command.name: command
     for command in (
         *(_trapezoid(), _creep(), _reversals()),
-        *(_circles(), _small_moves(MOVES), _hold(), _inner_loops()),
+        *(_circles((4.0, 2.0), (1.0, 1.1)), _small_moves(MOVES), _hold()),
+        _inner_loops(0.0, 4e-5, 0.0, 1.5e-5, 0.0, -4e-5, 0.0),
     )
 }
 """What entrants are validated with; none of it is tuned on."""
+TRAINING = (
+    _sweep(),
+    _creep((2e-4, 2e-3), 0.8),
+    _reversals(7e-4, 0.2, 2),
+    _circles((3.0, 1.2)),
+    _small_moves({3e-6: 0.02, 2e-5: 0.02, 3e-4: 0.1}),
+    _inner_loops(0.0, 3e-5, -1e-5, 2e-5, 0.0),
+)
+"""What entrants are tuned on: each kind of motion that is ranked, at other speeds and lengths."""
+LEARNING = _sweep(PASSES)
+"""What teaches an entrant that learns while it runs."""

@@ -19,6 +19,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip import ga, models
 from stickslip.compensators.entrants import SPEED, Entrant, Part, entrant
+from stickslip.compensators.names import content
 from stickslip.errors import UsageError
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.files import atomic_write, digest
@@ -27,7 +28,7 @@ from stickslip.learned.writing import versions
 from stickslip.storage import MANIFEST, UNFINISHED, complete, staged
 from stickslip.storage.codec import decode, encode
 from stickslip.storage.writing import read_kept
-from stickslip.studies.arena.budget import Budget
+from stickslip.studies.arena.budget import STARTS, TUNINGS, Budget
 from stickslip.studies.arena.course import build_entrants
 from stickslip.studies.arena.drives import Drive
 from stickslip.studies.arena.motion_commands import COMMANDS
@@ -53,9 +54,10 @@ class Plan:
     drives: Sequence[Drive]  # the one whose ``nominal`` is set gives what is carried over
     entrants: Sequence[str]  # names
     budget: Budget = field(default_factory=Budget)
-    starts: int = 20  # runs of each command
+    starts: int = STARTS  # runs of each command
     seed: int = 0  # of tuning and of coarse start values
     own: tuple[Part, ...] = ()  # compensators of the user
+    tunings: int = TUNINGS  # random seeds of entrants whose rank moves with the seed
 
     def entrant(self, name: str) -> Entrant:
         """Return an entrant by its name.
@@ -118,7 +120,11 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
     one, sheet, loop = plan.entrant(cell.entrant), drive.sheet, drive.loop
     document: dict[str, Any] = {"tuned": {}, "validated": {}}
     begun, factor = time.thread_time(), drive.speed / SPEED
-    found = tune(cell.fmus, loop, one, plan.budget, seed, sheet, drive.speed)
+    tuned_by = [
+        tune(cell.fmus, loop, one, plan.budget, seed + k, sheet, drive.speed)
+        for k in range(plan.tunings if cell.entrant in content()["scattered"] else 1)
+    ]
+    found = min(tuned_by, key=lambda result: result.cost)
     # What a clock shows is no result: it differs from run to run.
     document["time"] = {"tuning": time.thread_time() - begun}
     measured = found.tuned(one, loop, sheet), found.coarse.friction
@@ -134,7 +140,12 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
         try:
             tuned = given.tuned(one, loop, sheet)
             peaks = sensitivities(cell.fmus, loop, one, tuned, given.coarse.friction, drive.mass)
-            found_there = validate(cell.fmus, loop, one, tuned, commands, plan.starts, sheet)
+            others = [result for result in tuned_by if name == drive.name and result is not given]
+            starts = -(-plan.starts // (1 + len(others)))
+            found_there = validate(cell.fmus, loop, one, tuned, commands, starts, sheet)
+            for other in others:  # all count alike
+                also = other.tuned(one, loop, sheet)
+                found_there.add(validate(cell.fmus, loop, one, also, commands, starts, sheet))
             if name == drive.name:
                 changes = drive.changes(ROBUSTNESS, RESOLUTION)
                 how = changes, plan.starts, sheet, factor
@@ -245,6 +256,7 @@ def _origin(cell: Cell) -> dict[str, Any]:
         "budget": asdict(plan.budget),
         "starts": plan.starts,
         "seed": plan.seed,
+        "tunings": plan.tunings,
         "carried": cell.carried,
         "own": {part.name: [digest(part.own_fmu), repr(part)] for part in plan.own if part.own_fmu},
         "versions": versions(),

@@ -23,7 +23,7 @@ RELATIVE = "relative error"
 DIGITS = 6  # Significant digits of the figures
 ALL = "all"  # The command of a row that is a mean over all commands
 TUNING = {
-    "cost": ("training error", "m/s"),
+    "cost": ("training error", "1"),
     "evaluations": ("evaluations", "1"),
     "seconds": ("motion", "s"),
     "soon": ("motion until tuned", "s"),
@@ -156,7 +156,7 @@ def settings_text(plan: Plan) -> str:
     """Return the options that give the cells of a plan again."""
     budget = plan.budget
     options = {"evaluations": budget.evaluations, "seconds": budget.seconds}
-    options |= {"seeds": plan.starts, "seed": plan.seed}
+    options |= {"seeds": plan.starts, "seed": plan.seed, "tunings": plan.tunings}
     return " ".join(f"--{name} {value:g}" for name, value in options.items())
 
 
@@ -189,8 +189,6 @@ def _rows(arena: Arena, place: tuple[str, str]) -> Iterator[dict[str, Any]]:
                 "worst": float(np.max(values)),
             }
         units = {"phase margin": "rad", "binary size": "B", **dict(TUNING.values())}
-        if arena.plan.entrant(name).positions:
-            units["training error"] = "m"
         found = {**validated["peaks"], **document["footprint"]}
         found |= {metric: document["tuned"][tuned_on][key] for key, (metric, _) in TUNING.items()}
         for metric, value in found.items():

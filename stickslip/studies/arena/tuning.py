@@ -1,13 +1,15 @@
 """Tuning of an entrant on a drive, from its encoder and its motor force.
 
-Every entrant has the same command, the same algorithm and the same budget: so many evaluations, and
-so many seconds of motion of the drive. A candidate whose linear loop has a peak sensitivity above
-the limit is not run.
+Every entrant has the same commands, the same algorithm and the same budget: so many evaluations,
+and so many seconds of motion of the drive. A candidate whose linear loop has a peak sensitivity
+above the limit is not run. The cost is what validation ranks by, on other motions and as the
+encoder shows it: the geometric mean over the kinds of motion of the errors against the command.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,12 +20,13 @@ from stickslip.compensators.entrants import SPEED, Coarse, Entrant, TunedEntrant
 from stickslip.servo.axis import ControlError, Datasheet
 from stickslip.servo.chain_response import ChainResponse, Robustness
 from stickslip.servo.measurement import Array
-from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.servo.velocity_loop import VelocityLoop, position_loop
 from stickslip.studies.arena.budget import Budget
 from stickslip.studies.arena.course import Course
-from stickslip.studies.arena.motion_commands import Training, moves, sweep
+from stickslip.studies.arena.experiments import experiments
+from stickslip.studies.arena.metrics import ERROR, MEASURES, Trace
+from stickslip.studies.arena.motion_commands import LEARNING, TRAINING, Command
 from stickslip.thresholds import offer
-from stickslip.tuning.learning import VelocityCost
 
 SLIDING = 0.5  # Share of the largest speed of the command above which the drive slides
 NEAR = 1.05  # A cost of at most so many times that at the end counts as tuned
@@ -36,9 +39,7 @@ class TuningResult:
     genes: Mapping[str, float]  # values by name; empty where nothing is tuned
     learned: Mapping[str, float]  # parameters that it learned while it ran
     coarse: Coarse  # what the drive showed before
-    # RMS of v - v_r in the counted part of the training command [m/s]; of x - x_cmd [m] where the
-    # entrant controls the position
-    cost: float
+    cost: float  # geometric mean of the errors, relative to those without compensation
     evaluations: int  # candidates that were evaluated
     seconds: float  # of motion of the drive that were used [s]
     soon: float  # seconds of motion after which the cost was within ``NEAR`` of that at the end [s]
@@ -46,18 +47,101 @@ class TuningResult:
     def tuned(self, entrant: Entrant, loop: VelocityLoop, sheet: Datasheet) -> TunedEntrant:
         """Return what it found, to be validated in a loop: nothing is learned any more."""
         tuned = entrant.tuned(self.genes, loop, self.coarse, sheet)
-        return replace(tuned, parameters={**tuned.parameters, **self.learned, **entrant.frozen})
+        return with_learned(tuned, entrant, self.learned)
 
 
-def measure(fmus: Path, loop: VelocityLoop, v_cmd: Array, seed: int) -> Coarse:
-    """Return the friction that a drive shows in one run of a command (n,) [m/s]."""
-    with Course(fmus, loop, entrant("none"), len(v_cmd), ("drive.F_m",)) as course:
+def with_learned(
+    tuned: TunedEntrant, entrant: Entrant, learned: Mapping[str, float]
+) -> TunedEntrant:
+    """Return an entrant with what it learned, that learns no more."""
+    return replace(tuned, parameters={**tuned.parameters, **learned, **entrant.frozen})
+
+
+def measure(
+    fmus: Path, loop: VelocityLoop, seed: int, sheet: Datasheet, commands: Sequence[Command]
+) -> tuple[Coarse, dict[str, float]]:
+    """Return the friction that a drive shows without compensation, and its error by command."""
+    plain = entrant("none")
+    first = commands[0]
+    v_cmd = first.sample(loop.T_s)
+    with Course(fmus, loop, plain, len(v_cmd), ("drive.F_m",)) as course:
         F_m = course.run(TunedEntrant(loop, {}), v_cmd)["drive.F_m"]
     speed = float(np.abs(v_cmd).max())
     moving = np.abs(v_cmd) > SLIDING * speed
     inert = loop.axis.m * np.gradient(v_cmd, loop.T_s) + loop.axis.b * v_cmd
     friction = np.median((np.sign(v_cmd) * (F_m - inert))[moving])
-    return Coarse(max(float(friction), 1e-3 * float(np.abs(F_m).max())), speed, seed)
+    coarse = Coarse(max(float(friction), 1e-3 * float(np.abs(F_m).max())), speed, seed)
+    with Courses(fmus, loop, plain, commands, sheet) as courses:
+        return coarse, courses.errors(TunedEntrant(loop, {}), 0.0)
+
+
+class Courses(ExitStack):
+    """The training motions of an entrant: in the velocity loop, and in a position loop around it.
+
+    Use it in a ``with`` block.
+    """
+
+    def __init__(
+        self,
+        fmus: Path,
+        loop: VelocityLoop,
+        one: Entrant,
+        commands: Sequence[Command],
+        sheet: Datasheet,
+        factor: float = 1.0,  # on the speeds
+    ) -> None:
+        super().__init__()
+        self.one, self.commands, self._step = one, commands, sheet.encoder_step
+        self._sampled = {command.name: command.sample(loop.T_s) for command in commands}
+        teaching = LEARNING.scaled(factor).sample(loop.T_s) if one.learned else np.empty(0)
+        runs = [teaching, *self._sampled.values()]
+        self.duration = sum(map(len, runs)) * loop.T_s
+        base, self._courses = one.base(loop), dict[bool, Course]()
+        for position in (False, True):
+            own = [self._sampled[c.name] for c in commands if c.position == position]
+            around = base if one.positions or not position else position_loop(base)
+            course = Course(fmus, around, one, max(map(len, own)), ("drive.x_enc",))
+            self._courses[position] = self.enter_context(course)
+        self._teaching, self._learning = teaching, None
+        if one.learned:
+            record = cosim.Record(tuple(one.learned.values()), keep="last")
+            course = Course(fmus, base, one, len(teaching), record)
+            self._learning = self.enter_context(course)
+
+    def learned(self, tuned: TunedEntrant) -> dict[str, float]:
+        """Return what an entrant learns while it runs, by the parameters that take it."""
+        if self._learning is None:
+            return {}
+        last = self._learning.run(tuned, self._teaching)
+        return {name: float(last[shown][-1]) for name, shown in self.one.learned.items()}
+
+    def errors(self, tuned: TunedEntrant, noise: float) -> dict[str, float]:
+        """Return the error by command, as the encoder shows it.
+
+        An entrant has learned before, and learns no more. To an error of the velocity adds what
+        noise of the encoder adds to the true one, RMS [m/s]: an observer that makes the drive
+        follow the steps of its encoder seems to track well. What an encoder does not resolve is no
+        error of the position.
+
+        Raises SimulationError when an FMU fails.
+        """
+        found, fixed = dict[str, float](), with_learned(tuned, self.one, self.learned(tuned))
+        around = fixed.loop.changed(K_x=self._courses[True].loop.K_x)
+        outer = fixed if self.one.positions else replace(fixed, loop=around)
+        for command in self.commands:
+            course, v_cmd = self._courses[command.position], self._sampled[command.name]
+            x_enc = np.asarray(
+                course.run(outer if command.position else fixed, v_cmd)["drive.x_enc"][: len(v_cmd)]
+            )
+            trace = Trace.measured(course.loop.T_s, v_cmd, x_enc, self._step)
+            error, _ = MEASURES[command.kind](command, trace)[ERROR]
+            if command.position:
+                error = max(error, self._step / np.sqrt(12.0))
+            else:
+                speeds = [command.relative.get(name, 1.0) for name in command.counted]
+                error = np.hypot(error, noise * np.sqrt(np.mean(np.power(speeds, -2.0))))
+            found[command.name] = float(error)
+        return found
 
 
 def tune(
@@ -74,46 +158,36 @@ def tune(
     Raises NothingLearned when no candidate of the first generation can be run within the limit of
     Ms.
     """
-    factor = speed / SPEED
-    coarse = measure(fmus, loop, sweep(loop.T_s, factor).v_cmd, seed)
-    motion = moves(loop.T_s, factor) if one.positions else sweep(loop.T_s, factor)
-    v_cmd, base = motion.v_cmd, one.base(loop)
+    commands = [command.scaled(speed / SPEED) for command in TRAINING]
+    coarse, plain = measure(fmus, loop, seed, sheet, commands)
+    shown, spent = experiments(fmus, loop, one, sheet, seed)
     problem = one.problem(coarse)
-    variables = one.learned
     with (
         ChainResponse(fmus, loop, one.chain) as response,
-        Course(fmus, base, one, len(v_cmd), ("drive.x_enc", "nominal.v_r")) as course,
+        Courses(fmus, loop, one, commands, sheet, factor=speed / SPEED) as courses,
     ):
-        trial = _Trial(one, loop, course, response, coarse, motion, sheet)
+        trial = _Trial(one, loop, courses, response, coarse, plain, sheet, shown=shown)
         genes: dict[str, float] = {}
         if problem is not None:
-            limits = ga.Limits(evaluations=budget.runs(trial.duration))
+            left = replace(budget, seconds=max(budget.seconds - spent, 0.0))
+            limits = ga.Limits(evaluations=left.runs(courses.duration))
             algorithm = ga.optimiser("default", problem, limits, seed=seed)
             genes = ga.learn(algorithm, trial).parameters
-        tuned = one.tuned(genes, loop, coarse, sheet)
-        robust = trial.robustness(tuned)
-        cost = trial.error(tuned, robust)
-    learned: dict[str, float] = {}
-    if variables:
-        record = cosim.Record(tuple(variables.values()), keep="last")
-        with Course(fmus, base, one, len(v_cmd), record) as course:
-            last = course.run(tuned, v_cmd)
-            learned = {name: float(last[shown][-1]) for name, shown in variables.items()}
-    spent = np.cumsum(np.isfinite(trial.costs)) * trial.duration
+        tuned = trial.tuned_by(genes)
+        cost = trial.error(tuned, trial.robustness(tuned))
+        learned = {**shown, **courses.learned(tuned)}
+    used = spent + np.cumsum(np.isfinite(trial.costs)) * courses.duration
     near = np.array(trial.costs) <= NEAR * min(trial.costs, default=0.0)
-    seconds, soon = (spent[-1], spent[np.argmax(near)]) if len(spent) else (0.0, 0.0)
+    seconds, soon = (used[-1], used[np.argmax(near)]) if len(used) else (spent, spent)
     evaluations = len(trial.costs)
     return TuningResult(genes, learned, coarse, cost, evaluations, float(seconds), float(soon))
 
 
 class _Trial:
-    """The cost of a candidate: RMS of v - v_r [m/s], as measured and by noise.
+    """The cost of a candidate: the geometric mean of its errors over those without compensation.
 
-    Where the entrant controls the position, RMS of x - x_cmd [m] in the rests of small moves.
-
-    An observer that makes the drive follow the steps of its encoder seems to track well, because
-    the encoder shows it so. What the noise of the encoder adds to the true velocity is therefore
-    computed, from the linear loop, and counts as well.
+    The errors are against the command. Against the response of the entrant's own loop a slack loop
+    seems to follow well, because that response lags as well.
     """
 
     fatal = (cosim.CosimError,)
@@ -122,18 +196,18 @@ class _Trial:
         self,
         one: Entrant,
         loop: VelocityLoop,
-        course: Course,
+        courses: Courses,
         response: ChainResponse,
         coarse: Coarse,
-        motion: Training,
+        plain: Mapping[str, float],  # errors without compensation by command
         sheet: Datasheet,
+        *,
+        shown: Mapping[str, float],  # parameters that experiments showed
     ) -> None:
-        self.one, self.loop, self.course, self.response = one, loop, course, response
-        self.coarse, self.motion, self.sheet = coarse, motion, sheet
+        self.one, self.loop, self.courses, self.response = one, loop, courses, response
+        self.coarse, self.plain, self.sheet, self.shown = coarse, plain, sheet, shown
         problem = one.problem(coarse)
         self.names = problem.names if problem else []
-        self.criterion = VelocityCost(loop.T_s)
-        self.duration = len(motion.v_cmd) * loop.T_s
         self.costs: list[float] = []
 
     def __call__(self, values: Array) -> float:
@@ -143,7 +217,7 @@ class _Trial:
         """
         self.costs.append(float("inf"))
         try:
-            tuned = self.tuned(values)
+            tuned = self.tuned_by(dict(zip(self.names, values.tolist(), strict=True)))
             robust = self.robustness(tuned)
         except ControlError as error:
             raise ga.CandidateFailed(str(error)) from error
@@ -158,21 +232,17 @@ class _Trial:
         """Return how robust the linear loop is."""
         return tuned.robustness(self.response, self.coarse.friction)
 
-    def tuned(self, values: Array) -> TunedEntrant:
-        """Return the entrant with the values (k,) of a candidate."""
-        genes = dict(zip(self.names, values.tolist(), strict=True))
-        return self.one.tuned(genes, self.loop, self.coarse, self.sheet)
+    def tuned_by(self, genes: Mapping[str, float]) -> TunedEntrant:
+        """Return the entrant with values of its genes."""
+        tuned = self.one.tuned(genes, self.loop, self.coarse, self.sheet)
+        return replace(tuned, parameters={**tuned.parameters, **self.shown})
 
     def error(self, tuned: TunedEntrant, robust: Robustness) -> float:
-        """Return the error of a run [m/s], or [m]."""
-        v_cmd, counted = self.motion.v_cmd, self.motion.counted
+        """Return the cost of runs; raise CandidateFailed when one fails."""
+        noise = robust.noise * self.sheet.encoder_step / np.sqrt(12.0)
         try:
-            result = self.course.run(tuned, v_cmd)
-        except cosim.SimulationError as error:
+            found = self.courses.errors(tuned, noise)
+        except (cosim.SimulationError, ControlError) as error:
             raise ga.CandidateFailed(str(error)) from error
-        if self.one.positions:
-            gap = result["drive.x_enc"] - tuned.loop.commands(v_cmd)["x_cmd"]
-            return float(np.sqrt(np.mean(gap[counted] ** 2)))
-        square = np.mean(self.criterion.gap(result)[counted] ** 2)
-        noise = robust.noise * self.sheet.encoder_step
-        return float(np.sqrt(square + noise**2 / 12.0))
+        ratios = [error / self.plain[name] for name, error in found.items()]
+        return float(np.exp(np.mean(np.log(ratios))))

@@ -47,6 +47,12 @@ class ValidationResult:
     circle: list[int] = field(default_factory=list)
     reason: str = ""  # why a run failed; its errors are infinite
 
+    def add(self, other: ValidationResult) -> None:
+        """Add the figures of runs with other values."""
+        self.reason = self.reason or other.reason
+        for key, values in other.figures.items():
+            self.figures.setdefault(key, []).extend(values)
+
     def document(self) -> dict[str, Any]:
         """Return it as JSON takes it."""
         rows = [[*key, values] for key, values in self.figures.items()]

@@ -7,6 +7,7 @@ import re
 import shutil
 from base64 import b64decode
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import matplotlib as mpl
@@ -40,10 +41,10 @@ from stickslip.studies.arena.comparison import arena as arena_of
 from stickslip.studies.arena.course import Course
 from stickslip.studies.arena.drive_names import drive_names
 from stickslip.studies.arena.drives import default_drives, learned_drive, read_drives
-from stickslip.studies.arena.motion_commands import COMMANDS, moves, sweep
+from stickslip.studies.arena.motion_commands import COMMANDS, TRAINING
 from stickslip.studies.arena.protocol import Plan, build, run_arena
 from stickslip.studies.arena.table import ALL, COLUMNS, RELATIVE, arena_table, relative_errors
-from stickslip.studies.arena.tuning import Budget, tune
+from stickslip.studies.arena.tuning import Budget, Courses, tune
 from stickslip.studies.arena.validation import WORST, validate, validate_changed
 from stickslip.studies.arena.writing import write_arena
 from stickslip.work.jobs import Execution
@@ -51,6 +52,7 @@ from stickslip.work.jobs import Execution
 SMALL = Budget(12, 1000.0)
 KEPT = ("state", "memory")
 NAMES = ("none", "pi", "static", "lugre", "lugre_network", "static+ekbf")
+EXPERIMENTS = ("lugre_identified", "lugre_fitted")
 
 
 def drives(*names):
@@ -60,7 +62,7 @@ def drives(*names):
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fmus")
-    build(folder, Plan(drives("lugre"), NAMES))
+    build(folder, Plan(drives("lugre"), (*NAMES, *EXPERIMENTS)))
     return folder / "lugre"
 
 
@@ -85,6 +87,10 @@ def error(built, loop, name, values, command="T"):
     return np.median(next(runs for key, runs in found.items() if key[1] == "error"))
 
 
+def seconds_of(commands, loop):
+    return sum(len(command.sample(loop.T_s)) for command in commands) * loop.T_s
+
+
 def test_every_law_and_every_compensator_competes_without_being_named():
     parts = registry.parts()
     assert {*models.law_names()} <= {*parts}
@@ -95,7 +101,9 @@ def test_every_law_and_every_compensator_competes_without_being_named():
     assert {drive.law for drive in default_drives()} == {*models.law_names()}
     for name in default_names():
         problem = entrant(name).problem(Coarse(6.0, 0.04))
-        assert (problem is None) == (name == "none")
+        assert (problem is None) == (name in ("none", *EXPERIMENTS))
+        if not any(part.controller for part in entrant(name).parts) and name != "none":
+            assert f"pi+{name}" in default_names()
 
 
 def test_a_compensator_without_an_entry_enters_with_the_parameters_of_its_model(monkeypatch):
@@ -163,11 +171,10 @@ def test_composite_feedback_is_as_robust_as_its_worst_linear_loop(built, loop):
         assert found.peak == pytest.approx(expected, rel=0.05)
 
 
-def test_composite_feedback_is_tuned_on_small_moves_and_damps_them(built, loop):
+def test_composite_feedback_damps_small_moves(built, loop):
     one, sheet = entrant("cnf"), Datasheet()
     found = tune(built, loop, one, SMALL, 0, sheet)
-    duration = len(moves(loop.T_s).v_cmd) * loop.T_s
-    assert found.seconds <= found.evaluations * duration
+    assert found.seconds <= found.evaluations * seconds_of(TRAINING, loop)
     tuned = found.tuned(one, loop, sheet)
     chosen = [COMMANDS["M"]]
     damped, plain = (
@@ -219,7 +226,7 @@ def test_exact_feedforward_on_its_own_law_wins_over_none(built, loop):
 
 def test_tuning_comes_near_the_exact_feedforward(built, loop):
     """Within seconds of motion that allow 12 evaluations."""
-    one, sheet, duration = entrant("static"), Datasheet(), len(sweep(loop.T_s).v_cmd) * loop.T_s
+    one, sheet, duration = entrant("static"), Datasheet(), seconds_of(TRAINING, loop)
     found = tune(built, loop, one, Budget(100, 12 * duration), 0, sheet)
     assert 0 < found.evaluations <= 12
     assert found.seconds == pytest.approx(found.evaluations * duration)
@@ -227,6 +234,39 @@ def test_tuning_comes_near_the_exact_feedforward(built, loop):
     assert found.coarse.friction == pytest.approx(PAPER["F_c"], rel=0.05)
     tuned = found.tuned(one, loop, sheet)
     assert error(built, loop, "static", tuned.parameters) < 0.3 * error(built, loop, "none", {})
+
+
+def test_what_training_ranks_first_validation_ranks_first(built, loop):
+    one, law = entrant("pi+lugre"), models.load_law("lugre")
+    friction = {name: PAPER[name] for name in law.parameters if name in PAPER}
+    ranked_by = [command for command in COMMANDS.values() if command.ranked]
+    trained, validated = [], []
+    with Courses(built, loop, one, TRAINING, Datasheet()) as courses:
+        for gain, share in product((0.3, 1.0), (0.1, 0.6, 1.0)):
+            gains = loop.changed(K_p=gain * loop.K_p, K_i=gain * loop.K_i)
+            values = {f"lugre.{n}": x for n, x in law.share(friction, share).items()}
+            tuned = TunedEntrant(gains, values)
+            errors = [*courses.errors(tuned, 0.0).values()]
+            assert len(errors) == len(ranked_by)
+            trained.append(np.mean(np.log(errors)))
+            found = validate(built, loop, one, tuned, ranked_by, 1).figures
+            errors = [value for (_, name, _), (value,) in found.items() if name == "error"]
+            validated.append(np.mean(np.log(errors)))
+    assert np.argsort(trained).tolist() == np.argsort(validated).tolist()
+    assert np.corrcoef(trained, validated)[0, 1] > 0.95
+
+
+def test_experiments_show_a_drive_its_friction(built, loop):
+    found = {name: tune(built, loop, entrant(name), SMALL, 0, Datasheet()) for name in EXPERIMENTS}
+    errors = {}
+    for name, one in found.items():
+        assert one.evaluations == 0
+        assert one.learned[f"{name}.F_c"] == pytest.approx(PAPER["F_c"], rel=0.05)
+        values = one.tuned(entrant(name), loop, Datasheet()).parameters
+        errors[name] = error(built, loop, name, values)
+        assert errors[name] < 0.3 * error(built, loop, "none", {})
+    assert found["lugre_fitted"].seconds > found["lugre_identified"].seconds > 100.0
+    assert errors["lugre_fitted"] < 1.1 * errors["lugre_identified"]
 
 
 def test_what_learns_is_validated_with_what_it_learned_and_learns_no_more(built, loop):
@@ -469,7 +509,7 @@ def test_the_winner_of_a_drive_is_exported_with_what_it_was_tuned_to(arena):
             assert (folder / "winners" / drive.name / f"{name}.c").exists()
 
 
-def test_a_compensator_of_the_user_competes_like_the_others(tmp_path):
+def test_a_compensator_of_the_user_competes_like_the_others(tmp_path, monkeypatch):
     models.build_fmu("static_feedforward", tmp_path, called="mine")
     ports = tmp_path / "ports.toml"
     ports.write_text(
@@ -484,6 +524,18 @@ def test_a_compensator_of_the_user_competes_like_the_others(tmp_path):
     errors = table[(table["metric"] == "error") & (table["command"] == "T")]
     none, mine, both = errors.set_index("compensator")["median"][["none", "mine", "mine+ekbf"]]
     assert mine < 0.3 * none
+    seeded = replace(plan, entrants=["mine"], starts=4, tunings=2)
+    monkeypatch.setattr(protocol, "content", lambda: {"scattered": ["mine"]})
+    (cell,) = run_arena(seeded, tmp_path / "seeds", Execution()).documents.values()
+    alone = run_arena(replace(seeded, tunings=1), tmp_path / "one", Execution()).documents
+    runs, single = (
+        next(values for command, metric, _, values in one["validated"]["lugre"]["values"]
+             if (command, metric) == ("T", "error"))
+        for one in (cell, *alone.values())
+    )  # fmt: skip
+    assert len(runs) == len(single) == 4
+    assert runs != single
+    assert cell["tuned"]["lugre"]["cost"] <= alone["lugre", "mine"]["tuned"]["lugre"]["cost"]
     assert both < 0.5 * none
 
 
