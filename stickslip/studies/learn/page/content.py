@@ -32,7 +32,7 @@ from stickslip.studies.learn.page.signals import (
     steady_name,
 )
 from stickslip.studies.learn.page.stretches import stretches
-from stickslip.thresholds import harm, offer
+from stickslip.thresholds import control_match, harm, offer
 from stickslip.trial.candidates import CompensatorComparison
 
 ERRORS = {
@@ -145,7 +145,12 @@ def use(estimation: Estimation, beside: Collection[str], *, forced: bool = False
     known = estimation.known.items()
     vague = [name for name, one in known if one.identifiability != IDENTIFIABLE]
     title = "Using the result"
-    return _section(title, "use", estimation, files=files, exports=exports, vague=vague)
+    check, blocks = estimation.controller, {"compensator.fmu", "observer.fmu"} & {*beside}
+    known_loop = check is not None and check.error <= control_match.EXACT
+    tunes = known_loop and bool(blocks) and "learned.json" in beside
+    return _section(
+        title, "use", estimation, files=files, exports=exports, vague=vague, tunes=tunes
+    )
 
 
 def criterion(estimation: Estimation) -> Section:

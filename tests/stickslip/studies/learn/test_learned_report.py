@@ -28,6 +28,7 @@ from stickslip.studies.learn import tables
 from stickslip.studies.learn.command import print_estimation
 from stickslip.studies.learn.document import recording_document
 from stickslip.studies.learn.page import FIGURES, sections, write_estimation_report
+from stickslip.studies.learn.page.content import use
 
 pytestmark = pytest.mark.slow
 
@@ -241,6 +242,18 @@ def test_a_further_column_is_on_terminal_page_and_in_files(tmp_path, monkeypatch
     assert "XF_c" in words(tmp_path)
     assert pd.read_csv(tmp_path / "parameters.csv").set_index("parameter")["drive"]["F_c"] == "XF_c"
     assert document["parameters"]["F_c"]["drive"] == "XF_c"
+
+
+@pytest.mark.parametrize(("error", "beside", "offered"), [
+    (6e-4, ("learned.json", "compensator.fmu"), True),
+    (0.9, ("learned.json", "compensator.fmu"), False),
+    (6e-4, ("learned.json",), False),
+])  # fmt: skip
+def test_tuning_is_offered_where_the_loop_is_known_and_something_is_written(error, beside, offered):
+    estimation = made(n=2000)
+    known = replace(estimation, controller=replace(estimation.controller, error=error))
+    page = str(use(known, beside).markup({}))
+    assert ("stickslip tune learned.json" in page) == offered
 
 
 def test_a_thinned_signal_keeps_its_extremes_and_its_order():
