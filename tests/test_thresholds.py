@@ -195,7 +195,7 @@ def is_at_rest(swing, reversals):
 def chosen(mean):
     """Return which is recommended: static feedforward, or what leaves ``mean`` times its error."""
     rows = [
-        Row(name, k, 1.5, namespace(mean_ratio=error, acceptable=True))
+        Row(name, k, 1.5, namespace(mean_ratio=error, acceptable=True, worst_ratio=1.0))
         for k, (name, error) in enumerate({"static": 0.5, "observer": 0.5 * mean}.items())
     ]
     return CompensatorComparison(tuple(rows)).chosen.name

@@ -119,6 +119,7 @@ MOVES = {MICRO: (4.0, 10.0, 0.01), "short moves": (60.0, 100.0, 0.1)}
 most as a share of the travel."""
 PRESLIDING = ("sigma_0", "sigma_1")  # what does not follow the level of friction, in a drawn drive
 LENGTHS = 4  # deflections of drives whose law has none
+LONGEST = 3.0  # the largest of them, over that which an encoder shows
 BEYOND = (0.5, 2.0)  # levels of friction that decide nothing, and are shown beside the others
 UNEVEN = 0.1  # share by which friction differs by direction, and along the guide
 PERIOD = 0.4  # length of its variation along the guide, as a share of the travel
@@ -248,7 +249,7 @@ def onsets(
     taken, *drawn = [bent[one.name] for one in own if "sigma_0" in one.parameters] or [(0.0,)]
     if min((one[0] for one in drawn), default=taken[0]) >= harm.RESOLVED * encoder_step:
         return ()
-    fit = max((drawn or [taken])[0]) or max(map(max, bent.values()))
+    fit = max((drawn or [taken])[0]) or harm.RESOLVED * encoder_step
     fit = max(fit, harm.HIDDEN * encoder_step)
     return tuple(
         harm.ONSET * min(times * fit, share * travel(command)) for times, _, share in MOVES.values()
@@ -265,16 +266,13 @@ def deflections(
 ) -> dict[str, tuple[float, ...]]:
     """Return presliding deflections [m] at the friction of the log, by name of the drive.
 
-    One of few encoder steps may be somewhat longer or shorter. Drives of a law without presliding
-    have several, from that of the first drive with another law, or a typical one, which is not so
-    large that an encoder shows it, to a short one.
+    One of few encoder steps may be somewhat longer or shorter. A drive of a law without presliding
+    has several, of which an encoder shows at most the longest.
     """
-    shown = [one for one in drives if "sigma_0" in one.parameters]
-    longest = deflection(shown[0].parameters if shown else {}, command)
-    if encoder_step and not shown:
-        longest = min(longest, harm.RESOLVED * encoder_step)
-    shortest = min(harm.HIDDEN * encoder_step, longest) or longest
-    several = tuple(np.geomspace(longest, shortest, LENGTHS).tolist())
+    several: tuple[float, ...] = (deflection({}, command),)
+    if encoder_step:
+        ends = harm.HIDDEN * encoder_step, LONGEST * harm.RESOLVED * encoder_step
+        several = tuple(np.geomspace(*ends, LENGTHS).tolist())
     level = {one.name.partition(" x ")[0]: one.parameters for one in reversed(drives)}
     found = {}
     for one in drives:

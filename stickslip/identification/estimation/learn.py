@@ -119,7 +119,10 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
             start = replace(start, space=start.space.level())
         inverse = model.over(start.narrow(start.space, start.sliding | start.rise))
         progress.stage("searching")
-        found, searches = _search(task, inverse, start, lambda one: progress.generation(one, scale))
+        compared = task.choice and {**start.line, **scale.values(task.choice.chosen.parameters)}
+        found, searches = _search(
+            task, inverse, start, lambda one: progress.generation(one, scale), compared=compared
+        )
         corrected = None
         if criterion == OutputError.name and task.gains is not None:
             progress.stage("fitting the known loop")
@@ -220,7 +223,11 @@ def _not_explained(corrected: UnbiasedFit, start: Start) -> str:
 
 
 def _search(
-    task: Task, inverse: InverseModel, start: Start, on_generation: Callable[[ga.Optimiser], object]
+    task: Task,
+    inverse: InverseModel,
+    start: Start,
+    on_generation: Callable[[ga.Optimiser], object],
+    compared: Values | None,  # the fit of the law when it was compared with others
 ) -> tuple[Fit, Searches]:
     """Search with each seed, finish each locally, and return the best with a table of all."""
     fits, algorithms, rows = [], [], []
@@ -229,7 +236,7 @@ def _search(
         own = replace(how, execution=how.execution.of_seed(seed, seeds))
         algorithm = search(inverse, start, seed, own, on_generation=on_generation)
         values = solve_linear(inverse, start, algorithm.best.values)
-        found = best_fit(inverse, start, values)
+        found = best_fit(inverse, start, values, compared)
         found = found if start.rise else without_stribeck(inverse, found)
         # Coarse encoder steps, and slips shorter than the low-pass, bias the curve more than its
         # exponent does.

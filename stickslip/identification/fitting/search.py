@@ -100,8 +100,12 @@ WIDER = 1.5  # ratio of v_s with the exponent 2 to that with 1, for the same fri
 AMBIGUITY = 0.6  # standard error, as share of the distance of two fits, where neither is better
 
 
-def best_fit(inverse: InverseModel, start: Start, values: Values) -> Fit:
+def best_fit(
+    inverse: InverseModel, start: Start, values: Values, compared: Values | None = None
+) -> Fit:
     """Fit from the result of a search, from a typical Stribeck curve there, and from the line.
+
+    ``compared`` is a fit of the same law, from which it begins where there is one.
 
     A search ends now and then in a local minimum: of a curve that falls over the whole range
     of speeds, compensated by viscous friction; or, where the drive rests for long, of bristles
@@ -111,7 +115,8 @@ def best_fit(inverse: InverseModel, start: Start, values: Values) -> Fit:
     usual = {**values, **{name: start.line[name] for name in known if name in start.line}}
     if "v_s" in usual:
         usual["v_s"] *= STEEPER
-    starts = [inverse.space.encode(at) for at in (values, start.line, usual)]
+    every = (compared, values, start.line, usual)
+    starts = [inverse.space.encode(at) for at in every if at is not None]
     return fit(inverse, steps(starts))
 
 
