@@ -17,6 +17,7 @@ from stickslip.models.export.package import (
     load_law,
     load_model,
     model_names,
+    model_of,
 )
 from stickslip.models.export.sources import FmiVersion
 from stickslip.models.lti.package import export_lti
@@ -43,5 +44,6 @@ __all__ = [
     "load_law",
     "load_model",
     "model_names",
+    "model_of",
     "read_lti",
 ]

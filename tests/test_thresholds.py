@@ -745,6 +745,7 @@ def is_within(chatter=0.0, peak=0.0):
     bench = namespace(datasheet=Datasheet(peak_force=1.0))
     cost = namespace(sensitivity=lambda _: 1.0, forces=lambda _: (chatter, peak), bench=bench)
     cost.F_c, cost._own = 1.0, (0.01, 0.1)
+    cost._too_much = lambda forces: FamilyCost._too_much(cost, forces)
     return FamilyCost.excess(cost, None) <= 1.0
 
 

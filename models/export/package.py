@@ -2,6 +2,7 @@
 
 import hashlib
 import re
+import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache
@@ -178,6 +179,27 @@ def pack_fmu(
         lambda library: toolchain.patched(library, marker, start),
     )
     return atomic_write(Path(folder) / f"{model.name}.fmu", zipped(members))
+
+
+def model_of(fmu: Path) -> Model | None:
+    """Return the model that an FMU was made of, without its start values; None for no such one.
+
+    Its sources tell: they are those of the model.
+    """
+    with zipfile.ZipFile(fmu) as archive:
+        own = {
+            path: archive.read(path) for path in archive.namelist() if path.startswith("sources")
+        }
+    names = [match[1] for path in own if (match := re.match(r"sources/laws/(\w+)/law\.c", path))]
+    for name, folder in _folders().items():
+        if own.get("sources/model.c") != (folder / "model.c").read_bytes():
+            continue
+        model = load_model(name, names[0] if names else None)
+        for version in get_args(sources.FmiVersion):
+            files = sources.c_files(model, version).items()
+            if all(own.get(f"sources/{path}") == content.encode() for path, content in files):
+                return model
+    return None
 
 
 def blank_library(model: Model, fmi: sources.FmiVersion, platform: toolchain.Platform) -> Path:

@@ -96,7 +96,7 @@ class Program:
         # name -> parameters of the sizes that arguments have -> function
         self.variants: dict[str, dict[tuple[Variable, ...], Function]] = {}
         code = "\n".join([variables_header(model), *(found[name] for name in order)])
-        for node in _parsed(code).ext:
+        for node in parsed(code).ext:
             match node:
                 case c_ast.Typedef(type=c_ast.TypeDecl(type=c_ast.Struct(decls=members))):
                     if node.name in (*ROLES, *order):
@@ -189,7 +189,7 @@ class Program:
         return known.setdefault(wanted, replace(function, name=own, parameters=wanted))
 
 
-def _parsed(text: str) -> c_ast.FileAST:
+def parsed(text: str) -> c_ast.FileAST:
     """Return the tree of C; macros of one argument are replaced by what they stand for."""
     text = without_comments(text).replace("\\\n", " ")
     macros = _MACRO.findall(text)

@@ -80,16 +80,15 @@ bool motion_step(double h, Motion *motion, LawState *state, const Mass *mass, co
         return false;
     const int count = h > SUBSTEP ? (int)(h / SUBSTEP + 1.0 - 1e-6) : 1;
     const double step = h / count;
-    Law rough;
-    const Law *here = mass->roughness ? &rough : law;
+    Law here = *law;
     Trend trend = {0.0, 2.0 / (step * mass->per_m) + mass->b};
     for (int n = 0; n < count; n++) {
         const double middle = motion->x + 0.5 * step * motion->v;
-        const double u = mass->u + (mass->ripple ? mass->ripple(middle, mass->context) : 0.0);
-        if (mass->roughness)
-            rough = law_scaled(law, mass->roughness(middle, motion->v, mass->context));
+        const double u = mass->u + (mass->ripples ? plant_ripple(middle, mass) : 0.0);
+        if (mass->rough)
+            here = law_scaled(law, plant_roughness(middle, motion->v, mass));
         const LawState begin = *state;
-        const Substep s = {step, motion->v, u, mass->per_m, mass->b, &begin, here};
+        const Substep s = {step, motion->v, u, mass->per_m, mass->b, &begin, &here};
         double w;
         if (!solve(&s, &trend, &w, state))
             return false;

@@ -19,12 +19,16 @@ typedef struct {
     double per_m; /* [1/kg]  1 / mass */
     double b;     /* [N s/m] viscous friction */
     double u;     /* [N]     driving force */
-    /* Further driving force [N] near position x; NULL: none. */
-    double (*ripple)(double x, const void *context);
-    /* Factor on the friction near x in the direction of v; NULL: 1. */
-    double (*roughness)(double x, double v, const void *context);
-    const void *context;
+    double level; /* [1]     factor on the friction everywhere, where the guide is rough */
+    bool ripples; /* whether plant_ripple adds to the driving force */
+    bool rough;   /* whether plant_roughness scales the friction */
+    const Parameters *p;
 } Mass;
+
+/* Of the plant: further driving force [N] near position x, and factor on the friction near x in the
+ * direction of v. */
+double plant_ripple(double x, const Mass *mass);
+double plant_roughness(double x, double v, const Mass *mass);
 
 /* Advance by h seconds. *dt [s] holds the sub-step between calls; 0 lets the method choose.
  * Returns false when the result would not be finite or the step would take minutes. */

@@ -68,17 +68,7 @@ class Axis:
         """
         import control  # late, for those who start quickly
 
-        A = np.array([[0, 0, 0], [1 / self.m, -self.b / self.m, 0], [0, 1, 0]])
-        B = np.array([[0], [1 / self.m], [0]])
-        if self.tau_i > 0.0:
-            A[0, 0], B[0, 0] = -1 / self.tau_i, 1 / self.tau_i
-            B[1, 0] = 0.0
-        else:
-            A[1, 0] = 0.0
-        sampled = control.sample_system(control.ss(A, B, np.eye(3), 0), T_s, method="zoh")
-        A, B = np.array(sampled.A), np.array(sampled.B)
-        if self.tau_i == 0.0:
-            A[0, 0], B[0, 0] = 0.0, 1.0
+        A, B = _sampled(self, T_s)
         return control.ss(A, B, np.eye(3), 0, T_s, inputs="u", outputs=["F", "v", "x"])
 
     def period(self, T_s: float) -> tuple[Array, Array, Array]:
@@ -195,3 +185,23 @@ class Datasheet:
 
 LOOP = LoopSpecification(bandwidth=125.0, phase_margin=50.0, T_s=5e-4, tau_f=5e-4)
 """The velocity loop. How it was calibrated to Table 4: docs/decisions/0003-calibration.md."""
+
+
+@lru_cache
+def _sampled(axis: Axis, T_s: float) -> tuple[Array, Array]:
+    """Return the matrices of ``Axis.sampled``, which a search of gains needs again and again."""
+    import control
+
+    m, b = axis.m, axis.b
+    A = np.array([[0, 0, 0], [1 / m, -b / m, 0], [0, 1, 0]])
+    B = np.array([[0], [1 / m], [0]])
+    if axis.tau_i > 0.0:
+        A[0, 0], B[0, 0] = -1 / axis.tau_i, 1 / axis.tau_i
+        B[1, 0] = 0.0
+    else:
+        A[1, 0] = 0.0
+    sampled = control.sample_system(control.ss(A, B, np.eye(3), 0), T_s, method="zoh")
+    A, B = np.array(sampled.A), np.array(sampled.B)
+    if axis.tau_i == 0.0:
+        A[0, 0], B[0, 0] = 0.0, 1.0
+    return A, B

@@ -12,7 +12,8 @@ does not depend on the observer, and the second is 1 - Q times it where d_hat = 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import Any
 
 import control
 import numpy as np
@@ -71,15 +72,12 @@ class OpenLoop:
 
     def __init__(self, loop: VelocityLoop, m: float | None = None, f: Array | None = None) -> None:
         self.loop, self.T_s, self.m = loop, loop.T_s, m or loop.axis.m
-        axis = replace(loop.axis, m=self.m)
-        self.plant = _displacement_and_force(axis, self.T_s)
         if f is None:
             f = np.geomspace(LOWEST / self.T_s, 0.5 / self.T_s, FREQUENCIES)
         self.f = f
-        self.z = np.exp(2j * np.pi * self.f * self.T_s)
-        self._moved, self._force = respond(self.plant, self.z)[:, :, 0].T
-        unlagged = _displacement_and_force(Axis(axis.m, axis.b), self.T_s)
-        self._pushed = respond(unlagged, self.z)[:, 0, 0]
+        axis = replace(loop.axis, m=self.m)
+        self.plant, self.z, *responses = _plant(axis, self.T_s, f.tobytes())
+        self._moved, self._force, self._pushed = responses
 
     @cached_property
     def _controller(self) -> tuple[control.StateSpace, control.StateSpace]:
@@ -176,3 +174,13 @@ def _displacement_and_force(axis: Axis, T_s: float) -> control.StateSpace:
     A = np.array(sampled.A)
     A[-1, -1] = 0.0  # the displacement in one period, so that no state drifts
     return control.ss(A, sampled.B, np.eye(3)[[2, 0]], 0, T_s)
+
+
+@lru_cache
+def _plant(axis: Axis, T_s: float, f: bytes) -> tuple[Any, ...]:
+    """Return the axis, the points z, and the responses to u and to a force at frequencies [Hz]."""
+    plant = _displacement_and_force(axis, T_s)
+    z = np.exp(2j * np.pi * np.frombuffer(f) * T_s)
+    moved, force = respond(plant, z)[:, :, 0].T
+    unlagged = _displacement_and_force(Axis(axis.m, axis.b), T_s)
+    return plant, z, moved, force, respond(unlagged, z)[:, 0, 0]

@@ -46,19 +46,18 @@ bool motion_step(double h, Motion *motion, LawState *state, const Mass *mass, co
         return false;
     const int count = h > SUBSTEP ? (int)(h / SUBSTEP + 1.0 - 1e-6) : 1;
     const double step = h / count;
-    Law rough;
-    const Law *here = mass->roughness ? &rough : law;
+    Law here = *law;
     for (int n = 0; n < count; n++) {
         const double middle = motion->x + 0.5 * step * motion->v;
-        const double u = mass->u + (mass->ripple ? mass->ripple(middle, mass->context) : 0.0);
+        const double u = mass->u + (mass->ripples ? plant_ripple(middle, mass) : 0.0);
         const double direction = motion->v != 0.0 ? motion->v : u;
-        if (mass->roughness)
-            rough = law_scaled(law, mass->roughness(middle, direction, mass->context));
+        if (mass->rough)
+            here = law_scaled(law, plant_roughness(middle, direction, mass));
         double left = step;
         if (motion->v != 0.0)
-            left = slide(step, motion, u, mass, here);
+            left = slide(step, motion, u, mass, &here);
         if (left > 0.0)
-            stand(left, motion, state, u, mass, here);
+            stand(left, motion, state, u, mass, &here);
         if (motion->v != 0.0)
             state->F_h = 0.0;
     }

@@ -118,8 +118,8 @@ bool motion_step(double h, Motion *motion, LawState *state, const Mass *mass, co
         const bool last = t + trial * 1.000001 >= h;
         const double step = last ? h - t : trial;
         const double middle = now.x + 0.5 * step * now.v;
-        const double u = mass->u + (mass->ripple ? mass->ripple(middle, mass->context) : 0.0);
-        const double scale = mass->roughness ? mass->roughness(middle, now.v, mass->context) : 1.0;
+        const double u = mass->u + (mass->ripples ? plant_ripple(middle, mass) : 0.0);
+        const double scale = mass->rough ? plant_roughness(middle, now.v, mass) : 1.0;
         Sliding next;
         const double error = try_step(step, &now, u, scale, mass, &contact, &next);
         if (error != error || n == MAX_SUBSTEPS)

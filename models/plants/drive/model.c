@@ -8,12 +8,6 @@
 
 static const double TWO_PI = 6.283185307179586;
 
-/* What the friction and the ripple of a step depend on. */
-typedef struct {
-    const Parameters *p;
-    double level; /* [1] factor on the friction everywhere */
-} Guide;
-
 /* Factor by which friction has fallen at time t as the guide gets warm, and risen with its load. */
 static double level(double t, const Parameters *p) {
     const double cold = elementary_exp(t > 0.0 ? -t / p->drift_time : 0.0);
@@ -21,16 +15,14 @@ static double level(double t, const Parameters *p) {
     return (1.0 - p->drift * (1.0 - cold)) * (1.0 + p->mu * load / p->F_c);
 }
 
-/* Factor on the friction near x in the direction of v. */
-static double roughness(double x, double v, const void *context) {
-    const Guide *guide = context;
-    const Parameters *p = guide->p;
+double plant_roughness(double x, double v, const Mass *mass) {
+    const Parameters *p = mass->p;
     double factor = 1.0;
     if (p->asymmetric != 0.0)
         factor += v < 0.0 ? -p->asymmetry : p->asymmetry;
     if (p->position_dependent != 0.0)
         factor *= 1.0 + p->position_amplitude * elementary_sin(TWO_PI * x / p->position_period);
-    return factor * guide->level;
+    return factor * mass->level;
 }
 
 static bool is_rough(const Parameters *p) {
@@ -38,8 +30,8 @@ static bool is_rough(const Parameters *p) {
            p->load != 0.0;
 }
 
-static double ripple(double x, const void *context) {
-    const Parameters *p = ((const Guide *)context)->p;
+double plant_ripple(double x, const Mass *mass) {
+    const Parameters *p = mass->p;
     return p->ripple_amplitude * elementary_sin(TWO_PI * x / p->ripple_period);
 }
 
@@ -57,13 +49,13 @@ void model_start(double t, States *x, Memory *w, const Inputs *u, const Paramete
 }
 
 bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
-    const Guide guide = {p, level(t + 0.5 * h, p)};
     Mass mass = {
         .per_m = 1.0 / p->m,
         .b = p->b,
-        .ripple = p->ripple != 0.0 ? ripple : NULL,
-        .roughness = is_rough(p) ? roughness : NULL,
-        .context = &guide,
+        .level = level(t + 0.5 * h, p),
+        .ripples = p->ripple != 0.0,
+        .rough = is_rough(p),
+        .p = p,
     };
     Motion motion = {x->x, x->v};
     const double target = amplified(u->u, p);
@@ -97,8 +89,8 @@ void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, 
     y->x_enc = x->x + p->sde * elementary_sin(TWO_PI * x->x / p->sde_period);
     y->F_m = w->F_motor;
     if (is_rough(p)) {
-        const Guide guide = {p, level(t, p)};
-        const Law here = law_scaled(p, roughness(x->x, x->v, &guide));
+        const Mass guide = {.level = level(t, p), .p = p};
+        const Law here = law_scaled(p, plant_roughness(x->x, x->v, &guide));
         y->F_f = law_force(x->v, x, &here);
     } else {
         y->F_f = law_force(x->v, x, p);

@@ -4,12 +4,17 @@
 
 #include "plants/motion.h"
 
+/* The guide is even. */
+double plant_ripple(double x, const Mass *mass) { return 0.0; }
+
+double plant_roughness(double x, double v, const Mass *mass) { return 1.0; }
+
 void model_start(double t, States *x, Memory *w, const Inputs *u, const Parameters *p) {
     w->dt = 0.0;
 }
 
 bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
-    const Mass mass = {.per_m = 1.0 / p->m, .b = p->b, .u = u->u};
+    const Mass mass = {.per_m = 1.0 / p->m, .b = p->b, .u = u->u, .p = p};
     Motion motion = {x->x, x->v};
     if (!motion_step(h, &motion, x, &mass, p, &w->dt))
         return false;

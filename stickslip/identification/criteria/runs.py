@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Self, TypeVar
@@ -13,6 +13,7 @@ import numpy as np
 from stickslip import cosim, models
 from stickslip.cosim.signals.signals import Input
 from stickslip.fmi.process import Threads, temporary_folder
+from stickslip.servo.lanes import Lanes, Run, lanes_of
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import loop_fit
 
@@ -51,6 +52,7 @@ RECENT = 12  # number of runs whose results a criterion keeps: those of one Jaco
 
 T = TypeVar("T")
 R = TypeVar("R")
+Outcome = cosim.Result | cosim.SimulationError  # of a run
 
 
 class Runs(Closing):
@@ -62,6 +64,7 @@ class Runs(Closing):
     def __init__(self, specification: cosim.Specification, workers: int = 1) -> None:
         self._specification = specification
         self._threads = Threads(workers) if workers > 1 else None
+        self._lanes: Lanes | None = None
         self._all = [specification.prepare()]
         self._idle = self._all.copy()
 
@@ -81,6 +84,22 @@ class Runs(Closing):
             return simulation.run(parameters, inputs, until=until)
         finally:
             self._idle.append(simulation)
+
+    def batch(self, runs: Sequence[Run]) -> list[Outcome]:
+        """Run in lanes where that is possible; return the results of ``run``, or what it raises."""
+        if self._lanes is None:
+            self._lanes = lanes_of(self._specification)
+        found = self._lanes.run(runs, self.each) if self._lanes else [None] * len(runs)
+        missing = [k for k, one in enumerate(found) if one is None]
+        tried = zip(missing, self.each(self._tried, [runs[k] for k in missing]), strict=True)
+        left = dict(tried)
+        return [left[k] if one is None else one for k, one in enumerate(found)]
+
+    def _tried(self, run: Run) -> Outcome:
+        try:
+            return self.run(*run)
+        except cosim.SimulationError as error:
+            return error
 
     def each(self, function: Callable[[T], R], items: Iterable[T]) -> list[R]:
         """Apply a function that runs this system to every item, several at a time."""
@@ -111,3 +130,13 @@ def require_bounded(v: Array, speed: float) -> None:
             "largest commanded one; expected a loop that is stable with these gains; check their "
             "units and signs, the delay and the mass"
         )
+
+
+def bounded(outcome: Outcome, name: str, speed: float) -> Outcome:
+    """Return the outcome of a run, Diverged where its velocity has run away."""
+    try:
+        if not isinstance(outcome, cosim.SimulationError):
+            require_bounded(outcome[name], speed)
+    except Diverged as error:
+        return error
+    return outcome

@@ -10,16 +10,17 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 
 import numpy as np
 
 from stickslip import cosim, ga
-from stickslip.identification.criteria.runs import Runs, require_bounded
+from stickslip.identification.criteria.runs import Outcome, Runs, bounded, require_bounded
 from stickslip.output import steps
 from stickslip.servo.axis import ControlError
 from stickslip.servo.chain_response import ChainResponse, frequencies
+from stickslip.servo.lanes import Run
 from stickslip.servo.measurement import Array
 from stickslip.servo.sensitivity import OpenLoop
 from stickslip.servo.systems import build_loop
@@ -88,10 +89,7 @@ class FamilyCost(ExitStack):
 
         Each is the largest of all motions.
         """
-        first = [cell for cell in self.cells if cell[0] is self.bench.drives[0]]
-        found = [self._run(one, cell)["drive.F_m"] for cell in first]
-        chatter = max(float(np.std(np.diff(force))) for force in found)
-        return chatter, max(float(np.abs(force).max()) for force in found)
+        return _forces([self._run(one, cell) for cell in self.cells if self._is_first(cell)])
 
     def excess(self, one: DriveLoop) -> float:
         """Return peak sensitivity, chatter or force over its limit, whichever is the largest.
@@ -103,12 +101,9 @@ class FamilyCost(ExitStack):
         if Ms > 1.0:
             return Ms
         try:
-            chatter, peak = self.forces(one)
+            return max(Ms, self._too_much(self.forces(one)))
         except cosim.SimulationError:
             return math.inf
-        limits = kept.CHATTER * self.F_c, kept.FORCE * self.bench.datasheet.peak_force
-        own = self._own[0] / QUIET, self._own[1]
-        return max(Ms, chatter / max(limits[0], own[0]), peak / max(limits[1], own[1]))
 
     def rows(self, one: DriveLoop) -> Rows:
         """Return the errors of a loop and of the present one, on all drives that decide."""
@@ -124,44 +119,79 @@ class FamilyCost(ExitStack):
             one = self.start.with_values(dict(zip(self.names, values.tolist(), strict=True)))
         except ControlError as error:
             raise ga.CandidateFailed(str(error)) from error
-        excess = self.excess(one)
+        excess, found = self.sensitivity(one) / kept.SENSITIVITY, []
+        try:
+            if excess <= 1.0:
+                found = self._batch(one, self._few)
+                first = zip(self._few, found, strict=True)
+                forces = _forces([run for cell, run in first if self._is_first(cell)])
+                excess = max(excess, self._too_much(forces))
+        except cosim.SimulationError:
+            excess = math.inf
         if not math.isfinite(excess):
             raise ga.CandidateFailed("the loop is unstable at one of the masses, or runs away")
         if excess > 1.0:
             return EXCESS * excess
-        errors = [self._errors(one, cell) for cell in self._few]
+        errors = [self._error(cell, run) for cell, run in zip(self._few, found, strict=True)]
         return cost_of(ratios(self._compared(self._few, errors)))
 
-    def _each(self, one: DriveLoop, cells: Sequence[Cell]) -> list[tuple[float, ...]]:
-        """Return the errors in each cell, several runs at a time."""
-        each = next(iter(self._runs.values())).each
-        return each(lambda cell: self._errors(one, cell), steps(cells))
+    def _is_first(self, cell: Cell) -> bool:
+        return cell[0] is self.bench.drives[0]
 
-    def _errors(self, one: DriveLoop, cell: Cell) -> tuple[float, ...]:
+    def _too_much(self, forces: tuple[float, float]) -> float:
+        """Return chatter or peak over its limit, whichever is the larger."""
+        limits = kept.CHATTER * self.F_c, kept.FORCE * self.bench.datasheet.peak_force
+        own = self._own[0] / QUIET, self._own[1]
+        return max(force / max(both) for force, *both in zip(forces, limits, own, strict=True))
+
+    def _each(self, one: DriveLoop, cells: Sequence[Cell]) -> list[tuple[float, ...]]:
+        """Return the errors in each cell, several runs of the FMUs at a time."""
+
+        def error(cell: Cell) -> tuple[float, ...]:
+            try:
+                return self._error(cell, self._run(one, cell))
+            except cosim.SimulationError as failure:
+                return self._error(cell, failure)
+
+        return next(iter(self._runs.values())).each(error, steps(cells))
+
+    def _error(self, cell: Cell, run: Outcome) -> tuple[float, ...]:
         """Return the RMS errors of velocity [m/s] and, in a cascade, position [m].
 
         They are infinite when the run fails or the loop runs away.
         """
         command = cell[1]
         targets = {"drive.v": command.v_cmd}
-        if one.loop.K_x:
+        if self.start.loop.K_x:
             targets["drive.x"] = self._inputs[command]["x_cmd"][: len(command.v_cmd)]
-        try:
-            result = self._run(one, cell)
-        except cosim.SimulationError:
+        if isinstance(run, cosim.SimulationError):
             return (math.inf,) * len(targets)
         return tuple(
-            float(np.sqrt(np.mean((result[name][: len(target)] - target) ** 2)))
+            float(np.sqrt(np.mean((run[name][: len(target)] - target) ** 2)))
             for name, target in targets.items()
         )
 
-    def _run(self, one: DriveLoop, cell: Cell) -> cosim.Result:
+    def _arguments(self, values: Mapping[str, float], cell: Cell) -> Run:
+        """Return what a loop with these parameters runs in a cell."""
         drive, command = cell
-        values: Mapping[str, object] = in_loop({**self._axis, **drive.parameters}) | one.parameters
-        until = (len(command.v_cmd) - 1) * one.loop.T_s
-        result = self._runs[drive.law].run(values, self._inputs[command], until=until)
+        own: Mapping[str, object] = in_loop({**self._axis, **drive.parameters}) | dict(values)
+        until = (len(command.v_cmd) - 1) * self.start.loop.T_s
+        return Run(own, self._inputs[command], until)
+
+    def _run(self, one: DriveLoop, cell: Cell) -> cosim.Result:
+        result = self._runs[cell[0].law].run(*self._arguments(one.parameters, cell))
         require_bounded(result["drive.v"], self._speed)
         return result
+
+    def _batch(self, one: DriveLoop, cells: Sequence[Cell]) -> list[Outcome]:
+        """Run a candidate in lanes: with the results of ``_run``, or what it raises."""
+        values, found = one.parameters, dict[int, Outcome]()
+        for law, runs in self._runs.items():
+            places = [k for k, (drive, _) in enumerate(cells) if drive.law == law]
+            outcomes = runs.batch([self._arguments(values, cells[k]) for k in places])
+            for k, outcome in zip(places, outcomes, strict=True):
+                found[k] = bounded(outcome, "drive.v", self._speed)
+        return [found[k] for k in range(len(cells))]
 
     def _compared(self, cells: Sequence[Cell], errors: Sequence[tuple[float, ...]]) -> Rows:
         return tuple(
@@ -179,6 +209,18 @@ class FamilyCost(ExitStack):
                 FIGURES, self._present[cell[0].name, cell[1].name], found, strict=False
             )
         )
+
+
+def _forces(runs: Iterable[Outcome]) -> tuple[float, float]:
+    """Return the largest RMS change, and peak, of the force [N]; raise what a run has raised."""
+    chatter = peak = 0.0
+    for run in runs:
+        if isinstance(run, cosim.SimulationError):
+            raise run
+        force = run["drive.F_m"]
+        chatter = max(chatter, float(np.std(np.diff(force))))
+        peak = max(peak, float(np.abs(force).max()))
+    return chatter, peak
 
 
 def searched_of(drives: Sequence[Drive]) -> list[Drive]:

@@ -1,0 +1,76 @@
+"""Libraries of models in lanes, compiled for each kind of processor, and the one that runs them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from stickslip.fmi import toolchain
+from stickslip.models.export.description import Model
+from stickslip.models.export.sources import text
+from stickslip.models.lanes.translation import translated
+
+_HERE = Path(__file__).parent
+# Any processor, AVX2, AVX-512. Where there are no such, the functions are all the same.
+_LEVELS = ("", '"avx2"', '"avx512f,avx512dq,avx512vl,avx512bw"')
+LEVELS = len(_LEVELS)
+_LEVEL = """#ifdef __x86_64__
+#pragma clang attribute push(__attribute__((target({target}))), apply_to = function)
+#endif
+#define LEVEL(name) name##{level}
+#include "level.inc"
+#ifdef __x86_64__
+#pragma clang attribute pop
+#endif
+"""
+# Functions of vectors are inlined, so no other code has to agree on how they are passed.
+_FLAGS = ("-O2", "-fno-math-errno", "-fno-tree-slp-vectorize", "-Wno-everything")
+_MODEL = """#include "run.h"
+{code}
+static void start_model(double t, V *values, M live) {{
+    model_start(live, (V)t, {parts});
+    model_outputs(live, (V)t, {parts}, (Outputs *)(values + {outputs}));
+}}
+static M step_model(double t, double h, V *values, M live) {{
+    const M done = model_step(live, (V)t, (V)h, {parts});
+    values[0] = live ? (V)(t + h) : values[0];
+    model_outputs(live, (V)(t + h), {parts}, (Outputs *)(values + {outputs}));
+    return live & ~done;
+}}
+const LaneModel LEVEL(model) = {{start_model, step_model}};
+"""
+_CHOICE = """#include "run.h"
+extern const LaneModel model0, model1, model2;
+EXPORT const LaneModel *lane_model(int level);
+const LaneModel *lane_model(int level) {
+    return level == 2 ? &model2 : level == 1 ? &model1 : &model0;
+}
+"""
+_PARTS = {"state": "States", "memory": "Memory", "input": "Inputs", "parameter": "Parameters"}
+
+
+def model_library(model: Model, platform: toolchain.Platform | None = None) -> Path:
+    """Return the library of a model, compiled on first use.
+
+    Raises ModelError where its C cannot be translated, or toolchain.ToolchainError.
+    """
+    roles = [v.role for v in model.variables]
+    places = {role: roles.index(role) if role in roles else 0 for role in (*_PARTS, "output")}
+    parts = ", ".join(f"({struct} *)(values + {places[role]})" for role, struct in _PARTS.items())
+    code = _MODEL.format(code=translated(model), parts=parts, outputs=places["output"])
+    return _library(f"lanes_{model.name}", {"level.inc": code, "choice.c": _CHOICE}, platform)
+
+
+def run_library(platform: toolchain.Platform | None = None) -> Path:
+    """Return the library that runs systems of models in lanes, compiled on first use."""
+    names = ("run.c", "choice.c")
+    code, choice = (text(_HERE / name) for name in names)
+    return _library("lanes", {"level.inc": code, "choice.c": choice}, platform)
+
+
+def _library(name: str, files: dict[str, str], platform: toolchain.Platform | None) -> Path:
+    files |= {header: text(_HERE / header) for header in ("lanes.h", "run.h")}
+    for level, target in enumerate(_LEVELS):
+        each = _LEVEL.format(target=target, level=level)
+        bare = '#define LEVEL(name) name##0\n#include "level.inc"\n'
+        files[f"level{level}.c"] = each if target else bare
+    return toolchain.shared_library(name, files, platform=platform, flags=_FLAGS)
