@@ -11,9 +11,9 @@ from pathlib import Path
 from benchmarks import learn, measurements
 from benchmarks.common import table
 from benchmarks.coupling import report
-from benchmarks.learning import speed
+from benchmarks.learning import candidates, speed
 
-MODULES = {"coupling": report, "learn": learn, "speed": speed}
+MODULES = {"coupling": report, "learn": learn, "learning": candidates, "speed": speed}
 BENCHMARKS = {
     **{name: (module.measure, module.__doc__) for name, module in MODULES.items()},
     **{

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from typing import Any, TypeVar
 
 import cloudpickle
@@ -23,7 +23,8 @@ T = TypeVar("T")
 Evaluate = Callable[[Array], float]
 """values (k,), in the genes' units -> cost, 0 .. inf; raises CandidateFailed if it has none.
 
-An attribute ``fatal``, a tuple of exceptions, names those that no candidate is to blame for."""
+An attribute ``fatal``, a tuple of exceptions, names those that no candidate is to blame for. A
+method ``together`` begins rows (n, k) at once; it returns functions that go on with each."""
 
 Outcome = tuple[float, str]  # cost, and why it is infinite or an empty text
 ALONE = 2  # how often a candidate whose worker died is tried alone
@@ -252,15 +253,20 @@ def evaluate_rows(evaluate: Evaluate | Packed, rows: Array, begins: bool) -> lis
     """Return cost and reason of rows (n, k), one after the other; runs where the worker is."""
     if isinstance(evaluate, Packed):
         evaluate = evaluate.unpacked()
-    return [_evaluate_one(evaluate, row, begins and index == 0) for index, row in enumerate(rows)]
+    together = getattr(evaluate, "together", None)
+    calls = together(rows) if together else [partial(evaluate, row) for row in rows]
+    fatal = getattr(evaluate, "fatal", ())
+    return [_evaluate_one(call, fatal, begins and index == 0) for index, call in enumerate(calls)]
 
 
-def _evaluate_one(evaluate: Evaluate, row: Array, is_start: bool) -> Outcome:
+def _evaluate_one(
+    call: Callable[[], float], fatal: tuple[type[Exception], ...], is_start: bool
+) -> Outcome:
     try:
-        return float(evaluate(row)), ""
+        return float(call()), ""
     except CandidateFailed as failure:
         return float("inf"), str(failure)
-    except (*_FATAL, *getattr(evaluate, "fatal", ())):
+    except (*_FATAL, *fatal):
         raise
     except Exception as error:
         if is_start:

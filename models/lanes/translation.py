@@ -395,8 +395,9 @@ class _Function:
     def _block(self, node: c_ast.Node | None) -> None:
         self.emit("{")
         known, depths = dict(self.known), dict(self.depths)
-        is_block = isinstance(node, c_ast.Compound)
-        self._statements((node.block_items or []) if is_block else [node] if node else [])
+        self._statements(
+            list(node or ()) if node is None or isinstance(node, c_ast.Compound) else [node]
+        )
         self.known, self.depths = known, depths
         self.emit("}")
 

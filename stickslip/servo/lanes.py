@@ -92,14 +92,15 @@ class Lanes:
         self._level = best if level is None else min(level, best)
         self._places: dict[str, int] = {}  # of each variable among the values
         self._whole: set[str] = set()  # those that are no real numbers
-        starts, ranges, columns = [], [], {name: k for k, name in enumerate(system.inputs)}
+        starts: list[float] = []
+        ranges, columns = [], {name: k for k, name in enumerate(system.inputs)}
         found = {name: self._model(name, one.path) for name, one in system.fmus("lanes").items()}
         firsts = {}
         for name in plan.order:
             firsts[name], own = len(starts), system.components[name].variables
             for v in found[name].variables:
                 self._places[f"{name}.{v.name}"] = len(starts)
-                start = own[v.name].start if v.name in own else None
+                start: Any = own[v.name].start if v.name in own else None
                 starts.append(float(v.start if start is None else start))
                 is_set = v.role in ("parameter", "state", "input")
                 ranges.append((v.minimum, v.maximum) if is_set else (None, None))
@@ -207,9 +208,9 @@ class Lanes:
             for own, end in zip(record, ends.tolist(), strict=True)
         ]
 
-    def _checked(self, parameters: Mapping[str, object]) -> dict[str, object]:
+    def _checked(self, parameters: Mapping[str, object]) -> dict[str, Any]:
         """Return the parameters of a run; those that are no real numbers are checked."""
-        own = {**self._plan.spec.system.parameters, **parameters}
+        own: dict[str, Any] = {**self._plan.spec.system.parameters, **parameters}
         whole = self._plan.start_values({name: own[name] for name in self._whole & own.keys()})
         return own | {name: whole[name] for name in self._whole & own.keys()}
 

@@ -7,6 +7,12 @@
 #include "numerics/elementary.h"
 #include "numerics/noise.h"
 
+/* Of the plant: an even guide. */
+double plant_ripple(double x, const Mass *mass) { return 0.0 * x * mass->per_m; }
+double plant_roughness(double x, double v, const Mass *mass) {
+    return 1.0 + 0.0 * x * v * mass->per_m;
+}
+
 #ifdef _WIN32
 #define EXPORT __declspec(dllexport)
 #else

@@ -46,23 +46,23 @@ static double transition(double y, double rho, double *r, double *area) {
     cosine[0] = elementary_sin(angle + 0.5 * PI);
     double power = 1.0, last = 1.0, earlier = 1.0; /* from rho = 0 two of three terms are 0 */
     int order = 0;
-    while (order < ORDER) {
+    for (int n = 0; n < ORDER; n++) {
         double elastic = 0.0, d_sine = 0.0, d_cosine = 0.0; /* elastic: of cos r */
-        for (int j = 0; j <= order; j++)
-            elastic += cosine[order - j] * share[j];
-        const double rate = (order == 0 ? 1.0 : 0.0) - 0.5 * (share[order] - elastic);
-        turn[order] = scale * rate;
-        for (int j = 0; j <= order; j++) {
-            d_sine += turn[j] * cosine[order - j];
-            d_cosine -= turn[j] * sine[order - j];
+        for (int j = 0; j <= n; j++)
+            elastic += cosine[n - j] * share[j];
+        const double rate = (n == 0 ? 1.0 : 0.0) - 0.5 * (share[n] - elastic);
+        turn[n] = scale * rate;
+        for (int j = 0; j <= n; j++) {
+            d_sine += turn[j] * cosine[n - j];
+            d_cosine -= turn[j] * sine[n - j];
         }
-        order++;
-        const double per_order = 1.0 / (double)order;
-        share[order] = rate * per_order;
-        sine[order] = d_sine * per_order;
-        cosine[order] = d_cosine * per_order;
+        order = n + 1;
+        const double per_order = 1.0 / (double)(n + 1);
+        share[n + 1] = rate * per_order;
+        sine[n + 1] = d_sine * per_order;
+        cosine[n + 1] = d_cosine * per_order;
         power *= y;
-        const double term = absolute(share[order]) * power;
+        const double term = absolute(share[n + 1]) * power;
         if (term + last + earlier < LOCAL)
             break;
         earlier = last;
@@ -70,13 +70,15 @@ static double transition(double y, double rho, double *r, double *area) {
     }
     double step = y;
     if (order == ORDER) {
-        const double size = absolute(share[order]) + scale * absolute(share[order - 1]) +
-                            scale * scale * absolute(share[order - 2]);
+        const double size = absolute(share[ORDER]) + scale * absolute(share[ORDER - 1]) +
+                            scale * scale * absolute(share[ORDER - 2]);
         step = elementary_exp(elementary_log(LOCAL / size) / (double)ORDER);
         step = step < y ? step : y;
     }
     double end = 0.0, mean = 0.0;
-    for (int n = order; n >= 0; n--) {
+    for (int n = ORDER; n >= 0; n--) {
+        if (n > order)
+            continue;
         end = end * step + share[n];
         mean = mean * step + share[n] / (double)(n + 1);
     }

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
+from functools import partial
 
 import numpy as np
 
@@ -115,25 +116,40 @@ class FamilyCost(ExitStack):
         One beyond a limit costs more, the farther it is. Raises CandidateFailed when its loop is
         unstable or runs away.
         """
-        try:
-            one = self.start.with_values(dict(zip(self.names, values.tolist(), strict=True)))
-        except ControlError as error:
-            raise ga.CandidateFailed(str(error)) from error
-        excess, found = self.sensitivity(one) / kept.SENSITIVITY, []
-        try:
-            if excess <= 1.0:
-                found = self._batch(one, self._few)
-                first = zip(self._few, found, strict=True)
-                forces = _forces([run for cell, run in first if self._is_first(cell)])
-                excess = max(excess, self._too_much(forces))
-        except cosim.SimulationError:
-            excess = math.inf
-        if not math.isfinite(excess):
-            raise ga.CandidateFailed("the loop is unstable at one of the masses, or runs away")
-        if excess > 1.0:
-            return EXCESS * excess
-        errors = [self._error(cell, run) for cell, run in zip(self._few, found, strict=True)]
-        return cost_of(ratios(self._compared(self._few, errors)))
+        return self.together(values[np.newaxis])[0]()
+
+    def together(self, rows: Array) -> list[Callable[[], float]]:
+        """Run candidates (n, k) in lanes, and return functions of which each gives a cost."""
+        loops: dict[int, DriveLoop] = {}
+        unstable: dict[int, ControlError] = {}
+        for k, values in enumerate(rows.tolist()):
+            try:
+                loops[k] = self.start.with_values(dict(zip(self.names, values, strict=True)))
+            except ControlError as error:
+                unstable[k] = error
+        ratio = {k: self.sensitivity(one) / kept.SENSITIVITY for k, one in loops.items()}
+        robust = [k for k in loops if ratio[k] <= 1.0]
+        tried = self._batch([loops[k] for k in robust], self._few)
+        runs = dict(zip(robust, tried, strict=True))
+
+        def cost(k: int) -> float:
+            if error := unstable.get(k):
+                raise ga.CandidateFailed(str(error)) from error
+            excess, own = ratio[k], list(zip(self._few, runs.get(k, ()), strict=False))
+            try:
+                if own:
+                    forces = _forces([run for cell, run in own if self._is_first(cell)])
+                    excess = max(excess, self._too_much(forces))
+            except cosim.SimulationError:
+                excess = math.inf
+            if not math.isfinite(excess):
+                raise ga.CandidateFailed("the loop is unstable at one of the masses, or runs away")
+            if excess > 1.0:
+                return EXCESS * excess
+            errors = [self._error(cell, run) for cell, run in own]
+            return cost_of(ratios(self._compared(self._few, errors)))
+
+        return [partial(cost, k) for k in range(len(rows))]
 
     def _is_first(self, cell: Cell) -> bool:
         return cell[0] is self.bench.drives[0]
@@ -183,15 +199,18 @@ class FamilyCost(ExitStack):
         require_bounded(result["drive.v"], self._speed)
         return result
 
-    def _batch(self, one: DriveLoop, cells: Sequence[Cell]) -> list[Outcome]:
-        """Run a candidate in lanes: with the results of ``_run``, or what it raises."""
-        values, found = one.parameters, dict[int, Outcome]()
+    def _batch(self, loops: Sequence[DriveLoop], cells: Sequence[Cell]) -> list[list[Outcome]]:
+        """Run candidates in lanes: with the results of ``_run``, or what it raises."""
+        found: dict[tuple[int, int], Outcome] = {}
+        parameters = [one.parameters for one in loops]
         for law, runs in self._runs.items():
-            places = [k for k, (drive, _) in enumerate(cells) if drive.law == law]
-            outcomes = runs.batch([self._arguments(values, cells[k]) for k in places])
-            for k, outcome in zip(places, outcomes, strict=True):
-                found[k] = bounded(outcome, "drive.v", self._speed)
-        return [found[k] for k in range(len(cells))]
+            own = [k for k, (drive, _) in enumerate(cells) if drive.law == law]
+            own.sort(key=lambda k: cells[k][1].name)
+            places = [(i, k) for k in own for i in range(len(loops))]  # lanes have one command
+            outcomes = runs.batch([self._arguments(parameters[i], cells[k]) for i, k in places])
+            for place, outcome in zip(places, outcomes, strict=True):
+                found[place] = bounded(outcome, "drive.v", self._speed)
+        return [[found[i, k] for k in range(len(cells))] for i in range(len(loops))]
 
     def _compared(self, cells: Sequence[Cell], errors: Sequence[tuple[float, ...]]) -> Rows:
         return tuple(

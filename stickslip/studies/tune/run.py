@@ -160,7 +160,7 @@ def tune_drive(
         progress.stage(f"tuning {', '.join(problem.names)}")
         limits = ga.Limits(evaluations=settings.evaluations)
         algorithm = ga.optimiser(settings.algorithm, problem, limits, seed=settings.seed)
-        search(algorithm, cost, Execution(settings.workers), progress.generation)
+        search(algorithm, cost, Execution(), progress.generation)  # the cost has the workers
         progress.stage("running the best loops on all drives")
         loops = {f"{TUNED} {k}": start.with_values(g) for k, g in enumerate(best_of(algorithm))}
         loops = {name: one for name, one in loops.items() if cost.excess(one) <= 1.0}
