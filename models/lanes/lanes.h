@@ -12,7 +12,7 @@
 #endif
 
 typedef double V __attribute__((ext_vector_type(LANES)));
-typedef int64_t M __attribute__((ext_vector_type(LANES)));
+typedef __typeof__((V){0} < (V){0}) M; /* as the compiler compares */
 typedef uint64_t U __attribute__((ext_vector_type(LANES)));
 typedef int32_t I __attribute__((ext_vector_type(LANES)));
 

@@ -73,4 +73,4 @@ def _library(name: str, files: dict[str, str], platform: toolchain.Platform | No
         each = _LEVEL.format(target=target, level=level)
         bare = '#define LEVEL(name) name##0\n#include "level.inc"\n'
         files[f"level{level}.c"] = each if target else bare
-    return toolchain.shared_library(name, files, platform=platform, flags=_FLAGS)
+    return toolchain.shared_library(name, files, platform=platform, flags=_FLAGS, standalone=True)
