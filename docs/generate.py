@@ -21,12 +21,11 @@ from stickslip.fmucheck import rules
 from stickslip.logs import read_recording
 
 ROOT = Path(__file__).parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "stickslip" / "logs")]
-
-import format_writers as writers  # noqa: E402 - of the tests
-from vendor_texts import FILES, F, T, V, X  # noqa: E402 - of the tests
+sys.path.insert(0, str(ROOT))
 
 from tests.corpus.hostile import CASES, GROUPS  # noqa: E402
+from tests.stickslip.logs import format_writers as writers  # noqa: E402
+from tests.stickslip.logs.test_vendors import FILES, F, T, V, X  # noqa: E402
 
 HEADINGS = {
     "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),

@@ -119,7 +119,9 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
             start = replace(start, space=start.space.level())
         inverse = model.over(start.narrow(start.space, start.sliding | start.rise))
         progress.stage("searching")
-        compared = task.choice and {**start.line, **scale.values(task.choice.chosen.parameters)}
+        compared = None
+        if task.choice:
+            compared = {**start.line, **scale.values(task.choice.chosen.parameters)}
         found, searches = _search(
             task, inverse, start, lambda one: progress.generation(one, scale), compared=compared
         )
