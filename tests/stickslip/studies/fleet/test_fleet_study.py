@@ -50,7 +50,7 @@ def test_interrupted_and_resumed_is_the_same_as_never_interrupted(where, drives,
     fleet = drives("a", "b", "c", "d")
     out, diary = tmp_path / "out", tmp_path / "diary"
     execution = Execution(1 if where == "serial" else 2)
-    with pytest.raises(KeyboardInterrupt, match=r"interrupted; . of 4 drives.*--resume"):
+    with pytest.raises(KeyboardInterrupt, match=r"interrupted; . of 4 drives.*resume=True"):
         learn_fleet(fleet, out, execution=execution, job=Counting(diary, "c"))
     kept = sorted(path.parent.name for path in out.rglob("learned.json"))
     assert kept
