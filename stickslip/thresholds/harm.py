@@ -27,11 +27,11 @@ HIDDEN = Threshold(
 )
 """Encoder steps of the shortest presliding deflection for which a drive of a law without one is
 tried, and an onset is made."""
-COARSE = Threshold(30.0, "decision 135: at 7 to 14 true steps 11 to 28 were fitted")
+COARSE = Threshold(30.0, "decision 137: of 7 true steps 10 to 21 were fitted")
 """Encoder steps of a fitted presliding deflection below which the true one may be shorter."""
 UNSURE = Threshold(1.4, "decision 137: a drive that harms from 4.5 deflections on did not at 4")
 """Factor by which the deflection of a drive may be longer or shorter there."""
-STIFFER = Threshold(3.0, "decision 135: at 4 to 15 steps, true values were up to 2.7 times the fit")
+STIFFER = Threshold(3.0, "decision 137: true values were up to 2.9 times the fit")
 """Largest stiffness of a drive on which a compensator is tried, over that fitted, there."""
 ONSET = Threshold(1.25, "the reference of 40 sound drives goes up to 1.23 times a small move")
 """Displacement from which an observer acts, over the longest of the moves in which the drive may
