@@ -268,7 +268,7 @@ class Rig(ABC):
 
     @property
     def bounds(self) -> RigLimits | None:
-        """The limits that a motion must keep, whoever checks them."""
+        """The limits that a motion must keep."""
         return self.limits
 
     @property

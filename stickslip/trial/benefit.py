@@ -162,9 +162,9 @@ class MotionErrors:
 
     @property
     def is_worse(self) -> bool:
-        """Whether the error grows by more than allowed on few drives, or by more still on one."""
-        few = self._at(harm.DRIVES).ratio
-        return not (few <= harm.WORSE and self.worst.ratio <= harm.SCATTER)
+        """Whether the error grows on more than a quarter of the runs, or by much on one."""
+        most = self._at(harm.DRIVES).ratio
+        return not (most <= harm.WORSE and self.worst.ratio <= harm.SCATTER)
 
 
 def by_motion(rows: Iterable[TrialError]) -> list[MotionErrors]:
@@ -222,8 +222,8 @@ class Benefit:
     @property
     def reason(self) -> str:
         """Where the whole force makes the error grow most."""
-        worst = max(by_motion(self.full), key=lambda one: one.worst.ratio)
-        row = worst.worst
+        motion = max(by_motion(self.full), key=lambda one: one.worst.ratio)
+        row = motion.worst
         where = f"at {1e3 * row.speed:.3g} {self.unit}"
         if row.command in MOVES:
             where = f"in {row.command} of up to {1e3 * row.speed:.3g} {self.unit}"
@@ -238,7 +238,7 @@ class Benefit:
             )
         error = "position" if row.figure == "position" else "tracking"
         factor, unit = self.shown(row)
-        low, n = worst.span[0], len(worst.rows)
+        low, n = motion.span[0], len({one.drive for one in motion.rows})
         spread = f" (the worst of {n} drives; at best {low:.3g} times)" if n > 1 else ""
         return (
             f"with the whole force the simulated {error} error {where} with {friction} is"
