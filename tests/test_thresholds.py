@@ -201,6 +201,13 @@ def chosen(mean):
     return CompensatorComparison(tuple(rows)).chosen.name
 
 
+def alone(mean):
+    """Return what is written where one compensator leaves ``mean`` of the error."""
+    both = {"none": None, "it": namespace(mean_ratio=mean, acceptable=True, worst_ratio=1.0)}
+    rows = [Row(name, k, 1.5, benefit) for k, (name, benefit) in enumerate(both.items())]
+    return CompensatorComparison(tuple(rows)).chosen.name
+
+
 def designed(reversal):
     """Return the basis on which an observer is designed, which leaves a share of the error."""
 
@@ -883,6 +890,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "caution.STANDING": (lambda: is_hunting([0.1] * 9 + [0.0], 1.5e-3), True, False),
     "caution.SWING": (lambda: is_at_rest(3.0, 2), True, False),
     "caution.REVERSALS": (lambda: is_at_rest(3.0, 2), True, False),
+    "offer.GAIN/2": (lambda: alone(0.8), "it", "none"),
     "offer.SIMPLER": (lambda: chosen(0.92), "observer", "static"),
     "offer.SENSITIVITY/2": (lambda: designed(0.5), "whole error", None),
     "offer.WORTHWHILE/2": (lambda: designed(0.6), "whole error", None),

@@ -71,6 +71,11 @@ class Row:
         return self.benefit.mean_ratio if self.benefit else 1.0
 
     @property
+    def weighed(self) -> float:
+        """The same times the largest ratio where that is above 1: of two alike the safer counts."""
+        return self.mean * max(self.benefit.worst_ratio if self.benefit else 1.0, 1.0)
+
+    @property
     def acceptable(self) -> bool:
         """Whether it is nowhere worse than no compensation, by more than it helps in the mean."""
         if self.benefit is None:
@@ -99,10 +104,10 @@ class CompensatorComparison:
         """What is written: what was asked for, or the simplest of the best that are acceptable."""
         if self.asked != AUTO:
             return next((row for row in self.rows if row.name == self.asked), self.rows[-1])
-        acceptable = [row for row in self.rows if row.acceptable]
-        least = min(row.mean for row in acceptable)
-        near = [row for row in acceptable if row.mean <= (1.0 + offer.SIMPLER) * least]
-        return min(near, key=lambda row: (row.simplicity, row.mean))
+        helps = [row for row in self.rows if row.acceptable and row.mean <= offer.GAIN]
+        least = min((row.weighed for row in helps), default=0.0)
+        near = [row for row in helps if row.weighed <= (1.0 + offer.SIMPLER) * least]
+        return min(near, key=lambda row: (row.simplicity, row.weighed), default=self.rows[0])
 
     @property
     def simpler(self) -> Row:
@@ -128,7 +133,7 @@ class CompensatorComparison:
         if one.benefit is None:
             return (
                 f"no compensator that is in no motion worse than none leaves less than"
-                f" {1.0 / (1.0 + offer.SIMPLER):.2g} of the error"
+                f" {offer.GAIN:g} of the error"
             )
         return (
             f"{one.name} leaves {one.mean:.3g} of the error without compensation, the next simpler,"

@@ -29,6 +29,7 @@ from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 from stickslip.thresholds import control_match, harm
 from stickslip.trial.candidates import CompensatorComparison, compare
+from stickslip.trial.family import hidden_deflections
 from stickslip.trial.guards import (
     NONE,
     Benefit,
@@ -165,6 +166,7 @@ def try_compensator(
     )
 
 
+DAMPED = 0.5  # damping ratio of a mass on bristles that a log does not show
 RAMPS = (0.1, VALIDATION.height / VALIDATION.slope)
 """Least and largest time of a ramp to a log's speed [s]; the largest is that of the paper."""
 
@@ -188,7 +190,7 @@ def of_rivals(estimation: Estimation, known: Evidence) -> tuple[Variant, ...]:
     fitted = {one.candidate.law.name: one for one in estimation.held_out.predictions}
     found = []
     for name, (values, *_) in known.draws.items():
-        if name == estimation.law.name:
+        if name not in fitted or name == estimation.law.name:
             continue
         law = fitted[name].candidate.law
         own = {one: value for one, value in values.items() if one in law.parameters}
@@ -241,8 +243,10 @@ def known_friction(estimation: Estimation, top: float, levels: tuple[float, floa
         is_alike = not (presliding(other) or presliding(law))
         if explains and not (other.name in draws or tried.candidate.is_level or is_alike):
             draws[other.name] = tried.plausible
-    spaces = {name: ParameterSpace.of(friction_law(name)) for name in draws}
     step = estimation.recording.encoder_step or 0.0
+    if step and not any(presliding(friction_law(name)) for name in draws):
+        draws["lugre"] = unseen(draws[law.name], step)
+    spaces = {name: ParameterSpace.of(friction_law(name)) for name in draws}
     return Evidence(
         {
             name: [
@@ -266,6 +270,16 @@ def stiffer(draws: Sequence[Mapping[str, float]], step: float) -> list[dict[str,
             most = max(one["F_c"] / (harm.HIDDEN * step), one["sigma_0"])
             values["sigma_0"] = min(one["sigma_0"] * harm.STIFFER**share, most)
         found.append(values)
+    return found
+
+
+def unseen(draws: Sequence[Mapping[str, float]], step: float) -> list[dict[str, float]]:
+    """Return draws of a law without presliding, with as much as steps of an encoder [m] hide."""
+    found = []
+    for values, bends in zip(draws, hidden_deflections(step, len(draws)), strict=True):
+        sigma_0 = values["F_c"] / bends
+        sigma_1 = 2.0 * DAMPED * np.sqrt(sigma_0 * values["m"])
+        found.append({**values, "sigma_0": sigma_0, "sigma_1": float(sigma_1)})
     return found
 
 

@@ -271,8 +271,7 @@ def deflections(
     """
     several: tuple[float, ...] = (deflection({}, command),)
     if encoder_step:
-        ends = harm.HIDDEN * encoder_step, LONGEST * harm.RESOLVED * encoder_step
-        several = tuple(np.geomspace(*ends, LENGTHS).tolist())
+        several = hidden_deflections(encoder_step, LENGTHS)
     level = {one.name.partition(" x ")[0]: one.parameters for one in reversed(drives)}
     found = {}
     for one in drives:
@@ -281,6 +280,12 @@ def deflections(
         about = (own,) if sure else (own, own * harm.UNSURE, own / harm.UNSURE)
         found[one.name] = about if "sigma_0" in one.parameters else several
     return found
+
+
+def hidden_deflections(encoder_step: float, n: int) -> tuple[float, ...]:
+    """Return n presliding deflections [m] that an encoder with this step [m] hardly shows."""
+    ends = harm.HIDDEN * encoder_step, LONGEST * harm.RESOLVED * encoder_step
+    return tuple(np.geomspace(*ends, n).tolist())
 
 
 def deflection(friction: Values, command: Trapezoid) -> float:

@@ -15,7 +15,7 @@ from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import Compensator, build_fmus
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.trial.benefit import MotionErrors
-from stickslip.trial.compensator_trial import trapezoid_of
+from stickslip.trial.compensator_trial import trapezoid_of, unseen
 from stickslip.trial.family import deflection, deflections, onsets, travel
 from stickslip.trial.guards import (
     NONE,
@@ -276,6 +276,16 @@ def test_any_chain_of_compensators_is_tried(tmp_path):
     assert some.rows[0].ratio < 0.8
     assert not static.has_feedforward
     assert static.share(LUGRE, 0.5) == static
+
+
+def test_a_law_without_presliding_is_tried_with_what_the_encoder_hides():
+    """Its force jumps with the sign of the velocity, where a drive on bristles creeps."""
+    step, rigid = 1e-6, [{"F_c": 6.0, "F_s": 9.0, "v_s": 1e-3, "m": 5.6}] * 4
+    drawn = unseen(rigid, step)
+    assert [one["F_c"] / one["sigma_0"] / step for one in drawn][::3] == pytest.approx([5.0, 45.0])
+    for one in drawn:
+        assert one["sigma_1"] == pytest.approx(np.sqrt(one["sigma_0"] * one["m"]))
+        assert {name: one[name] for name in rigid[0]} == rigid[0]
 
 
 def test_drives_of_the_family_have_the_noise_of_the_log(tmp_path):
