@@ -18,7 +18,7 @@ from stickslip import cosim, ga, thresholds
 from stickslip.catalog.parameters import ParameterSpace, friction_law
 from stickslip.errors import IdentificationError, RecordingError, RigError, UsageError
 from stickslip.identification import estimation
-from stickslip.identification.criteria import controller_check
+from stickslip.identification.criteria import controller_check, inverse_model
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.runs import Diverged, require_bounded
 from stickslip.identification.estimation import LearnSettings
@@ -320,8 +320,16 @@ def faults(delay=5.0, change=(0.0, 0.1)):
 
 def is_coarse(step):
     """Return whether an encoder whose step is a share of the motion in a sample is coarse."""
-    inverse = namespace(motion=namespace(v=np.ones(9)), T_s=T_S)
-    return bootstrap.coarse(inverse, namespace(encoder_step=step * T_S))
+    inverse = namespace(motion=namespace(v=np.ones(9)))
+    return bootstrap.coarse(inverse, namespace(encoder_step=step * T_S, T_s=T_S))
+
+
+def samples_per_row(rate, noise):
+    """Return it for a log of a sine of 100 rad/s, with encoder noise in amplitudes."""
+    x = np.sin(100.0 / rate * np.arange(100_000))
+    x += noise * np.random.default_rng(0).standard_normal(len(x))
+    recording = Recording(np.arange(len(x)) / rate, x, x)
+    return inverse_model.row_length(recording)
 
 
 def curve():
@@ -928,6 +936,8 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "loop_fit.CHANGE_CERTAIN": (lambda: len(faults(change=(0.05, 0.008))), 1, 0),
     "loop_fit.COARSE": (lambda: is_coarse(0.007), True, False),
     "loop_fit.ALIKE": (lambda: bootstrap.is_alike(3.0), False, True),
+    "row_rate.FASTEST": (lambda: samples_per_row(10_000.0, 0.0), 2, 1),
+    "row_rate.NOISE": (lambda: samples_per_row(2000.0, 6e-3), 2, 1),
     "curve_shown.ROWS": (curve, {"ripple"}, None),
     "curve_shown.CERTAIN": (curve, {"ripple"}, set()),
     "curve_shown.EXPONENT": (lambda: static_friction(6.0), 1, 2),

@@ -33,6 +33,8 @@ class GoodnessOfFit:
     predicted: Array  # (n,) force predicted by the inverse model [N]
     simulated: Array | None  # (n,) position of the closed loop [m]; None in the same cases
     velocity_recorded: Array  # (n,) of the recorded motion, low-passed [m/s]
+    delay: float  # of the force, with which the inverse model is nearest to it [s]
+    used: slice  # samples without the ends that the low-pass spoils
 
     def errors(self) -> dict[str, float]:
         """Return the relative errors by name."""
@@ -65,10 +67,11 @@ def goodness_of_fit(
     """Return the goodness of fit of values by name."""
     recording, delay = inverse.recording, _delay(inverse, values)
     at = {**values, "delay": delay}
-    measured, predicted = inverse.measured(at), inverse.predicted(at)
+    rows = inverse.measured(at), inverse.predicted(at)
+    force = relative(*(signal[inverse.used] for signal in rows))
+    measured, predicted = map(inverse.at_samples, rows)
+    used = slice(inverse.used.start * inverse.q, inverse.used.stop * inverse.q)
     raw = np.interp(recording.t - delay, recording.t, measured_force(recording))
-    used = inverse.used
-    force = relative(measured[used], predicted[used])
     unfiltered = relative(raw[used], predicted[used])
     position = velocity = closed_loop_force = math.nan
     simulated = None
@@ -86,7 +89,9 @@ def goodness_of_fit(
         measured=measured,
         predicted=predicted,
         simulated=simulated,
-        velocity_recorded=inverse.motion.v,
+        velocity_recorded=inverse.at_samples(inverse.motion.v),
+        delay=delay,
+        used=used,
     )
 
 
@@ -116,7 +121,7 @@ def relative(recorded: Array, modelled: Array) -> float:
 
 def _delay(inverse: InverseModel, values: Values) -> float:
     """Return the delay of the logged force that suits the inverse model best [s]."""
-    delays = (values["delay"], *(np.arange(-3.0, 5.01, 0.25) * inverse.T_s))
+    delays = (values["delay"], *(np.arange(-3.0, 5.01, 0.25) * inverse.recording.T_s))
     best: float = min(
         delays, key=lambda delay: float(np.sum(inverse.residual({**values, "delay": delay}) ** 2))
     )

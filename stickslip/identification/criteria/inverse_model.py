@@ -3,6 +3,8 @@
     F(t - delay) = m a + b v + F_f(v) + F_0
 
 F_f comes from the compensator FMU, driven by the recorded velocity; all terms are low-passed alike.
+They are compared in rows, means of q samples: friction changes slower than a fast log is sampled,
+and encoder noise that outweighs the acceleration would hide the mass.
 Where friction itself was measured, it stands alone: F = F_f(v) + F_0.
 A law without presliding gives any force up to that of break-away at rest: there F_f balances F.
 """
@@ -18,14 +20,18 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from stickslip import cosim
 from stickslip.catalog.parameters import DRIVE, ParameterSpace, Values, friction_law, presliding
 from stickslip.identification.criteria.motion import (
+    SHARE,
     SmoothMotion,
+    means,
     measured_force,
     position_noise,
     position_of,
+    samples_per_row,
     smooth_motion,
     velocity_noise,
 )
@@ -33,8 +39,9 @@ from stickslip.identification.criteria.runs import RECENT, Closing, Runs
 from stickslip.logs import Recording
 from stickslip.models import Law
 from stickslip.servo.measurement import Array, smoothed
+from stickslip.thresholds import row_rate
 
-SHARE = 1.0 / 16.0  # cut-off of the low-pass, as a share of the sample rate
+FEWEST = 4_000  # rows that further averaging leaves
 EDGE = 4.0  # periods of the cut-off that the filter needs at either end
 GUARD = 1.0  # time around rest in which the low-pass mixes both, in periods of the cut-off
 REST = 3.0  # speed up to which a drive may be at rest, in deviations of its noise
@@ -50,12 +57,23 @@ def friction_run(fmus: Path, v: Array, T_s: float) -> cosim.Specification:
     )
 
 
+def row_length(recording: Recording) -> int:
+    """Return how many samples a row takes; measured friction needs no acceleration."""
+    position, T_s = position_of(recording), recording.T_s
+    least = max(1, round(1.0 / (row_rate.FASTEST * T_s)))
+    if recording.force is None:
+        return least
+    noise = position_noise(position, recording.encoder_step)
+    return samples_per_row(position, T_s, noise, least=least, share=row_rate.NOISE, rows=FEWEST)
+
+
 class InverseModel(Closing):
     """Criterion: the measured force minus the force that the values predict.
 
     Attributes
     ----------
-    fmus, recording, cutoff, workers, law : as given
+    fmus, recording, cutoff, workers, law, q : as given
+    t, T_s, position, force, motion : of the n rows
     moves : (n,) where the drive is not at rest, nor near it within the memory of the low-pass
     slides : (n,) where friction follows from the motion; everywhere for a law with presliding
     """
@@ -67,24 +85,27 @@ class InverseModel(Closing):
         self,
         fmus: Path,  # folder of the FMUs
         recording: Recording,  # with position, and force or friction
-        cutoff: float | None = None,  # of the low-pass [Hz]; a share of the sample rate by default
+        cutoff: float | None = None,  # of the low-pass [Hz]; by default a share of the rows' rate
         workers: int = 1,  # number of parallel runs
         law: Law | None = None,  # friction law of the compensator FMU; LuGre by default
+        q: int | None = None,  # samples in a row; by default as the recording requires
     ) -> None:
         self.fmus, self.recording = fmus, recording
         self.space = ParameterSpace.of(law or friction_law())
-        self.T_s = recording.T_s
-        self.cutoff = cutoff or SHARE / self.T_s
-        self.t = recording.t
+        position, T_s = position_of(recording), recording.T_s
+        noise = position_noise(position, recording.encoder_step)
         self.measures_friction = recording.force is None
-        self.force = smoothed(measured_force(recording), self.T_s, self.cutoff)
-        self.motion: SmoothMotion = smooth_motion(position_of(recording), self.T_s, self.cutoff)
+        self.q = q or row_length(recording)
+        self.T_s = self.q * T_s
+        self.cutoff = cutoff or SHARE / self.T_s
+        self.t, self.position = means(recording.t, self.q), means(position, self.q)
+        self.force = smoothed(means(measured_force(recording), self.q), self.T_s, self.cutoff)
+        self.motion: SmoothMotion = smooth_motion(self.position, self.T_s, self.cutoff)
         edge = min(int(EDGE / self.cutoff / self.T_s) + 1, len(self.t) // 10)
         self.used = slice(edge, len(self.t) - edge)
         self.specification = friction_run(fmus, self.motion.v, self.T_s)
         self.law = law or friction_law()
-        noise = position_noise(position_of(recording), recording.encoder_step)
-        rests = np.abs(self.motion.v) <= REST * velocity_noise(noise, self.T_s, self.cutoff)
+        rests = np.abs(self.motion.v) <= REST * velocity_noise(noise, T_s, self.cutoff)
         near = np.ones(2 * int(GUARD / self.cutoff / self.T_s) + 1)
         self.moves = np.convolve(rests, near, "same") < 0.5
         self.slides = self.moves | bool(presliding(self.law))
@@ -123,6 +144,13 @@ class InverseModel(Closing):
     def residual(self, values: Values) -> Array:
         """Return measured minus predicted force (k,) [N]."""
         return (self.measured(values) - self.predicted(values))[self.used]
+
+    def at_samples(self, signal: Array) -> Array:
+        """Return a signal of the rows (n,) at each sample of the recording."""
+        if self.q == 1:
+            return signal
+        at = np.clip(self.recording.t, self.t[0], self.t[-1])
+        return np.asarray(CubicSpline(self.t, signal)(at))
 
     def map(self, points: Iterable[Values]) -> list[Array]:
         """Return the residuals of several points, ``workers`` at a time."""

@@ -11,6 +11,9 @@ from stickslip.errors import UsageError
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array, derivative, smoothed
 
+SHARE = 1.0 / 16.0  # cut-off of the low-pass, as a share of the rate of the rows
+LONGEST = 1 << 6  # largest number of samples in a row
+_PASSED = 0.2  # integral of f^4 |H|^4 over f from 0, in cut-offs; H is of second order
 _FEW = 200  # samples in motion that are too few to show the noise of an encoder
 _MEDIAN = 0.6745  # median of the absolute value of normal noise, over its standard deviation
 
@@ -52,6 +55,37 @@ def encoder_noise(position: Array, step: float) -> float:
         return 0.0
     deviation = float(np.median(high)) / (_MEDIAN * math.sqrt(math.comb(2 * order, order)))
     return math.sqrt(max(deviation**2 - step**2 / 12.0, 0.0))
+
+
+def means(signal: Array, q: int) -> Array:
+    """Return the rows of a signal (n,): means of q samples each; the samples left are dropped."""
+    return signal if q == 1 else signal[: len(signal) // q * q].reshape(-1, q).mean(axis=1)
+
+
+def samples_per_row(
+    position: Array, T_s: float, noise: float, least: int, share: float, rows: float
+) -> int:
+    """Return how many samples a row takes so that encoder noise does not hide the acceleration.
+
+    Parameters
+    ----------
+    position : (n,) [m]
+    T_s : sample period [s]
+    noise : standard deviation of the position [m]
+    least : number to begin with, which is doubled as often as needed
+    share : largest variance of the acceleration by noise, over that of the motion
+    rows : number that must be left
+    """
+    q = least
+    while q < LONGEST and len(position) // (2 * q) > rows:
+        cutoff = SHARE / (q * T_s)
+        a = smooth_motion(means(position, q), q * T_s, cutoff).a
+        # White noise of this deviation, twice differentiated behind the two passes of the filter.
+        own = 2.0 * T_s * noise**2 * (2.0 * np.pi) ** 4 * cutoff**5 * _PASSED
+        if own < share * float(np.var(a)):
+            break
+        q *= 2
+    return q
 
 
 def velocity_noise(noise: float, T_s: float, cutoff: float) -> float:

@@ -152,7 +152,7 @@ def check_held_out(
             tried = tuple(
                 one.restored(scale) for one in predictions(task.recording, gains, further)
             )
-        place = along_the_travel(inverse, task.recording, residual)
+        place = along_the_travel(inverse, residual)
         causes = [replace(place, left=place.left / scale.force)]
     own = own.restored(scale)
     others = [one for one in tried if one.candidate != candidate]

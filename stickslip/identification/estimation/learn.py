@@ -325,8 +325,8 @@ def _inverse_model(
     if "F_c" in sliding:
         placed = fit(inverse.over(start.narrow(found.space, sliding)), [found.q])
         found = replace(placed, covariance=found.covariance)
-    recording, cutoff, law = task.recording, SLOWER * inverse.cutoff, found.space.law
-    with InverseModel(task.fmus, recording, cutoff, task.settings.workers, law=law) as slower:
+    recording, cutoff, law, q = task.recording, SLOWER * inverse.cutoff, found.space.law, inverse.q
+    with InverseModel(task.fmus, recording, cutoff, task.settings.workers, law=law, q=q) as slower:
         apart = fit(slower.over(found.space), [found.q]).q - found.q
     spread, best = found.covariance + np.outer(apart, apart), found
     if coarse(inverse, recording):

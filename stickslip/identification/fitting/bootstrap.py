@@ -29,7 +29,7 @@ from stickslip.identification.criteria.runs import Closing
 from stickslip.identification.fitting.fit import Fit, linearised
 from stickslip.logs import Recording
 from stickslip.output import steps
-from stickslip.servo.measurement import Array, smoothed
+from stickslip.servo.measurement import Array, derivative, smoothed
 from stickslip.thresholds import loop_fit
 
 BIAS_RUNS = 8
@@ -45,7 +45,7 @@ def coarse(inverse: InverseModel, recording: Recording) -> bool:
     correction made the result for a measured axis (EMPS) worse.
     """
     top = float(np.quantile(np.abs(inverse.motion.v), 0.99))
-    return recording.encoder_step / inverse.T_s > loop_fit.COARSE * top
+    return recording.encoder_step / recording.T_s > loop_fit.COARSE * top
 
 
 def correct_inverse(inverse: InverseModel, fitted: Fit, seed: int) -> tuple[Fit, Array, bool]:
@@ -84,10 +84,10 @@ def is_alike(ratio: float) -> bool:
 def surrogate_loop(inverse: InverseModel, values: Values) -> KnownLoop:
     """Return a loop in which the drive with these values follows the recorded motion."""
     recording = inverse.recording
-    path = smoothed(position_of(recording), inverse.T_s, inverse.cutoff)
-    led = replace(recording, position_command=path, velocity_command=inverse.motion.v)
+    path, T_s = smoothed(position_of(recording), recording.T_s, inverse.cutoff), recording.T_s
+    led = replace(recording, position_command=path, velocity_command=derivative(path, T_s))
     led = replace(led, added_force=None, added_velocity=None)  # the motion shows them
-    gains = _gains(values, inverse.T_s)
+    gains = _gains(values, T_s)
     return KnownLoop(inverse.fmus, led, gains, encoder=True, workers=inverse.workers)
 
 
@@ -113,13 +113,14 @@ def resimulated(
     result = loop.run({**values, "delay": 0.0}, further)
     # The drive's output at the end of a sample is the force held over it; the controller adds the
     # constant force, so the output contains it.
-    late = inverse.t + values["delay"] + 0.5 * inverse.T_s
+    late = recording.t + values["delay"] + 0.5 * recording.T_s
     again = replace(
         recording,
         position=result["candidate.x_enc"],
-        force=np.interp(late, inverse.t, result["candidate.F_m"]) + values["F_0"],
+        force=np.interp(late, recording.t, result["candidate.F_m"]) + values["F_0"],
     )
-    with InverseModel(inverse.fmus, again, inverse.cutoff, law=inverse.space.law) as copy:
+    law, q = inverse.space.law, inverse.q
+    with InverseModel(inverse.fmus, again, inverse.cutoff, law=law, q=q) as copy:
         return copy.residual(values)
 
 

@@ -199,7 +199,7 @@ def _curve(model: InverseModel, recording: Recording, delay: float) -> FrictionC
     if model.measures_friction:
         return None
     signals = (position_of(recording).tobytes(), measured_force(recording).tobytes())
-    return _curve_of(*signals, model.T_s, step=recording.encoder_step, delay=delay)
+    return _curve_of(*signals, recording.T_s, step=recording.encoder_step, delay=delay)
 
 
 @lru_cache(1)  # every law that is compared asks for that of the same signals
@@ -242,7 +242,7 @@ def _line(model: InverseModel, top: float, without: Collection[str] = ()) -> dic
     every = np.column_stack([model.linear, np.sign(v)])[used]
     regressors = every[:, [name not in without for name in ("m", "b", "F_0", "F_c")]]
     lines = []
-    for delay in DELAYS * model.T_s:
+    for delay in DELAYS * model.recording.T_s:
         force = np.interp(model.t - delay, model.t, model.force)[used]
         found, *_ = np.linalg.lstsq(regressors, force, rcond=None)
         rest = force - regressors @ found
@@ -260,7 +260,7 @@ def _around(
     F_c, k = line["F_c"], len(space.names)
     at, log = space.index, space.is_log
     units = np.ones(k)
-    units[[at("b"), at("F_0"), at("delay")]] = F_c / top, F_c, model.T_s
+    units[[at("b"), at("F_0"), at("delay")]] = F_c / top, F_c, model.recording.T_s
     mean = replace(space, units=units).encode(line)
     deviation = np.full(k, np.inf)
     wide = DECADES * np.log(10.0)

@@ -7,10 +7,9 @@ import numpy as np
 
 from stickslip.catalog.parameters import presliding, unit_of
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.selection.folds import folds, is_less
 from stickslip.identification.selection.prediction import Prediction, candidates, memory
-from stickslip.logs import Finding, Recording
+from stickslip.logs import Finding
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import law_choice, misfit
 
@@ -116,14 +115,14 @@ RIDGE = 10.0  # samples of no force that each place counts in addition
 THIN = 4
 
 
-def along_the_travel(inverse: InverseModel, recording: Recording, residual: Array) -> Cause:
+def along_the_travel(inverse: InverseModel, residual: Array) -> Cause:
     """Return the cause, tested on a held-out residual (k,) [N].
 
     A function of the position for each direction is fitted to it, and predicts in turn the blocks
     that it was not fitted to.
     """
     every = slice(None, None, THIN)
-    position = position_of(recording)[inverse.used][every]
+    position = inverse.position[inverse.used][every]
     ahead = np.sign(inverse.motion.v[inverse.used][every])
     residual = residual[every]
     place = (position - position.min()) / max(float(np.ptp(position)), 1e-300) * (PLACES - 1)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy.stats import qmc
@@ -78,7 +77,7 @@ STARTS = 2  # best of these from which a fit starts, beside the straight line
 REACH = 1.0  # distance of the points from the prior mean, in prior standard deviations
 STEPS = (1.0, 0.3, 1.0)  # shares of the Gauss steps to the fit of a fold; bad ones are skipped
 AT_BOUND = 1e-6  # distance from a bound below which a coordinate stays there
-THIN = 4  # every fourth sample starts the fits; the low-pass leaves less than a quarter of the band
+THIN = 4  # rows in one that starts the fits; the low-pass leaves less than a quarter of the band
 
 
 @dataclass(frozen=True)
@@ -252,29 +251,19 @@ def _without(inverse: InverseModel, fitted: Fit, fold: Fold) -> Array:
 def _fitted(inverse: InverseModel, candidate: Candidate, scale: Scale) -> Fit:
     """Return the fit from the best of several points, with the choices such as an exponent.
 
-    The starts are compared on fewer samples.
+    The starts are compared on fewer rows.
     """
     recording = inverse.recording
     start = begin(inverse, recording, scale)
     space = candidate.restricted(start.space)
-    thinned, cutoff = _thinned(recording), inverse.cutoff
-    with InverseModel(inverse.fmus, thinned, cutoff, law=candidate.law) as thin:
+    cutoff, law, q = inverse.cutoff, candidate.law, THIN * inverse.q
+    with InverseModel(inverse.fmus, recording, cutoff, law=law, q=q) as thin:
         criterion = thin.over(space)
         starts = [space.encode(start.line), *_points(criterion, start, space)]
         found = select(
             variants(criterion, fit(criterion, starts, ROUGH), ROUGH), law_choice.EXPONENT
         ).fit
     return fit(inverse.over(found.space), [found.q], ROUGH)
-
-
-def _thinned(recording: Recording) -> Recording:
-    """Return a recording of every fourth sample."""
-    signals: dict[str, Any] = {
-        name: value[::THIN]
-        for name, value in vars(recording).items()
-        if isinstance(value, np.ndarray)
-    }
-    return replace(recording, **signals)
 
 
 def _points(inverse: InverseModel, start: Start, space: ParameterSpace) -> list[Array]:

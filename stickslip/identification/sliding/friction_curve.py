@@ -24,13 +24,18 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from stickslip.identification.criteria.motion import Scale, position_noise
+from stickslip.identification.criteria.motion import (
+    SHARE,
+    Scale,
+    means,
+    position_noise,
+    samples_per_row,
+)
 from stickslip.identification.sliding.regression import Regression, regress
 from stickslip.identification.sliding.stribeck import EXPONENTS, rise
 from stickslip.servo.measurement import Array, derivative, smoothed
 from stickslip.thresholds import curve_shown
 
-SHARE = 1.0 / 16.0  # cut-off of the low-pass, as a share of the rate of the rows
 NOISE = 1e-4  # largest variance of the acceleration by encoder noise, over that of the motion
 DISTANCES = (0.004, 0.02)  # travel from a reversal to sliding, as a share of the whole travel
 SLOWEST = 0.01  # speed from which on the drive slides, as a share of its top speed
@@ -44,7 +49,6 @@ CREEP_PERIOD = 1e-3  # least time from row to row there [s]: slips are short
 FINE = 20  # and the number of knots
 GUARDS = (0.32, 0.64)  # distances from rows that are not used, in periods of the cut-off
 HARMONICS, KNOTS, STEPS = 40, 10, 6  # bases along the guide, over speed, and since a reversal
-LONGEST = 1 << 6  # largest number of samples in a row
 ENOUGH = 50_000  # rows, of which more make nothing sharper
 SPEEDS = 12
 SPAN = (0.03, 0.97)  # quantiles of the speeds between which the curve is given
@@ -134,7 +138,12 @@ def friction_curve(
     t = T_s * np.arange(len(position))
     force = np.interp(t - delay, t, force) if delay else force
     noise = position_noise(position, step)
-    first = _samples_per_row(position, T_s, noise)
+    first = 2
+    while len(position) // first > ENOUGH:
+        first *= 2
+    first = samples_per_row(
+        position, T_s, noise, least=first, share=NOISE, rows=2.0 * curve_shown.ROWS
+    )
     rows = [_Rows.of(position, force, T_s, noise, q=first * factor) for factor in (1, 2)]
     found = _estimated(rows, DISTANCES, SPAN, KNOTS)
     if found is None:
@@ -230,26 +239,6 @@ def _estimated(
     return _Estimated(speeds, *map(np.array, zip(*estimates, strict=True)))
 
 
-def _samples_per_row(position: Array, T_s: float, noise: float) -> int:
-    """Return the least number, a power of two, with which noise does not bias the mass."""
-    q = 2
-    while len(position) // q > ENOUGH:
-        q *= 2
-    while q < LONGEST and len(position) // (4 * q) > curve_shown.ROWS:
-        cutoff = SHARE / (q * T_s)
-        a = derivative(derivative(smoothed(position, T_s, cutoff), T_s), T_s)
-        # White noise of this deviation, twice differentiated behind the two passes of the filter.
-        density = noise**2 * 2.0 * T_s
-        own = density * (2.0 * np.pi) ** 4 * cutoff**5 * PASSED
-        if own < NOISE * float(np.var(a)):
-            break
-        q *= 2
-    return q
-
-
-PASSED = 0.2  # integral of f^4 |H|^4 over f from 0, in units of the cut-off; H is of second order
-
-
 @dataclass(frozen=True)
 class _Rows:
     """A recording behind a low-pass, every q-th sample of it."""
@@ -271,9 +260,8 @@ class _Rows:
 
     @classmethod
     def of(cls, position: Array, force: Array, T_s: float, noise: float, q: int) -> _Rows:
-        n = len(position) // q * q
         T, cutoff = q * T_s, SHARE / (q * T_s)
-        x = smoothed(position[:n].reshape(-1, q).mean(axis=1), T, cutoff)
+        x = smoothed(means(position, q), T, cutoff)
         v = derivative(x, T)
         own = noise * 2.0 * np.pi * cutoff * np.sqrt(2.0 * cutoff * T_s)
         top = float(np.quantile(np.abs(v), 0.99))
@@ -287,7 +275,7 @@ class _Rows:
         turns = np.flatnonzero(np.diff(ahead)) + 1
         reversed_at[turns] = path[turns]
         s = path - np.maximum.accumulate(reversed_at)
-        logged = smoothed(force[:n].reshape(-1, q).mean(axis=1), T, cutoff)
+        logged = smoothed(means(force, q), T, cutoff)
         return cls(
             T,
             cutoff,

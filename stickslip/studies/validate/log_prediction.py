@@ -24,6 +24,7 @@ from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import (
     Scale,
+    means,
     measured_force,
     position_noise,
     position_of,
@@ -157,7 +158,7 @@ def _predict(
     with InverseModel(fmus, recording, law=friction_law(law)) as inverse:
         goodness = goodness_of_fit(inverse, values, gains, check)
         used, t = inverse.used, inverse.t[inverse.used]
-        residual = (goodness.measured - goodness.predicted)[used]
+        residual = inverse.residual({**values, "delay": goodness.delay})
         ahead = np.sign(inverse.motion.v)[used]
         encoder = encoder_error(inverse, values, gains)
         noise = explained(inverse, residual, encoder)
@@ -172,7 +173,7 @@ def _predict(
         except Diverged:
             goodness = replace(goodness, simulated=None)
         else:
-            parts["position_error"] = (position_of(recording) - simulated)[used]
+            parts["position_error"] = means(position_of(recording) - simulated, inverse.q)[used]
     return LogPrediction(
         recording, signals, changes, _spans(t, parts), drift=drift, goodness=goodness, check=check
     )

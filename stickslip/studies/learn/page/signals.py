@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.identification.criteria.inverse_model import EDGE, SHARE
 from stickslip.identification.criteria.known_loop import OutputError
 from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.estimation import Estimation
@@ -39,13 +38,10 @@ def parts(estimation: Estimation) -> Parts:
     """Return the signals of the inverse model."""
     figures, recording = estimation.figures, estimation.recording
     v = figures.velocity_recorded
-    n = len(figures.t)
-    edge = min(int(EDGE / SHARE) + 1, n // 10)
-    used = slice(edge, n - edge)
     m = estimation.parameters["m"] if "m" in estimation.known else 0.0
     rest = m * derivative(v, recording.T_s) + estimation.parameters["F_0"]
     signals = (figures.t, position_of(recording), v, figures.measured, figures.predicted, rest)
-    return Parts(*(np.asarray(signal[used]) for signal in signals))
+    return Parts(*(np.asarray(signal[figures.used]) for signal in signals))
 
 
 @dataclass(frozen=True)

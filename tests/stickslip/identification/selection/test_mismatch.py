@@ -8,7 +8,6 @@ import pytest
 from synthetic_predictions import predicted
 
 from stickslip.identification.selection.choice import Cause, along_the_travel, mismatch
-from stickslip.logs import Recording
 
 T_S = 1e-3
 
@@ -75,6 +74,7 @@ def test_force_along_the_travel(amplitude, turns):
     v = np.gradient(x, T_S)
     wave = amplitude * np.sin(2.0 * np.pi * x / 0.02) * (np.sign(v) if turns else 1.0)
     residual = wave + 0.1 * rng.standard_normal(len(t))
-    inverse = SimpleNamespace(used=slice(None), motion=SimpleNamespace(v=v), cutoff=60.0, T_s=T_S)
-    cause = along_the_travel(inverse, Recording(t, x), residual)
+    motion = SimpleNamespace(v=v)
+    inverse = SimpleNamespace(position=x, used=slice(None), motion=motion, cutoff=60.0, T_s=T_S)
+    cause = along_the_travel(inverse, residual)
     assert cause.left == pytest.approx(0.1, rel=0.15)

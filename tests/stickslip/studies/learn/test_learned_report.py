@@ -105,7 +105,9 @@ def made(kind="loop", n=30_000):
             pd.DataFrame([{"seed": 0, "evaluations": 252, "cost": 0.02, **values}]), algorithm()
         ),
         held_out=HeldOut((), ()),
-        figures=GoodnessOfFit(0.1234, 0.2, *loop, t, force + noise, force, simulated, v),
+        figures=GoodnessOfFit(
+            0.1234, 0.2, *loop, t, force + noise, force, simulated, v, 0.0, slice(65, -65)
+        ),
         controller=None if simulated is None else ControllerCheck(force, 6e-4, 1, {}),
         model_error=0.6,
         remarks=("the sign was turned",),

@@ -1,0 +1,50 @@
+"""The inverse model in rows, means of consecutive samples of a log at 10 kHz."""
+
+import numpy as np
+import pytest
+from drives import STAGE, run
+
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.fitting.fit import ROUGH, fit
+from stickslip.identification.fitting.start import begin
+from stickslip.logs import Recording
+
+T_S = 1e-4
+
+
+def recorded(step):
+    """Return a log of sines and creep of 6 s with this step of the encoder [m], and noisy force."""
+    t = np.arange(60_000) * T_S
+    v_cmd = 0.012 * np.sin(2.0 * np.pi * (0.4 + 0.15 * t) * t) * np.sin(0.5 * t) + 4e-4
+    log = run("lugre", v_cmd, T_s=T_S, tau_f=T_S, uneven=0.0, encoder=step)
+    force = log["applied"] + 0.5 * np.random.default_rng(0).standard_normal(len(t))
+    return Recording(t, log["position"], force, encoder_step=step)
+
+
+def fitted(candidates, recording, q=None):
+    """Return the fit of a law in rows, the number of samples in a row, and of rows."""
+    with InverseModel(candidates, recording, q=q) as model:
+        start = begin(model, recording)
+        criterion = model.over(start.space)
+        return fit(criterion, [start.space.encode(start.line)], ROUGH), model.q, len(model.t)
+
+
+@pytest.mark.slow
+def test_rows_give_the_values_of_the_samples_with_fewer_steps_of_the_law(candidates):
+    recording = recorded(step=2e-9)
+    (every, _, steps), (rows, q, fewer) = (fitted(candidates, recording, n) for n in (1, None))
+    assert q > 1
+    assert fewer == steps // q
+    for name in ("m", "F_c", "F_s", "v_s", "sigma_0", "F_0"):
+        error = np.hypot(every.errors()[name], rows.errors()[name])
+        assert abs(rows.parameters[name] - every.parameters[name]) < 3.0 * error, name
+        assert rows.errors()[name] < 1.2 * every.errors()[name], name
+
+
+@pytest.mark.slow
+def test_rows_keep_the_mass_that_a_coarse_encoder_dilutes(candidates):
+    recording = recorded(step=4e-7)
+    every, rows = (fitted(candidates, recording, n)[0] for n in (1, None))
+    assert every.parameters["m"] < 0.2 * STAGE["m"]
+    for name in ("m", "F_c", "F_s", "v_s", "sigma_0"):
+        assert abs(rows.parameters[name] - STAGE[name]) < 3.0 * rows.errors()[name], name
