@@ -68,7 +68,8 @@ class FamilyCost(ExitStack):
         self._lock = threading.Lock()  # of the one simulation behind it
         self.cells = [cell for cell in bench.cells if cell[0].decides]
         errors = zip(self.cells, self._each(start, self.cells), strict=True)
-        self._present = {(drive.name, command.name): own for (drive, command), own in errors}
+        # Small moves of several lengths have one name.
+        self._present = {(drive.name, command): own for (drive, command), own in errors}
         searched = {one.name for one in searched_of([drive for drive, _ in self.cells])}
         self._few = [cell for cell in self.cells if cell[0].name in searched]
         self.F_c = bench.drives[0].parameters["F_c"]
@@ -225,7 +226,7 @@ class FamilyCost(ExitStack):
             )
             for cell, found in zip(cells, errors, strict=True)
             for figure, present, own in zip(
-                FIGURES, self._present[cell[0].name, cell[1].name], found, strict=False
+                FIGURES, self._present[cell[0].name, cell[1]], found, strict=False
             )
         )
 

@@ -96,6 +96,18 @@ def test_a_candidate_runs_as_a_loop_that_is_built_for_it(cost):
     assert present[0] != pytest.approx(expected, rel=0.05)
 
 
+def test_the_present_loop_leaves_its_own_error_in_moves_of_every_length(learned):
+    file, far = LearnedFile(learned()), Trapezoid(0.1, 2.0, 0.1, 0.05)
+    start, coarse = DriveLoop.of(file), replace(SHEET, encoder_step=1e-6)
+    bench = bench_of(
+        file.law, start.loop, file.friction, file.drives, command=far, datasheet=coarse
+    )
+    with bench as one, FamilyCost(one, start, masses_of(file), ["controller.K_p"]) as cost:
+        names = [command.name for drive, command in cost.cells if drive is cost.cells[0][0]]
+        assert len(names) > len({*names})
+        assert {row.ratio for row in cost.rows(start)} == {1.0}
+
+
 def test_the_peak_sensitivity_is_the_largest_at_the_masses(cost):
     fast = replace(DESIGNED.observer.filter, L_d=5.0 * DESIGNED.observer.filter.L_d)
     one = cost.start.with_values({"observer.L_d": fast.L_d, "controller.K_p": 1500.0})
