@@ -51,6 +51,8 @@ from stickslip.logs import (
 from stickslip.logs import reading as log_reading
 from stickslip.logs.checked import shortened
 from stickslip.logs.excitation import Excitation, TurnAround, is_one_way
+from stickslip.loops.family_cost import FamilyCost
+from stickslip.loops.other_gains import OtherGains
 from stickslip.planning import LINEAR, Limits, arrange
 from stickslip.planning.shown import DataSheet, not_shown
 from stickslip.rigs import ads_rig, contract, remote, served_drive
@@ -61,7 +63,6 @@ from stickslip.servo import observer
 from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.studies.learn import log_learning
-from stickslip.studies.tune.family_cost import FamilyCost
 from stickslip.studies.tune.on_rig import RigTest
 from stickslip.studies.validate import compared_logs, log_prediction, log_verdict
 from stickslip.trial import compensator_trial, guards
@@ -903,6 +904,11 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "offer.SENSITIVITY/2": (lambda: designed(0.5), "whole error", None),
     "offer.WORTHWHILE/2": (lambda: designed(0.6), "whole error", None),
     "offer.HIDDEN/2": (lambda: designed(0.5), "whole error", "reversals"),
+    "offer.OTHER_GAINS": (
+        lambda: "promises little" in OtherGains(2, (1.2, 1.3), {"K_p": 2.0}, 0.95).sentence,
+        True,
+        False,
+    ),
     "control_match.EXACT": (lambda: criterion(0.015), "inverse model", "output error"),
     "control_match.NEAR": (
         lambda: "controller differs" in verdict(controller=checked(0.07)),

@@ -8,13 +8,13 @@ import numpy as np
 
 from stickslip.catalog.parameters import PAPER, friction_law, scaled_start
 from stickslip.cosim import Trapezoid
+from stickslip.loops.drive_loop import DriveLoop
+from stickslip.loops.family_cost import FamilyCost
 from stickslip.servo import lanes
 from stickslip.servo.axis import Axis, Datasheet
 from stickslip.servo.observer import MASSES, design_observer
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import close_velocity_loop
-from stickslip.studies.tune.drive_loop import DriveLoop
-from stickslip.studies.tune.family_cost import FamilyCost
 from stickslip.trial.family import Evidence, family
 from stickslip.trial.guards import bench_of
 

@@ -62,6 +62,11 @@ class DesignedObserver:
         return Observer(design_velocity_filter(known.axis, known.T_s, weights))
 
 
+def masses_between(low: float, high: float) -> tuple[float, ...]:
+    """Return the masses at which limits hold for an interval, relative to that of the axis."""
+    return min(MASSES[0], low), 1.0, max(MASSES[-1], high)
+
+
 def design_observer(
     loop: VelocityLoop,
     encoder_step: float,

@@ -1,4 +1,4 @@
-"""Which compensator is written: feedforward, observer, both or none."""
+"""Which compensator is written: feedforward, observer, both or none; and whether to tune."""
 
 from stickslip.thresholds import Threshold
 
@@ -12,3 +12,6 @@ WORTHWHILE = Threshold(0.9)
 """Error of friction's reversals with an observer over that without, above which there is none."""
 HIDDEN = Threshold(0.7)
 """The same ratio above which a coarse encoder hides friction, so that reversals alone count."""
+OTHER_GAINS = Threshold(0.9, "docs/tuning.md: from 0.87 down the true drives gained as well")
+"""Error that the best of a few other gains leaves, over that of the present loop, above which
+tuning is said to promise little."""

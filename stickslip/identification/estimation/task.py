@@ -39,6 +39,7 @@ class LearnSettings:
         log; a compensator must not be worse than none there
     absent : of ``encoder`` and ``motor_force``, what the controller cannot give a compensator
     limits : of the experiment on a rig, see ``plan``
+    fixed_gains : whether those of the controller may not change, so that no others are tried
     """
 
     law: str = "auto"
@@ -50,6 +51,7 @@ class LearnSettings:
     friction_range: tuple[float, float] = field(default_factory=harm.levels)
     absent: Sequence[str] = ()
     limits: Limits = LINEAR
+    fixed_gains: bool = False
 
     def __post_init__(self) -> None:
         least, largest = self.friction_range

@@ -78,6 +78,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     flags = {
         "--check": "only check the log",
         "--force": "write the whole force of the compensator even if it is not recommended",
+        "--fixed-gains": "the gains of the controller may not change: no others are tried",
     }
     add_options(parser, flags, **FLAG)
     add_algorithm_option(parser)
@@ -160,6 +161,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             absent=options.without,
             friction_range=tuple(options.friction_range),
             limits=limits,
+            fixed_gains=options.fixed_gains or options.force,
         )
         print_estimation(learned.estimation)
         if learned.tracking:
@@ -177,9 +179,12 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             progress.stage("writing the results")
             written = write_learned(learned, options.out, force=options.force)
             _print_written(written, options.out)
-            if learned.known_loop is not None and learned.trial:
-                print(f"'stickslip tune {options.out / 'learned.json'}' also tunes the gains")
+            if tried := learned.other_gains:
+                file = options.out / "learned.json"
+                print(f"{tried.sentence}; 'stickslip tune {file}' searches further")
             return written.document() | {"folder": options.out}
+        if learned.other_gains:
+            print(learned.other_gains.sentence)
         if learned.refusal:
             warn(f"the compensator is not recommended: {learned.refusal}")
     return log_document(learned) | {"folder": None}

@@ -91,6 +91,8 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
     trial, benefit = learned.trial, learned.of_law or learned.trial.benefit
     if trial.holds:
         document["hold"] = encode(trial.holds, of_drive)
+    if tried := learned.other_gains:
+        document["other_gains"] = encode(tried) | {"sentence": tried.sentence}
     return document | {
         "share": {"value": benefit.share, "unit": "1"},
         "compensator": state(benefit.variant.feedforward, start_unit, of_drive),

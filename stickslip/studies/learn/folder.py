@@ -109,7 +109,8 @@ def write_learned(
         written = Written(learned, files, force)
         write_json(written.document(), staging / "learned.json")
         told, *refused = written.sentences
-        shown_first = [told[:1].upper() + told[1:], *refused]
+        gains = [shown.other_gains.sentence] if shown.other_gains else []
+        shown_first = [line[:1].upper() + line[1:] for line in (told, *gains)] + refused
         write_estimation_report(  # last: its page names the files beside it
             learned.estimation,
             learned.findings,

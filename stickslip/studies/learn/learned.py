@@ -20,6 +20,7 @@ from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.identification.selection import choose, predictions
 from stickslip.logs import Finding, Recording
+from stickslip.loops.other_gains import OtherGains
 from stickslip.output import SILENT, Progress
 from stickslip.servo.axis import ControlError
 from stickslip.servo.systems import Compensator
@@ -76,6 +77,7 @@ class LearnedFromRecording(Learned):
     # simulated in the loop of the log, without and with the compensator
     tracking: Tracking | None = None
     asked: str = AUTO  # the compensator to be written, see ``candidates``
+    other_gains: OtherGains | None = None  # of the controller, with what is written
 
     def table(self) -> pd.DataFrame:
         """Return a row for each parameter in SI units, with its 95 % interval."""
@@ -161,7 +163,8 @@ class LearnedFromRecording(Learned):
         if self.trial is None:
             return self
         benefit, compared = self.trial.benefit.whole(), self.trial.compared.whole()
-        return replace(self, trial=replace(self.trial, benefit=benefit, compared=compared))
+        trial = replace(self.trial, benefit=benefit, compared=compared)
+        return replace(self, trial=trial, other_gains=None)
 
     @property
     def refusal(self) -> str:

@@ -25,15 +25,21 @@ from stickslip.logs import (
     samples_late,
 )
 from stickslip.logs.plausibility import implausible_mass
+from stickslip.loops.drive_loop import DriveLoop
+from stickslip.loops.family_cost import FamilyCost
+from stickslip.loops.other_gains import try_other_gains
 from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Rig
 from stickslip.servo.axis import ControlError
+from stickslip.servo.observer import masses_between
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
 from stickslip.studies.learn.recorded import read_rig
 from stickslip.studies.learn.tracking import with_tracking
 from stickslip.thresholds import control_match
 from stickslip.trial.candidates import law_of
 from stickslip.trial.compensator_trial import loops_of_log, try_compensator
+from stickslip.trial.guards import bench_of
+from stickslip.trial.observed import BOTH, FEEDFORWARD
 
 
 def check_rig(reading: Reading) -> Iterator[Finding]:
@@ -73,6 +79,37 @@ def with_trial(
         return learned
     trial = try_compensator(reading, estimation, learned.loops.compensated, settings)
     return replace(learned, trial=trial)
+
+
+def with_other_gains(
+    learned: LearnedFromRecording, settings: LearnSettings
+) -> LearnedFromRecording:
+    """Try other gains of a known loop, with what is written, unless a part of that is refused."""
+    loop, trial, written = learned.known_loop, learned.trial, learned.writes()
+    if settings.fixed_gains or loop is None or trial is None or written != learned.choice:
+        return learned
+    law, mass = learned.estimation.law, learned.estimation.known["m"]
+    start = DriveLoop(
+        loop,
+        law,
+        learned.feedforward if written in (FEEDFORWARD, BOTH) else None,
+        learned.observer,
+        share=learned.benefit.share if learned.benefit else 1.0,
+    )
+    masses = masses_between(mass.low / loop.axis.m, mass.high / loop.axis.m)
+    with (
+        bench_of(
+            law,
+            loop,
+            learned.friction,
+            trial.drives,
+            command=trial.command,
+            datasheet=trial.datasheet,
+            workers=settings.workers,
+        ) as bench,
+        FamilyCost(bench, start, masses, ()) as cost,
+    ):
+        return replace(learned, other_gains=try_other_gains(cost))
 
 
 def learn(
@@ -125,4 +162,5 @@ def learn(
             recording, gains, design, findings, settings=chosen, progress=progress
         )
         progress.stage("trying the compensator")
-        return with_tracking(reading, with_trial(reading, learned, chosen))
+        learned = with_other_gains(with_trial(reading, learned, chosen), chosen)
+        return with_tracking(reading, learned)

@@ -23,11 +23,11 @@ from stickslip.evaluation.tracking import (
 )
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import Recording
+from stickslip.loops.drive_loop import DriveLoop
 from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Command, Rig, refuse
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.studies.tune import MOTIONS
-from stickslip.studies.tune.drive_loop import DriveLoop
 from stickslip.studies.tune.rig_trial import RigMotion, RigTrial
 from stickslip.studies.tune.run import PRESENT, Step, TunedDrive, TuneSettings, tune_drive
 from stickslip.thresholds import caution, kept, rig_tuning

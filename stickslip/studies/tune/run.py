@@ -12,11 +12,11 @@ import pandas as pd
 
 from stickslip import ga
 from stickslip.learned.file import LearnedFile
+from stickslip.loops.drive_loop import DriveLoop
+from stickslip.loops.family_cost import FamilyCost, cost_of, ratios
 from stickslip.output import SILENT, Progress
 from stickslip.servo.axis import ControlError
-from stickslip.servo.observer import MASSES
-from stickslip.studies.tune.drive_loop import DriveLoop
-from stickslip.studies.tune.family_cost import FamilyCost, cost_of, ratios
+from stickslip.servo.observer import masses_between
 from stickslip.studies.tune.rig_trial import RigTrial
 from stickslip.thresholds import kept
 from stickslip.trial.benefit import Benefit, Rows, Variant
@@ -220,4 +220,4 @@ def masses_of(learned: LearnedFile) -> tuple[float, ...]:
     loop = learned.loop
     m = loop.axis.m if loop else math.nan
     low, high = (float(entry.get(key) or m) / m for key in ("low", "high"))
-    return min(MASSES[0], low), 1.0, max(MASSES[-1], high)
+    return masses_between(low, high)

@@ -10,11 +10,15 @@ import pytest
 from stickslip import models
 from stickslip.catalog.parameters import unit_of
 from stickslip.errors import UsageError
+from stickslip.identification.estimation import LearnSettings
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.writing import loop_document
 from stickslip.logs import Description, Recording
 from stickslip.logs.description import Controller
 from stickslip.logs.reading import read_recording, with_velocity_command
+from stickslip.loops.drive_loop import DriveLoop
+from stickslip.loops.family_cost import FamilyCost
+from stickslip.loops.other_gains import try_other_gains
 from stickslip.planning import LINEAR, plan
 from stickslip.servo.axis import Axis
 from stickslip.servo.systems import Compensator, build_fmus, build_loop
@@ -23,9 +27,11 @@ from stickslip.servo.velocity_loop import (
     close_velocity_loop,
     design_velocity_loop,
 )
-from stickslip.studies.learn.log_learning import learn
+from stickslip.studies.learn.folder import write_learned
+from stickslip.studies.learn.log_learning import learn, with_other_gains
+from stickslip.studies.tune.run import masses_of
 from stickslip.studies.validate.log_validation import read_log
-from stickslip.trial.guards import commands
+from stickslip.trial.guards import bench_of, commands
 
 T_S = 5e-4
 GAINS = {"K_x": 40.0, "K_p": 500.0, "K_i": 8e3}
@@ -111,6 +117,7 @@ def moved(fmus, loop, v_cmd, chain=(), **inputs):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("without_pictures")
 def test_a_log_of_a_cascade_gives_the_drive_and_less_position_error(tmp_path):
     """Without velocity feedforward, which the log of a position command alone stands for."""
     start = {one.name: one.start for one in models.load_model("drive").variables}
@@ -136,6 +143,24 @@ def test_a_log_of_a_cascade_gives_the_drive_and_less_position_error(tmp_path):
     assert {row.figure for row in learned.trial.benefit.rows} == {"velocity", "position"}
     assert set(learned.trial.holds) == {"none", learned.trial.compared.chosen.name}
     assert not learned.refusal
+    told = learned.other_gains
+    fixed = with_other_gains(replace(learned, other_gains=None), LearnSettings(fixed_gains=True))
+    assert fixed.other_gains is None
+    write_learned(learned, tmp_path / "learned")
+    file = LearnedFile(tmp_path / "learned" / "learned.json")
+    assert file.document["other_gains"]["error"] == {"value": told.error, "unit": "1"}
+    assert told.sentence[1:] in (tmp_path / "learned" / "report.html").read_text("utf-8")
+    start = DriveLoop.of(file)  # tuning begins where other gains were tried
+    bench = bench_of(
+        file.law,
+        start.loop,
+        file.friction,
+        file.drives,
+        command=file.validation,
+        datasheet=file.datasheet,
+    )
+    with bench as one, FamilyCost(one, start, masses_of(file), ()) as cost:
+        assert try_other_gains(cost) == told
     # On the true drive, on other commands; its position against that without friction.
     chain = [Compensator("compensator", "compensator", learned.compensator)]
     for command in commands(learned.trial.command, T_S, learned.friction, 4e-7):

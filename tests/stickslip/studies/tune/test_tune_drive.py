@@ -14,6 +14,10 @@ from stickslip.errors import UsageError
 from stickslip.identification.criteria.runs import Runs
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.writing import component_entry, loop_document, validation_document
+from stickslip.loops import other_gains
+from stickslip.loops.drive_loop import DriveLoop
+from stickslip.loops.family_cost import FamilyCost, ratios
+from stickslip.loops.other_gains import try_other_gains
 from stickslip.servo.axis import Axis, Datasheet
 from stickslip.servo.observer import design_observer
 from stickslip.servo.sensitivity import peak_sensitivity
@@ -21,8 +25,6 @@ from stickslip.servo.systems import Compensator, build_loop
 from stickslip.servo.velocity_filter import Observer
 from stickslip.servo.velocity_loop import close_velocity_loop
 from stickslip.storage.codec import encode
-from stickslip.studies.tune.drive_loop import DriveLoop
-from stickslip.studies.tune.family_cost import FamilyCost, ratios
 from stickslip.studies.tune.run import TuneSettings, masses_of, tune_drive
 from stickslip.thresholds import kept
 from stickslip.trial.benefit import TrialError
@@ -128,6 +130,27 @@ def test_beyond_a_limit_a_candidate_costs_more_the_farther_it_is(cost):
     assert within < 10.0 < beyond < farther
     with pytest.raises(ss.ga.CandidateFailed):
         cost(np.array([5e4]))
+
+
+def test_other_gains_are_reported_that_a_search_would_take(cost):
+    start = replace(cost.start, feedforward=None, observer=None)
+    with FamilyCost(cost.bench, start, cost.masses, ()) as plain:
+        found = try_other_gains(plain)
+        gains = {f"controller.{n}": k * getattr(CASCADE, n) for n, k in found.factors.items()}
+        one = start.with_values(gains)
+        left = ratios(plain.rows(one, plain.few))
+        assert found.peak_sensitivity == (plain.sensitivity(start), plain.sensitivity(one))
+        assert plain.excess(one) <= 1.0
+    assert found.worst == max(left.values()) <= kept.LOOP_WORSE
+    mean = np.exp(np.mean([np.log(ratio) for key, ratio in left.items() if "RMS" in key]))
+    assert found.error == pytest.approx(mean)
+    assert found.error < 0.9
+    assert f"{found.factors['K_p']:g} times K_p" in found.sentence
+
+
+def test_gains_beyond_a_limit_are_not_reported(cost, monkeypatch):
+    monkeypatch.setattr(other_gains, "CASCADE", {"K_p": (1.0, 10.0)})
+    assert "none of 1 loops tried" in try_other_gains(cost).sentence
 
 
 def test_no_motion_gets_worse_and_what_is_fixed_stays_to_the_bit(learned):

@@ -18,6 +18,7 @@ import numpy as np
 
 from stickslip import cosim, ga
 from stickslip.identification.criteria.runs import Outcome, Runs, bounded, require_bounded
+from stickslip.loops.drive_loop import DriveLoop
 from stickslip.output import steps
 from stickslip.servo.axis import ControlError
 from stickslip.servo.chain_response import ChainResponse, frequencies
@@ -25,7 +26,6 @@ from stickslip.servo.lanes import Run
 from stickslip.servo.measurement import Array
 from stickslip.servo.sensitivity import OpenLoop
 from stickslip.servo.systems import build_loop
-from stickslip.studies.tune.drive_loop import DriveLoop
 from stickslip.thresholds import kept
 from stickslip.trial.benefit import FIGURES, Bench, Rows, TrialError, geometric_mean
 from stickslip.trial.family import Command, Drive, axis_values, in_loop
@@ -67,11 +67,12 @@ class FamilyCost(ExitStack):
         self._chain = self.enter_context(ChainResponse(folder, loop, observers, self._speed))
         self._lock = threading.Lock()  # of the one simulation behind it
         self.cells = [cell for cell in bench.cells if cell[0].decides]
-        errors = zip(self.cells, self._each(start, self.cells), strict=True)
-        # Small moves of several lengths have one name.
-        self._present = {(drive.name, command): own for (drive, command), own in errors}
         searched = {one.name for one in searched_of([drive for drive, _ in self.cells])}
-        self._few = [cell for cell in self.cells if cell[0].name in searched]
+        self.few = [cell for cell in self.cells if cell[0].name in searched]
+        self.first = [cell for cell in self.few if self._is_first(cell)]
+        # Errors of the present loop; small moves of several lengths have one name.
+        self._present: dict[tuple[str, Command], tuple[float, ...]] = {}
+        self._run_present(self.few)
         self.F_c = bench.drives[0].parameters["F_c"]
         self._own = self.forces(start)
 
@@ -91,7 +92,7 @@ class FamilyCost(ExitStack):
 
         Each is the largest of all motions.
         """
-        return _forces([self._run(one, cell) for cell in self.cells if self._is_first(cell)])
+        return _forces([self._run(one, cell) for cell in self.first])
 
     def excess(self, one: DriveLoop) -> float:
         """Return peak sensitivity, chatter or force over its limit, whichever is the largest.
@@ -107,9 +108,11 @@ class FamilyCost(ExitStack):
         except cosim.SimulationError:
             return math.inf
 
-    def rows(self, one: DriveLoop) -> Rows:
-        """Return the errors of a loop and of the present one, on all drives that decide."""
-        return self._compared(self.cells, self._each(one, self.cells))
+    def rows(self, one: DriveLoop, cells: Sequence[Cell] = ()) -> Rows:
+        """Return the errors of a loop and of the present one, by default wherever they decide."""
+        cells = cells or self.cells
+        self._run_present(cells)
+        return self._compared(cells, self._each(one, cells))
 
     def __call__(self, values: Array) -> float:
         """Return the cost of a candidate (k,).
@@ -130,13 +133,13 @@ class FamilyCost(ExitStack):
                 unstable[k] = error
         ratio = {k: self.sensitivity(one) / kept.SENSITIVITY for k, one in loops.items()}
         robust = [k for k in loops if ratio[k] <= 1.0]
-        tried = self._batch([loops[k] for k in robust], self._few)
+        tried = self._batch([loops[k] for k in robust], self.few)
         runs = dict(zip(robust, tried, strict=True))
 
         def cost(k: int) -> float:
             if error := unstable.get(k):
                 raise ga.CandidateFailed(str(error)) from error
-            excess, own = ratio[k], list(zip(self._few, runs.get(k, ()), strict=False))
+            excess, own = ratio[k], list(zip(self.few, runs.get(k, ()), strict=False))
             try:
                 if own:
                     forces = _forces([run for cell, run in own if self._is_first(cell)])
@@ -148,7 +151,7 @@ class FamilyCost(ExitStack):
             if excess > 1.0:
                 return EXCESS * excess
             errors = [self._error(cell, run) for cell, run in own]
-            return cost_of(ratios(self._compared(self._few, errors)))
+            return cost_of(ratios(self._compared(self.few, errors)))
 
         return [partial(cost, k) for k in range(len(rows))]
 
@@ -160,6 +163,12 @@ class FamilyCost(ExitStack):
         limits = kept.CHATTER * self.F_c, kept.FORCE * self.bench.datasheet.peak_force
         own = self._own[0] / QUIET, self._own[1]
         return max(force / max(both) for force, *both in zip(forces, limits, own, strict=True))
+
+    def _run_present(self, cells: Sequence[Cell]) -> None:
+        """Run the present loop in cells in which it has not been run yet."""
+        left = [one for one in cells if (one[0].name, one[1]) not in self._present]
+        for (drive, command), errors in zip(left, self._each(self.start, left), strict=True):
+            self._present[drive.name, command] = errors
 
     def _each(self, one: DriveLoop, cells: Sequence[Cell]) -> list[tuple[float, ...]]:
         """Return the errors in each cell, several runs of the FMUs at a time."""
