@@ -10,19 +10,20 @@ from typing import Any
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.writing import build_part, component_entry, loop_document
 from stickslip.models.export.units import motion_unit
-from stickslip.presentation.page import Section, write_page
+from stickslip.presentation.page import Section, picture_files, write_page
 from stickslip.presentation.table import Column, Table
 from stickslip.storage import completed
 from stickslip.storage.codec import state
 from stickslip.storage.writing import write_json
 from stickslip.studies.learn import tables
+from stickslip.studies.tune.figure import FIGURE, draw_errors
 from stickslip.studies.tune.run import TunedDrive
 from stickslip.sweeping import Optimum
 from stickslip.thresholds import kept
 
 DOCUMENT, PARAMETERS, SEARCH, PAGE = "tuned.json", "parameters.csv", "search.csv", "report.html"
 FMUS = ("compensator.fmu", "observer.fmu")
-FILES = (DOCUMENT, PARAMETERS, SEARCH, PAGE, *FMUS)
+FILES = (DOCUMENT, PARAMETERS, SEARCH, PAGE, *FMUS, *picture_files([FIGURE]))
 """What ``write_tuned`` writes or removes."""
 STALE = ("predicted_error", "tracking_error", "tracking", "hold", "compared", "validation_errors")
 """Entries of learned.json that hold in the present loop only."""
@@ -112,7 +113,9 @@ def write_tuned(found: TunedDrive, folder: Path) -> None:
         section = Section(
             "",
             "studies/tune/page.j2",
+            {FIGURE: partial(draw_errors, found)} if found.is_better else {},
             found=found,
+            levels=sorted({row.level for row in found.rows}),
             parameters=parameters(found),
             errors=[*tables.errors(found.benefit)],
             kept=kept,

@@ -25,6 +25,7 @@ from stickslip.servo.systems import Compensator, build_loop
 from stickslip.servo.velocity_filter import Observer
 from stickslip.servo.velocity_loop import close_velocity_loop
 from stickslip.storage.codec import encode
+from stickslip.studies.tune.figure import draw_errors
 from stickslip.studies.tune.run import TuneSettings, masses_of, tune_drive
 from stickslip.thresholds import kept
 from stickslip.trial.benefit import TrialError
@@ -166,6 +167,11 @@ def test_no_motion_gets_worse_and_what_is_fixed_stays_to_the_bit(learned):
     assert max(found.ratios.values()) <= kept.LOOP_WORSE
     assert min(found.ratios.values()) < 0.9
     assert found.Ms[1] <= kept.SENSITIVITY
+    (panel,) = draw_errors(found).axes  # in mm/s, first in the motion and friction of the first row
+    first = [one for one in found.rows if (one.command, one.level) == (found.rows[0].command, 1.0)]
+    for line, name in zip(panel.get_lines(), ("without", "compensated"), strict=True):
+        squares = [getattr(one, name) ** 2 for one in first]
+        assert line.get_ydata()[0] == pytest.approx(1e3 * np.sqrt(np.mean(squares)))
 
 
 def test_where_nothing_is_better_the_present_loop_stays(learned):
@@ -182,6 +188,7 @@ def test_the_files_have_the_tuned_loop(learned, tmp_path, capsys):
     words = ["tune", str(path), "--out", str(tmp_path), "--evaluations", "25", "--workers", "1"]
     assert cli.main([*words, "--set-range", "controller.K_x=15:60"]) == 0
     assert "of the tracking error of the present one" in capsys.readouterr().out
+    assert (tmp_path / "errors.svg").exists()
     tuned = LearnedFile(tmp_path / "tuned.json")
     after = {one["parameter"]: one["after"] for one in tuned.document["tuning"]["parameters"]}
     assert 15.0 <= tuned.loop.K_x == after["controller.K_x"] <= 60.0
