@@ -30,6 +30,7 @@ class OtherGains:
     """The best of the loops that were tried."""
 
     tried: int
+    drives: int  # on which the error is, those of a search
     peak_sensitivity: tuple[float, float]  # Ms of the present loop, and of the best one
     # its gains over the present ones; empty where none is better
     factors: Mapping[str, float] = field(default_factory=dict, metadata=entry("1"))
@@ -49,8 +50,8 @@ class OtherGains:
         gains = f"{', '.join(first)} and {last}" if first else last
         before, after = self.peak_sensitivity
         return (
-            f"with {gains} the tracking error on the simulated drives is {self.error:.2f} of that"
-            f" in the present loop, and {self.worst:.2f} in the worst motion, at a peak"
+            f"with {gains} the tracking error on {self.drives} simulated drives is {self.error:.2f}"
+            f" of that in the present loop, and {self.worst:.2f} in the worst motion, at a peak"
             f" sensitivity of {after:.3g} instead of {before:.3g}"
         )
 
@@ -59,6 +60,7 @@ def try_other_gains(cost: FamilyCost) -> OtherGains:
     """Try the gains of a grid in place of the present ones."""
     before = cost.sensitivity(cost.start)
     loops = [(factors, one, cost.sensitivity(one)) for factors, one in _loops(cost.start)]
+    number = len(loops), len({drive.name for drive, _ in cost.few})
     tried = []
     for factors, one, Ms in loops:
         if Ms <= kept.SENSITIVITY:
@@ -69,8 +71,8 @@ def try_other_gains(cost: FamilyCost) -> OtherGains:
             found = ratios(cost.rows(one, cost.few))
             error, worst = _mean(found), max(found.values())
             if error < 1.0 and worst <= kept.LOOP_WORSE:
-                return OtherGains(len(loops), (before, Ms), factors, error=error, worst=worst)
-    return OtherGains(len(loops), (before, before))
+                return OtherGains(*number, (before, Ms), factors, error=error, worst=worst)
+    return OtherGains(*number, (before, before))
 
 
 def _loops(start: DriveLoop) -> Iterator[tuple[dict[str, float], DriveLoop]]:
