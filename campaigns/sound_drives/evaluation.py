@@ -19,7 +19,7 @@ from campaigns.sound_drives import simulator
 from campaigns.sound_drives.drives import ENCODER_NOISE, STICKSLIP, Drive
 
 MOTIONS = ("fast", "slow", "creep", "move_60", "move_4")
-PREDICTED = {"move_4": "micro-steps", "move_60": "short moves"}
+PREDICTED = {"move_4": "micro-steps", "move_60": "short moves", "creep": "creep"}
 """Motion -> the one that is most like it in the predictions of ``learn``; else by its speed."""
 LEVELS = (1.0, 0.7, 1.3)
 """F_c and F_s of the drive, relative to those at the log."""
@@ -232,12 +232,12 @@ def _predictions(
     ]
     if not rows:
         return {}
-    moves = {one["motion"]: one for one in rows if one["motion"].endswith(("moves", "steps"))}
-    steady = [one for one in rows if one["motion"] not in moves]
+    named = {one["motion"]: one for one in rows}
+    steady = [one for one in rows if one["motion"] not in PREDICTED.values()]
 
     def like(name: str) -> dict[str, Any]:
         if name in PREDICTED:
-            return moves[PREDICTED[name]]
+            return named[PREDICTED[name]]
         speed = np.max(motion(drive, name))
         return min(steady, key=lambda one: abs(math.log(one["speed"] / speed)))
 

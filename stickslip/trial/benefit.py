@@ -33,7 +33,7 @@ from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import harm, loop_fit
-from stickslip.trial.family import MOVES, Command, Drive, axis_values, in_loop
+from stickslip.trial.family import CREEP, MOVES, Command, Drive, axis_values, in_loop
 
 SHARES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
 FIGURES = ("velocity", "position")  # what errors are of; that of the position counts in a cascade
@@ -225,7 +225,7 @@ class Benefit:
         motion = max(by_motion(self.full), key=lambda one: one.worst.ratio)
         row = motion.worst
         where = f"at {1e3 * row.speed:.3g} {self.unit}"
-        if row.command in MOVES:
+        if row.command in (CREEP, *MOVES):
             where = f"in {row.command} of up to {1e3 * row.speed:.3g} {self.unit}"
         friction = "friction as learned"
         if row.level != 1.0:

@@ -250,7 +250,8 @@ def known_friction(estimation: Estimation, top: float, levels: tuple[float, floa
     return Evidence(
         {
             name: [
-                _of_drive(bounded_by(one, spaces[name], largest)) for one in stiffer(found, step)
+                _of_drive(bounded_by(one, spaces[name], largest))
+                for one in stiffer(exponents(friction_law(name), found), step)
             ]
             for name, found in draws.items()
         },
@@ -271,6 +272,23 @@ def stiffer(draws: Sequence[Mapping[str, float]], step: float) -> list[dict[str,
             values["sigma_0"] = min(one["sigma_0"] * harm.STIFFER**share, most)
         found.append(values)
     return found
+
+
+def exponents(law: Law, draws: Sequence[Mapping[str, float]]) -> list[Mapping[str, float]]:
+    """Return draws of which every second one has another value of what has choices.
+
+    A log rarely tells the exponent of the Stribeck curve, on which sticking in creep depends.
+    """
+    others = {
+        name: dict(zip(p.choices, reversed(p.choices), strict=True))
+        for name, p in law.parameters.items()
+        if p.choices
+    }
+
+    def other(values: Mapping[str, float]) -> Mapping[str, float]:
+        return {k: others[k].get(x, x) if k in others else x for k, x in values.items()}
+
+    return [other(one) if k % 2 else one for k, one in enumerate(draws)]
 
 
 def unseen(draws: Sequence[Mapping[str, float]], step: float) -> list[dict[str, float]]:

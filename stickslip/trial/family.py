@@ -109,9 +109,10 @@ Values = Mapping[str, float]
 FITTED = "friction as fitted"  # name of the drive with the values that the compensator takes
 
 SPEEDS = (1.0, 0.1)  # shares of the log's speed
-CREEP = (0.3, 0.001, 0.03)
-"""Speed of creep over the Stribeck velocity, and its bounds as shares of the log's speed."""
-CREEPS = (0.001, 0.01)  # the same shares where a log shows no such velocity
+CREEP = "creep"
+CREEPS = (0.3, 0.15)  # its speeds over the Stribeck velocity
+SLOWEST, FASTEST = 0.001, 0.03  # their bounds as shares of the log's speed
+CREEPS_OF_LEVEL = (0.001, 0.01)  # the same shares where friction does not rise towards rest
 SLIPS = (3.0, 5.0)  # times that an integral needs to break away in creep, and most of them [s]
 MICRO = "micro-steps"
 MOVES = {MICRO: (4.0, 10.0, 0.01), "short moves": (60.0, 100.0, 0.1)}
@@ -209,20 +210,23 @@ def commands(
     rotary: bool = False,
     drives: Sequence[Drive] = (),  # whose moves have the length of their own presliding
 ) -> tuple[Command, ...]:
-    """Return the commands: a trapezoid at two speeds, creep that slides, and small moves.
-
-    Where friction does not rise towards rest, creep has two speeds.
-    """
+    """Return the commands: a trapezoid at two speeds, creep that slides, and small moves."""
     unit = motion_unit("mm/s", rotary=rotary)
-    found = []
-    for share in (*SPEEDS, *_creeps(friction, command)):
+
+    def at(share: float, plateau: float) -> Array:
         slower = replace(command, height=share * command.height, slope=share * command.slope)
-        if share not in SPEEDS:
-            force = max(friction.get("F_s", 0.0), friction["F_c"])
-            held = SLIPS[0] * force / (stiffness * abs(slower.height))
-            slower = replace(slower, plateau=max(command.plateau, min(held, SLIPS[1])))
+        slower = replace(slower, plateau=plateau)
         t = np.arange(round((slower.corners()[-1] + slower.begin) / T_s) + 1) * T_s
-        found.append(Command(f"{1e3 * slower.height:.3g} {unit}", slower.sample(t)))
+        return slower.sample(t)
+
+    found = [
+        Command(f"{1e3 * share * command.height:.3g} {unit}", at(share, command.plateau))
+        for share in SPEEDS
+    ]
+    for share, (force, names) in creeps(drives, friction, command).items():
+        held = SLIPS[0] * force / (stiffness * share * abs(command.height))
+        plateau = max(command.plateau, min(held, SLIPS[1]))
+        found.append(Command(CREEP, at(share, plateau), tuple(names)))
     bent = deflections(drives, command, encoder_step) or {"": (deflection(friction, command),)}
     for name, (times, steps, share) in MOVES.items():
         of_length: dict[float, list[str]] = {}
@@ -272,10 +276,10 @@ def deflections(
     several: tuple[float, ...] = (deflection({}, command),)
     if encoder_step:
         several = hidden_deflections(encoder_step, LENGTHS)
-    level = {one.name.partition(" x ")[0]: one.parameters for one in reversed(drives)}
+    level = {_base(one): one.parameters for one in reversed(drives)}
     found = {}
     for one in drives:
-        own = deflection(level[one.name.partition(" x ")[0]], command)
+        own = deflection(level[_base(one)], command)
         sure = own >= harm.COARSE * encoder_step
         about = (own,) if sure else (own, own * harm.UNSURE, own / harm.UNSURE)
         found[one.name] = about if "sigma_0" in one.parameters else several
@@ -295,12 +299,36 @@ def deflection(friction: Values, command: Trapezoid) -> float:
     return _DEFLECTION * abs(command.height)
 
 
-def _creeps(friction: Values, command: Trapezoid) -> tuple[float, ...]:
-    """Return the speeds of creep over that of the command."""
-    if not friction.get("F_s", 0.0) > friction["F_c"]:
-        return CREEPS
-    share, low, high = CREEP
-    return (min(max(share * friction["v_s"] / abs(command.height), low), high),)
+def creeps(
+    drives: Sequence[Drive], friction: Values, command: Trapezoid
+) -> dict[float, tuple[float, list[str]]]:
+    """Return the largest static friction [N] and the drives by speed of creep over the command's.
+
+    A drive creeps below its own Stribeck velocity: as fitted at both speeds, as drawn at one of
+    them, two draws at each in turn.
+    """
+    own = {_base(one): one.parameters for one in reversed(drives)} or {"": friction}
+    order = [name for name in dict.fromkeys(map(_base, drives)) if name != FITTED]
+    found: dict[float, tuple[float, list[str]]] = {}
+    for name, values in own.items():
+        F_s = max(values.get("F_s", 0.0), values["F_c"])
+        shares = CREEPS_OF_LEVEL
+        if F_s > values["F_c"]:
+            ratio = values["v_s"] / abs(command.height)
+            slow, fast = (min(max(k * ratio, SLOWEST), FASTEST) for k in reversed(CREEPS))
+            shares = fast, slow
+        if name in order:
+            shares = shares[order.index(name) // 2 % 2 :][:1]
+        for share in dict.fromkeys(float(f"{one:.3g}") for one in shares):
+            force, names = found.get(share, (0.0, []))
+            names += [one.name for one in drives if _base(one) == name]
+            found[share] = max(force, F_s), names
+    return found
+
+
+def _base(drive: Drive) -> str:
+    """Return the name of a drive without its level of friction."""
+    return drive.name.partition(" x ")[0]
 
 
 def _moves(length: float, command: Trapezoid, T_s: float) -> Array:
