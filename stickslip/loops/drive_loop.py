@@ -14,6 +14,7 @@ from stickslip.fmi.messages import suggestion
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.writing import LOOP_UNITS
 from stickslip.models import Law, load_model
+from stickslip.models.export.description import Variable
 from stickslip.models.export.units import motion_unit
 from stickslip.servo.systems import Compensator, nominal_parameters
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -84,13 +85,18 @@ class DriveLoop:
 
     def unit(self, name: str) -> str:
         """Return the unit of one of ``tunable``."""
+        found = self._variable(name)
+        unit = found.unit or "1" if found else LOOP_UNITS.get(name.partition(".")[2], "1")
+        return motion_unit(unit, rotary=self.loop.axis.rotary)
+
+    def _variable(self, name: str) -> Variable | None:
+        """Return that of a compensator's model which one of ``tunable`` sets; else None."""
         component, _, variable = name.partition(".")
-        unit = LOOP_UNITS.get(variable, "1")
         for one in self.chain:
             if one.name == component and name != SHARE:
                 model = load_model(one.model, (one.law or self.law.name) if one.law else None)
-                unit = next((v.unit or "1" for v in model.variables if v.name == variable), "1")
-        return motion_unit(unit, rotary=self.loop.axis.rotary)
+                return next((v for v in model.variables if v.name == variable), None)
+        return None
 
     def problem(
         self, ranges: Mapping[str, tuple[float, float]], fixed: Collection[str] = ()
@@ -121,12 +127,21 @@ class DriveLoop:
         if self.observer:
             spans |= {f"observer.{name}": OBSERVED for name in _gains(self.observer.model)}
         found = {
-            name: (low * values[name], high * values[name])
+            name: self._within(name, low * values[name], high * values[name])
             for name, (low, high) in spans.items()
             if values.get(name, 0.0) > 0.0
         }
         shares = {SHARE, "observer.share"} & {name for name in values if values[name] > 0.0}
         return found | {name: (min(LEAST, values[name]), 1.0) for name in sorted(shares)}
+
+    def _within(self, name: str, low: float, high: float) -> tuple[float, float]:
+        """Return a range within that of the model."""
+        own = self._variable(name)
+        if own and own.minimum is not None:
+            low = max(low, own.minimum)
+        if own and own.maximum is not None:
+            high = min(high, own.maximum)
+        return low, high
 
     def with_values(self, genes: Mapping[str, float]) -> DriveLoop:
         """Return the loop with other values; raise ControlError when it is unstable."""

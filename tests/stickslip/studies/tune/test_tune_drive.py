@@ -18,6 +18,7 @@ from stickslip.loops import other_gains
 from stickslip.loops.drive_loop import DriveLoop
 from stickslip.loops.family_cost import FamilyCost, ratios
 from stickslip.loops.other_gains import try_other_gains
+from stickslip.models import load_model
 from stickslip.servo.axis import Axis, Datasheet
 from stickslip.servo.observer import design_observer
 from stickslip.servo.sensitivity import peak_sensitivity
@@ -237,3 +238,13 @@ def test_a_file_without_a_loop_is_refused(learned):
     path.write_text(json.dumps(document))
     with pytest.raises(UsageError, match="contains no loop; learn with the controller"):
         ss.tune(path)
+
+
+def test_a_gain_of_an_observer_is_searched_within_the_range_of_its_model(learned):
+    """The exponent mu of an observer of Coulomb friction is 0.5 to 3, and begins at 2."""
+    start = DriveLoop.of(LearnedFile(learned(CASCADE)))
+    model = load_model("momentum_observer")
+    values = {one.name: one.start for one in model.variables if one.role == "parameter"}
+    friedland = Compensator("observer", "momentum_observer", {**values, "mu": 2.0, "coulomb": True})
+    genes = {one.name: one for one in replace(start, observer=friedland).problem({}).genes}
+    assert (genes["observer.mu"].lower, genes["observer.mu"].upper) == (0.5, 3.0)
