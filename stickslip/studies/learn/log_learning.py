@@ -88,11 +88,12 @@ def with_other_gains(
     loop, trial, written = learned.known_loop, learned.trial, learned.writes()
     if settings.fixed_gains or loop is None or trial is None or written != learned.choice:
         return learned
-    law, mass = learned.estimation.law, learned.estimation.known["m"]
+    law, mass, one = learned.estimation.law, learned.estimation.known["m"], learned.feedforward
+    own = f"{one.model}_{one.law}" if one.law else ""  # FMU of another law in the bench's folder
     start = DriveLoop(
         loop,
         law,
-        learned.feedforward if written in (FEEDFORWARD, BOTH) else None,
+        replace(one, file=own) if written in (FEEDFORWARD, BOTH) else None,
         learned.observer,
         share=learned.benefit.share if learned.benefit else 1.0,
     )

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
 import pandas as pd
@@ -28,9 +29,11 @@ from stickslip.servo.velocity_loop import (
     design_velocity_loop,
 )
 from stickslip.studies.learn.folder import write_learned
+from stickslip.studies.learn.learned import LearnedFromRecording
 from stickslip.studies.learn.log_learning import learn, with_other_gains
 from stickslip.studies.tune.run import masses_of
 from stickslip.studies.validate.log_validation import read_log
+from stickslip.trial.family import Drive
 from stickslip.trial.guards import bench_of, commands
 
 T_S = 5e-4
@@ -146,6 +149,15 @@ def test_a_log_of_a_cascade_gives_the_drive_and_less_position_error(tmp_path):
     told = learned.other_gains
     fixed = with_other_gains(replace(learned, other_gains=None), LearnSettings(fixed_gains=True))
     assert fixed.other_gains is None
+    dahl = {
+        "sigma_0": 3e6,
+        "F_c": learned.friction["F_c"],
+    }  # feedforward of a law that also explains
+    other = replace(learned.trial, drives=(*learned.trial.drives, Drive("it", "dahl", dahl)))
+    rival = Compensator("compensator", "compensator", dahl, law="dahl")
+    assert learned.choice in ("feedforward", "feedforward + observer")
+    with patch.object(LearnedFromRecording, "feedforward", rival):
+        assert with_other_gains(replace(learned, trial=other), LearnSettings()).other_gains
     write_learned(learned, tmp_path / "learned")
     file = LearnedFile(tmp_path / "learned" / "learned.json")
     assert file.document["other_gains"]["error"] == {"value": told.error, "unit": "1"}
