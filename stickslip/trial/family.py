@@ -312,7 +312,7 @@ def creeps(
     found: dict[float, tuple[float, list[str]]] = {}
     for name, values in own.items():
         F_s = max(values.get("F_s", 0.0), values["F_c"])
-        shares = CREEPS_OF_LEVEL
+        shares: tuple[float, ...] = CREEPS_OF_LEVEL
         if F_s > values["F_c"]:
             ratio = values["v_s"] / abs(command.height)
             slow, fast = (min(max(k * ratio, SLOWEST), FASTEST) for k in reversed(CREEPS))
