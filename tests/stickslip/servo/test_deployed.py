@@ -41,7 +41,7 @@ LOOPS = {
     "position": {"K_x": 40.0, "velocity_feedforward": 0.0},
     "both": {"K_x": 40.0, "velocity_feedforward": 0.6},
 }
-COMMANDS = {one.name: one.v_cmd for one in commands(VALIDATION, T_S, FRICTION, 4e-7)[1:4]}
+COMMANDS = {one.name: one.v_cmd for one in commands(VALIDATION, T_S, FRICTION, 4e-7)[4:0:-1]}
 SIGNALS = {"fSetVelocity": "v_cmd", "fSetPosition": "x_cmd"}  # of the axis, in structured text
 
 

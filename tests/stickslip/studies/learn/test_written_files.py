@@ -32,9 +32,9 @@ def sound(log):
     return learned
 
 
-def worse(benefit):
-    rows = tuple(replace(row, compensated=1.5 * row.without) for row in benefit.rows)
-    return Benefit(1.0, rows, rows, benefit.unit, benefit.variant)
+def leaving(ratio, benefit, share=1.0):
+    rows = tuple(replace(row, compensated=ratio * row.without) for row in benefit.rows)
+    return Benefit(share, rows, rows, benefit.unit, benefit.variant)
 
 
 def untried(sound, asked="auto"):
@@ -45,7 +45,7 @@ def untried(sound, asked="auto"):
 def only(sound, row, asked="auto"):
     """Return what was learned where nothing but one compensator was tried beside none."""
     compared = replace(sound.trial.compared, rows=(sound.trial.compared.rows[0], row), asked=asked)
-    benefit = row.benefit if row.designed is None else sound.trial.benefit
+    benefit = row.benefit if row.designed is None else leaving(0.5, sound.trial.benefit)
     return replace(
         sound, trial=replace(sound.trial, benefit=benefit, compared=compared), asked=asked
     )
@@ -53,12 +53,12 @@ def only(sound, row, asked="auto"):
 
 def feedforward(sound, share):
     """Return the row of feedforward of the law, at a share of its force."""
-    return Row("law", 2, 1.2, replace(sound.trial.benefit, share=share))
+    return Row("law", 2, 1.2, leaving(0.5, sound.trial.benefit, share))
 
 
 def harmful(sound, asked="auto"):
     row = feedforward(sound, 1.0)
-    return only(sound, replace(row, benefit=worse(row.benefit)), asked)
+    return only(sound, replace(row, benefit=leaving(1.5, row.benefit)), asked)
 
 
 def observer(sound):
