@@ -194,7 +194,7 @@ def test_it_prints_and_writes_whether_compensation_helps(learned):
     assert document["tracking"]["measured"] is None  # no command was logged
     simulated = document["tracking"]["simulated"]
     errors = [simulated[f"{how} compensator"]["velocity_rms"] for how in ("with", "without")]
-    assert errors[0] < 0.85 * errors[1]  # of its feedforward alone; of the law it was below 0.8
+    assert errors[0] < 0.85 * errors[1]  # of its feedforward alone
     assert "tracking error on a trapezoid at the log's speed" in out
     assert "Whether compensation helps" in report
     has_observer = "observer" in document["compensation"]
