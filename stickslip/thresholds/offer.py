@@ -3,7 +3,8 @@
 from stickslip.thresholds import Threshold
 
 SIMPLER = Threshold(0.05, "decision 78")
-"""Relative difference of mean error ratios up to which the simpler compensator is taken."""
+"""Relative difference of mean error ratios, times the largest where that is above 1, up to which
+the simpler compensator is chosen."""
 GAIN = Threshold(0.9, "decision 139: one of 37 drives was predicted 0.93 and had 1.05, up to 1.38")
 """Mean error ratio on the family above which a compensator is not worth its risk."""
 SENSITIVITY = Threshold(2.2, "decision 63")

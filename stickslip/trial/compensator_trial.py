@@ -24,7 +24,7 @@ from stickslip.logs import Reading, Recording
 from stickslip.models import Law
 from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet, LoopSpecification
 from stickslip.servo.measurement import Array, smoothed
-from stickslip.servo.observer import MASSES
+from stickslip.servo.observer import masses_between
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 from stickslip.thresholds import control_match, harm
@@ -142,7 +142,7 @@ def try_compensator(
         best = best_of(benefits)
         found = findings_of(bench, friction, best, best.share, standard_errors=errors)
         mass, m = estimation.known["m"], loop.axis.m
-        masses = min(MASSES[0], mass.low / m), 1.0, max(MASSES[-1], mass.high / m)
+        masses = masses_between(mass.low / m, mass.high / m)
         compared = compare(
             bench,
             best,

@@ -111,6 +111,7 @@ def compensation(compared: CompensatorComparison) -> Section:
         WORSE=harm.WORSE,
         DRIVES=harm.DRIVES,
         SCATTER=harm.SCATTER,
+        GAIN=offer.GAIN,
         LIMIT=offer.SENSITIVITY,
     )
 
