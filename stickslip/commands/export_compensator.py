@@ -91,7 +91,7 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
     Raises HarmfulError when it makes the loop worse at every share, was never tried, or learning
     refused it, and is not forced.
     """
-    from stickslip.studies.learn.terminal import print_benefit
+    from stickslip.studies.learn.tables import benefit_text
     from stickslip.trial.guards import Variant, bench_of, retried
 
     path, loop = learned.path, learned.loop
@@ -132,7 +132,7 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
     for finding in found:
         warn(str(finding))
     if not benefit.acceptable:
-        print_benefit(benefit, "the compensator", sys.stderr)
+        print(benefit_text(benefit, "the compensator"), file=sys.stderr)
         if not force:
             raise HarmfulError(f"{path}: {benefit.refusal}; --force exports it anyway")
         warn(benefit.refusal)

@@ -5,7 +5,7 @@ the common kinds of colour-blindness. Fonts ship with matplotlib: figures look t
 """
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from threading import Lock
@@ -13,7 +13,9 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 COLUMN = 89.0  # Width of one column [mm]
 PAGE = 183.0  # Width of two columns [mm]
@@ -124,3 +126,12 @@ def zero_lines(*panels: Axes, vertical: bool = False) -> None:
         axes.axhline(0.0, color=FAINT, lw=THIN)
         if vertical:
             axes.axvline(0.0, color=FAINT, lw=THIN)
+
+
+def log_ticks(
+    axis: Axis, low: float, high: float, steps: Sequence[float] = (1.0, 2.0, 5.0)
+) -> None:
+    """Label a logarithmic axis from one value to another: powers of ten alone where many fit."""
+    axis.set_major_locator(LogLocator(subs=(1.0,) if high > 30.0 * low else steps))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())

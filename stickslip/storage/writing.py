@@ -1,13 +1,12 @@
-"""Tables and plain data as files, and documents that are kept while a command runs."""
+"""Tables and plain data as files."""
 
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
-from stickslip.fmi.files import MOST_TEXT, atomic_write, parse_json, read_limited
+from stickslip.fmi.files import atomic_write
 
 
 def write_tables(tables: Mapping[str, pd.DataFrame], folder: Path) -> None:
@@ -19,13 +18,3 @@ def write_tables(tables: Mapping[str, pd.DataFrame], folder: Path) -> None:
 def write_json(content: object, path: Path) -> None:
     """Write plain data as JSON."""
     atomic_write(path, json.dumps(content, indent=2) + "\n")
-
-
-def read_kept(path: Path, expected: Mapping[str, Any]) -> dict[str, Any] | None:
-    """Return the document of an earlier run, None unless it has the expected entries."""
-    try:
-        document = parse_json(read_limited(path, MOST_TEXT))
-    except (OSError, ValueError):
-        return None
-    known = isinstance(document, dict) and expected.items() <= document.items()
-    return document if known else None

@@ -15,7 +15,7 @@ from stickslip.compensators.names import part_names, require_parts
 from stickslip.errors import UsageError
 from stickslip.output import Answer
 from stickslip.storage import reserved
-from stickslip.studies.arena.budget import STARTS, TUNINGS, Budget
+from stickslip.studies.arena import STARTS, TUNINGS, Budget
 from stickslip.studies.arena.drive_names import drive_names, require_drives
 from stickslip.work.jobs import Execution
 
@@ -118,16 +118,7 @@ def _plan(options: argparse.Namespace) -> Plan:
 
     if len(options.compensator) != len(options.ports):
         raise UsageError("--compensator and --ports: expected one file of ports for each FMU")
-    return make_plan(
-        options.compensators,
-        options.drives,
-        laws=options.laws,
-        learned=options.drive,
-        only=options.only,
-        own=dict(zip(options.compensator, options.ports, strict=True)),
-        evaluations=options.evaluations,
-        seconds=options.seconds,
-        seeds=options.seeds,
-        seed=options.seed,
-        tunings=options.tunings,
-    )
+    names = ("laws", "only", "evaluations", "seconds", "seeds", "seed", "tunings")
+    given = {name: getattr(options, name) for name in names}
+    own = dict(zip(options.compensator, options.ports, strict=True))
+    return make_plan(options.compensators, options.drives, learned=options.drive, own=own, **given)

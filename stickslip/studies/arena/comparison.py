@@ -18,7 +18,7 @@ from stickslip.errors import UsageError
 from stickslip.fmi.process import temporary_folder
 from stickslip.presentation.style import WITH, WITHOUT
 from stickslip.storage import reserved
-from stickslip.studies.arena.budget import STARTS, TUNINGS, Budget
+from stickslip.studies.arena import STARTS, TUNINGS, Budget
 from stickslip.studies.arena.drive_names import require_drives
 from stickslip.studies.arena.drives import default_drives, learned_drive, read_drives
 from stickslip.studies.arena.protocol import Arena, Plan, run_arena
@@ -31,12 +31,12 @@ _DEEP = 3.0  # Factor on the error at which the colour of a cell is the deepest
 
 def make_plan(
     compensators: Sequence[str] | None = None,
-    drives: Path | Mapping[str, Mapping[str, Any]] | None = None,
+    drives: Path | str | Mapping[str, Mapping[str, Any]] | None = None,
     *,
     laws: Sequence[str] | None = None,
-    learned: Sequence[Path] = (),
+    learned: Sequence[Path | str] = (),
     only: Sequence[str] = (),
-    own: Mapping[Path, Path | Mapping[str, Any]] | None = None,
+    own: Mapping[Path | str, Path | str | Mapping[str, Any]] | None = None,
     evaluations: int = Budget.evaluations,
     seconds: float = Budget.seconds,
     seeds: int = STARTS,
@@ -47,9 +47,9 @@ def make_plan(
 
     Raises UsageError when a law, a compensator or a drive is unknown.
     """
-    found = [learned_drive(path) for path in learned]
+    found = [learned_drive(Path(path)) for path in learned]
     if drives is not None:
-        found += read_drives(drives, laws)
+        found += read_drives(_path(drives), laws)
     elif not found:
         found = default_drives(laws)
     known = [drive.name for drive in found]
@@ -69,7 +69,7 @@ def make_plan(
     ):
         if not (isinstance(given, int) and given >= least):
             raise UsageError(f"{option} {given!r}: expected a whole number, at least {least}")
-    parts = tuple(own_part(fmu, ports) for fmu, ports in (own or {}).items())
+    parts = tuple(own_part(Path(fmu), _path(ports)) for fmu, ports in (own or {}).items())
     names = [*(compensators or default_names()), *(part.name for part in parts)]
     plan = Plan(
         [drive for drive in found if not only or drive.name in only],
@@ -83,6 +83,10 @@ def make_plan(
     for name in plan.entrants:
         plan.entrant(name)
     return plan
+
+
+def _path(given: Path | str | Mapping[str, Any]) -> Path | Mapping[str, Any]:
+    return Path(given) if isinstance(given, str) else given
 
 
 @dataclass(frozen=True)
@@ -154,20 +158,12 @@ def arena(
     compensators: Sequence[str] | None = None,
     drives: Path | str | Mapping[str, Mapping[str, Any]] | None = None,
     *,
-    laws: Sequence[str] | None = None,
-    learned: Sequence[Path | str] = (),
-    only: Sequence[str] = (),
-    own: Mapping[Path | str, Path | str | Mapping[str, Any]] | None = None,
-    evaluations: int = Budget.evaluations,
-    seconds: float = Budget.seconds,
-    seeds: int = STARTS,
-    seed: int = 0,
-    tunings: int = TUNINGS,
     workers: int = 1,
     where: str | None = None,
     folder: Path | str | None = None,
     resume: bool = False,
     progress: Callable[[int, int, str], object] = lambda *_: None,
+    **options: Any,
 ) -> Comparison:
     """Tune compensators on drives and compare them on other motions, as ``stickslip arena``.
 
@@ -176,6 +172,12 @@ def arena(
     compensators : names, such as ``pi``, ``static`` or ``lugre+ekbf``; all by default
     drives : a file, or name -> ``{"law": ..., "parameters": ..., "loop": ..., "nominal": ...}``,
         as in docs/arena.md; by default those of the command
+    workers, where : how many, and ``threads``, ``processes`` (the default for more than one) or
+        the address of a Dask scheduler; the result does not depend on it
+    folder : in which the cells are kept while the arena runs; none by default
+    resume : go on with the cells in the folder
+    progress : called with how many cells are done, how many there are, and the last one's name
+    options : the following keywords
     laws, only : keep only drives with these laws, or of these names
     learned : files learned.json, each a drive
     own : FMU of a compensator -> how it is connected, a TOML file or its content
@@ -183,33 +185,13 @@ def arena(
     seeds : runs of each command
     seed : of the algorithm and of the coarse start values
     tunings : random seeds, from that one on, of entrants whose rank moves with the seed
-    workers, where : how many, and ``threads``, ``processes`` (the default for more than one) or
-        the address of a Dask scheduler; the result does not depend on it
-    folder : in which the cells are kept while the arena runs; none by default
-    resume : go on with the cells in the folder
-    progress : called with how many cells are done, how many there are, and the last one's name
 
     Raises
     ------
     UsageError
         When a law, a compensator or a drive is unknown.
     """
-    plan = make_plan(
-        compensators,
-        Path(drives) if isinstance(drives, str) else drives,
-        laws=laws,
-        learned=[Path(path) for path in learned],
-        only=only,
-        own={
-            Path(fmu): Path(ports) if isinstance(ports, str) else ports
-            for fmu, ports in (own or {}).items()
-        },
-        evaluations=evaluations,
-        seconds=seconds,
-        seeds=seeds,
-        seed=seed,
-        tunings=tunings,
-    )
+    plan = make_plan(compensators, drives, **options)
     place = where or ("threads" if workers == 1 else "processes")
     with ExitStack() as stack:
         kept = Path(folder) if folder else stack.enter_context(temporary_folder())

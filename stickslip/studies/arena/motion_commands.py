@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 
-from stickslip.cosim import Signal, SineSweep, Table
+from stickslip.cosim import SineSweep, Table
 from stickslip.evaluation.motions import (
     BEGIN,
     REGION,
@@ -68,34 +69,21 @@ class Command:
         """Return the command with all velocities and lengths times a factor."""
         if factor == 1.0:
             return self
-        motion = replace(self.motion, command=_Scaled(self.motion.command, factor))
+        signal = self.motion.command
+        motion = replace(self.motion, command=_Signal(lambda t: factor * signal.sample(t)))
         relative = {name: factor * speed for name, speed in self.relative.items()}
         return replace(self, motion=motion, relative=relative)
 
 
 @dataclass(frozen=True)
-class _Scaled:
-    """A signal times a factor."""
+class _Signal:
+    """A signal by a function of times (n,) [s]."""
 
-    signal: Signal
-    factor: float
-
-    def sample(self, t: Array) -> Array:
-        """Return the values (n,) at the times t (n,) [s]."""
-        return np.asarray(self.factor * self.signal.sample(t))
-
-
-@dataclass(frozen=True)
-class _Repeated:
-    """A signal again and again."""
-
-    signal: Signal
-    period: float  # [s]
+    function: Callable[[Array], object]
 
     def sample(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) [s]."""
-        within: Array = np.mod(t, self.period)
-        return np.asarray(self.signal.sample(within))
+        return np.asarray(self.function(t))
 
 
 def _sweep(passes: int = 1) -> Command:
@@ -108,7 +96,7 @@ def _sweep(passes: int = 1) -> Command:
     t = np.asarray(np.arange(round(_SWEEP.duration / 1e-3)) * 1e-3)
     turns = t[:-1][np.diff(np.sign(_SWEEP.sample(t))) != 0.0]
     spans = {"start and reversals": tuple((float(turn), float(turn) + FIRST[1]) for turn in turns)}
-    sweeps = _Repeated(_SWEEP, period)
+    sweeps = _Signal(lambda t: _SWEEP.sample(np.mod(t, period)))
     motion = Motion("sweep", "Sweep of 0.2 to 1 Hz", sweeps, passes * period, spans)
     return Command("sweep", "sweep", "velocity", motion, tuple(spans))
 
@@ -151,40 +139,26 @@ def _reversals(speed: float = 5e-4, rise: float = 0.25, pairs: int = 4) -> Comma
     return Command("R", "slow reversals", "velocity", motion, ("reversals",))
 
 
-@dataclass(frozen=True)
-class _Circles:
-    """Velocity of one axis on circles that begin at its end: R w sin(w t), one after the other."""
+def _circles(*parts: tuple[float, float]) -> Command:
+    """Return one axis of circles, of angular frequency w [rad/s] and periods, one after the other.
 
-    parts: tuple[tuple[float, float], ...]  # angular frequency [rad/s] and periods
+    Each begins at the end of the axis: its velocity is R w sin(w t).
+    """
+    ends, spans = [BEGIN], dict[str, tuple[Span, ...]]()
+    for w, periods in parts:
+        turns = int(2.0 * periods - GLITCH / np.pi)
+        times = [ends[-1] + k * (np.pi / w) for k in range(1, turns + 1)]  # but the first move
+        spans[f"{w:g} rad/s"] = tuple((t, t + GLITCH / w) for t in times)
+        ends.append(ends[-1] + periods * 2.0 * np.pi / w)
 
-    def sample(self, t: Array) -> Array:
-        """Return the velocity (n,) [m/s] at times (n,) [s]."""
-        v, begin = np.zeros(len(t)), BEGIN
-        for w, periods in self.parts:
-            end = begin + periods * 2.0 * np.pi / w
+    def velocity(t: Array) -> Array:
+        v = np.zeros(len(t))
+        for (w, _), (begin, end) in zip(parts, pairwise(ends), strict=True):
             inside = (t >= begin) & (t < end)
             v[inside] = RADIUS * w * np.sin(w * (t[inside] - begin))
-            begin = end
         return v
 
-    def reversals(self) -> dict[str, list[float]]:
-        """Return the times of the reversals by circle [s], the first move aside."""
-        found, begin = {}, BEGIN
-        for w, periods in self.parts:
-            half = np.pi / w
-            last = int(2.0 * periods - GLITCH / np.pi)
-            found[f"{w:g} rad/s"] = [begin + k * half for k in range(1, last + 1)]
-            begin += 2.0 * periods * half
-        return found
-
-
-def _circles(*parts: tuple[float, float]) -> Command:
-    circles = _Circles(parts)
-    spans: dict[str, tuple[Span, ...]] = {}
-    for (w, _), (name, times) in zip(circles.parts, circles.reversals().items(), strict=True):
-        spans[name] = tuple((t, t + GLITCH / w) for t in times)
-    duration = BEGIN + sum(periods * 2.0 * np.pi / w for w, periods in circles.parts)
-    motion = Motion("circle", "One axis of a circle", circles, duration, spans)
+    motion = Motion("circle", "One axis of a circle", _Signal(velocity), ends[-1], spans)
     return Command("C", "circle", "circle", motion, position=True)
 
 

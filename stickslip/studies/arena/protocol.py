@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import shutil
 import time
+import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -17,22 +18,21 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from stickslip import ga, models
-from stickslip.compensators.entrants import SPEED, Entrant, Part, entrant
+from stickslip import cosim, models
+from stickslip.compensators.entrants import SPEED, Entrant, Part, TunedEntrant, entrant
 from stickslip.compensators.names import content
-from stickslip.errors import UsageError
 from stickslip.fmi.errors import Fault
-from stickslip.fmi.files import atomic_write, digest
+from stickslip.fmi.files import digest
 from stickslip.fmi.process import temporary_folder
 from stickslip.learned.writing import versions
-from stickslip.storage import MANIFEST, UNFINISHED, complete, staged
-from stickslip.storage.codec import decode, encode
-from stickslip.storage.writing import read_kept
-from stickslip.studies.arena.budget import STARTS, TUNINGS, Budget
+from stickslip.servo.chain_response import sliding
+from stickslip.servo.systems import lone_chain
+from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.storage.codec import encode
+from stickslip.studies.arena import STARTS, TUNINGS, Budget
 from stickslip.studies.arena.course import build_entrants
 from stickslip.studies.arena.drives import Drive
 from stickslip.studies.arena.motion_commands import COMMANDS
-from stickslip.studies.arena.running import footprint, seconds_per_step
 from stickslip.studies.arena.tuning import TuningResult, tune
 from stickslip.studies.arena.validation import (
     RESOLUTION,
@@ -42,8 +42,10 @@ from stickslip.studies.arena.validation import (
     validate,
     validate_changed,
 )
-from stickslip.work.jobs import Execution, Outcome, ended_by_signals, run_jobs, stopped
+from stickslip.work.jobs import Execution, Outcome, ended_by_signals
+from stickslip.work.kept_jobs import KeptJobs
 
+STEPS, REPEATS = 4000, 3  # Samples, and runs, over which the time of a sample is measured
 REFERENCES = ("pi", "none")  # Entrants to which errors are relative, the preferred one first
 
 
@@ -128,13 +130,13 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
     # What a clock shows is no result: it differs from run to run.
     document["time"] = {"tuning": time.thread_time() - begun}
     measured = found.tuned(one, loop, sheet), found.coarse.friction
-    document["time"] |= seconds_per_step(cell.fmus, loop, one, *measured)
-    document["footprint"] = footprint(cell.fmus, one)
+    document["time"] |= _seconds_per_step(cell.fmus, loop, one, *measured)
+    document["footprint"] = _footprint(cell.fmus, one)
     tries = {drive.name: found}
     commands = [command.scaled(factor) for command in COMMANDS.values()]
     if cell.carried is not None:
         name, carried = cell.carried
-        tries[name] = decode(TuningResult, carried)
+        tries[name] = TuningResult.read(carried)
     for name, given in tries.items():
         document["tuned"][name] = encode(given)
         try:
@@ -160,6 +162,49 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
     return document
 
 
+def _footprint(fmus: Path, one: Entrant) -> dict[str, float]:
+    """Return numbers that it keeps between samples, and bytes of its binaries for this platform.
+
+    The numbers are missing for an FMU of the user, which does not tell them.
+    """
+    parts = [part for part in one.parts if part.compensator is not None]
+    found = {"binary size": 0.0}
+    for part in parts:
+        with zipfile.ZipFile(fmus / f"{part.file}.fmu") as archive:
+            members = archive.infolist()
+        # The FMUs of the arena are built for the platform that runs them.
+        binaries = [one.file_size for one in members if one.filename.startswith("binaries/")]
+        found["binary size"] += max(binaries, default=0)
+    if not any(part.own_fmu for part in parts):
+        found["states"] = float(sum(len(part.kept) for part in parts))
+    return found
+
+
+def _seconds_per_step(
+    fmus: Path, loop: VelocityLoop, one: Entrant, tuned: TunedEntrant, friction: float
+) -> dict[str, float]:
+    """Return the processor time of a sample of its FMUs [s], in motion against a friction [N].
+
+    Nothing where it has none, or where one fails.
+    """
+    if not one.chain:
+        return {}
+    system, force = lone_chain(fmus, loop, one.chain)
+    taken = []
+    record = cosim.Record((force,), keep="last")
+    moving = sliding(loop, friction, STEPS + 1)
+    inputs = {role: moving[role] for role in system.inputs}
+    with system.prepare(step=loop.T_s, stop=STEPS * loop.T_s, record=record) as simulation:
+        for _ in range(REPEATS):
+            begun = time.thread_time()
+            try:
+                simulation.run(tuned.parameters, inputs)
+            except cosim.SimulationError:
+                return {}
+            taken.append(time.thread_time() - begun)
+    return {"step": min(taken) / STEPS}
+
+
 def run_arena(
     plan: Plan,
     folder: Path,
@@ -169,68 +214,41 @@ def run_arena(
 ) -> Arena:
     """Run all cells; each is in ``unfinished/`` as soon as it is known.
 
-    Raises UsageError when the folder holds an arena that did not end and is not to be resumed, or
-    KeyboardInterrupt at Ctrl-C; it says what is kept.
+    Raises UsageError, KeyboardInterrupt as ``KeptJobs``.
     """
-    unfinished = folder / UNFINISHED
-    complete(unfinished)
-    if not execution.resume and (unfinished / MANIFEST).exists():
-        raise UsageError(
-            f"{unfinished}: an earlier arena did not end; continue with --resume, delete it, or"
-            " choose another <out>"
-        )
-    documents: dict[tuple[str, str], Mapping[str, Any]] = {}
-    reasons: dict[tuple[str, str], str] = {}
-    total = len(plan.drives) * len(plan.entrants)
+    jobs = KeptJobs("arena", "cells", folder, execution, plan.seed, "{}.json", _origin)
+    # In the order of the plan, whichever cell is done first.
+    places = [(drive.name, name) for drive in plan.drives for name in plan.entrants]
+
+    def done(cell: Cell, _: Outcome) -> None:
+        on_done(len(jobs.documents) + len(jobs.reasons), len(places), cell)
+
     with temporary_folder() as fmus:
         build(fmus, plan)
-        kept = 0
         for carries in (False, True):
-            cells = _cells(plan, fmus, documents, carries=carries)
-            for cell in cells if execution.resume else ():
-                path, origin = unfinished / f"{cell.name}.json", {"origin": _origin(cell)}
-                if (known := read_kept(path, origin)) is not None:
-                    documents[cell.drive.name, cell.entrant] = known
-                    kept += 1
-            left = [cell for cell in cells if (cell.drive.name, cell.entrant) not in documents]
-
-            def take(cell: Cell, outcome: Outcome) -> None:
-                place = cell.drive.name, cell.entrant
-                if outcome.learned:
-                    documents[place] = _keep(unfinished, cell, outcome.learned)
-                else:
-                    reasons[place] = outcome.reason
-                on_done(len(documents) + len(reasons), total, cell)
-
-            try:
-                run_jobs(run_cell, left, plan.seed, execution.where, execution.workers, take)
-            except (KeyboardInterrupt, ga.WorkersLost) as stop:
-                done = f"{len(documents)} of {total} cells are kept in {folder}"
-                raise stopped(stop, done) from None
-    # In the order of the plan, whichever cell was done first.
-    order = [(drive.name, name) for drive in plan.drives for name in plan.entrants]
-    return Arena(
-        plan,
-        {place: documents[place] for place in order if place in documents},
-        {place: reasons[place] for place in order if place in reasons},
-        kept,
+            cells = _cells(plan, fmus, jobs.documents, carries=carries)
+            jobs.run(run_cell, cells, len(places), done)
+    documents, reasons = (
+        {place: found[_name(*place)] for place in places if _name(*place) in found}
+        for found in (jobs.documents, jobs.reasons)
     )
+    return Arena(plan, documents, reasons, jobs.kept)
+
+
+def _name(drive: str, entrant: str) -> str:
+    return f"{drive}-{entrant}"
 
 
 def _cells(
-    plan: Plan,
-    fmus: Path,
-    documents: Mapping[tuple[str, str], Mapping[str, Any]],
-    *,
-    carries: bool,
+    plan: Plan, fmus: Path, documents: Mapping[str, Mapping[str, Any]], *, carries: bool
 ) -> list[Cell]:
     """Return the cells of the nominal drive, or those to which is carried over from there."""
     nominal, cells = plan.nominal or plan.drives[0], []
     for drive in plan.drives:
         for name in plan.entrants if (drive is not nominal) == carries else ():
-            source = documents.get((nominal.name, name)) if carries else None
+            source = documents.get(_name(nominal.name, name)) if carries else None
             carried = (nominal.name, source["tuned"][nominal.name]) if source else None
-            place = f"{drive.name}-{name}"
+            place = _name(drive.name, name)
             cells.append(Cell(place, fmus / drive.name, drive, name, plan, carried))
     return cells
 
@@ -261,12 +279,4 @@ def _origin(cell: Cell) -> dict[str, Any]:
         "own": {part.name: [digest(part.own_fmu), repr(part)] for part in plan.own if part.own_fmu},
         "versions": versions(),
     }
-    plain: dict[str, Any] = json.loads(json.dumps(origin))
-    return plain
-
-
-def _keep(unfinished: Path, cell: Cell, text: str) -> Mapping[str, Any]:
-    document: dict[str, Any] = {**json.loads(text), "origin": _origin(cell)}
-    with staged(unfinished, {"name": cell.name}) as staging:
-        atomic_write(staging / f"{cell.name}.json", json.dumps(document) + "\n")
-    return document
+    return {"origin": json.loads(json.dumps(origin))}

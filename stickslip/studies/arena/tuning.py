@@ -12,21 +12,28 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from stickslip import cosim, ga
 from stickslip.compensators.entrants import SPEED, Coarse, Entrant, TunedEntrant, entrant
-from stickslip.servo.axis import ControlError, Datasheet
+from stickslip.evaluation.motions import TRAINING as SWEEP
+from stickslip.identification.stages import identify
+from stickslip.rigs.contract import Command as RigCommand
+from stickslip.rigs.contract import Log
+from stickslip.rigs.fmu import FmuRig
+from stickslip.servo.axis import LOOP, ControlError, Datasheet
 from stickslip.servo.chain_response import ChainResponse, Robustness
 from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_loop import VelocityLoop, position_loop
-from stickslip.studies.arena.budget import Budget
+from stickslip.studies.arena import Budget
 from stickslip.studies.arena.course import Course
-from stickslip.studies.arena.experiments import experiments
 from stickslip.studies.arena.metrics import ERROR, MEASURES, Trace
 from stickslip.studies.arena.motion_commands import LEARNING, TRAINING, Command
 from stickslip.thresholds import offer
+from stickslip.tuning.learning import Study
+from stickslip.tuning.refinement import refine
 
 SLIDING = 0.5  # Share of the largest speed of the command above which the drive slides
 NEAR = 1.05  # A cost of at most so many times that at the end counts as tuned
@@ -43,6 +50,11 @@ class TuningResult:
     evaluations: int  # candidates that were evaluated
     seconds: float  # of motion of the drive that were used [s]
     soon: float  # seconds of motion after which the cost was within ``NEAR`` of that at the end [s]
+
+    @classmethod
+    def read(cls, document: Mapping[str, Any]) -> TuningResult:
+        """Return one from its document."""
+        return cls(**{**document, "coarse": Coarse(**document["coarse"])})
 
     def tuned(self, entrant: Entrant, loop: VelocityLoop, sheet: Datasheet) -> TunedEntrant:
         """Return what it found, to be validated in a loop: nothing is learned any more."""
@@ -160,7 +172,7 @@ def tune(
     """
     commands = [command.scaled(speed / SPEED) for command in TRAINING]
     coarse, plain = measure(fmus, loop, seed, sheet, commands)
-    shown, spent = experiments(fmus, loop, one, sheet, seed)
+    shown, spent = _experiments(fmus, loop, one, sheet, seed)
     problem = one.problem(coarse)
     with (
         ChainResponse(fmus, loop, one.chain) as response,
@@ -181,6 +193,39 @@ def tune(
     seconds, soon = (used[-1], used[np.argmax(near)]) if len(used) else (spent, spent)
     evaluations = len(trial.costs)
     return TuningResult(genes, learned, coarse, cost, evaluations, float(seconds), float(soon))
+
+
+class _Rig(FmuRig):
+    """A drive that counts its motion."""
+
+    seconds = 0.0
+
+    def move(self, command: RigCommand) -> Log:
+        self.seconds += len(command) * self.T_s
+        return super().move(command)
+
+
+def _experiments(
+    fmus: Path, loop: VelocityLoop, one: Entrant, sheet: Datasheet, seed: int
+) -> tuple[dict[str, float], float]:
+    """Return the parameters that the parts of an entrant learn by experiments, and the motion [s].
+
+    They need a rig, thus the encoder and the motor force of the drive only. Raises
+    IdentificationError when the drive does not show what an experiment looks for.
+    """
+    found, seconds = dict[str, float](), 0.0
+    for part in one.parts:
+        if not part.experiment or part.law is None:
+            continue
+        rig = _Rig(fmus, sheet, loop.T_s, part.law.name)
+        known = identify(rig, LOOP).tuned
+        if part.experiment == "fitted":
+            v_cmd = SWEEP.sample(rig.samples(SWEEP.duration))
+            fit = refine(Study(rig, loop, known, v_cmd, seed=seed))
+            known, seconds = fit.estimates, seconds + fit.runs * SWEEP.duration
+        found |= {f"{part.name}.{name}": one.value for name, one in known.items()}
+        seconds += rig.seconds
+    return found, seconds
 
 
 class _Trial:

@@ -14,7 +14,7 @@ from stickslip import models
 from stickslip.models.firmware import write_compensator
 from stickslip.presentation.page import picture_files, write_page
 from stickslip.storage import completed
-from stickslip.storage.codec import decode, encode
+from stickslip.storage.codec import encode
 from stickslip.storage.writing import write_json
 from stickslip.studies.arena.drives import Drive
 from stickslip.studies.arena.page import FIGURES, TITLE, sections
@@ -75,7 +75,7 @@ def write_winners(arena: Arena, found: pd.DataFrame, folder: Path) -> None:
 
 def _write(arena: Arena, drive: Drive, name: str, error: float, folder: Path) -> None:
     one, loop = arena.plan.entrant(name), drive.loop
-    tuned_on = decode(TuningResult, arena.documents[drive.name, name]["tuned"][drive.name])
+    tuned_on = TuningResult.read(arena.documents[drive.name, name]["tuned"][drive.name])
     tuned = tuned_on.tuned(one, loop, drive.sheet)
     folder.mkdir(parents=True)
     components = {}

@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import MaxNLocator
 
 from stickslip.identification.fitting.identifiability import (
     IDENTIFIABLE,
@@ -18,7 +18,17 @@ from stickslip.identification.fitting.identifiability import (
 from stickslip.presentation.interactive import name_points
 from stickslip.presentation.markup import Html
 from stickslip.presentation.page import MADE_WITH, Section
-from stickslip.presentation.style import GREY, INK, LINE, PAGE, THIN, WITH, WITHOUT, new_figure
+from stickslip.presentation.style import (
+    GREY,
+    INK,
+    LINE,
+    PAGE,
+    THIN,
+    WITH,
+    WITHOUT,
+    log_ticks,
+    new_figure,
+)
 from stickslip.presentation.table import Table
 from stickslip.servo.measurement import Array
 from stickslip.studies.compare.tables import readable_unit
@@ -114,10 +124,7 @@ def _draw(axes: Axes, table: pd.DataFrame, line: Array) -> None:
     low, high = _range(table)
     if low > 0.0 and high > DECADES * low:
         axes.set_xscale("log")
-        few = high > 30.0 * low
-        axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if few else (1.0, 2.0, 5.0)))
-        axes.xaxis.set_major_formatter("{x:g}")
-        axes.xaxis.set_minor_formatter(NullFormatter())
+        log_ticks(axes.xaxis, low, high)
         low, high = low / (high / low) ** ROOM, high * (high / low) ** ROOM
     else:
         room = ROOM * (high - low) or 0.1 * abs(high) or 1.0

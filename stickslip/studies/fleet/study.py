@@ -10,7 +10,7 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from stickslip import ga
-from stickslip.errors import StickslipError, UsageError
+from stickslip.errors import StickslipError
 from stickslip.fmi.files import digest
 from stickslip.identification.estimation import Search
 from stickslip.learned.writing import SCHEMA, versions
@@ -18,20 +18,11 @@ from stickslip.logs import Description, load_description
 from stickslip.output import SILENT, Factors, Progress
 from stickslip.papers.lugre.record_mode import learn_from_recording
 from stickslip.rigs.fmu import rig_of
-from stickslip.storage import MANIFEST, UNFINISHED, complete, refuse_foreign, staged
-from stickslip.storage.writing import read_kept, write_json
 from stickslip.studies.fleet.table import Drive, LogSource
 from stickslip.studies.learn.document import log_document, recording_document
 from stickslip.studies.learn.log_learning import learn
-from stickslip.work.jobs import (
-    Execution,
-    Job,
-    OnStage,
-    Outcome,
-    ended_by_signals,
-    run_jobs,
-    stopped,
-)
+from stickslip.work.jobs import Execution, Job, OnStage, Outcome, ended_by_signals
+from stickslip.work.kept_jobs import KeptJobs
 
 
 @dataclass(frozen=True)
@@ -111,52 +102,21 @@ def learn_fleet(
 ) -> Fleet:
     """Learn all drives; each learned.json is in ``unfinished/`` as soon as it is known.
 
-    Raises UsageError when the folder holds a study that did not end and is not to be resumed, or
-    files of the user where this one would keep what it learns, or KeyboardInterrupt at Ctrl-C; it
-    says what is kept.
+    Raises UsageError, KeyboardInterrupt as ``KeptJobs``.
     """
-    execution = execution or Execution()
-    unfinished = folder / UNFINISHED
-    complete(unfinished)
-    refuse_foreign(unfinished, [_learned(drive) for drive in drives])
-    if not execution.resume and (unfinished / MANIFEST).exists():
-        raise UsageError(
-            f"{unfinished}: an earlier study did not end; continue with <resume>, delete it, "
-            "or choose another <out>"
-        )
-    origins = {drive.name: _origin(drive) for drive in drives}
-    learned: dict[str, dict[str, Any]] = {}
-    reasons: dict[str, str] = {}
-    if execution.resume:
-        for drive in drives:
-            files = (place / _learned(drive) for place in (unfinished, folder / "drives"))
-            known = {"schema": SCHEMA, "fleet": origins[drive.name], "seed": seed}
-            documents = (read_kept(file, known | {"versions": versions()}) for file in files)
-            if document := next((d for d in documents if d is not None), None):
-                learned[drive.name] = document
-    kept = len(learned)
-
-    def take(drive: Drive, outcome: Outcome) -> None:
-        if outcome.learned:
-            document = {**json.loads(outcome.learned), "fleet": origins[drive.name]}
-            with staged(unfinished, {"name": drive.name}) as staging:
-                write_json(document, staging / _learned(drive))
-            learned[drive.name] = document
-        else:
-            reasons[drive.name] = outcome.reason
-        on_done(drive, outcome)
-
-    left = [drive for drive in drives if drive.name not in learned]
-    try:
-        run_jobs(job, left, seed, execution.where, workers=execution.workers, on_done=take)
-    except (KeyboardInterrupt, ga.WorkersLost) as stop:
-        done = f"{len(learned)} of {len(drives)} drives are learned and kept in {folder}"
-        raise stopped(stop, done) from None
-    return Fleet(drives, learned, reasons, kept)
-
-
-def _learned(drive: Drive) -> str:
-    return f"{drive.name}/learned.json"
+    jobs = KeptJobs(
+        "study",
+        "drives",
+        folder,
+        execution or Execution(),
+        seed=seed,
+        file="{}/learned.json",
+        origin=_origin,
+        own={"schema": SCHEMA, "seed": seed, "versions": versions()},
+        finished="drives",
+    )
+    jobs.run(job, drives, len(drives), on_done)
+    return Fleet(drives, jobs.documents, jobs.reasons, jobs.kept)
 
 
 def _origin(drive: Drive) -> dict[str, Any]:
@@ -168,4 +128,4 @@ def _origin(drive: Drive) -> dict[str, Any]:
                 files[column] = None
                 with suppress(OSError):  # the drive will fail, and say why
                     files[column] = digest(path)
-    return {"row": dict(drive.row), "sha256": files}
+    return {"fleet": {"row": dict(drive.row), "sha256": files}}

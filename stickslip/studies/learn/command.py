@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from stickslip.identification.estimation import CriterionName, Estimation
     from stickslip.logs import Description
     from stickslip.studies.learn.folder import Written
+    from stickslip.studies.learn.learned import LearnedFromRecording
 
 
 CRITERIA: dict[str, CriterionName] = {
@@ -137,7 +138,6 @@ def run(options: argparse.Namespace) -> Answer:
 
 def _learn(options: argparse.Namespace, description: Description) -> dict[str, Any]:
     from stickslip.identification.estimation import Search
-    from stickslip.studies.learn import terminal
     from stickslip.studies.learn.document import log_document
     from stickslip.studies.learn.folder import write_learned
     from stickslip.studies.learn.log_learning import learn
@@ -164,15 +164,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             fixed_gains=options.fixed_gains or options.force,
         )
         print_estimation(learned.estimation)
-        if learned.tracking:
-            terminal.print_tracking(learned.tracking, learned.estimation.recording.motion)
-        if learned.trial:
-            compared = learned.trial.compared
-            terminal.print_compared(compared)
-            if compared.chosen.benefit:
-                terminal.print_benefit(compared.chosen.benefit, compared.chosen.name)
-            if learned.trial.holds:
-                terminal.print_holds(learned.trial.holds)
+        _print_trial(learned)
         for warning in learned.warnings:
             warn(warning)
         if options.out:
@@ -188,6 +180,31 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
         if learned.refusal:
             warn(f"the compensator is not recommended: {learned.refusal}")
     return log_document(learned) | {"folder": None}
+
+
+def _print_trial(learned: LearnedFromRecording) -> None:
+    """Print tracking errors, measured and simulated, and what compensators leave of them."""
+    from stickslip.studies.learn import tables
+
+    if tracking := learned.tracking:
+        print(f"\ntracking error on {tracking.command}, in the loop of {tracking.loop}:")
+        print(tables.tracking(tracking, learned.estimation.recording.motion).text())
+    if learned.trial is None:
+        return
+    compared = learned.trial.compared
+    print("\ntracking error relative to none, on the same simulated drives and motions:")
+    print(tables.compensators(compared).text(), compared.sentence, sep="\n")
+    if compared.chosen.benefit:
+        print(tables.benefit_text(compared.chosen.benefit, compared.chosen.name))
+    if learned.trial.holds:
+        print("\nat rest, on the worst simulated drive:")
+    for name, hold in learned.trial.holds.items():
+        swing = f"swings by {1e6 * hold.swing:.3g} {hold.unit}"
+        if not math.isfinite(hold.swing):
+            swing = "runs away"
+        print(
+            f"{name:24} {swing}, {hold.reversals} reversals in {hold.duration:.3g} s; {hold.drive}"
+        )
 
 
 def _print_written(written: Written, folder: Path) -> None:
@@ -211,14 +228,17 @@ def _print_written(written: Written, folder: Path) -> None:
 def print_estimation(estimation: Estimation) -> None:
     """Print criterion, parameters with intervals, and relative errors."""
     from stickslip.studies.learn import tables
-    from stickslip.studies.learn.terminal import print_laws
 
     print(f"\ncriterion: {estimation.criterion} ({estimation.reason})")
     for remark in estimation.remarks:
         print(f"note: {remark}")
     for fault in estimation.faults:
         print(f"{fault}; no parameter is reported as identifiable" if fault.spoils else fault)
-    print_laws(estimation)
+    print("\nforce error where the law was not fitted")
+    print(tables.laws(estimation).text())
+    if estimation.choice:
+        print(f"law: {estimation.choice.reason}")
+    print()
     rotary = estimation.recording.rotary
     print(tables.parameters(estimation).text())
     for name, value in estimation.chosen.items():

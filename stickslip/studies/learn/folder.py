@@ -14,8 +14,7 @@ from stickslip.storage.writing import write_json, write_tables
 from stickslip.studies.learn.document import log_document
 from stickslip.studies.learn.learned import LearnedFromRecording
 from stickslip.studies.learn.page import FILES as REPORT
-from stickslip.studies.learn.page import write_estimation_report
-from stickslip.studies.learn.page.content import compensation
+from stickslip.studies.learn.page import compensation, write_estimation_report
 from stickslip.studies.learn.page.tracking import FIGURE as TRACKING
 from stickslip.studies.learn.page.tracking import tracking_section
 from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice

@@ -211,6 +211,16 @@ def errors(benefit: Benefit) -> Iterator[tuple[str, Table]]:
         yield figure, Table((name, *map(motion, motions)), ordered)
 
 
+def benefit_text(benefit: Benefit, name: str) -> str:
+    """Return these tables for a terminal, with the name of the compensator."""
+    share = "" if benefit.share == 1.0 else f" at {benefit.share:g} of its force"
+    return "\n".join(
+        f"\nRMS error of {figure} with {name}{share} over that without compensation, median of"
+        f" simulated drives (where that of the true one is expected):\n{table.text()}"
+        for figure, table in errors(benefit)
+    )
+
+
 def tracking_scales(tracking: Tracking, motion: Motion) -> tuple[Scale, Scale]:
     """Return the units of the errors of velocity and position."""
     without = tracking.errors()[NONE]

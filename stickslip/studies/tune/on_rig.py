@@ -28,8 +28,15 @@ from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Command, Rig, refuse
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.studies.tune import MOTIONS
-from stickslip.studies.tune.rig_trial import RigMotion, RigTrial
-from stickslip.studies.tune.run import PRESENT, Step, TunedDrive, TuneSettings, tune_drive
+from stickslip.studies.tune.run import (
+    PRESENT,
+    RigMotion,
+    RigTrial,
+    Step,
+    TunedDrive,
+    TuneSettings,
+    tune_drive,
+)
 from stickslip.thresholds import caution, kept, rig_tuning
 from stickslip.trial.family import MICRO
 from stickslip.trial.family import Command as Motion

@@ -14,14 +14,16 @@ from stickslip import ga
 from stickslip.learned.file import LearnedFile
 from stickslip.loops.drive_loop import DriveLoop
 from stickslip.loops.family_cost import FamilyCost, cost_of, ratios
+from stickslip.models.export.units import motion_unit
 from stickslip.output import SILENT, Progress
+from stickslip.presentation.table import Column, Table
 from stickslip.servo.axis import ControlError
 from stickslip.servo.observer import masses_between
-from stickslip.studies.tune.rig_trial import RigTrial
 from stickslip.thresholds import kept
-from stickslip.trial.benefit import Benefit, Rows, Variant
+from stickslip.trial.benefit import FIGURES, Benefit, Rows, Variant
 from stickslip.trial.family import Command
 from stickslip.trial.guards import bench_of
+from stickslip.trial.hold import Hold
 from stickslip.tuning.search import Finalist, Ratios, best_of, choose, search
 from stickslip.work.jobs import Execution
 
@@ -53,6 +55,60 @@ class Step:
     loop: DriveLoop
     Ms: float  # largest peak sensitivity at the masses
     rows: Rows  # errors beside those of the present loop, on the whole family
+
+
+@dataclass(frozen=True)
+class RigMotion:
+    """One motion of the drive in one loop."""
+
+    loop: str  # display name
+    motion: str  # display name
+    errors: tuple[float, ...]  # RMS of velocity [m/s] and, in a cascade, position [m], as measured
+    force: float  # largest of the motor [N]
+    ripple: float  # RMS of the motor force above the crossover frequency of the present loop [N]
+    hold: Hold  # how the position swings in the rest after the motion
+    # of the errors to those of the present loop, each with what the steps of the encoder show
+    ratios: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class RigTrial:
+    """What the drive showed of the loops that it ran."""
+
+    rig: str  # display name
+    motions: tuple[RigMotion, ...]
+    budget: int  # of motions
+    stopped: str  # why it ended early; empty when all loops ran
+    rotary: bool = False
+
+    @property
+    def table(self) -> Table:
+        """The errors of each motion."""
+        columns = (
+            Column("loop", "", "loop", "Loop"),
+            Column("motion", "", "motion", "Motion"),
+            Column("figure", "", "error of", "Error of"),
+            Column("unit", "", "unit", "Unit"),
+            Column("error", ".4g", "RMS", "RMS"),
+            Column("ratio", ".3f", "of the present", "Of the present"),
+        )
+        rows = [
+            {"loop": one.loop, "motion": one.motion, "figure": figure}
+            | {"unit": motion_unit(unit, rotary=self.rotary), "error": error, "ratio": ratio}
+            for one in self.motions
+            for figure, unit, error, ratio in zip(
+                FIGURES, ("m/s", "m"), one.errors, one.ratios, strict=False
+            )
+        ]
+        return Table(columns, rows)
+
+    @property
+    def sentence(self) -> str:
+        """What the drive showed, in a sentence without its end."""
+        used = f"{self.rig} ran {len(self.motions)} of at most {self.budget} motions"
+        if self.stopped:
+            return f"{used}; {self.stopped}; the present gains are set again"
+        return used
 
 
 @dataclass(frozen=True)

@@ -1,26 +1,34 @@
-"""The tables and files of a loop that was tuned."""
+"""The tables, the figure and the files of a loop that was tuned."""
 
 from __future__ import annotations
 
 import math
+import re
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.writing import build_part, component_entry, loop_document
 from stickslip.models.export.units import motion_unit
+from stickslip.presentation import style
 from stickslip.presentation.page import Section, picture_files, write_page
 from stickslip.presentation.table import Column, Table
 from stickslip.storage import completed
 from stickslip.storage.codec import state
 from stickslip.storage.writing import write_json
 from stickslip.studies.learn import tables
-from stickslip.studies.tune.figure import FIGURE, draw_errors
-from stickslip.studies.tune.run import TunedDrive
+from stickslip.studies.tune.run import PRESENT, TUNED, TunedDrive
 from stickslip.sweeping import Optimum
 from stickslip.thresholds import kept
+from stickslip.trial.benefit import MotionErrors
 
+FIGURE = "errors"
+WIDTH = 0.5  # of the levels of friction beside each other in it, over the distance of motions
 DOCUMENT, PARAMETERS, SEARCH, PAGE = "tuned.json", "parameters.csv", "search.csv", "report.html"
 FMUS = ("compensator.fmu", "observer.fmu")
 FILES = (DOCUMENT, PARAMETERS, SEARCH, PAGE, *FMUS, *picture_files([FIGURE]))
@@ -154,3 +162,40 @@ def sentence_of(found: Optimum) -> str:
     ]
     ends = f"; {', '.join(at_end)}: near an end of the range, try a wider one" if at_end else ""
     return f"The cost is {found.cost:.6g} instead of {before:.6g} after {runs} runs{ends}"
+
+
+def draw_errors(found: TunedDrive) -> Figure:
+    """Draw a panel for velocity and, in a cascade, position."""
+    motions = found.benefit.motions
+    figures = list(dict.fromkeys(one.rows[0].figure for one in motions))
+    figure = style.new_figure(style.COLUMN, 20.0 + 48.0 * len(figures))
+    panels = figure.subplots(len(figures), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, letter, name in zip(panels, "ab", figures, strict=False):
+        own = [one for one in motions if one.rows[0].figure == name]
+        factor, unit = found.benefit.shown(own[0].rows[0])
+        _draw(axes, own, factor)
+        axes.set_ylabel(f"RMS error [{unit.replace('u', 'µ')}]")
+        style.name_panel(axes, letter, name.capitalize())
+    style.legend_below(panels[0])
+    figure.align_ylabels(panels)
+    return figure
+
+
+def _draw(axes: Axes, motions: list[MotionErrors], factor: float) -> None:
+    names = list(dict.fromkeys(one.rows[0].command for one in motions))
+    levels = sorted({one.level for one in motions})
+    shifts = dict(zip(levels, np.linspace(-WIDTH / 2, WIDTH / 2, len(levels)), strict=True))
+    x = [names.index(one.rows[0].command) + shifts[one.level] for one in motions]
+    # Over the drives on which the present loop does not run away.
+    pairs = [
+        [(row.without, row.compensated) for row in one.rows if math.isfinite(row.without)]
+        for one in motions
+    ]
+    errors = factor * np.array([np.sqrt(np.mean(np.square(pair), axis=0)) for pair in pairs])
+    axes.vlines(x, *errors.T, color=style.GREY, lw=style.THIN)
+    axes.plot(x, errors[:, 0], "o", color=style.WITHOUT, mfc="white", label=PRESENT)
+    axes.plot(x, errors[:, 1], "o", color=style.WITH, label=TUNED)
+    axes.set_yscale("log")
+    style.log_ticks(axes.yaxis, errors.min(), errors.max())
+    axes.grid(visible=True, axis="y")
+    axes.set_xticks(range(len(names)), [re.sub(r" |(?<=-)", "\n", name) for name in names])

@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> Answer:
     file = one_of("a learned.json", options.learned, options.learned_option)
     require_files(options.log, options.without, options.rig)
     from stickslip.learned.file import LearnedFile
-    from stickslip.studies.validate.folder import COMPARISON_FILES, LOG_FILES
+    from stickslip.studies.validate.page import comparison, log
 
     learned = LearnedFile(file)
     if options.rig:
@@ -73,16 +73,16 @@ def run(options: argparse.Namespace) -> Answer:
     if options.log is None:
         raise UsageError("--without: expected --log with a log of the same drive, compensated")
     if options.without:
-        with reserved(options.out, COMPARISON_FILES):
+        with reserved(options.out, comparison.FILES):
             return Answer(_on_two_logs(options, learned))
-    with reserved(options.out, LOG_FILES):
+    with reserved(options.out, log.FILES):
         return Answer(_on_log(options, learned))
 
 
 def _on_log(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
-    from stickslip.studies.validate.folder import write_log_validation
     from stickslip.studies.validate.log_validation import read_log, validate_log
     from stickslip.studies.validate.log_verdict import verdict
+    from stickslip.studies.validate.page.log import write_log_validation
     from stickslip.studies.validate.tables import signals as errors_of
 
     log = read_log(options.log, description_of(options), learned, print_findings)
@@ -103,8 +103,8 @@ def _on_log(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
 
 def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
     from stickslip.studies.validate.compared_logs import sentences
-    from stickslip.studies.validate.folder import write_comparison
     from stickslip.studies.validate.log_validation import compare_logs, read_log
+    from stickslip.studies.validate.page.comparison import write_comparison
     from stickslip.studies.validate.tables import tracking
 
     description = description_of(options)

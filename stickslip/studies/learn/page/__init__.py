@@ -1,22 +1,91 @@
-"""The report on one recording: figures, a table, and one page."""
+"""The page on one recording: what was learned, how, how well, and how to use it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
+import numpy as np
+from matplotlib.figure import Figure
+
 from stickslip.fmi.files import atomic_write
+from stickslip.identification.criteria.known_loop import OutputError, is_running
 from stickslip.identification.estimation import Estimation
+from stickslip.identification.fitting.identifiability import IDENTIFIABLE, LEVELS
 from stickslip.logs import Finding
 from stickslip.presentation.page import Section, picture_files, write_page
+from stickslip.presentation.quantity import percentage
+from stickslip.presentation.scale import WORDS, force_scale, velocity_scale
+from stickslip.servo.measurement import Array
 from stickslip.studies.learn import tables
-from stickslip.studies.learn.page import content
-
-__all__ = ["FIGURES", "FILES", "sections", "write_estimation_report"]
+from stickslip.studies.learn.page.figures import (
+    draw_correlations,
+    draw_force,
+    draw_profiles,
+    draw_recording,
+    draw_residual,
+    unresolved,
+)
+from stickslip.studies.learn.page.signals import (
+    measures_friction,
+    residual,
+    simulated_position,
+    steady_name,
+)
+from stickslip.thresholds import control_match, harm, offer
+from stickslip.trial.candidates import CompensatorComparison
 
 FIGURES = ("recording", "force", "residual", "profiles", "correlations")
 FILES = ("parameters.csv", "report.html", *picture_files(FIGURES))
 """What ``write_estimation_report`` writes."""
+ERRORS = {
+    "force": "{0} predicted from the motion",
+    "position": "{1}, loop simulated",
+    "velocity": "Velocity, loop simulated",
+    "closed_loop_force": "{0}, loop simulated",
+}
+MEANT = {
+    "force": "{0}, recorded against predicted from the recorded motion, both low-passed",
+    "force_unfiltered": "The same, recorded signal as it is",
+    "position": "{1}, recorded against simulated in the closed loop",
+    "velocity": "Velocity, differences of the same signals",
+    "closed_loop_force": "{0}, recorded against commanded in the simulated loop",
+}
+STANDING_OUT = 5  # Stretches of the residual that are named
+MEANINGS = {
+    "parameters.csv": "the parameters with units and intervals, unrounded, in SI units",
+    "learned.json": "the same with criterion, relative errors, seed and versions",
+    "compensator.fmu": "the tuned compensator, from the controller's commands to the force to add",
+    "observer.fmu": "the disturbance observer, to be added after the compensator",
+}
+WINDOW = 0.05  # In which the largest value counts [s]
+USUAL = 0.9  # Share of the windows whose largest value is usual
+OUT = 2.0  # Ratio to the largest usual value from which one stands out; that of noise is about 1.3
+
+
+def _section(
+    estimation: Estimation,
+    title: str,
+    template: str,
+    draw: Mapping[str, Callable[[Estimation], Figure]] | None = None,
+    **values: object,
+) -> Section:
+    """Return a section with figures, by their names."""
+    place, push = WORDS[estimation.recording.motion]
+    return Section(
+        title,
+        f"studies/learn/page/{template}.j2",
+        {name: partial(one, estimation) for name, one in (draw or {}).items()},
+        estimation=estimation,
+        tables=tables,
+        place=place,
+        push=push,
+        measures_friction=measures_friction(estimation),
+        **values,
+    )
 
 
 def sections(
@@ -30,18 +99,139 @@ def sections(
     forced: bool = False,  # whether the compensator is written whatever its trial was
 ) -> list[Section]:
     """Return the sections of the page."""
+    section, motion = partial(_section, estimation), estimation.recording.motion
+    check, left = estimation.controller, residual(estimation)
+    learned = section(
+        "Learned parameters",
+        "learned",
+        errors=[(*one, "relative error") for one in _errors(estimation, ERRORS)],
+        unit=force_scale(motion, np.ones(1)).unit,
+        LEVELS=LEVELS,
+    )
+    criterion = section(
+        "How candidates were evaluated",
+        "criterion",
+        loop=estimation.criterion == OutputError.name,
+        running=check is not None and is_running(check.gains),
+        errors=_errors(estimation, MEANT),
+    )
+    found = tables.findings(estimation, findings)
+    fit = section(
+        "The learned drive against the recording",
+        "fit",
+        {"force": draw_force, "residual": draw_residual},
+        steady=steady_name(estimation),
+        simulated=simulated_position(estimation) is not None,
+        outliers=stretches(left.t, left.values, left.velocity),
+        most=STANDING_OUT,
+        scale=left.scale,
+        speeds=velocity_scale(motion, left.velocity),
+    )
+    identifiability = section(
+        "How well each parameter is identified",
+        "identifiability",
+        {"profiles": draw_profiles, "correlations": draw_correlations},
+        unresolved=unresolved(estimation),
+    )
+    tried = bool(estimation.held_out.predictions)
     return [
-        content.head(estimation),
+        section("", "head"),
         *opening,
-        content.learned(estimation),
+        learned,
         *further,
-        *([content.laws(estimation)] if estimation.held_out.predictions else []),
-        content.criterion(estimation),
-        content.log(estimation, findings),
-        content.fit(estimation),
-        content.identifiability(estimation),
-        content.use(estimation, beside, forced=forced),
+        *([section("Which friction law explains the log", "laws")] if tried else []),
+        criterion,
+        section("The recording", "log", {"recording": draw_recording}, findings=found),
+        fit,
+        identifiability,
+        use(estimation, beside, forced=forced),
     ]
+
+
+def _errors(estimation: Estimation, names: dict[str, str]) -> list[tuple[str, str]]:
+    """Return what the names of relative errors mean, and the errors that are known."""
+    place, push = (word.capitalize() for word in WORDS[estimation.recording.motion])
+    push = "Friction" if measures_friction(estimation) else push
+    errors = estimation.figures.errors()
+    return [
+        (meant.format(push, place), percentage(errors[name]))
+        for name, meant in names.items()
+        if math.isfinite(errors[name])
+    ]
+
+
+def use(estimation: Estimation, beside: Collection[str], *, forced: bool = False) -> Section:
+    """Return the last section; parameters are those of ``sections``."""
+    exports, force = [], " --force" if forced else ""
+    if "compensator.fmu" in beside and "learned.json" in beside:
+        exports += [
+            f"stickslip export compensator --parameters learned.json --as {form}{force}"
+            for form in ("fmu", "st")
+        ]
+    if "observer.fmu" in beside:
+        exports.append(f"stickslip export observer --parameters learned.json --as st{force}")
+    if "compensator.fmu" in beside:
+        exports.append("stickslip check compensator.fmu")
+    files = {name: what for name, what in MEANINGS.items() if name in beside}
+    known = estimation.known.items()
+    vague = [name for name, one in known if one.identifiability != IDENTIFIABLE]
+    check, blocks = estimation.controller, {"compensator.fmu", "observer.fmu"} & {*beside}
+    known_loop = check is not None and check.error <= control_match.EXACT
+    values = {"files": files, "exports": exports, "vague": vague}
+    values["tunes"] = known_loop and bool(blocks) and "learned.json" in beside
+    return _section(estimation, "Using the result", "use", None, **values)
+
+
+def compensation(compared: CompensatorComparison) -> Section:
+    """Return the section with what each compensator leaves of the error, and what is chosen."""
+    chosen = compared.chosen
+    return Section(
+        "Whether compensation helps",
+        "studies/learn/page/compensation.j2",
+        chosen=chosen,
+        compared=compared,
+        tried=list(tables.errors(chosen.benefit)) if chosen.benefit else [],
+        relative=tables.compensators(compared),
+        WORSE=harm.WORSE,
+        DRIVES=harm.DRIVES,
+        SCATTER=harm.SCATTER,
+        GAIN=offer.GAIN,
+        LIMIT=offer.SENSITIVITY,
+    )
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A stretch of time in which a residual stands out."""
+
+    # [s]
+    begin: float
+    end: float
+    peak: float  # value of the largest magnitude, in the unit of the residual
+    ratio: float  # of its magnitude to the largest usual one
+    speed: float  # in its middle, in the unit of the velocity
+
+
+def stretches(t: Array, residual: Array, velocity: Array) -> list[Stretch]:
+    """Return where a residual (n,) stands out, the largest first; t (n,) [s] is even."""
+    n = max(round(WINDOW / (t[1] - t[0])), 1)
+    windows = [slice(k, k + n) for k in range(0, len(t), n)]
+    peaks = np.array([np.abs(residual[of]).max() for of in windows])
+    usual = float(np.quantile(peaks, USUAL))
+    out = np.flatnonzero(peaks > OUT * usual)
+    found = []
+    for run in np.split(out, np.flatnonzero(np.diff(out) > 1) + 1):
+        if len(run) and usual > 0.0:
+            begin, end = windows[run[0]].start, min(windows[run[-1]].stop, len(t))
+            peak = begin + int(np.abs(residual[begin:end]).argmax())
+            found.append(
+                Stretch(
+                    *(float(t[begin]), float(t[end - 1]), float(residual[peak])),
+                    ratio=float(abs(residual[peak])) / usual,
+                    speed=abs(float(velocity[peak])),
+                )
+            )
+    return sorted(found, key=lambda one: -one.ratio)
 
 
 def write_estimation_report(

@@ -1,20 +1,40 @@
-"""Sections on a log with the compensator running against one without."""
+"""The folder and the page of a log with the compensator running against one without."""
 
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
+from stickslip.learned.file import LearnedFile
 from stickslip.presentation import style
-from stickslip.presentation.page import MADE_WITH, Section
+from stickslip.presentation.page import MADE_WITH, Section, picture_files, write_page
 from stickslip.presentation.quantity import number
 from stickslip.presentation.scale import WORDS, position_scale, thinned, velocity_scale
+from stickslip.storage import staged
+from stickslip.storage.writing import write_tables
 from stickslip.studies.validate import tables
 from stickslip.studies.validate.compared_logs import LogComparison, sentences
 
-FIGURES = ("comparison",)
+FIGURE = "comparison"
+FILES = ("tracking.csv", "report.html", *picture_files([FIGURE]))
+"""What ``write_comparison`` writes."""
 LOOKS = {NONE: style.WITHOUT, FEEDFORWARD: style.WITH}
+
+
+def write_comparison(
+    found: LogComparison, logs: tuple[str, str], learned: LearnedFile, controller: str, folder: Path
+) -> None:
+    """Write the tracking errors of two logs, without and with the compensator, and the page.
+
+    Raises OSError when a file cannot be written.
+    """
+    sections = comparison_sections(found, logs, learned.path.name, controller)
+    command = {"name": "validate", "without": logs[0], "log": logs[1]}
+    with staged(folder, command) as staging:
+        write_tables({"tracking": tables.tracking(found).frame()}, staging)
+        write_page(staging, f"{logs[1]} against {logs[0]}: what the compensator brought", sections)
 
 
 def comparison_sections(
@@ -37,7 +57,7 @@ def comparison_sections(
     errors = Section(
         "Tracking errors without and with the compensator",
         "studies/validate/page/comparison.j2",
-        {FIGURES[0]: partial(draw_comparison, found)},
+        {FIGURE: partial(draw_comparison, found)},
         tracking=tables.tracking(found),
         found=found,
         n=found.parts,

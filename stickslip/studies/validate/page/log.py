@@ -1,23 +1,55 @@
-"""Sections on another log against a learned drive."""
+"""The folder and the page of another log against a learned drive."""
 
+from collections.abc import Mapping
 from functools import partial
+from pathlib import Path
 
 from matplotlib.figure import Figure
 
 from stickslip.catalog.parameters import Values
 from stickslip.identification.criteria.motion import position_of
+from stickslip.learned.file import LearnedFile
 from stickslip.presentation import style
-from stickslip.presentation.page import MADE_WITH, Section
+from stickslip.presentation.page import MADE_WITH, Section, picture_files, write_page
 from stickslip.presentation.quantity import percentage
 from stickslip.presentation.scale import WORDS as PLACES
 from stickslip.presentation.scale import Scale, force_scale, position_scale, thinned
 from stickslip.servo.measurement import Array
+from stickslip.storage import staged
+from stickslip.storage.writing import write_tables
 from stickslip.studies.validate import tables
 from stickslip.studies.validate.log_prediction import LogPrediction
 from stickslip.studies.validate.log_verdict import verdict
 from stickslip.studies.validate.tables import signal_title
 
-FIGURES = ("prediction",)
+FILES = (
+    *("prediction.csv", "changes.csv", "spans.csv", "report.html"),
+    *picture_files(["prediction"]),
+)
+"""What ``write_log_validation`` writes."""
+
+
+def write_log_validation(
+    found: LogPrediction,
+    learned: LearnedFile,
+    controller: str,
+    folder: Path,
+    command: Mapping[str, object],
+) -> None:
+    """Write the errors of a log's signals, what has changed, errors over the log, and the page.
+
+    Raises OSError when a file cannot be written.
+    """
+    frames = {
+        "prediction": tables.signals(found).frame(),
+        "changes": tables.changes(found, learned.drive).frame(),
+        "spans": tables.spans(found).frame(),
+    }
+    sections = log_sections(found, learned.drive, learned.path.name, controller)
+    with staged(folder, command) as staging:
+        write_tables(frames, staging)
+        title = f"{learned.path.name} against the log {found.recording.source}"
+        write_page(staging, title, sections)
 
 
 def log_sections(

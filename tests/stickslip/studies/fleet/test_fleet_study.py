@@ -129,7 +129,7 @@ def test_the_command_names_a_file_of_the_user_and_learns_nothing(
     mine = tmp_path / "out" / name
     mine.parent.mkdir(parents=True)
     mine.write_text("mine")
-    monkeypatch.setattr("stickslip.studies.fleet.study.run_jobs", None)
+    monkeypatch.setattr("stickslip.work.kept_jobs.run_jobs", None)
     arguments = ["fleet", str(tmp_path / "table.csv"), "--out", str(tmp_path / "out"), *options]
     assert main(arguments) == 1
     said = capsys.readouterr().err

@@ -27,8 +27,7 @@ from stickslip.presentation.table import Column, Table
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.command import print_estimation
 from stickslip.studies.learn.document import recording_document
-from stickslip.studies.learn.page import FIGURES, sections, write_estimation_report
-from stickslip.studies.learn.page.content import use
+from stickslip.studies.learn.page import FIGURES, sections, use, write_estimation_report
 
 pytestmark = pytest.mark.slow
 

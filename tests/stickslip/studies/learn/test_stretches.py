@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip.studies.learn.page.stretches import OUT, stretches
+from stickslip.studies.learn.page import OUT, stretches
 
 T = np.arange(0.0, 20.0, 5e-4)
 

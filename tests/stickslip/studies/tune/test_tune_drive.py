@@ -26,8 +26,8 @@ from stickslip.servo.systems import Compensator, build_loop
 from stickslip.servo.velocity_filter import Observer
 from stickslip.servo.velocity_loop import close_velocity_loop
 from stickslip.storage.codec import encode
-from stickslip.studies.tune.figure import draw_errors
 from stickslip.studies.tune.run import TuneSettings, masses_of, tune_drive
+from stickslip.studies.tune.writing import draw_errors
 from stickslip.thresholds import kept
 from stickslip.trial.benefit import TrialError
 from stickslip.trial.family import axis_values, in_loop
