@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from stickslip.output import LOG
+from stickslip.output import LOG, Answer
 
 SEVERAL: dict[str, Any] = {"nargs": "+", "action": "extend", "default": []}
 """An option that takes several values and can be repeated."""
@@ -92,6 +92,12 @@ def or_(names: Iterable[str]) -> str:
     """Return names as ``a, b or c``."""
     *most, last = names
     return f"{', '.join(most)} or {last}" if most else last
+
+
+def written(*paths: Path) -> Answer:
+    """Print the paths of files that were written; return the answer of the command."""
+    print(*paths, sep="\n")
+    return Answer({"written": [*paths]})
 
 
 def write_files(out: Path | None, command: Mapping[str, object], files: Mapping[str, str]) -> None:

@@ -134,10 +134,7 @@ def add_log_options(parser: argparse.ArgumentParser) -> None:
 
 
 def description_of(options: argparse.Namespace) -> Description:
-    """Return the description that options and their file give together.
-
-    Raises UsageError when an option or the file is not valid.
-    """
+    """Return the description that options and their file give together."""
     base = load_description(options.config) if options.config else Description()
     columns = dict(base.columns)
     for option, part in _PARTS.items():

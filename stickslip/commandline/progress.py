@@ -37,10 +37,7 @@ def add_live_option(parser: argparse.ArgumentParser) -> None:
 
 
 class TerminalProgress(Progress):
-    """The progress that a command shows; close it, or use ``with``.
-
-    With ``live`` it shows how costs and parameters develop.
-    """
+    """The progress that a command shows; close it, or use ``with``."""
 
     def __init__(self, *, live: bool = False) -> None:
         self._stream = sys.stderr

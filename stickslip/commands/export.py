@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from stickslip.commandline import FLAG, add_options
+from stickslip.commandline import FLAG, add_options, written
 from stickslip.commandline.assignments import add_set_option, split_assignments
 from stickslip.commandline.platforms import add_fmu_options, fmu_options
 from stickslip.commands.export_compensator import add_compensators
@@ -63,8 +63,7 @@ def export_lti(options: argparse.Namespace) -> Answer:
         held=options.held,
         **fmu_options(options),
     )
-    print(path)
-    return Answer({"written": [path]})
+    return written(path)
 
 
 def add_rig(exports: argparse._SubParsersAction[Any]) -> None:
@@ -87,8 +86,7 @@ def export_rig(options: argparse.Namespace) -> Answer:
     options.out.mkdir(parents=True, exist_ok=True)
     path = options.out / CODE.name
     atomic_write(path, CODE.read_text(encoding="utf-8"))
-    print(path)
-    return Answer({"written": [path]})
+    return written(path)
 
 
 SYSTEM = "FILE.ssp"
@@ -139,5 +137,4 @@ def export_system(options: argparse.Namespace) -> Answer:
         experiment=replace(experiment, step=step),
         **fmu_options(options),
     )
-    print(path)
-    return Answer({"written": [path]})
+    return written(path)

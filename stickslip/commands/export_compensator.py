@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.commandline import FLAG, add_options, warn
+from stickslip.commandline import FLAG, add_options, warn, written
 from stickslip.commandline.platforms import add_fmu_options, fmu_options
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.fmi.process import temporary_folder
@@ -81,8 +81,7 @@ def export_compensator(options: argparse.Namespace) -> Answer:
         paths = write_as(options, block.model, start=block.values, law=law, **named)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
-    print(*paths, sep="\n")
-    return Answer({"written": paths})
+    return written(*paths)
 
 
 def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> float:
@@ -154,11 +153,7 @@ def write_as(options: argparse.Namespace, model: str, **given: Any) -> list[Path
 
 
 def export_observer(options: argparse.Namespace) -> Answer:
-    """Write the observer with its designed gains and print the paths.
-
-    Raises HarmfulError when learning refused it, or the peak sensitivity of the loop is too large
-    with it.
-    """
+    """Write the observer with its designed gains and print the paths."""
     from stickslip import models
     from stickslip.learned.file import LearnedFile
 
@@ -174,8 +169,7 @@ def export_observer(options: argparse.Namespace) -> Answer:
         paths = write_as(options, model, start=start, called="observer", rotary=learned.rotary)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: observer: {error}") from None
-    print(*paths, sep="\n")
-    return Answer({"written": paths})
+    return written(*paths)
 
 
 def _refusals(learned: LearnedFile, observer: Compensator) -> list[str]:
@@ -204,17 +198,14 @@ def _peak(loop: VelocityLoop, observer: Compensator, speed: float) -> float:
 
 
 def export_components(options: argparse.Namespace) -> Answer:
-    """Write each component under its name and print the paths.
-
-    Raises UsageError when there is none, or it is not available in the form that is wanted.
-    """
+    """Write each component under its name and print the paths."""
     from stickslip.learned.file import LearnedFile
 
     learned = LearnedFile(options.parameters)
     components = learned.components
     if not components:
         raise UsageError(f"{options.parameters}: contains no components")
-    written: list[Path] = []
+    paths: list[Path] = []
     for name, model in components.items():
         given: dict[str, Any] = {
             "start": {v.name: v.start for v in model.variables if v.role == "parameter"},
@@ -222,7 +213,5 @@ def export_components(options: argparse.Namespace) -> Answer:
             "called": name,
             "rotary": learned.rotary,
         }
-        paths = write_as(options, model.name, **given)
-        print(*paths, sep="\n")
-        written += paths
-    return Answer({"written": written})
+        paths += write_as(options, model.name, **given)
+    return written(*paths)

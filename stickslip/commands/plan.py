@@ -94,10 +94,7 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _limits(options: argparse.Namespace) -> tuple[Limits, Unit, DataSheet]:
-    """Return the limits, the unit of length in which they were given, and what is known.
-
-    Raises UsageError when one cannot be read, or their units belong to different motions.
-    """
+    """Return the limits, the unit of length in which they were given, and what is known."""
     values: dict[str, Any] = {}
     units: list[tuple[str, Unit]] = []
 
@@ -108,14 +105,10 @@ def _limits(options: argparse.Namespace) -> tuple[Limits, Unit, DataSheet]:
             units.append((name, unit))
         return value
 
-    for name, (quantity, *_) in _OPTIONS.items():
+    known: dict[str, float] = {}
+    for name, (quantity, *_) in (_OPTIONS | _KNOWN).items():
         if (text := getattr(options, name)) is not None:
-            values[name] = read(name, text, quantity)
-    known: dict[str, float] = {
-        name: read(name, text, quantity)
-        for name, (quantity, *_) in _KNOWN.items()
-        if (text := getattr(options, name)) is not None
-    }
+            (values if name in _OPTIONS else known)[name] = read(name, text, quantity)
     for name, value in split_assignments(options.gain, "--gain", ("K_p", "K_i")).items():
         try:
             known[name] = positive(value)
@@ -180,11 +173,7 @@ def _warn_of_speed(table: pd.DataFrame, limits: Limits, length: Unit) -> None:
 
 
 def _picture(table: pd.DataFrame, stretches: tuple[Stretch, ...], length: Unit) -> bytes:
-    """Return a PNG file of a plan: velocity, position, and the first two parts enlarged.
-
-    The table and the stretches are those of ``plan`` and ``arrange``. Large moves are drawn in this
-    unit of length, mm for m.
-    """
+    """Return a PNG file of a plan: velocity, position, and the first two parts enlarged."""
     from stickslip.presentation.style import PAGE, RESOLUTION, house_style, new_figure
 
     unit = "mm" if length.name == "m" else length.name

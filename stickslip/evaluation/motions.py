@@ -62,11 +62,9 @@ def windows(command: cosim.Trapezoid) -> dict[str, float]:
     return {"start": float(corners[0]), "reverse": float(corners[2:4].mean())}
 
 
-def regions_after(
-    instants: Mapping[str, float], region: Span = REGION
-) -> dict[str, tuple[Span, ...]]:
-    """Return for each of these instants [s] the span from when to when after it."""
-    return {name: ((t + region[0], t + region[1]),) for name, t in instants.items()}
+def regions_after(instants: Mapping[str, float]) -> dict[str, tuple[Span, ...]]:
+    """Return for each of these instants [s] the ``REGION`` after it."""
+    return {name: ((t + REGION[0], t + REGION[1]),) for name, t in instants.items()}
 
 
 def trapezoid(command: cosim.Trapezoid) -> Motion:

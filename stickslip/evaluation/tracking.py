@@ -44,10 +44,6 @@ class TrackingError:
         """Return it for errors (n,) of velocity [m/s] and position [m]."""
         return cls(*_size(velocity), *_size(position))
 
-    def items(self) -> dict[str, float]:
-        """Return the figures by name."""
-        return {name: getattr(self, name) for name in TRACKING_FIGURES}
-
 
 TRACKING_FIGURES = tuple(field.name for field in fields(TrackingError))
 """Names of the figures of a ``TrackingError``."""
@@ -89,8 +85,8 @@ class Tracking:
     def reduction(self, figure: str, variant: str = FEEDFORWARD) -> float:
         """Return by which share a variant makes a figure of ``TrackingError`` smaller."""
         errors = self.errors()
-        without = errors[NONE].items()[figure]
-        return 1.0 - errors[variant].items()[figure] / without if without > 0.0 else np.nan
+        without, compensated = (float(vars(errors[name])[figure]) for name in (NONE, variant))
+        return 1.0 - compensated / without if without > 0.0 else np.nan
 
 
 def measured_velocity(position: Array, T_s: float) -> Array:

@@ -109,10 +109,7 @@ class Run:
 
 @dataclass(frozen=True, repr=False)
 class Validation:
-    """Both runs, and the instants at which motion starts and reverses [s].
-
-    It shows itself as the table of its errors.
-    """
+    """Both runs, and the instants at which motion starts and reverses [s]."""
 
     without: Run
     compensated: Run
@@ -163,10 +160,7 @@ def velocity_errors(run: Run, regions: Regions) -> dict[tuple[str, str, str], fl
 
 
 def tracking_errors(t: Array, error: Array, spans: Iterable[Span]) -> dict[str, float]:
-    """Return (8a) and (8b) of an error (n,) over spans of time [s], their ends included.
-
-    The unit is that of the error.
-    """
+    """Return (8a) and (8b) of an error (n,) over spans of time [s], their ends included."""
     counted = error[covered(t, spans)]
     return {"E_max": float(np.abs(counted).max()), "E_rms": float(np.sqrt(np.mean(counted**2)))}
 

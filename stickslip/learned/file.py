@@ -17,7 +17,8 @@ without it, has ``judge`` and ``visible`` where 2 has ``criterion`` and ``identi
 import dataclasses
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
@@ -137,11 +138,8 @@ class LearnedFile:
     @cached_property
     def law(self) -> Law:
         """The friction law of the compensator; LuGre by default."""
-        name = self.document.get("law", "lugre")
-        try:
-            return friction_law(str(name))
-        except UnknownLaw as error:
-            raise UsageError(f"{self.path}: law: {error}") from None
+        with self._named("law", UnknownLaw):
+            return friction_law(str(self.document.get("law", "lugre")))
 
     @cached_property
     def friction(self) -> dict[str, float]:
@@ -229,13 +227,11 @@ class LearnedFile:
         model, law = str(entry.get("model", model)), str(entry.get("law", ""))
         values = self._values(name, entry.get("parameters"))
         component = "compensator" if name == "feedforward" else name
-        try:
+        with self._named(name, ValueError, UnknownLaw):  # no model, or no compensator
             known = load_model(model, law or None)
             file = f"{model}_{law}" if law else ""
             one = Compensator(component, model, _with_switches(values, known), file, law=law)
             missing = [key for key in one.ports.axis if key not in values and not law]
-        except (ValueError, UnknownLaw) as error:  # no model, or no compensator
-            raise UsageError(f"{self.path}: {name}: {error}") from None
         if missing:
             raise UsageError(f"{self.path}: {name}: '{missing[0]}' is missing")
         return one
@@ -328,16 +324,14 @@ class LearnedFile:
         entry = self._entry("loop")
         if entry is None:
             return None
-        try:
-            with np.errstate(all="ignore"):
-                return _loop_of(entry, rotary=self.rotary)
-        except KeyError as error:
+        needed = (*AXIS_KEYS, *LOOP_KEYS, *(FILTER_KEYS if "L_x" in entry else ()))
+        if missing := [name for name in needed if name not in entry]:
             raise UsageError(
-                f"{self.path}: loop: {error} is missing; expected "
-                f"{', '.join((*AXIS_KEYS, *LOOP_KEYS))}"
-            ) from None
-        except (ValueError, ArithmeticError) as error:  # a ControlError is a ValueError
-            raise UsageError(f"{self.path}: loop: {error}") from None
+                f"{self.path}: loop: {missing[0]!r} is missing; expected {', '.join(needed)}"
+            )
+        # A ControlError is a ValueError.
+        with self._named("loop", ValueError, ArithmeticError), np.errstate(all="ignore"):
+            return _loop_of(entry, rotary=self.rotary)
 
     def deployed(self, share: float) -> Compensator:
         """Return a share of the feedforward as a controller takes it; see ``servo.systems``."""
@@ -357,10 +351,8 @@ class LearnedFile:
                 f"{self.path}: validation: expected {', '.join(TRAPEZOID)}, slope above 0, "
                 f"height not 0, times of 0 or more; got {entry}"
             )
-        try:
+        with self._named("validation", SignalError):
             return Trapezoid(**entry)
-        except SignalError as error:
-            raise UsageError(f"{self.path}: validation: {error}") from None
 
     @property
     def datasheet(self) -> Datasheet:
@@ -400,12 +392,18 @@ class LearnedFile:
         law = friction_law(str(entry["law"]))
         model = load_model("drive", law.name)
         values = _with_switches(self._values("family", entry["parameters"]), model)
-        try:
+        with self._named("family", StartValueError):
             model.with_start(values)
-        except StartValueError as error:
-            raise UsageError(f"{self.path}: family: {error}") from None
         level, decides = float(entry.get("level", 1.0)), bool(entry.get("decides", True))
         return Drive(str(entry["drive"]), law.name, values, level, decides=decides)
+
+    @contextmanager
+    def _named(self, entry: str, *faults: type[Exception]) -> Iterator[None]:
+        """Name the file and the entry in errors."""
+        try:
+            yield
+        except faults as error:
+            raise UsageError(f"{self.path}: {entry}: {error}") from None
 
     def _entry(self, name: str) -> dict[str, float] | None:
         """Return the values of an entry, None if it is absent."""

@@ -119,10 +119,10 @@ class Picture:
     panels: list[Panel] = field(default_factory=list)  # what a page draws when the figure is opened
 
     @classmethod
-    def of(cls, draw: Callable[..., Figure], *subjects: object) -> Picture:
-        """Draw a figure of its subjects in the house style."""
+    def of(cls, draw: Callable[[], Figure]) -> Picture:
+        """Draw a figure in the house style."""
         with house_style():
-            figure = draw(*subjects)
+            figure = draw()
             _settle(figure)
             png, svg = io.BytesIO(), io.BytesIO()
             figure.savefig(png, format="png", dpi=RESOLUTION, metadata={"Software": None})

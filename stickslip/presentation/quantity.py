@@ -50,9 +50,9 @@ def _factor(name: str) -> float:
     return _SHOWN.get(parameter(name).unit, (1.0, ""))[0]
 
 
-def size_or_dash(value: float, spec: str = ".3g") -> str:
-    """Return a number, or a dash of the same width where a run has failed."""
-    return f"{value:{spec}}" if math.isfinite(value) else f"{'-':>{spec.partition('.')[0] or 0}}"
+def size_or_dash(value: float) -> str:
+    """Return a number, or a dash where a run has failed."""
+    return f"{value:.3g}" if math.isfinite(value) else "-"
 
 
 def number(value: float, digits: int = 4) -> str:

@@ -89,9 +89,16 @@ def share(name: str, head: str, unit: str = "") -> Column:
     )
 
 
-def scaled(name: str, scale: Callable[[Row], Scale], head: str) -> Column:
-    """Return a column of values in the unit in which those of a row read best."""
-    return Column(name, lambda row: number(scale(row).factor * row[name], 3), head.lower(), head)
+def scaled(name: str, scale: Callable[[Row], Scale], head: str, text: str | None = None) -> Column:
+    """Return a column of values in the unit in which those of a row read best.
+
+    A terminal shows the same, unless a format of the value is given.
+    """
+
+    def shown(row: Row) -> str:
+        return number(scale(row).factor * row[name], 3)
+
+    return Column(name, text or shown, head.lower(), head, cell=shown)
 
 
 def units(scale: Callable[[Row], Scale]) -> Column:

@@ -43,10 +43,7 @@ def make_plan(
     seed: int = 0,
     tunings: int = TUNINGS,
 ) -> Plan:
-    """Return what an arena compares; parameters are those of ``arena``.
-
-    Raises UsageError when a law, a compensator or a drive is unknown.
-    """
+    """Return what an arena compares; parameters are those of ``arena``."""
     found = [learned_drive(Path(path)) for path in learned]
     if drives is not None:
         found += read_drives(_path(drives), laws)

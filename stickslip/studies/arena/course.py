@@ -51,10 +51,7 @@ class Course(Closing):
     def run(
         self, tuned: TunedEntrant, v_cmd: Array, drive: Mapping[str, float] | None = None
     ) -> cosim.Result:
-        """Run a command (n,) [m/s], with start values of the drive such as the seed of its noise.
-
-        Raises SimulationError when an FMU fails.
-        """
+        """Run a command (n,) [m/s], with start values of the drive, such as ``seed``."""
         values = dict(tuned.parameters)
         if tuned.loop is not self.loop:
             values |= {"controller.K_p": tuned.loop.K_p, "controller.K_i": tuned.loop.K_i}

@@ -110,10 +110,7 @@ def read_drives(
 
 
 def learned_drive(path: Path) -> Drive:
-    """Return the drive of a learned.json, in its loop.
-
-    Raises UsageError when it is not a learned.json, or has no loop.
-    """
+    """Return the drive of a learned.json, in its loop."""
     learned = LearnedFile(path)
     loop, sheet = learned.loop, learned.datasheet
     if loop is None:

@@ -62,10 +62,7 @@ class Plan:
     tunings: int = TUNINGS  # random seeds of entrants whose rank moves with the seed
 
     def entrant(self, name: str) -> Entrant:
-        """Return an entrant by its name.
-
-        Raises UsageError when one of its parts is unknown, or cannot follow the one before it.
-        """
+        """Return an entrant by its name."""
         return entrant(name, {part.name: part for part in self.own})
 
     @property
@@ -212,10 +209,7 @@ def run_arena(
     # called with the number of cells that are done, that of all, and the last one
     on_done: Callable[[int, int, Cell], object] = lambda *_: None,
 ) -> Arena:
-    """Run all cells; each is in ``unfinished/`` as soon as it is known.
-
-    Raises UsageError, KeyboardInterrupt as ``KeptJobs``.
-    """
+    """Run all cells; each is in ``unfinished/`` as soon as it is known."""
     jobs = KeptJobs("arena", "cells", folder, execution, plan.seed, "{}.json", _origin)
     # In the order of the plan, whichever cell is done first.
     places = [(drive.name, name) for drive in plan.drives for name in plan.entrants]
@@ -228,11 +222,11 @@ def run_arena(
         for carries in (False, True):
             cells = _cells(plan, fmus, jobs.documents, carries=carries)
             jobs.run(run_cell, cells, len(places), done)
-    documents, reasons = (
-        {place: found[_name(*place)] for place in places if _name(*place) in found}
-        for found in (jobs.documents, jobs.reasons)
-    )
-    return Arena(plan, documents, reasons, jobs.kept)
+
+    def placed(found: Mapping[str, Any]) -> dict[tuple[str, str], Any]:
+        return {place: found[_name(*place)] for place in places if _name(*place) in found}
+
+    return Arena(plan, placed(jobs.documents), placed(jobs.reasons), jobs.kept)
 
 
 def _name(drive: str, entrant: str) -> str:

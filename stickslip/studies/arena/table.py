@@ -76,10 +76,7 @@ def time_table(arena: Arena) -> pd.DataFrame:
 def relative_errors(
     table: pd.DataFrame, plan: Plan, *, carried: bool, command: str = ALL
 ) -> pd.DataFrame:
-    """Return the errors relative to the reference, a row an entrant, a column a drive.
-
-    They are of entrants that were tuned on each drive, or, carried over, on the nominal one.
-    """
+    """Return the errors relative to the reference, a row an entrant, a column a drive."""
     rows = table[(table["metric"] == RELATIVE) & (table["command"] == command)]
     nominal = plan.nominal.name if plan.nominal else ""
     chosen = rows["tuned_on"] == (nominal if carried else rows["drive"])

@@ -88,10 +88,7 @@ def measure(
 
 
 class Courses(ExitStack):
-    """The training motions of an entrant: in the velocity loop, and in a position loop around it.
-
-    Use it in a ``with`` block.
-    """
+    """The training motions of an entrant, in the velocity loop and in a position loop."""
 
     def __init__(
         self,

@@ -76,10 +76,8 @@ def compare(places: Iterable[Path]) -> DriveComparison:
 
 
 def _files(place: Path) -> list[Path]:
-    if place.is_file():
-        return [place]
-    found = [place / "learned.json"] if (place / "learned.json").exists() else []
-    found = found or sorted(place.glob("drives/*/learned.json"))
+    own = place if place.is_file() else place / "learned.json"
+    found = [own] if own.exists() else sorted(place.glob("drives/*/learned.json"))
     if not found:
         raise UsageError(
             f"{place}: expected learned.json, or a folder in which learn, reproduce or fleet wrote"
@@ -116,15 +114,15 @@ def error_ratios(document: Mapping[str, Any]) -> dict[str, Any]:
     return {"law": law, "compensation": compensation, **ratios}
 
 
+def _is_known(one: Mapping[Any, Any]) -> bool:
+    return one["low"] is not None and one["identifiability"] != NOT_IDENTIFIABLE
+
+
 def _shown(one: Mapping[Any, Any]) -> str:
-    low, high = one["low"], one["high"]
-    if low is None or one["identifiability"] == NOT_IDENTIFIABLE:
-        return f"({one['value']:.4g})"
-    return f"{one['value']:.4g} [{low:.4g}, {high:.4g}]"
+    ends = f"{one['value']:.4g} [{one['low']:.4g}, {one['high']:.4g}]" if _is_known(one) else ""
+    return ends or f"({one['value']:.4g})"
 
 
 def _apart(one: Mapping[Any, Any], other: Mapping[Any, Any]) -> bool:
-    known = all(
-        of["low"] is not None and of["identifiability"] != NOT_IDENTIFIABLE for of in (one, other)
-    )
+    known = _is_known(one) and _is_known(other)
     return known and (one["high"] < other["low"] or other["high"] < one["low"])

@@ -100,10 +100,7 @@ def learn_fleet(
     on_done: Callable[[Drive, Outcome], object] = lambda _, __: None,
     job: Job = learn_drive,
 ) -> Fleet:
-    """Learn all drives; each learned.json is in ``unfinished/`` as soon as it is known.
-
-    Raises UsageError, KeyboardInterrupt as ``KeptJobs``.
-    """
+    """Learn all drives; each learned.json is in ``unfinished/`` as soon as it is known."""
     jobs = KeptJobs(
         "study",
         "drives",

@@ -57,17 +57,11 @@ def summary(table: Table) -> Table:
         if row.get("identifiability", NOT_IDENTIFIABLE) != NOT_IDENTIFIABLE:
             found.setdefault((row["parameter"], row["unit"]), []).append(row["value"])
     rows = [
-        {
-            "parameter": name,
-            "unit": unit,
-            "drives": len(values),
-            "minimum": min(values),
-            "median": median(values),
-            "maximum": max(values),
-        }
+        (name, unit, len(values), min(values), median(values), max(values))
         for (name, unit), values in found.items()
     ]
-    return Table(SUMMARY, rows)
+    keys = [column.name for column in SUMMARY]
+    return Table(SUMMARY, [dict(zip(keys, row, strict=False)) for row in rows])
 
 
 def files_of(drives: Sequence[Drive]) -> list[str]:
@@ -77,10 +71,7 @@ def files_of(drives: Sequence[Drive]) -> list[str]:
 
 
 def write_fleet(fleet: Fleet, table: Table, folder: Path) -> None:
-    """Write fleet.csv, fleet.json, drives/NAME/learned.json, and a page with a figure.
-
-    Raises UsageError, OSError as ``results.folder.staged``.
-    """
+    """Write fleet.csv, fleet.json, drives/NAME/learned.json, and a page with a figure."""
     names = [drive.name for drive in fleet.drives]
     known = {name: fleet.learned.get(name) or {"reason": fleet.reasons[name]} for name in names}
     command = {"name": "fleet", "drives": names}

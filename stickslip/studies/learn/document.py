@@ -22,6 +22,7 @@ from stickslip.output import plain
 from stickslip.storage.codec import encode, state
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.learned import LearnedFromRecording
+from stickslip.trial.candidates import Row
 
 
 def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
@@ -86,18 +87,32 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
             "measured": encode(tracking.measured),
             "simulated": encode(tracking.errors()),
         }
-    if learned.trial is None:
+    trial, benefit = learned.trial, learned.benefit
+    if trial is None or benefit is None:
         return document
-    trial, benefit = learned.trial, learned.of_law or learned.trial.benefit
+    of_law, chosen = learned.of_law or trial.benefit, trial.compared.chosen
     if trial.holds:
         document["hold"] = encode(trial.holds, of_drive)
     if tried := learned.other_gains:
         document["other_gains"] = encode(tried) | {"sentence": tried.sentence}
+    document |= {
+        "share": {"value": of_law.share, "unit": "1"},
+        "compensator": state(of_law.variant.feedforward, start_unit, of_drive),
+        "compensation": learned.choice,
+        "compared": {
+            "chosen": chosen.name,
+            "sentence": trial.compared.sentence,
+            "compensators": tables.compensators(trial.compared).records(),
+        },
+    }
+    if chosen.benefit:
+        document["predicted_error"] = tables.predicted(chosen.benefit).records()
+    one = learned.feedforward
+    if (one.model, one.law) != trial.benefit.variant.feedforward_kind:
+        share = {"share": {"value": benefit.share, "unit": "1"}}
+        document["feedforward"] = component_entry(one, rotary=rotary) | share
     return document | {
-        "share": {"value": benefit.share, "unit": "1"},
-        "compensator": state(benefit.variant.feedforward, start_unit, of_drive),
-        **_feedforward_entry(learned),
-        **_observer_entry(learned),
+        "observer": _observer_entry(learned, chosen, rotary=rotary),
         "validation": validation_document(trial.command, rotary=rotary),
         "datasheet": encode(trial.datasheet, of_drive),
         "family": encode(trial.drives, of_drive),
@@ -105,34 +120,10 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
     }
 
 
-def _feedforward_entry(learned: LearnedFromRecording) -> dict[str, Any]:
-    """Return all compensators that were tried, what is written, and its predicted error."""
-    if learned.trial is None or learned.benefit is None:
-        return {}
-    compared, one, benefit = learned.trial.compared, learned.feedforward, learned.benefit
-    found: dict[str, Any] = {
-        "compensation": learned.choice,
-        "compared": {
-            "chosen": compared.chosen.name,
-            "sentence": compared.sentence,
-            "compensators": tables.compensators(compared).records(),
-        },
-    }
-    if compared.chosen.benefit:
-        found["predicted_error"] = tables.predicted(compared.chosen.benefit).records()
-    if (one.model, one.law) != learned.trial.benefit.variant.feedforward_kind:
-        component = component_entry(one, rotary=learned.estimation.recording.rotary)
-        found["feedforward"] = component | {"share": {"value": benefit.share, "unit": "1"}}
-    return found
-
-
-def _observer_entry(learned: LearnedFromRecording) -> dict[str, Any]:
+def _observer_entry(learned: LearnedFromRecording, chosen: Row, *, rotary: bool) -> dict[str, Any]:
     """Return the observer that is written, or why there is none."""
-    if learned.trial is None:
-        return {}
     entry: dict[str, Any] = {"refusal": learned.observer_refusal}
-    if designed := learned.trial.compared.chosen.designed:
-        rotary = learned.estimation.recording.rotary
+    if designed := chosen.designed:
         component = component_entry(designed.observer, rotary=rotary)
         if component["model"] == OBSERVER_MODEL:
             del component["model"]
@@ -141,4 +132,4 @@ def _observer_entry(learned: LearnedFromRecording) -> dict[str, Any]:
             "peak_sensitivity": {"value": designed.sensitivity, "unit": "1"},
             "peak_sensitivity_without": {"value": designed.without, "unit": "1"},
         }
-    return {"observer": entry}
+    return entry

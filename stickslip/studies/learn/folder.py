@@ -22,13 +22,7 @@ from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
 COMPENSATOR, OBSERVER_FMU = "compensator.fmu", "observer.fmu"
 FMUS = (COMPENSATOR, OBSERVER_FMU)
 TABLE = "tracking_error.csv"  # Errors on the family of simulated drives
-FILES = (
-    "learned.json",
-    *FMUS,
-    TABLE,
-    *picture_files([TRACKING]),
-    *REPORT,
-)
+FILES = ("learned.json", *FMUS, TABLE, *picture_files([TRACKING]), *REPORT)
 """What ``write_learned`` writes or removes."""
 
 
@@ -97,44 +91,23 @@ def write_learned(
                 learned, learned.observer, "observer", staging, refusal=learned.observer_refusal
             )
         if COMPENSATOR in names:
-            build_part(
-                learned,
-                deployed_feedforward(shown),
-                "compensator",
-                staging,
-                refusal=learned.refusal,
-            )
+            block = deployed_feedforward(shown)
+            build_part(learned, block, "compensator", staging, refusal=learned.refusal)
         files = tuple(name for name in FMUS if (staging / name).exists())
         written = Written(learned, files, force)
         write_json(written.document(), staging / "learned.json")
         told, *refused = written.sentences
         gains = [shown.other_gains.sentence] if shown.other_gains else []
-        shown_first = [line[:1].upper() + line[1:] for line in (told, *gains)] + refused
+        lines = [line[:1].upper() + line[1:] for line in (told, *gains)] + refused
+        opening = [Section("", "<p>{{ text }}.</p>", text=line) for line in lines]
+        if shown.tracking and shown.trial:
+            motion = shown.estimation.recording.motion
+            opening.append(tracking_section(shown.tracking, motion, shown.run))
+        tried = [compensation(shown.trial.compared)] if shown.trial and shown.benefit else []
         write_estimation_report(  # last: its page names the files beside it
-            learned.estimation,
-            learned.findings,
-            staging,
-            _trial_sections(shown),
-            opening=[
-                *(Section("", "<p>{{ text }}.</p>", text=text) for text in shown_first),
-                *_tracking_sections(shown),
-            ],
-            forced=force,
+            learned.estimation, learned.findings, staging, tried, opening=opening, forced=force
         )
     return written
-
-
-def _trial_sections(learned: LearnedFromRecording) -> list[Section]:
-    if not (learned.trial and learned.benefit):
-        return []
-    return [compensation(learned.trial.compared)]
-
-
-def _tracking_sections(learned: LearnedFromRecording) -> list[Section]:
-    if not (learned.tracking and learned.trial):
-        return []
-    motion = learned.estimation.recording.motion
-    return [tracking_section(learned.tracking, motion, learned.run)]
 
 
 def deployed_feedforward(learned: LearnedFromRecording) -> Compensator:

@@ -247,7 +247,7 @@ def tracking(found: Tracking, motion: Motion) -> Table:
     )
     rows = [
         {"error": key, "reduction": found.reduction(key)}
-        | {name: one.items()[key] for name, one in sizes.items()}
+        | {name: getattr(one, key) for name, one in sizes.items()}
         for key in TRACKING_FIGURES
     ]
     return Table(columns, rows)

@@ -34,6 +34,7 @@ _FMPY = {"co_simulation": "CoSimulation", "model_exchange": "ModelExchange"}
 
 
 Run = Callable[..., "Iterator[RunOutcome]"]
+Times = tuple[float, float, float]  # start, stop and step of both runs [s]
 
 
 @dataclass(frozen=True)
@@ -42,15 +43,6 @@ class Task:
 
     path: Path
     interface: Interface | None = None
-
-
-@dataclass(frozen=True)
-class Times:
-    """Start, stop and step of both runs, s."""
-
-    start: float
-    stop: float
-    step: float
 
 
 @dataclass
@@ -73,11 +65,11 @@ def here(task: Task) -> Iterator[RunOutcome]:
     if stop is None or stop <= start:
         stop = start + 1.0
     n = max(1, round((stop - start) / model.step(start, stop)))
-    times = Times(start, stop, (stop - start) / n)
+    times = start, stop, (stop - start) / n
     coupling = "gauss_seidel" if task.interface else "jacobi"
     prefix = "" if task.interface is None else f"{next(iter(model.system.components))}."
     with model.prepare(
-        stop=stop, step=times.step, coupling=coupling, allow_nan=True, isolation="process"
+        stop=stop, step=times[2], coupling=coupling, allow_nan=True, isolation="process"
     ) as simulation:
         first = simulation.run(inputs=model.inputs)
         signals = {name.removeprefix(prefix): first[name] for name in first.names}
@@ -105,35 +97,25 @@ def in_fmpy(task: Task, times: Times | None, names: Iterable[str]) -> Iterator[R
     from fmpy.ssp.simulation import simulate_ssp
 
     how: dict[str, Any] = {}
-    if task.interface is None:
-        if times:
-            how = {"start_time": times.start, "stop_time": times.stop, "step_size": times.step}
-        table = simulate_ssp(str(task.path), **how)
+    if times:
+        step = "output_interval" if task.interface else "step_size"
+        how = dict(zip(("start_time", "stop_time", step), times, strict=True))
+    if task.interface:
+        owners = {name.partition("[")[0] for name in names} | {*names}
+        how |= {"output": sorted(owners)} if times else {}
+        how |= {"validate": False, "record_events": False, "fmi_type": _FMPY[task.interface]}
+        table = simulate_fmu(str(task.path), **how)
     else:
-        if times:
-            how = {"start_time": times.start, "stop_time": times.stop}
-            how["output_interval"] = times.step
-            owners = {name.partition("[")[0] for name in names} | {*names}
-            how["output"] = sorted(owners)
-        table = simulate_fmu(
-            str(task.path),
-            validate=False,
-            fmi_type=_FMPY[task.interface],
-            record_events=False,
-            **how,
-        )
+        table = simulate_ssp(str(task.path), **how)
     time_column = np.asarray(table["time"], dtype=float)
     if task.interface is None and len(time_column) > 1:
         time_column = time_column + (time_column[1] - time_column[0])
     signals = {}
     for name in table.dtype.names[1:]:
         values = np.asarray(table[name], dtype=float)
-        if values.ndim == 1:
-            signals[name] = values
-            continue
         for place in np.ndindex(values.shape[1:]):
-            indices = ",".join(str(i + 1) for i in place)
-            signals[f"{name}[{indices}]"] = values[(slice(None), *place)]
+            indices = f"[{','.join(str(i + 1) for i in place)}]" if place else ""
+            signals[name + indices] = values[(slice(None), *place)]
     yield RunOutcome("", times, time_column, signals)
 
 
@@ -205,28 +187,24 @@ def compare(ours: RunOutcome, theirs: RunOutcome) -> tuple[str, float, str]:
     names = {name: name for name in theirs.signals}
     for name in theirs.signals:  # FMPy gives connectors the path of their systems
         names.setdefault(name.partition(".")[2], name)
-    step = ours.times.step if ours.times else 1.0
+    step = ours.times[2] if ours.times else 1.0
     # of rows at one time, the last is the one after events
     rows = np.searchsorted(theirs.time, ours.time + 1e-6 * step, side="right") - 1
     known = (rows >= 0) & (np.abs(theirs.time[rows] - ours.time) < 1e-6 * step)
-    worst, where, common = 0.0, "", 0
-    for name, values in ours.signals.items():
-        if name not in names:
-            continue
-        common += 1
-        other = theirs.signals[names[name]][rows][known]
-        mine = values[known]
+    differences = {"": 0.0}
+    for name in (name for name in ours.signals if name in names):
+        other, mine = theirs.signals[names[name]][rows][known], ours.signals[name][known]
         both = np.abs(np.concatenate((mine, other)))
         scale = np.max(both, where=np.isfinite(both), initial=0.0)
         same = (mine == other) | (np.isnan(mine) & np.isnan(other))
         with np.errstate(invalid="ignore"):  # of infinite values
             apart_by = np.where(same, 0.0, np.abs(mine - other))
         apart_by[np.isnan(apart_by)] = np.inf  # a number and none
-        difference = float(np.max(apart_by, initial=0.0)) / (scale or 1.0)
-        if difference > worst:
-            worst, where = difference, name
-    if not common:
+        differences[name] = float(np.max(apart_by, initial=0.0)) / (scale or 1.0)
+    if len(differences) == 1:
         return "no common output", 0.0, ""
+    where = max(differences, key=differences.__getitem__)
+    worst = differences[where]
     verdict = "equal" if worst <= EQUAL else "near" if worst <= NEAR else "different"
     return verdict, worst, where
 

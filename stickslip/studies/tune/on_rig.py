@@ -175,10 +175,7 @@ class RigTest:
         return Command(self._T_s, one.loop, velocity=v_cmd, added_force=added)
 
     def run(self, one: DriveLoop, name: str, motion: Motion) -> str:
-        """Run a motion; return why it is worse than allowed, or an empty text.
-
-        Raises LimitError when a limit ends a motion of the present loop.
-        """
+        """Run a motion; return why it is worse than allowed, or an empty text."""
         command = self.command(one, motion)
         try:
             log = self.rig.run(command)

@@ -105,10 +105,8 @@ class RigTrial:
     @property
     def sentence(self) -> str:
         """What the drive showed, in a sentence without its end."""
-        used = f"{self.rig} ran {len(self.motions)} of at most {self.budget} motions"
-        if self.stopped:
-            return f"{used}; {self.stopped}; the present gains are set again"
-        return used
+        end = f"; {self.stopped}; the present gains are set again" if self.stopped else ""
+        return f"{self.rig} ran {len(self.motions)} of at most {self.budget} motions{end}"
 
 
 @dataclass(frozen=True)
@@ -143,22 +141,6 @@ class TunedDrive:
     def is_better(self) -> bool:
         """Whether another loop than the present one was taken."""
         return self.best is not self.start
-
-    @cached_property
-    def changes(self) -> list[dict[str, object]]:
-        """Name, unit, value before and after, and whether it was searched, of each parameter."""
-        before, after = self.start.tunable, self.best.tunable
-        return [
-            {
-                "parameter": name,
-                "unit": self.start.unit(name),
-                "before": before[name],
-                "after": after[name],
-                "searched": name in self.names,
-            }
-            for name in before
-            if before[name] or after[name]
-        ]
 
     @property
     def sentence(self) -> str:

@@ -46,7 +46,14 @@ COLUMNS = (
 
 def parameters(found: TunedDrive) -> Table:
     """Return what was searched, before and after."""
-    return Table(COLUMNS, [row for row in found.changes if row["parameter"] in found.names])
+    before, after = found.start.tunable, found.best.tunable
+    rows = [
+        {"parameter": name, "unit": found.start.unit(name)}
+        | {"before": value, "after": after[name]}
+        for name, value in before.items()
+        if name in found.names and (value or after[name])
+    ]
+    return Table(COLUMNS, rows)
 
 
 def changed(found: Optimum) -> Table:
@@ -132,10 +139,7 @@ def write_tuned(found: TunedDrive, folder: Path) -> None:
 
 
 def write_optimised(found: Optimum, source: Path, cost: Path, folder: Path) -> None:
-    """Write tuned.json, tables and the page of a system that was tuned.
-
-    Raises OSError when a file cannot be written.
-    """
+    """Write tuned.json, tables and the page of a system that was tuned."""
     table = changed(found)
     frames = {PARAMETERS: table.frame(), SEARCH: found.table}
     with completed(folder, {"name": "tune", "system": str(source)}, FILES, frames) as staging:

@@ -85,10 +85,7 @@ def controller_of(loop: VelocityLoop) -> Controller:
 
 
 def validate_log(log: LogInLoop, learned: LearnedFile) -> LogPrediction:
-    """Return what the learned drive predicts of a log.
-
-    Raises UsageError when the log lacks a motion or a force.
-    """
+    """Return what the learned drive predicts of a log."""
     drive = drive_of(learned)
     with candidate_fmus(drive.law) as fmus:
         return predict_log(

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from stickslip.catalog.parameters import Values, unit_of
+from stickslip.presentation.scale import Scale
 from stickslip.studies.validate.log_prediction import FRICTION, Change, LogPrediction
 from stickslip.thresholds import control_match, loop_fit, transfer
 
@@ -18,18 +19,15 @@ SIGNALS = {
 WORDS = {"m": "inertia", "b": "viscous friction", FRICTION: "friction", "F_0": "constant force"}
 
 
-def change_scale(name: str, found: LogPrediction, values: Values) -> tuple[float, str]:
-    """Return factor and unit in which a change is told: of inertia and friction per cent."""
+def change_scale(name: str, found: LogPrediction, values: Values) -> Scale:
+    """Return the unit in which a change is told: of inertia and friction per cent."""
     if name in ("m", FRICTION):
-        return 100.0 / (values["m"] if name == "m" else 1.0), "%"
-    return 1.0, unit_of("b" if name == "b" else "F_c", rotary=found.recording.rotary)
+        return Scale(100.0 / (values["m"] if name == "m" else 1.0), "%")
+    return Scale(1.0, unit_of("b" if name == "b" else "F_c", rotary=found.recording.rotary))
 
 
 def verdict(found: LogPrediction, values: Values) -> tuple[str, ...]:
-    """Return the verdict: whether the learned drive holds for the log, then why, a sentence each.
-
-    The values are those of the learned drive by name.
-    """
+    """Return whether the learned drive, with its values, holds for the log, then why."""
     force, changes = found.signals["force"], dict(material(found, values))
     share = f"{100.0 * force.relative:.3g} %"
     reasons = [_explained(name, one.ratio) for name, one in found.signals.items()]
@@ -91,9 +89,9 @@ def material(found: LogPrediction, values: Values) -> Iterator[tuple[str, Change
 
 def _sentence(name: str, change: Change, found: LogPrediction, values: Values) -> str:
     """Return what has changed, and by how much."""
-    factor, unit = change_scale(name, found, values)
-    one = change.times(factor)
+    scale = change_scale(name, found, values)
+    one = change.times(scale.factor)
     return (
-        f"{WORDS[name]}: {one.value:+.3g} {unit} against the learned, 95 % "
+        f"{WORDS[name]}: {one.value:+.3g} {scale.unit} against the learned, 95 % "
         f"[{one.low:.3g}, {one.high:.3g}]"
     )

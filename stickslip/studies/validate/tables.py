@@ -45,10 +45,7 @@ def signals(found: LogPrediction) -> Table:
         return signal_scale(motion, row["signal"], row["error"])
 
     def size(name: str) -> Column:
-        def cell(row: Row) -> str:
-            return number(scale(row).factor * row[name], 3)
-
-        return Column(name, ".3g", name, name.capitalize(), cell=cell)
+        return scaled(name, scale, name.capitalize(), ".3g")
 
     columns = (
         Column(
@@ -73,21 +70,18 @@ def signals(found: LogPrediction) -> Table:
 def changes(found: LogPrediction, values: Values) -> Table:
     """Return what has changed since the drive was learned, with 95 % intervals."""
 
-    def shown(row: Row) -> tuple[float, str]:
+    def scale(row: Row) -> Scale:
         return change_scale(row["parameter"], found, values)
 
-    def size(row: Row) -> str:
-        return number(shown(row)[0] * row["value"], 3)
-
     def ends(row: Row) -> str:
-        return interval(*(shown(row)[0] * row[end] for end in ("low", "high")))
+        return interval(*(scale(row).factor * row[end] for end in ("low", "high")))
 
     columns = (
         Column("parameter", head="", cell=lambda row: CHANGES[row["parameter"]].capitalize()),
-        Column("value", head="Change", cell=size),
+        scaled("value", scale, "Change"),
         Column("low", head="95 % interval", cell=ends),
         Column("high"),
-        Column("unit", head="Unit", cell=lambda row: unit(shown(row)[1]), stored=False),
+        Column("unit", head="Unit", cell=lambda row: unit(scale(row).unit), stored=False),
     )
     rows = [{"parameter": name, **vars(change)} for name, change in found.changes.items()]
     return Table(columns, rows)
@@ -105,10 +99,7 @@ def spans(found: LogPrediction) -> Table:
     def size(name: str) -> Column:
         scale = signal_scale(motion, name, float(found.spans[name].abs().max()))
 
-        def scaled(row: Row) -> str:
-            return number(scale.factor * row[name], 3)
-
-        return Column(name, head=f"{titles[name]} [{scale.unit}]", cell=scaled)
+        return scaled(name, lambda _: scale, f"{titles[name]} [{scale.unit}]")
 
     def time(row: Row) -> str:
         return f"{number(row['begin'], 3)} to {number(row['end'], 3)}"
@@ -160,8 +151,8 @@ def tracking(found: LogComparison) -> Table:
             "unit": motion_unit(
                 "m/s" if key.startswith("velocity") else "m", rotary=motion == "rotary"
             ),
-            "without": one.errors[NONE].items()[key],
-            "with": one.errors[FEEDFORWARD].items()[key],
+            "without": getattr(one.errors[NONE], key),
+            "with": getattr(one.errors[FEEDFORWARD], key),
             "reduction": reduction.value,
             "low": reduction.low,
             "high": reduction.high,

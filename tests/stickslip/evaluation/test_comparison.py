@@ -10,7 +10,7 @@ from stickslip.evaluation.validation import PHASES, runs_of
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.axis import LOOP
 from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
-from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
+from stickslip.servo.velocity_loop import design_velocity_loop
 from tests.kept import further
 
 pytestmark = pytest.mark.slow
@@ -72,28 +72,6 @@ def test_an_exact_compensator_makes_no_error_of_the_measured_motion_larger(compa
     table = compared[0].table()
     measured = table[table.velocity == "measured"]
     assert (measured.exact < measured.without).all()
-
-
-def test_in_a_weak_loop_it_makes_creep_worse(paper):
-    rig, loop, exact = paper
-    weak = close_velocity_loop(loop.axis, loop.T_s, loop.tau_f, 0.1 * loop.K_p, 0.01 * loop.K_i)
-    entries = {"without": Entry(weak), "exact": Entry(weak, exact)}
-    table = evaluate(rig, entries, motions=[CREEP]).table().set_index(KEYS[1:4])
-    for region in ("0.1 mm/s", "0.3 mm/s"):
-        row = table.loc[region, "true", "E_rms"]
-        assert row.exact > row.without
-
-
-def test_the_table_is_tidy(compared):
-    table = compared[0].table()
-    names = [*KEYS, "without", "exact", "filtered"]
-    assert list(table.columns[: len(names)]) == names
-    assert not table.duplicated(KEYS).any()
-    assert np.isfinite(table[names[5:]].to_numpy()).all()
-    assert list(table.motion.unique()) == [motion.name for motion in MOTIONS]
-    units = table.groupby("metric").unit.unique().map(list).to_dict()
-    assert units == {"E_max": ["mm/s"], "E_rms": ["mm/s"], "E_x": ["um"]}
-    assert set(table[table.metric == "E_x"].motion) == {REVERSALS.name, MOVES.name}
 
 
 def test_each_entry_runs_in_its_own_loop_with_its_own_compensator(drive, compared):

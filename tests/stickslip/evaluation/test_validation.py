@@ -12,7 +12,6 @@ from stickslip.evaluation.motions import MOTIONS, REGION, SLOW_MOTIONS, VALIDATI
 from stickslip.evaluation.validation import (
     PHASES,
     beginnings,
-    reduction,
     repetitions,
     runs_of,
     summary,
@@ -47,11 +46,6 @@ def test_errors_over_several_spans_are_those_of_all_their_samples():
     found = tracking_errors(t, error, [(0.1, 0.1 + 299 * T_S), (0.6, 0.6 + 99 * T_S)])
     assert found["E_max"] == 3.0
     assert found["E_rms"] == pytest.approx(np.sqrt((300 * 1.0 + 100 * 9.0) / 400))
-
-
-def test_reduction_is_equation_9():
-    assert reduction(0.98, 0.76) == pytest.approx(0.2245, abs=1e-4)
-    assert reduction(2.0, 2.0) == 0.0
 
 
 def test_measured_velocity_of_a_slow_sine_has_neither_lag_nor_loss():
@@ -198,9 +192,3 @@ def test_a_move_goes_as_far_as_its_name_says(name):
     x = x[region_of(MOVES, name, t)]
     assert x.max() == pytest.approx(number_in(name))
     assert x.min() == pytest.approx(0.0, abs=1e-6)
-
-
-def test_all_are_slower_than_the_trapezoid_is_judged_or_shorter_than_it_slides():
-    for motion in (REVERSALS, CREEP):
-        assert np.abs(sampled(motion)[1]).max() <= 2e-3
-    assert np.abs(np.cumsum(sampled(MOVES)[1])).max() * LOOP.T_s <= 51e-6

@@ -84,6 +84,13 @@ def test_absent_files_and_those_of_other_commands_are_no_obstacle(folder, put):
     assert not verify(folder).faults
 
 
+FLEET = (
+    "fleet.csv",
+    "fleet.json",
+    "fleet.svg",
+    "drives/b/learned.json",
+    "unfinished/b/learned.json",
+)
 COMMANDS = {
     "learn": (
         ["learn", "--log", __file__],
@@ -97,19 +104,25 @@ COMMANDS = {
         "papers.lugre.record_mode.reproduce_from_recording",
     ),
     "identify": (["identify"], ["identified.json"], "identification.stages.identify"),
+    "fleet": (["fleet", "TABLE"], FLEET, "work.kept_jobs.run_jobs"),
+    "resumed fleet": (["fleet", "TABLE", "--resume"], FLEET, "work.kept_jobs.run_jobs"),
 }
 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_compute_nothing_before_they_name_it(command, tmp_path, capsys, monkeypatch):
+    """Drive b has no log, so its learned.json would be removed, not written."""
+    (tmp_path / "table.csv").write_text("name,log\na,none.csv\nb,none.csv\n")
     arguments, files, compute = COMMANDS[command]
+    words = [str(tmp_path / "table.csv") if word == "TABLE" else word for word in arguments]
     monkeypatch.setattr(f"stickslip.{compute}", None)
-    for name in files:
-        path = tmp_path / name
+    for k, name in enumerate(files):
+        out = tmp_path / str(k)
+        path = out / name
+        path.parent.mkdir(parents=True)
         path.write_text("mine")
-        assert main([*arguments, "--out", str(tmp_path)]) == 1
+        assert main([*words, "--out", str(out)]) == 1
         said = capsys.readouterr().err
         assert said.startswith(f"stickslip: {path}: exists, and no manifest.json lists it")
         assert said.count("\n") == 1
-        assert list(tmp_path.iterdir()) == [path]
-        path.unlink()
+        assert [one for one in out.rglob("*") if one.is_file()] == [path]

@@ -177,8 +177,8 @@ def use(estimation: Estimation, beside: Collection[str], *, forced: bool = False
     vague = [name for name, one in known if one.identifiability != IDENTIFIABLE]
     check, blocks = estimation.controller, {"compensator.fmu", "observer.fmu"} & {*beside}
     known_loop = check is not None and check.error <= control_match.EXACT
-    values = {"files": files, "exports": exports, "vague": vague}
-    values["tunes"] = known_loop and bool(blocks) and "learned.json" in beside
+    tunes = known_loop and bool(blocks) and "learned.json" in beside
+    values: dict[str, object] = {"files": files, "exports": exports, "vague": vague, "tunes": tunes}
     return _section(estimation, "Using the result", "use", None, **values)
 
 
@@ -243,11 +243,7 @@ def write_estimation_report(
     *,
     forced: bool = False,
 ) -> list[Path]:
-    """Write parameters.csv, each figure as PNG and SVG, and report.html.
-
-    The page names learned.json and compensator.fmu if the folder contains them. Parameters are
-    those of ``sections``, and ``write_page`` tells what is returned and raised.
-    """
+    """Write parameters.csv, each figure as PNG and SVG, and report.html."""
     table = tables.parameters(estimation).frame().to_csv(index=False, lineterminator="\n")
     written = [atomic_write(folder / "parameters.csv", table)]
     beside = [path.name for path in folder.iterdir()]

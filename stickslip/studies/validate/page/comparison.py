@@ -26,10 +26,7 @@ LOOKS = {NONE: style.WITHOUT, FEEDFORWARD: style.WITH}
 def write_comparison(
     found: LogComparison, logs: tuple[str, str], learned: LearnedFile, controller: str, folder: Path
 ) -> None:
-    """Write the tracking errors of two logs, without and with the compensator, and the page.
-
-    Raises OSError when a file cannot be written.
-    """
+    """Write the tracking errors of two logs, without and with the compensator, and the page."""
     sections = comparison_sections(found, logs, learned.path.name, controller)
     command = {"name": "validate", "without": logs[0], "log": logs[1]}
     with staged(folder, command) as staging:
@@ -40,10 +37,7 @@ def write_comparison(
 def comparison_sections(
     found: LogComparison, logs: tuple[str, str], learned: str, controller: str
 ) -> list[Section]:
-    """Return the sections.
-
-    The logs are named without and with the compensator, the learned drive by its file.
-    """
+    """Return the sections, from the names of the logs and of the file of the drive."""
     head = Section(
         "",
         "<p>Tracking errors of {{ logs[1] }}, recorded with the compensator running, and of "

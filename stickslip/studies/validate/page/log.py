@@ -36,10 +36,7 @@ def write_log_validation(
     folder: Path,
     command: Mapping[str, object],
 ) -> None:
-    """Write the errors of a log's signals, what has changed, errors over the log, and the page.
-
-    Raises OSError when a file cannot be written.
-    """
+    """Write the errors of a log's signals, what has changed, errors over the log, and the page."""
     frames = {
         "prediction": tables.signals(found).frame(),
         "changes": tables.changes(found, learned.drive).frame(),

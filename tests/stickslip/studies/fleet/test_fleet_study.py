@@ -1,10 +1,7 @@
 """A fleet loses nothing: not to workers that die, not to Ctrl-C, not to a drive that fails."""
 
-import json
 import os
-import re
 from dataclasses import replace
-from functools import partial
 
 import pandas as pd
 import pytest
@@ -13,8 +10,6 @@ from fleet_jobs import Counting, Deadly, quick
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.planning import LINEAR, plan
-from stickslip.presentation.table import Column
-from stickslip.studies.fleet import study, writing
 from stickslip.studies.fleet.study import learn_fleet
 from stickslip.studies.fleet.writing import fleet_table, write_fleet
 from stickslip.work.jobs import DIED, Execution
@@ -114,45 +109,6 @@ def test_files_of_the_user_survive_a_study_that_fails_and_resumes(drives, tmp_pa
         path for path in out.rglob("*") if path.is_file() and path.read_bytes() == b"mine"
     } == mine
     assert {path for path in (out / "unfinished").rglob("*") if path.is_file()} < mine
-
-
-@pytest.mark.parametrize(
-    "name",
-    ["fleet.csv", "fleet.json", "fleet.svg", "drives/b/learned.json", "unfinished/b/learned.json"],
-)
-@pytest.mark.parametrize("options", [[], ["--resume"]])
-def test_the_command_names_a_file_of_the_user_and_learns_nothing(
-    name, options, drives, tmp_path, monkeypatch, capsys
-):
-    """Drive b has no log, so its learned.json would be removed, not written."""
-    drives("a", "b")
-    mine = tmp_path / "out" / name
-    mine.parent.mkdir(parents=True)
-    mine.write_text("mine")
-    monkeypatch.setattr("stickslip.work.kept_jobs.run_jobs", None)
-    arguments = ["fleet", str(tmp_path / "table.csv"), "--out", str(tmp_path / "out"), *options]
-    assert main(arguments) == 1
-    said = capsys.readouterr().err
-    assert said.startswith(f"stickslip: {mine}: exists, and no manifest.json lists it")
-    assert said.count("\n") == 1
-    assert [path for path in tmp_path.joinpath("out").rglob("*") if path.is_file()] == [mine]
-    assert mine.read_text() == "mine"
-
-
-def test_a_further_column_is_on_terminal_page_and_in_files(drives, tmp_path, monkeypatch, capsys):
-    further, out = Column("further", "", "further", "Further"), tmp_path / "out"
-    monkeypatch.setattr(writing, "SUMMARY", (*writing.SUMMARY, further))
-    monkeypatch.setattr(study, "learn_fleet", partial(learn_fleet, job=quick))
-    drives("a", "b")
-    arguments = ["fleet", str(tmp_path / "table.csv"), "--out", str(out)]
-    assert main(arguments) == 0
-    assert re.search(r"maximum +further\nF_c ", capsys.readouterr().out)
-    assert (out / "summary.csv").read_text().startswith("parameter,unit,drives,minimum,median,max")
-    assert "further" in (out / "summary.csv").read_text().splitlines()[0]
-    assert ">Further<" in (out / "fleet.html").read_text()
-    assert main(["--json", *arguments]) == 0
-    (row,) = json.loads(capsys.readouterr().out)["summary"]
-    assert (row["drives"], row["further"]) == (2, None)
 
 
 SHORT = replace(LINEAR, duration=2.0)

@@ -9,7 +9,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from fmpy import read_model_description
 
 from stickslip import ga
 from stickslip.cli import main
@@ -55,13 +54,6 @@ def learned(log, tmp_path_factory):
 @pytest.fixture(scope="module")
 def folder(learned):
     return learned[0]
-
-
-def test_it_prints_parameters_with_intervals(learned):
-    known = {line.split()[0]: line for line in learned[2].splitlines() if "identifiable" in line}
-    assert {"F_s", "F_c", "v_s", "sigma_0", "sigma_1", "m", "b"} <= {*known}
-    low, high = known["F_c"].split("[")[1].split("]")[0].split(", ")
-    assert float(low) < 4.0 < float(high)
 
 
 def test_the_folder_is_whole_and_keeps_no_checkpoint(learned):
@@ -164,17 +156,6 @@ def test_ctrl_c_keeps_the_search_and_resumed_with_other_workers_no_byte_differs(
         assert (tmp_path / "out" / whole.name).read_bytes() == whole.read_bytes(), whole.name
 
 
-def test_the_compensator_has_what_was_learned(learned, tmp_path):
-    folder, document, *_ = learned
-    given = ["--input", f"{tmp_path}/v.csv", "--record", "F_ff", "--out", f"{tmp_path}/F.csv"]
-    (tmp_path / "v.csv").write_text("time,v_cmd\n0,0.02\n1,0.02\n")
-    assert main(["simulate", str(folder / "compensator.fmu"), "--stop", "1", *given]) == 0
-    last = float((tmp_path / "F.csv").read_text().splitlines()[-1].split(",")[-1])
-    compared = {row["compensator"]: row for row in document["compared"]["compensators"]}
-    share = compared[document["compared"]["chosen"]]["share"]
-    assert last == pytest.approx(share * document["parameters"]["F_c"]["value"], rel=0.02)
-
-
 def test_it_prints_and_writes_whether_compensation_helps(learned):
     """The median over the drives of a level grows in no motion by more than 2 %."""
     folder, document, out, error = learned
@@ -229,32 +210,6 @@ def test_a_compensator_that_cannot_be_learned_is_refused_before_learning(log, ca
     for name, message in refused.items():
         assert main(["learn", "--log", str(log), "--compensator", *name]) == 1
         assert message in capsys.readouterr().err
-
-
-def test_the_best_compensator_is_written_and_exported(log, tmp_path, capsys):
-    """All forms of it are those of learned.json, and it is no worse than the default."""
-    out = tmp_path / "out"
-    arguments = ["learn", str(log), "--judge", "inverse", "--out", str(out)]
-    assert main([*arguments, "--compensator", "auto"]) == 0
-    document = json.loads((out / "learned.json").read_text())
-    compared = document["compared"]
-    assert compared["sentence"] in capsys.readouterr().out
-    assert compared["sentence"].replace("'", "’") in (out / "report.html").read_text("utf-8")
-    rows = {row["compensator"]: row for row in compared["compensators"]}
-    chosen = rows[compared["chosen"]]
-    assert chosen["acceptable"]
-    assert chosen["mean"] <= 1.05 * min(row["mean"] for row in rows.values() if row["acceptable"])
-    assert chosen["Ms"] <= 2.2
-    for what, key in (("compensator", "feedforward"), ("observer", "observer")):
-        expected = what in document["compensation"].replace(key, what)
-        assert (out / f"{what}.fmu").exists() == expected
-        if expected:
-            given = ["--parameters", str(out / "learned.json"), "--out", str(tmp_path)]
-            for form in ("fmu", "c", "st"):
-                assert main(["export", what, *given, "--as", form]) == 0
-            both = [read_model_description(f / f"{what}.fmu") for f in (out, tmp_path)]
-            starts = [{one.name: one.start for one in of.modelVariables} for of in both]
-            assert starts[0] == starts[1]
 
 
 def test_a_range_of_friction_without_that_of_the_log_is_refused(log, capsys):

@@ -3,7 +3,6 @@
 import re
 from dataclasses import replace
 from html import unescape
-from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -12,6 +11,7 @@ import pytest
 
 from stickslip import ga
 from stickslip.catalog.parameters import DRIVE, LUGRE, PAPER, ParameterSpace, friction_law
+from stickslip.evaluation.tracking import FEEDFORWARD, FRICTIONLESS, NONE, Tracking, TrackingError
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
 from stickslip.identification.estimation import Estimation, Identifiability
@@ -20,14 +20,19 @@ from stickslip.identification.estimation.faults import HeldOut
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
+from stickslip.presentation.page import Picture
 from stickslip.presentation.quantity import interval, number
 from stickslip.presentation.scale import thinned
 from stickslip.presentation.style import house_style
-from stickslip.presentation.table import Column, Table
-from stickslip.studies.learn import tables
-from stickslip.studies.learn.command import print_estimation
-from stickslip.studies.learn.document import recording_document
-from stickslip.studies.learn.page import FIGURES, sections, use, write_estimation_report
+from stickslip.studies.learn.page import (
+    FIGURES,
+    OUT,
+    sections,
+    stretches,
+    use,
+    write_estimation_report,
+)
+from stickslip.studies.learn.page.tracking import tracking_section, window
 
 pytestmark = pytest.mark.slow
 
@@ -224,27 +229,6 @@ def test_a_disturbance_of_one_frequency_is_a_peak_of_the_spectrum():
     assert np.sqrt(np.sum(density[near] ** 2) * (f[1] - f[0])) == pytest.approx(0.5**0.5, rel=0.01)
 
 
-@pytest.mark.usefixtures("without_pictures")
-def test_a_further_column_is_on_terminal_page_and_in_files(tmp_path, monkeypatch, capsys):
-    given, further = tables.parameters, Column("drive", "", "", "Further")
-
-    def parameters(estimation):
-        table = given(estimation)
-        rows = [{**row, "drive": f"X{row['parameter']}"} for row in table.rows]
-        return Table((*table.columns, further), rows)
-
-    monkeypatch.setattr(tables, "parameters", parameters)
-    estimation = made(n=2000)
-    print_estimation(estimation)
-    write_estimation_report(estimation, (), tmp_path)
-    document = recording_document(SimpleNamespace(estimation=estimation, known_loop=None, seed=0))
-    assert re.search(r"^F_c .* XF_c$", capsys.readouterr().out, re.M)
-    assert "Further" in words(tmp_path)
-    assert "XF_c" in words(tmp_path)
-    assert pd.read_csv(tmp_path / "parameters.csv").set_index("parameter")["drive"]["F_c"] == "XF_c"
-    assert document["parameters"]["F_c"]["drive"] == "XF_c"
-
-
 @pytest.mark.parametrize(("error", "beside", "offered"), [
     (6e-4, ("learned.json", "compensator.fmu"), True),
     (0.9, ("learned.json", "compensator.fmu"), False),
@@ -266,3 +250,54 @@ def test_a_thinned_signal_keeps_its_extremes_and_its_order():
     assert (shown.min(), shown.max()) == (-9.0, 9.0)
     assert np.all(np.diff(fewer) > 0.0)
     assert np.array_equal(np.interp(fewer, t, signal), shown)
+
+
+T = np.arange(0.0, 20.0, 5e-4)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_only_what_was_added_to_noise_stands_out(seed):
+    rng = np.random.default_rng(seed)
+    noise = rng.normal(0.0, 1e-7, len(T)) * (1.0 + (np.sin(T) > 0.0))  # twice as loud at times
+    assert not stretches(T, noise, np.ones(len(T)))
+    bumps = sum(h * np.exp(-(((T - at) / 0.1) ** 2)) for at, h in ((8.0, -2e-6), (3.0, 5e-6)))
+    first, second = stretches(T, noise + bumps, -0.5 * T)
+    assert first.begin < 3.0 < first.end < second.begin < 8.0 < second.end
+    assert first.peak == pytest.approx(5e-6, rel=0.2)
+    assert second.peak == pytest.approx(-2e-6, rel=0.2)
+    assert first.ratio > second.ratio > OUT
+    assert second.speed == pytest.approx(4.0, rel=0.05)
+
+
+def test_a_residual_of_nothing_has_no_stretches():
+    assert not stretches(T, np.zeros(len(T)), T)
+
+
+def tracked(measured=None):
+    """A sine whose velocity error is 2, 1 and 0.5 mm/s, and ten times as large for a while."""
+    t = np.arange(2000) * 1e-3
+    v_cmd = 0.02 * np.sin(5.0 * t)
+    shape = np.where((t > 1.2) & (t < 1.25), 10.0, 1.0) * 1e-3
+    sizes = {NONE: 2.0, FEEDFORWARD: 1.0, FRICTIONLESS: 0.5}
+    velocity = {name: v_cmd + size * shape for name, size in sizes.items()}
+    position = {name: size * 1e-5 * np.ones_like(t) for name, size in sizes.items()}
+    words = ("the log's PI controller", "the log's own command")
+    return Tracking(t, v_cmd, velocity, position, slice(0, None), *words, True, measured)
+
+
+def test_the_section_labels_measured_and_simulated_and_names_loop_and_command():
+    measured = TrackingError(2.1e-3, 2.2e-2, 2e-5, 3e-5)
+    section = tracking_section(tracked(measured), "linear")
+    pictures = {name: Picture.of(draw) for name, draw in section.figures.items()}
+    text = re.sub("<[^>]*>", "|", section.markup(pictures)).replace("\u00a0", " ")
+    for label in ("Measured, log", "Simulated, without", "Simulated, with", "50 %"):
+        assert label in text
+    assert "in the loop of the log’s PI controller" in text
+    blank = dict.fromkeys(section.figures, Picture(b"", b"", 89.0))
+    assert "Measured" not in tracking_section(tracked(), "linear").markup(blank)
+
+
+def test_the_detail_is_where_compensation_changes_most():
+    part = window(tracked())
+    assert part.start / 1e3 < 1.25
+    assert part.stop / 1e3 > 1.2

@@ -1,7 +1,7 @@
 """What is printed or written of a log has the units of its drive and the values of learned.json.
 
 Both drives are learned in an internal scale: a rotary one with small torques at high speeds, and a
-small linear one. Their logs come from a simulation of the LuGre equations by Euler's method.
+small linear one. Their logs come from a program that shares nothing with ours.
 """
 
 import html
@@ -15,6 +15,7 @@ from io import StringIO
 import numpy as np
 import pytest
 
+from campaigns.sound_drives import simulator
 from stickslip.cli import main
 from stickslip.identification.estimation import Search
 from stickslip.presentation.page import Picture
@@ -41,25 +42,15 @@ OF_LINEAR = re.compile(
 """A number, or what else has a unit behind it, with a unit that no rotary drive has."""
 
 
-def simulated(m, F_c, F_s, v_s, deflection, b, top, dt=1e-3, n=6000, steps=25):
+def simulated(m, F_c, F_s, v_s, deflection, b, top, rate=120.0):
     """Return time, position, velocity, force and command of a PI velocity loop."""
-    t, h = np.arange(n) * dt, dt / steps
+    t = np.arange(6000) * 1e-3
     v_cmd = top * (0.5 * np.sin(2.5 * t) + 0.3 * np.sin(11.0 * t)) * np.where(t < 4.0, 1.0, 0.05)
-    rate, stiffness = 120.0, F_c / deflection
-    damping = 0.7 * np.sqrt(stiffness * m)
-    signals = np.zeros((3, n))
-    x = v = z = integral = 0.0
-    for k in range(n):
-        integral += 0.25 * dt * m * rate**2 * (v_cmd[k] - v)
-        force = rate * m * (v_cmd[k] - v) + integral
-        signals[:, k] = x, v, force
-        for _ in range(steps):
-            g = F_c + (F_s - F_c) * np.exp(-((v / v_s) ** 2))
-            bent = (z + h * v) / (1.0 + h * stiffness * abs(v) / g)
-            friction, z = stiffness * bent + damping * (bent - z) / h, bent
-            v += h * (force - friction - b * v) / m
-            x += h * v
-    return np.column_stack([t, *signals, v_cmd])
+    drive = {"m": m, "b": b, "F_c": F_c, "F_s": F_s, "v_s": v_s, "delta": 2.0, "T_s": 1e-3}
+    drive |= {"sigma_0": F_c / deflection, "sigma_1": 0.7 * np.sqrt(F_c / deflection * m)}
+    drive |= {"K_p": rate * m, "K_i": 0.25 * rate**2 * m}
+    found = simulator.run("lugre", drive, v_cmd)
+    return np.column_stack([t, found["x"], found["v"], found["force"], v_cmd])
 
 
 @pytest.fixture(scope="module", params=["rotary", *further("linear")])

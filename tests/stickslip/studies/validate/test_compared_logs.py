@@ -1,12 +1,14 @@
-"""A log with the compensator against one without: plain Python simulations are the drive."""
+"""A log with the compensator against one without, of a drive that shares nothing with ours."""
 
 import json
+import math
 
 import numpy as np
 import pandas as pd
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
+from campaigns.sound_drives import simulator
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
@@ -15,9 +17,9 @@ from stickslip.logs import Column, Description, Recording
 from stickslip.logs.same_command import Overlap, period, same_command
 from stickslip.studies.validate.compared_logs import common, compare
 from stickslip.studies.validate.log_validation import compare_logs, read_log
-from tests.stickslip.studies.validate import plain_stage as stage
 
 T_S = 1e-3
+STEP, GAINS = 5e-4, {"K_p": 1681.0, "K_i": 137167.0}  # of the drive that was logged
 
 
 def sweep(n, rate=3.0):
@@ -88,18 +90,33 @@ def test_different_commands_are_refused_in_one_line():
         common(logged(sweep(4000), 0.0), logged(0.5 * sweep(4000), 0.0))
 
 
+def friction(velocity, F_s, F_c, v_s, sigma_0, sigma_1):
+    """Return the mean friction (n,) over each step of velocities (n,) that are held."""
+    z, found = 0.0, []
+    for v in velocity.tolist():
+        rate = sigma_0 * abs(v) / (F_c + (F_s - F_c) * math.exp(-abs(v) / v_s))
+        dz = (v / rate - z) * -math.expm1(-rate * STEP) if rate else 0.0
+        z += dz
+        found.append(sigma_0 * z + sigma_1 * dz / STEP)
+    return np.array(found)
+
+
 @pytest.fixture(scope="module")
 def logs(tmp_path_factory):
-    """Two logs of the plain stage; the compensated one began later and ended earlier."""
+    """Logs of one drive; the compensated one began later and ended earlier."""
     folder = tmp_path_factory.mktemp("compared")
-
-    def moves(t):
-        return 0.02 * np.sin(np.pi * max(t, 0.0))
-
-    stage.write_log(folder / "without.csv", lambda t: moves(t - 0.3), 8.5, 0.0)
-    stage.write_log(folder / "with.csv", lambda t: moves(t - 1.137), 8.0, 0.8)
-    stage.write_log(folder / "slow.csv", lambda t: 0.1 * moves(t), 4.0, 0.8)
+    n, shift = round(8.5 / STEP) + 1, round(0.837 / STEP)
+    moves = 0.02 * np.sin(np.pi * np.maximum(np.arange(n) * STEP - 0.3, 0.0))
     values = {"F_s": 9.0, "F_c": 6.0, "v_s": 5e-4, "sigma_0": 4e5, "sigma_1": 4.5e3}
+    late = np.concatenate([np.zeros(shift), moves])[: round(8.0 / STEP) + 1]
+    runs = {"without": (moves, 0.0), "with": (late, 0.8), "slow": (0.1 * moves[: n // 2], 0.8)}
+    for name, (command, share) in runs.items():
+        added = share * friction(command, **values)
+        drive = {**values, **GAINS, "m": 5.5, "b": 7.0, "T_s": STEP, "encoder": 1e-7}
+        shown = simulator.run("lugre", drive, command, F_ff=added)
+        columns = {"t [s]": np.arange(len(command)) * STEP, "v_cmd [m/s]": command}
+        columns |= {"x_enc [m]": shown["encoder"], "F_motor [N]": shown["commanded"]}
+        pd.DataFrame(columns).to_csv(folder / f"{name}.csv", index=False, float_format="%.9g")
     parameters = {name: {"value": x} for name, x in {**values, "m": 5.5, "b": 7.0}.items()}
     document = {"parameters": parameters, "delta": {"value": 1.0}, "feed": "command"}
     document |= {"share": {"value": 0.8}}
@@ -107,16 +124,13 @@ def logs(tmp_path_factory):
     return folder
 
 
-LOOP = ["--controller", "PI", "--gain", f"K_p={stage.K_P}", f"K_i={stage.K_I}"]
+LOOP = ["--controller", "PI", "--gain", *(f"{name}={value}" for name, value in GAINS.items())]
 
 
 def test_the_simulation_predicts_what_the_compensator_brought(logs):
-    """Both drives have the same friction and share; their FMUs and Python step differently."""
-    description = Description(
-        columns={"force": Column(name="F_motor")},
-        controller="PI",
-        gains={"K_p": stage.K_P, "K_i": stage.K_I},
-    )
+    """Both drives have the same friction and share; they step differently."""
+    columns = {"force": Column(name="F_motor")}
+    description = Description(columns=columns, controller="PI", gains=GAINS)
     learned = LearnedFile(logs / "learned.json")
     read = [read_log(logs / name, description, learned) for name in ("with.csv", "without.csv")]
     found = compare_logs(*read, learned)
