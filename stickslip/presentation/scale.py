@@ -54,21 +54,21 @@ class Scale:
         return cls(1.0 / prefix, PREFIXES[prefix] + unit)
 
 
-def position_scale(motion: str, signal: Array) -> Scale:
-    """Return the scale for positions (n,) [m]."""
+def position_scale(motion: str, signal: Array | float) -> Scale:
+    """Return the scale for positions (n,) [m], or for the size of one."""
     largest = _largest(signal)
     if motion == "linear":
         largest = min(largest, 0.999)  # a metre of travel reads as 1000 mm
     return Scale.of(largest, POSITIONS[motion])
 
 
-def velocity_scale(motion: str, signal: Array) -> Scale:
+def velocity_scale(motion: str, signal: Array | float) -> Scale:
     """Return the scale for velocities (n,) [m/s]."""
     scale = position_scale(motion, signal)
     return Scale(scale.factor, f"{scale.unit}/s")
 
 
-def force_scale(motion: str, signal: Array) -> Scale:
+def force_scale(motion: str, signal: Array | float) -> Scale:
     """Return the scale for forces (n,) [N]."""
     printed = unit(unit_of("F_c", rotary=motion == "rotary"))
     return Scale.of(_largest(signal), printed)
@@ -88,5 +88,5 @@ def from_start(position: Array) -> Array:
     return position - position[0] if far else position
 
 
-def _largest(signal: Array) -> float:
+def _largest(signal: Array | float) -> float:
     return float(np.max(np.abs(signal), initial=0.0))

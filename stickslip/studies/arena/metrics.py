@@ -27,9 +27,7 @@ class Trace:
     """One run."""
 
     T_s: float  # sample period [s]
-    # (n,) commanded velocity [m/s] and position [m]
-    v_cmd: Array
-    x_cmd: Array
+    v_cmd: Array  # (n,) commanded velocity [m/s]
     # (n,) true velocity [m/s] and position [m]
     v: Array
     x: Array
@@ -41,15 +39,18 @@ class Trace:
     def of(cls, T_s: float, v_cmd: Array, recorded: cosim.Result, encoder_step: float) -> Trace:
         """Return it from the recorded signals."""
         v, x, u, v_r = (np.asarray(recorded[name][: len(v_cmd)]) for name in RECORDED)
-        x_cmd = T_s * np.concatenate([[0.0], np.cumsum(v_cmd[:-1])])
-        return cls(T_s, v_cmd, x_cmd, v, x, u, v_r, encoder_step)
+        return cls(T_s, v_cmd, v, x, u, v_r, encoder_step)
 
     @classmethod
     def measured(cls, T_s: float, v_cmd: Array, x_enc: Array, encoder_step: float) -> Trace:
         """Return what the encoder (n,) [m] shows of a run; forces are not known."""
-        x_cmd = T_s * np.concatenate([[0.0], np.cumsum(v_cmd[:-1])])
         v, unknown = measured_velocity(x_enc, T_s), np.full(len(v_cmd), np.nan)
-        return cls(T_s, v_cmd, x_cmd, v, x_enc, unknown, unknown, encoder_step)
+        return cls(T_s, v_cmd, v, x_enc, unknown, unknown, encoder_step)
+
+    @property
+    def x_cmd(self) -> Array:
+        """Commanded position (n,) [m]."""
+        return self.T_s * np.concatenate([[0.0], np.cumsum(self.v_cmd[:-1])])
 
     @property
     def velocity_error(self) -> Array:

@@ -93,7 +93,7 @@ def _heat_maps(arena: Arena, found: pd.DataFrame) -> Section:
         plan=plan,
         ranked={name: one.title for name, one in COMMANDS.items() if one.ranked},
         maps=maps,
-        marked=_marked(arena),
+        marked=marked(arena),
         shown=bool(_motions(arena)),
         LIMIT=offer.SENSITIVITY,
     )
@@ -113,7 +113,7 @@ def _heat_map(
     arena: Arena, found: pd.DataFrame, *, carried: bool
 ) -> list[tuple[Entrant, list[dict[str, str]]]]:
     """Return the cells of each entrant: its errors on the drives, their mean and the worst."""
-    plan, marked = arena.plan, _marked(arena)
+    plan, beyond = arena.plan, marked(arena)
     wide, order = relative_errors(found, plan, carried=carried), ranking(found, plan)
     nominal, label = plan.nominal.name if plan.nominal else "", "carried" if carried else "here"
     rows = []
@@ -122,7 +122,7 @@ def _heat_map(
         cells = []
         for drive in plan.drives:
             place = drive.name, one.name, nominal if carried else drive.name
-            mark = "*" if place in marked else ""
+            mark = "*" if place in beyond else ""
             value = float(wide[drive.name][one.name])
             cells.append(_cell(value, mark) | {"place": "|".join(place), "figure": ""})
         for figure in ("mean", "worst"):
@@ -132,7 +132,8 @@ def _heat_map(
     return rows
 
 
-def _marked(arena: Arena) -> set[tuple[str, str, str]]:
+def marked(arena: Arena) -> set[tuple[str, str, str]]:
+    """Return drive, entrant, and drive that it was tuned on where Ms is above the limit."""
     return {
         (drive, name, tuned_on)
         for (drive, name), document in arena.documents.items()

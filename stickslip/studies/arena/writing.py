@@ -7,7 +7,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from stickslip import models
@@ -17,11 +16,10 @@ from stickslip.storage import completed
 from stickslip.storage.codec import encode
 from stickslip.storage.writing import write_json
 from stickslip.studies.arena.drives import Drive
-from stickslip.studies.arena.page import FIGURES, TITLE, sections
+from stickslip.studies.arena.page import FIGURES, TITLE, marked, sections
 from stickslip.studies.arena.protocol import Arena
 from stickslip.studies.arena.table import entrant_table, relative_errors, time_table
 from stickslip.studies.arena.tuning import TuningResult
-from stickslip.thresholds import offer
 
 TABLE, RANKING, TIMES = "arena.csv.gz", "ranking.csv", "time.csv"
 PAGE, FOLDER = "arena.html", "winners"
@@ -32,48 +30,26 @@ FILES = (TABLE, "arena.csv", RANKING, TIMES, PAGE, *picture_files(FIGURES))
 def write_arena(arena: Arena, table: pd.DataFrame, folder: Path) -> None:
     """Write tables, arena.html with its figures and the winners; remove what was kept meanwhile.
 
-    Raises UsageError, OSError as ``results.folder.staged``.
+    A winner is the entrant with the smallest error on a drive, of those within the limit of Ms; it
+    is in ``winners/DRIVE/``: winner.json and, for each compensator, NAME.fmu, .c, .h and .st.
     """
     plan = arena.plan
-    command = {
-        "name": "arena",
-        "drives": [drive.name for drive in plan.drives],
-        "compensators": list(plan.entrants),
-    }
+    drives, entrants = [drive.name for drive in plan.drives], list(plan.entrants)
+    command = {"name": "arena", "drives": drives, "compensators": entrants}
     ranking = entrant_table(table, plan).frame()
     tables = {TABLE: table, RANKING: ranking, TIMES: time_table(arena)}
+    errors, beyond = relative_errors(table, plan, carried=False), marked(arena)
     with completed(folder, command, FILES, tables) as staging:
         write_page(staging, TITLE, sections(arena, table), PAGE)
-        write_winners(arena, table, staging)
+        for drive in plan.drives:
+            ranked = errors[drive.name].dropna().sort_values(kind="stable")
+            robust = [n for n in ranked.index if (drive.name, n, drive.name) not in beyond]
+            for name in robust[:1]:
+                error = float(ranked[name])
+                _write_winner(arena, drive, name, error, staging / FOLDER / drive.name)
 
 
-def winners(arena: Arena, found: pd.DataFrame) -> dict[str, str]:
-    """Return the entrant with the smallest error on each drive, of those within the limit of Ms."""
-    errors = relative_errors(found, arena.plan, carried=False)
-    chosen = {}
-    for drive in arena.plan.drives:
-        ranked = errors[drive.name].dropna().sort_values(kind="stable")
-        for name in map(str, ranked.index):
-            peaks = arena.documents[drive.name, name]["validated"][drive.name]["peaks"]
-            if peaks.get("Ms", np.inf) <= offer.SENSITIVITY:
-                chosen[drive.name] = name
-                break
-    return chosen
-
-
-def write_winners(arena: Arena, found: pd.DataFrame, folder: Path) -> None:
-    """Write ``winners/DRIVE/``: winner.json and, for each compensator, NAME.fmu, .c, .h and .st.
-
-    Structured text is left out where the compensator has none. Raises OSError when a file cannot be
-    written.
-    """
-    drives = {drive.name: drive for drive in arena.plan.drives}
-    errors = relative_errors(found, arena.plan, carried=False)
-    for drive, name in winners(arena, found).items():
-        _write(arena, drives[drive], name, float(errors[drive][name]), folder / FOLDER / drive)
-
-
-def _write(arena: Arena, drive: Drive, name: str, error: float, folder: Path) -> None:
+def _write_winner(arena: Arena, drive: Drive, name: str, error: float, folder: Path) -> None:
     one, loop = arena.plan.entrant(name), drive.loop
     tuned_on = TuningResult.read(arena.documents[drive.name, name]["tuned"][drive.name])
     tuned = tuned_on.tuned(one, loop, drive.sheet)

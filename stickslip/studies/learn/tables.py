@@ -6,8 +6,6 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from stickslip.catalog.parameters import unit_of
 from stickslip.evaluation.tracking import (
     FEEDFORWARD,
@@ -15,6 +13,7 @@ from stickslip.evaluation.tracking import (
     NONE,
     TRACKING_FIGURES,
     Tracking,
+    TrackingError,
 )
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
@@ -221,16 +220,15 @@ def benefit_text(benefit: Benefit, name: str) -> str:
     )
 
 
-def tracking_scales(tracking: Tracking, motion: Motion) -> tuple[Scale, Scale]:
-    """Return the units of the errors of velocity and position."""
-    without = tracking.errors()[NONE]
-    size = np.array([without.velocity_rms]), np.array([without.position_rms])
-    return velocity_scale(motion, size[0]), position_scale(motion, size[1])
+def tracking_scales(without: TrackingError, motion: Motion) -> tuple[Scale, Scale]:
+    """Return the units of errors of velocity and position, from those without compensation."""
+    velocity = velocity_scale(motion, without.velocity_rms)
+    return velocity, position_scale(motion, without.position_rms)
 
 
 def tracking(found: Tracking, motion: Motion) -> Table:
     """Return tracking errors, measured and simulated, without and with the compensator."""
-    velocity, position = tracking_scales(found, motion)
+    velocity, position = tracking_scales(found.errors()[NONE], motion)
 
     def scale(row: Row) -> Scale:
         return velocity if row["error"].startswith("velocity") else position

@@ -3,8 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
-
 from stickslip.catalog.parameters import Values
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.logs import Motion
@@ -34,7 +32,7 @@ def signal_title(name: str, motion: Motion) -> str:
 def signal_scale(motion: Motion, name: str, size: float) -> Scale:
     """Return the unit of a signal by the first word of its name."""
     kinds = {"position": position_scale, "velocity": velocity_scale}
-    return kinds.get(name.split("_")[0], force_scale)(motion, np.array([size]))
+    return kinds.get(name.split("_")[0], force_scale)(motion, size)
 
 
 def signals(found: LogPrediction) -> Table:
@@ -125,7 +123,7 @@ def tracking(found: LogComparison) -> Table:
 
     def scale(row: Row) -> Scale:
         what = velocity_scale if row["error"].startswith("velocity") else position_scale
-        return what(motion, np.array([row["without"]]))
+        return what(motion, row["without"])
 
     def title(row: Row) -> str:
         what = error_title(row["error"], motion)

@@ -105,7 +105,7 @@ def sections(
         "Learned parameters",
         "learned",
         errors=[(*one, "relative error") for one in _errors(estimation, ERRORS)],
-        unit=force_scale(motion, np.ones(1)).unit,
+        unit=force_scale(motion, 1.0).unit,
         LEVELS=LEVELS,
     )
     criterion = section(

@@ -32,7 +32,7 @@ def tracking_section(tracking: Tracking, motion: Motion, compensator: str = "") 
         tracking=tracking,
         errors=errors,
         found=tables.tracking(tracking, motion),
-        scale=velocity_scale(motion, np.array([errors[NONE].velocity_rms])),
+        scale=velocity_scale(motion, errors[NONE].velocity_rms),
         place=WORDS[motion][0],
         compensator=compensator,
         NONE=NONE,
@@ -42,7 +42,7 @@ def tracking_section(tracking: Tracking, motion: Motion, compensator: str = "") 
 
 def draw_tracking(tracking: Tracking, motion: Motion) -> Figure:
     """Draw velocity, its error and that of the position, over the whole time and a part of it."""
-    t, (v_scale, x_scale) = tracking.t, tables.tracking_scales(tracking, motion)
+    t, (v_scale, x_scale) = tracking.t, tables.tracking_scales(tracking.errors()[NONE], motion)
     command_scale = velocity_scale(motion, tracking.v_cmd)
     place = WORDS[motion][0].capitalize()
     figure = style.new_figure(style.PAGE, 130.0)

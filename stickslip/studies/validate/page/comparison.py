@@ -11,9 +11,10 @@ from stickslip.learned.file import LearnedFile
 from stickslip.presentation import style
 from stickslip.presentation.page import MADE_WITH, Section, picture_files, write_page
 from stickslip.presentation.quantity import number
-from stickslip.presentation.scale import WORDS, position_scale, thinned, velocity_scale
+from stickslip.presentation.scale import WORDS, thinned, velocity_scale
 from stickslip.storage import staged
 from stickslip.storage.writing import write_tables
+from stickslip.studies.learn.tables import tracking_scales
 from stickslip.studies.validate import tables
 from stickslip.studies.validate.compared_logs import LogComparison, sentences
 
@@ -69,9 +70,7 @@ def draw_comparison(found: LogComparison) -> Figure:
     gaps = np.flatnonzero(np.diff(found.t) > 1.5 * (found.t[1] - found.t[0])) + 1
     place = WORDS[motion][0].capitalize()
     command = velocity_scale(motion, found.v_cmd)
-    without = found.measured.errors[NONE]
-    v_scale = velocity_scale(motion, np.array([without.velocity_rms]))
-    x_scale = position_scale(motion, np.array([without.position_rms]))
+    v_scale, x_scale = tracking_scales(found.measured.errors[NONE], motion)
     for column, (kind, one) in enumerate(kinds):
         axes = panels[:, column]
         style.zero_lines(*axes)

@@ -18,7 +18,7 @@ def perfect(command):
     v_cmd = command.sample(T_S)
     x_cmd = T_S * np.concatenate([[0.0], np.cumsum(v_cmd[:-1])])
     force = LOOP.axis.m * np.gradient(v_cmd, T_S) + LOOP.axis.b * v_cmd
-    return Trace(T_S, v_cmd, x_cmd, v_cmd, x_cmd, force, v_cmd, 4e-7)
+    return Trace(T_S, v_cmd, v_cmd, x_cmd, force, v_cmd, 4e-7)
 
 
 @pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
