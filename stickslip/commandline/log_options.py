@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from stickslip.commandline import SEVERAL, add_options, require_files
 from stickslip.commandline.assignments import split_assignments
 from stickslip.errors import UsageError
-from stickslip.logs import Column, Description, Finding, load_description
+from stickslip.logs import Column, Description, load_description
 from stickslip.logs.description import CONFIRMED, GAINS, ROLES, Kind
 from stickslip.logs.units import parse_quantity
 from stickslip.planning import LINEAR, Limits
@@ -87,12 +87,6 @@ def one_of(what: str, *given: Path | None) -> Path:
         raise UsageError(f"expected {what} as an argument; got {got}")
     require_files(paths[0])
     return paths[0]
-
-
-def print_findings(findings: Iterable[Finding]) -> None:
-    """Print what reading and checking a log found, a line each."""
-    for finding in findings:
-        print(finding)
 
 
 def add_log_options(parser: argparse.ArgumentParser) -> None:

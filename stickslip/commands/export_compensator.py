@@ -91,7 +91,7 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
     refused it, and is not forced.
     """
     from stickslip.studies.learn.tables import benefit_text
-    from stickslip.trial.guards import Variant, bench_of, retried
+    from stickslip.trial.guards import Variant, retried
 
     path, loop = learned.path, learned.loop
     refusal = f"learn refused it: {learned.refusal}" if learned.refusal else ""
@@ -118,15 +118,7 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
             f"most {MOST_SAMPLES} samples"
         )
     friction, variant = learned.friction, Variant("feedforward", (one,))
-    with bench_of(
-        learned.law,
-        loop,
-        friction,
-        learned.drives,
-        command=command,
-        datasheet=learned.datasheet,
-        feed=learned.feed,
-    ) as bench:
+    with learned.bench(loop) as bench:
         benefit, found = retried(bench, friction, variant, learned.standard_errors, force=force)
     for finding in found:
         warn(str(finding))

@@ -18,7 +18,7 @@ import dataclasses
 import math
 import re
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
@@ -48,7 +48,7 @@ from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed, deploy
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 from stickslip.storage.writing import write_json
-from stickslip.trial.guards import Drive, Evidence, family
+from stickslip.trial.guards import Bench, Drive, Evidence, bench_of, family
 
 _UNITS = {"loop": LOOP_UNITS, "validation": TRAPEZOID, "datasheet": DATASHEET}
 _NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
@@ -201,6 +201,14 @@ class LearnedFile:
                 f"{self.path}: family: expected drives, each with drive, law and parameters; "
                 f"got {error}"
             ) from None
+
+    def bench(
+        self, loop: VelocityLoop, datasheet: Datasheet | None = None, workers: int = 1
+    ) -> AbstractContextManager[Bench]:
+        """Return the drives of the file in a loop, by default with the data sheet of the file."""
+        sheet, command = datasheet or self.datasheet, self.validation
+        further: dict[str, Any] = {"command": command, "datasheet": sheet, "feed": self.feed}
+        return bench_of(self.law, loop, self.friction, self.drives, workers=workers, **further)
 
     @property
     def feedforward(self) -> Compensator:

@@ -30,7 +30,6 @@ from stickslip.commandline.log_options import (
     add_rig_option,
     description_of,
     log_of,
-    print_findings,
     rig_of,
 )
 from stickslip.commandline.progress import TerminalProgress, add_live_option
@@ -125,7 +124,7 @@ def run(options: argparse.Namespace) -> Answer:
         from stickslip.logs import raise_errors, read_and_check
 
         findings = read_and_check(options.log, description)[1]
-        print_findings(findings)
+        TerminalProgress().findings(findings)
         raise_errors(options.log, findings)
         return Answer({"findings": [str(finding) for finding in findings]})
     from stickslip.studies.learn.folder import FILES

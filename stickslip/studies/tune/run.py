@@ -22,7 +22,6 @@ from stickslip.servo.observer import masses_between
 from stickslip.thresholds import kept
 from stickslip.trial.benefit import FIGURES, Benefit, Rows, Variant
 from stickslip.trial.family import Command
-from stickslip.trial.guards import bench_of
 from stickslip.trial.hold import Hold
 from stickslip.tuning.search import Finalist, Ratios, best_of, choose, search
 from stickslip.work.jobs import Execution
@@ -178,21 +177,12 @@ def tune_drive(
     """
     start = start or DriveLoop.of(learned)
     problem = start.problem(settings.ranges, settings.fixed)
-    sheet, friction = learned.datasheet, learned.friction
+    sheet = learned.datasheet
     if settings.force_limit:
         sheet = replace(sheet, peak_force=settings.force_limit)
     progress.stage("building the drives of the family")
     with (
-        bench_of(
-            learned.law,
-            start.loop,
-            friction,
-            learned.drives,
-            command=learned.validation,
-            datasheet=sheet,
-            feed=learned.feed,
-            workers=settings.workers,
-        ) as bench,
+        learned.bench(start.loop, sheet, settings.workers) as bench,
         FamilyCost(bench, start, masses_of(learned), problem.names) as cost,
     ):
         progress.stage(f"tuning {', '.join(problem.names)}")

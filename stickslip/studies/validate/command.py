@@ -17,7 +17,6 @@ from stickslip.commandline.log_options import (
     add_rig_option,
     description_of,
     one_of,
-    print_findings,
     rig_of,
 )
 from stickslip.commandline.progress import TerminalProgress
@@ -85,7 +84,7 @@ def _on_log(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
     from stickslip.studies.validate.page.log import write_log_validation
     from stickslip.studies.validate.tables import signals as errors_of
 
-    log = read_log(options.log, description_of(options), learned, print_findings)
+    log = read_log(options.log, description_of(options), learned, TerminalProgress().findings)
     found = validate_log(log, learned)
     first, *reasons = verdict(found, learned.drive)
     print(f"\nverdict: {first}", *(f"  {reason}" for reason in reasons), sep="\n")

@@ -34,7 +34,7 @@ from stickslip.studies.learn.log_learning import learn, with_other_gains
 from stickslip.studies.tune.run import masses_of
 from stickslip.studies.validate.log_validation import read_log
 from stickslip.trial.family import Drive
-from stickslip.trial.guards import bench_of, commands
+from stickslip.trial.guards import commands
 
 T_S = 5e-4
 GAINS = {"K_x": 40.0, "K_p": 500.0, "K_i": 8e3}
@@ -163,15 +163,7 @@ def test_a_log_of_a_cascade_gives_the_drive_and_less_position_error(tmp_path):
     assert file.document["other_gains"]["error"] == {"value": told.error, "unit": "1"}
     assert told.sentence[1:] in (tmp_path / "learned" / "report.html").read_text("utf-8")
     start = DriveLoop.of(file)  # tuning begins where other gains were tried
-    bench = bench_of(
-        file.law,
-        start.loop,
-        file.friction,
-        file.drives,
-        command=file.validation,
-        datasheet=file.datasheet,
-    )
-    with bench as one, FamilyCost(one, start, masses_of(file), ()) as cost:
+    with file.bench(start.loop) as one, FamilyCost(one, start, masses_of(file), ()) as cost:
         assert try_other_gains(cost) == told
     # On the true drive, on other commands; its position against that without friction.
     chain = [Compensator("compensator", "compensator", learned.compensator)]

@@ -67,10 +67,10 @@ def learned(tmp_path_factory):
 def cost(learned):
     file = LearnedFile(learned(CASCADE))
     start = DriveLoop.of(file)
-    bench = bench_of(
-        file.law, start.loop, file.friction, file.drives, command=file.validation, datasheet=SHEET
-    )
-    with bench as one, FamilyCost(one, start, masses_of(file), ["controller.K_p"]) as found:
+    with (
+        file.bench(start.loop) as one,
+        FamilyCost(one, start, masses_of(file), ["controller.K_p"]) as found,
+    ):
         yield found
 
 
