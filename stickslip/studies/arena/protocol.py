@@ -230,7 +230,7 @@ def run_arena(
 
 
 def _name(drive: str, entrant: str) -> str:
-    return f"{drive}-{entrant}"
+    return f"{drive}/{entrant}"  # neither contains a slash
 
 
 def _cells(
