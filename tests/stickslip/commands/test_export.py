@@ -1,6 +1,7 @@
 """What was learned is exported, and refused where it is unknown or not robust."""
 
 import json
+import re
 
 import fmpy
 import numpy as np
@@ -8,14 +9,18 @@ import pytest
 
 import stickslip as ss
 from stickslip import cosim, models
+from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
 from stickslip.cli import main
 from stickslip.errors import UsageError
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.learned.file import LearnedFile
-from stickslip.learned.writing import loop_document
-from stickslip.servo.axis import LOOP, Axis
+from stickslip.learned.writing import loop_document, validation_document
+from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import Compensator, build_fmus, build_loop
+from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
-from stickslip.servo.velocity_loop import design_velocity_loop
+from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
+from stickslip.storage.codec import encode
 
 
 @pytest.fixture(scope="module")
@@ -131,8 +136,7 @@ def test_components_stand_behind_the_compensator_when_it_is_validated(tmp_path):
     path.write_text(json.dumps({"components": parts}))
     chain = [Compensator("compensator", "compensator"), *LearnedFile(path).behind]
     build_fmus(tmp_path, {})
-    loop = design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LOOP)
-    system = build_loop(tmp_path, loop, chain)
+    system = build_loop(tmp_path, LOOPS["paper"], chain)
     with system.prepare(step=5e-4, stop=0.1) as simulation:
         result = simulation.run(inputs={"v_cmd": 0.01})
     assert result["scale.F"][-1] == 0.5 * result["compensator.F_mean"][-1] > 2.0
@@ -142,6 +146,37 @@ def test_components_stand_behind_the_compensator_when_it_is_validated(tmp_path):
 
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
+LOOPS = {
+    "paper": design_velocity_loop(AXIS, LOOP),
+    "weak": close_velocity_loop(AXIS, 5e-4, 5e-4, 200.0, 2000.0),
+}
+LOOPS["filter"] = with_inertia(with_velocity_filter(LOOPS["paper"], Datasheet(), 6.0))
+LOOPS["cascade"] = LOOPS["weak"].changed(K_x=40.0, velocity_feedforward=0.3)
+SLOW = cosim.Trapezoid(height=5e-4, slope=0.01, plateau=1.0, begin=0.1)
+
+
+@pytest.fixture
+def learned(tmp_path):
+    """Write a learned.json with Table 2 and more entries; return its path."""
+
+    def write(**entries):
+        parameters = {name: {"value": PAPER[name], "standard_error": None} for name in LUGRE}
+        path = tmp_path / "learned.json"
+        path.write_text(json.dumps({"parameters": parameters, **entries}))
+        return path
+
+    return write
+
+
+@pytest.fixture
+def export(learned, tmp_path, capsys):
+    """Export from a learned.json with these entries; return status and what is printed."""
+
+    def run(what: str, *options: str, **entries) -> tuple[int, str, str]:
+        arguments = ["--parameters", str(learned(**entries)), "--out", str(tmp_path), *options]
+        return main(["export", what, *arguments]), *capsys.readouterr()
+
+    return run
 
 
 def document(rate: float = 1.5, refusal: str = "", order: int = 1) -> dict:
@@ -149,7 +184,7 @@ def document(rate: float = 1.5, refusal: str = "", order: int = 1) -> dict:
     kalman = design_velocity_filter(AXIS, LOOP.T_s, FilterSpecification(4e-7, 0.05, rate, order))
     values = Observer(kalman, 0.75).parameters()
     return {
-        "loop": loop_document(design_velocity_loop(AXIS, LOOP)),
+        "loop": loop_document(LOOPS["paper"]),
         "observer": {
             "refusal": refusal,
             "parameters": {name: {"value": value} for name, value in values.items()},
@@ -157,24 +192,12 @@ def document(rate: float = 1.5, refusal: str = "", order: int = 1) -> dict:
     }
 
 
-@pytest.fixture
-def export(tmp_path, capsys):
-    def run(content: dict, *options: str) -> tuple[int, str, str]:
-        path = tmp_path / "learned.json"
-        path.write_text(json.dumps(content))
-        arguments = ["export", "observer", "--parameters", str(path), "--out", str(tmp_path)]
-        status = main([*arguments, *options])
-        return status, *capsys.readouterr()
-
-    return run
-
-
 @pytest.mark.parametrize(("rate", "order", "name"), [(1.5, 1, "L_d"), (300.0, 2, "L_1")])
 def test_it_writes_the_gains_in_each_form(export, tmp_path, rate, order, name):
     content = document(rate, order=order)
     gain = repr(content["observer"]["parameters"][name]["value"])
     for form, names in (("fmu", ["fmu"]), ("c", ["h", "c"]), ("st", ["st"])):
-        status, out, error = export(content, "--as", form)
+        status, out, error = export("observer", "--as", form, **content)
         assert (status, error) == (0, "")
         assert out.split() == [str(tmp_path / f"observer.{end}") for end in names]
     assert gain in (tmp_path / "observer.c").read_text()
@@ -182,31 +205,133 @@ def test_it_writes_the_gains_in_each_form(export, tmp_path, rate, order, name):
 
 
 def test_a_loop_that_is_not_robust_with_it_is_refused(export, tmp_path):
-    status, _, error = export(document(rate=50.0))
+    status, _, error = export("observer", **document(rate=50.0))
     assert status == 1
     assert "with the observer the loop has a peak sensitivity of 2.5" in error
     assert not (tmp_path / "observer.fmu").exists()
-    status, _, error = export(document(rate=50.0), "--force", "--as", "c")
+    status, _, error = export("observer", "--force", "--as", "c", **document(rate=50.0))
     assert status == 0
     assert "peak sensitivity" in error
 
 
 def test_what_learn_refused_or_never_designed_is_refused_in_a_line(export):
-    status, _, error = export(document(refusal="creep is 1.2 times worse"))
+    status, _, error = export("observer", **document(refusal="creep is 1.2 times worse"))
     assert status == 1
     assert "learn does not recommend the observer: creep is 1.2 times worse; --force" in error
-    status, _, error = export({"observer": {"refusal": "the mass is not known"}})
+    status, _, error = export("observer", observer={"refusal": "the mass is not known"})
     assert status == 1
     assert "contains no disturbance observer: the mass is not known" in error
     broken = document()
     del broken["observer"]["parameters"]["tau_i"]
-    assert "observer: 'tau_i' is missing" in export(broken)[2]
+    assert "observer: 'tau_i' is missing" in export("observer", **broken)[2]
     broken["observer"]["parameters"]["tau_i"] = {"value": -1.0}
-    assert "observer: dob: tau_i = -1 s is outside 0 .. 1 s" in export(broken)[2]
+    assert "observer: dob: tau_i = -1 s is outside 0 .. 1 s" in export("observer", **broken)[2]
     broken["observer"]["model"] = "drive"
-    assert "observer: model 'drive' is not a compensator" in export(broken)[2]
+    assert "observer: model 'drive' is not a compensator" in export("observer", **broken)[2]
     broken["observer"]["model"] = "absent"
-    assert "observer: " in export(broken)[2]
+    assert "observer: " in export("observer", **broken)[2]
+
+
+@pytest.mark.parametrize("name", LOOPS)
+def test_a_loop_comes_back_as_it_was(learned, name):
+    loop = LOOPS[name]
+    again = LearnedFile(learned(loop=loop_document(loop))).loop
+    assert again.axis == loop.axis
+    assert again.K_x == loop.K_x
+    assert again.velocity_filter == loop.velocity_filter
+    for matrix in ("A", "B", "C", "D"):
+        np.testing.assert_array_equal(getattr(again.nominal, matrix), getattr(loop.nominal, matrix))
+    np.testing.assert_array_equal(again.acceleration.B, loop.acceleration.B)
+
+
+def test_what_an_older_file_lacks_has_a_default_and_the_rest_comes_back(learned):
+    file = LearnedFile(learned())
+    assert (file.loop, file.feed, file.standard_errors) == (None, "nominal", {})
+    assert (file.validation, file.datasheet) == (VALIDATION, Datasheet())
+    assert LearnedFile(learned(validation=validation_document(SLOW))).validation == SLOW
+    sheet = Datasheet(peak_force=40.0, tau_i=0.0, encoder_step=1e-6)
+    assert LearnedFile(learned(datasheet=encode(sheet))).datasheet == sheet
+    with pytest.raises(UsageError, match="datasheet: expected peak_force, tau_i, encoder_step"):
+        assert LearnedFile(learned(datasheet={"encoder_step": {"value": -1.0}})).datasheet
+
+
+@pytest.mark.parametrize("schema", [0, 3, True, "2", None, 1.5])
+def test_a_file_of_another_schema_is_refused_in_one_line(learned, schema):
+    message = "schema: expected a number from 1 to 2, got .*; read it with the version"
+    with pytest.raises(UsageError, match=message):
+        LearnedFile(learned(schema=schema))
+    assert LearnedFile(learned(schema=2)).friction == LearnedFile(learned()).friction
+
+
+def start_of(path, name):
+    return cosim.Fmu(path).variables[name].start
+
+
+@pytest.mark.slow
+def test_export_reduces_a_force_that_would_hurt_a_drive_of_the_file(export, tmp_path):
+    half = {
+        n: {"value": (0.5 if UNITS[n] != "m/s" else 1.0) * PAPER[n], "unit": UNITS[n]}
+        for n in LUGRE
+    }
+    drive = {"drive": "half the friction", "law": "lugre", "parameters": half, "level": 0.5}
+    entries = {"loop": loop_document(LOOPS["paper"]), "family": [drive]}
+    status, _, error = export("compensator", **entries)
+    [line] = error.splitlines()
+    share = float(line.split("warning: ")[1].split(" of the force is exported")[0])
+    assert status == 0
+    assert "with 0.5 times the friction" in line
+    assert 0.5 <= share < 1.0
+    fmu = tmp_path / "compensator.fmu"
+    assert start_of(fmu, "F_c") == pytest.approx(share * PAPER["F_c"], rel=1e-12)
+    assert start_of(fmu, "v_s") == PAPER["v_s"]
+    status, _, error = export("compensator", "--force", **entries)
+    assert (status, "the whole force is exported" in error) == (0, True)
+    assert start_of(fmu, "F_c") == PAPER["F_c"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("entries", [{"loop": loop_document(LOOPS["paper"])}, {}])
+def test_force_exports_the_whole_force_whatever_share_the_file_has(export, tmp_path, entries):
+    entries |= {"share": {"value": 0.6}, "tracking_error": [{"ratio": 0.5}]}
+    for options, share in (((), 0.6), (("--force",), 1.0)):
+        status, _, error = export("compensator", *options, **entries)
+        assert status == 0
+        assert start_of(tmp_path / "compensator.fmu", "F_c") == pytest.approx(share * PAPER["F_c"])
+        told = "the whole force is exported, as --force asks for, not 0.6 of it"
+        assert (told in error) == bool(options)
+
+
+@pytest.mark.slow
+def test_export_of_what_was_never_tried_is_refused_and_forced(export, tmp_path):
+    fmu = tmp_path / "compensator.fmu"
+    refusal = "it was not tried, because no velocity loop can be closed"
+    for entries, why in (({}, "neither a loop"), ({"refusal": refusal}, refusal)):
+        status, _, error = export("compensator", **entries)
+        assert (status, why in error, fmu.exists()) == (1, True, False)
+        status, _, error = export("compensator", "--force", **entries)
+        assert (status, why in error) == (0, True)
+        fmu.unlink()
+    status, _, error = export("compensator", tracking_error=[{"ratio": 0.5}])
+    (line,) = error.splitlines()
+    assert status == 0
+    assert "the force is that of the velocity command" in line
+
+
+@pytest.mark.slow
+def test_export_refuses_what_makes_the_loop_worse_unless_forced(export, tmp_path):
+    """A log that also supports a drive with a hundredth of the friction."""
+    friction = {**{name: PAPER[name] for name in LUGRE}, "F_c": 0.06, "F_s": 0.09}
+    slippery = {name: {"value": value, "unit": UNITS[name]} for name, value in friction.items()}
+    drive = {"drive": "hardly any friction", "law": "lugre", "parameters": slippery}
+    entries = {"loop": loop_document(LOOPS["paper"]), "family": [drive]}
+    status, _, error = export("compensator", **entries)
+    *lines, last = error.splitlines()
+    assert status == 1
+    assert re.match(r"stickslip: \S*json: with the whole force the simulated tracking", last)
+    assert any(line.startswith("as in the log") for line in lines)  # the table
+    assert last.endswith("--force exports it anyway")
+    assert export("compensator", "--force", **entries)[0] == 0
+    assert start_of(tmp_path / "compensator.fmu", "F_c") == PAPER["F_c"]
 
 
 STEP, STOP = 5e-4, 1.0

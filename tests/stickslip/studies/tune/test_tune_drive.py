@@ -217,18 +217,14 @@ def test_ratios_are_of_all_drives_and_of_each():
     ("ranges", "fixed", "says"),
     [
         ({"controller.K_q": (1.0, 2.0)}, (), "no 'controller.K_q'"),
+        ({"controller.K_p": (1.0, 2.0, 3.0)}, (), r"expected \(lowest, highest\) of each"),
         ({}, ("observr",), "no 'observr'"),
         ({}, ("controller", "observer", "compensator"), "nothing is left"),
     ],
 )
-def test_names_that_cannot_be_tuned_are_refused(learned, ranges, fixed, says):
+def test_what_cannot_be_tuned_is_refused(learned, ranges, fixed, says):
     with pytest.raises(UsageError, match=says):
-        DriveLoop.of(LearnedFile(learned())).problem(ranges, fixed)
-
-
-def test_a_range_of_a_drive_has_two_ends(learned):
-    with pytest.raises(UsageError, match=r"expected \(lowest, highest\) of each"):
-        ss.tune(learned(), {"controller.K_p": (1.0, 2.0, 3.0)})
+        ss.tune(learned(), ranges, fixed=fixed)
 
 
 def test_a_file_without_a_loop_is_refused(learned):
