@@ -35,7 +35,6 @@ from stickslip.cosim.system.scaling import Link, Scaling, ValueMap
 from stickslip.cosim.system.settings import (
     Adaptive,
     Coupling,
-    Deviation,
     Isolated,
     Isolation,
     Record,
@@ -52,7 +51,6 @@ __all__ = [
     "CosimError",
     "Coupling",
     "DefaultExperiment",
-    "Deviation",
     "ExperimentError",
     "Fmu",
     "FmuCrashed",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cached_property
 from numbers import Real
@@ -16,7 +16,7 @@ from stickslip.cosim.component import component_of, converted
 from stickslip.cosim.errors import ConnectionFault, ExperimentError, ParameterError
 from stickslip.cosim.signals.signals import Array, slack
 from stickslip.cosim.system.loops import group
-from stickslip.cosim.system.settings import Coupling, Deviation, Record
+from stickslip.cosim.system.settings import Coupling, Record
 from stickslip.cosim.system.system import Specification, System
 from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import suggestion
@@ -35,7 +35,6 @@ class Layout:
     outputs : component -> names of its columns, those that other components read first
     linked : component -> how many of its outputs other components read
     recorded : the names to keep: exposed inputs, then by component in the order of the system
-    summed : label -> deviation whose squares are summed up
     whole : whether the rows are the record, all signals of all points in time
     texts : the variables of type String to keep, which have no column
     """
@@ -44,7 +43,6 @@ class Layout:
     outputs: dict[str, list[str]]
     linked: dict[str, int]
     recorded: list[str]
-    summed: dict[str, Deviation]
     whole: bool
     texts: list[str]
 
@@ -59,23 +57,19 @@ class Layout:
         """Lay out a system; ``turn`` is the order of the steps where each sees those before it."""
         texts = _texts(system, record.wanted)
         kept = _select(system, record.wanted, texts)
-        summed = {
-            label: _summed(system, label, deviation)
-            for label, deviation in record.deviations.items()
-        }
         outputs: dict[str, list[str]] = {component: [] for component in system.components}
         for source in dict.fromkeys(system.connections.values()):
             outputs[component_of(source)].append(source)
         linked = {component: len(names) for component, names in outputs.items()}
         read = set(system.connections.values())
-        for name in dict.fromkeys([*kept, *(name for d in summed.values() for name in d.names)]):
+        for name in kept:
             if name not in system.inputs and name not in read:
                 outputs[component_of(name)].append(name)
         usual = _columns(system, outputs, outputs)
         recorded = sorted(kept, key=usual.__getitem__)
         whole = len(recorded) == len(usual) and record.every == 1 and record.keep == "all"
         columns = usual if whole else _columns(system, outputs, turn or _neighbours(system))
-        return cls(columns, outputs, linked, recorded, summed, whole, texts)
+        return cls(columns, outputs, linked, recorded, whole, texts)
 
 
 def _columns(system: System, outputs: dict[str, list[str]], order: Iterable[str]) -> dict[str, int]:
@@ -147,31 +141,6 @@ def _of_causality(system: System, causality: str) -> list[str]:
         for element in system.variable(f"{component}.{v.name}").elements()
         if element.is_signal
     ]
-
-
-def _summed(system: System, label: str, deviation: Deviation) -> Deviation:
-    signal, reference = deviation.signal, deviation.reference
-    signal = _scalar(system, label, signal)
-    if isinstance(reference, str):
-        reference = _scalar(system, label, reference)
-        here, there = system.unit_of(signal), system.unit_of(reference)
-        if here and there and not here.same_as(there):
-            raise ConnectionFault(
-                f"cannot sum up {label!r}: {signal} is in {here.name!r}, {reference} in"
-                f" {there.name!r}"
-            )
-    elif not math.isfinite(reference):
-        raise ConnectionFault(f"cannot sum up {label!r}: the reference {reference} is not finite")
-    return replace(deviation, signal=signal, reference=reference)
-
-
-def _scalar(system: System, label: str, name: str) -> str:
-    found = [name] if name in system.inputs else _recordable(system, name)
-    if len(found) > 1:
-        raise ConnectionFault(
-            f"cannot sum up {label!r}: {name} is an array; name one of its elements: {found[0]}"
-        )
-    return found[0]
 
 
 def _recordable(system: System, name: str) -> list[str]:

@@ -14,14 +14,12 @@ from stickslip.cosim import kernel
 from stickslip.cosim.assembly.general_path import GeneralComponent, needs_general_path
 from stickslip.cosim.assembly.plan import Layout, Plan
 from stickslip.cosim.component import component_of
-from stickslip.cosim.errors import ExperimentError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.instance import batches
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.kernel import structures
-from stickslip.cosim.signals.signals import Array, Span
+from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.scaling import IDENTITY, Scaling, Transform, ValueMap
-from stickslip.cosim.system.settings import Deviation
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Value, Variable
 
@@ -245,7 +243,7 @@ _MOST_APART = 2**23  # numbers of the rows of a repetition
 
 
 class Memory:
-    """Rows of all signals, the record and the sums; the kernel uses them as long as this exists.
+    """Rows of all signals and the record; the kernel uses them as long as this exists.
 
     The rows of all points in time are the record where all signals of all of them are kept. Else
     there are those of a block of steps, used again for the next. ``room`` makes arrays of a shape.
@@ -263,10 +261,6 @@ class Memory:
         run.selected = (ctypes.c_int64 * len(self._columns))(*self._columns)
         run.n_selected = self._recorded
         run.every = record.every
-        entries = [_entry(label, d, plan) for label, d in layout.summed.items()]
-        sums = (structures.SumOfSquares * len(entries))(*entries)
-        run.sums, run.n_sums = sums, len(entries)
-        self._sums = dict(zip(layout.summed, sums, strict=True))
         self._whole = layout.whole
         self._rows: Array
         self._block: Array = np.empty((0 if layout.whole else run.block + 1, run.width))
@@ -307,21 +301,19 @@ class Memory:
         """Return the rows of all signals up to the last step done; none where they are not kept."""
         return self._rows[: 0 if self._rows is self._block else max(self._run.done + 1, 0)]
 
-    def state(self) -> Array:
-        """Return the signals at the end of the last step done, and the sums up to there."""
-        return np.append(self._row(self._run.done), list(self.sums.values()))
+    def row(self) -> Array:
+        """Return a copy of the signals at the end of the last step done."""
+        return self._row(self._run.done).copy()
 
-    def go_on(self, step: int, state: Array) -> None:
-        """Let the run go on after a step that left this state."""
+    def go_on(self, step: int, row: Array) -> None:
+        """Let the run go on after a step that left these signals."""
         run = self._run
-        if state.shape != (run.width + len(self._sums),):
-            raise ValueError(f"{state.shape} signals, expected {run.width + len(self._sums)}")
+        if row.shape != (run.width,):
+            raise ValueError(f"{row.shape} signals, expected {run.width}")
         run.block_start = run.done = run.closed = step
-        self._row(step)[:] = state[: run.width]
+        self._row(step)[:] = row
         if step % self._every == 0:
             self._record[step // self._every] = self._row(step)[self._columns[: self._recorded]]
-        for entry, value in zip(self._sums.values(), state[run.width :], strict=True):
-            entry.sum = value
 
     def append(self, first: int, outputs: Array) -> None:
         """Write the row of the next step: the last but for some outputs, from a column on."""
@@ -342,11 +334,6 @@ class Memory:
             values = np.vstack([values, self._row(last)[self._columns]])
         return time, values
 
-    @property
-    def sums(self) -> dict[str, float]:
-        """Return the sums of squares by label."""
-        return {label: entry.sum for label, entry in self._sums.items()}
-
     def _take(self, rows: Array, *, used_again: bool) -> None:
         self._rows = rows
         self._run.rows, self._run.used_again = structures.doubles(rows), used_again
@@ -354,18 +341,3 @@ class Memory:
     def _row(self, step: int) -> Array:
         row: Array = self._rows[step - (self._run.block_start if self._run.used_again else 0)]
         return row
-
-
-def _entry(label: str, what: Deviation, plan: Plan) -> structures.SumOfSquares:
-    columns = plan.layout.columns
-    steps = np.flatnonzero(Span(what.begin, what.end).covers(plan.time))
-    if not len(steps):
-        raise ExperimentError(
-            f"cannot sum up {label!r}: no point in time lies in {what.begin} to {what.end} s"
-        )
-    entry = structures.SumOfSquares(columns[what.signal], -1, 0.0, steps[0], steps[-1] + 1)
-    if isinstance(what.reference, str):
-        entry.reference = columns[what.reference]
-    else:
-        entry.constant = what.reference
-    return entry

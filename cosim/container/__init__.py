@@ -35,7 +35,7 @@ from stickslip.fmi.files import atomic_write
 from stickslip.fmi.standard import standard_files
 from stickslip.fmi.toolchain import Platform
 
-_KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "record.h", "steps.h"]
+_KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "steps.h"]
 _KERNEL += ["instance.c", "general_path.h", "cvode.h"]
 _GENERAL = ["general_path.c", "general_calls.c", "values.c", "events.c", "exchange.c"]
 _GENERAL += ["saving.c"]

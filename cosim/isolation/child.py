@@ -144,7 +144,6 @@ class _Served:
             "first": int(np.searchsorted(simulation.time, result.time[0])),
             "end": float(result.time[-1]),
             "stopped": result.stopped,
-            "sums": result.sum_of_squares,
             "texts": result.changes,
             "effort": dict(simulation.effort),
             "pacing": pacing and [pacing.looks, pacing.overruns, pacing.worst],

@@ -192,7 +192,7 @@ class IsolatedSimulation(Simulation):
         values = self._living().shared.numbers[: n * width].reshape(n, width).copy()
         names, system = self._plan.layout.recorded, self.spec.system
         texts = reply["texts"]
-        return Result(time, values, names, system, reply["stopped"], reply["sums"], texts)
+        return Result(time, values, names, system, reply["stopped"], texts)
 
     def _ask(
         self,

@@ -8,7 +8,7 @@ from ctypes import CDLL, POINTER, addressof, byref, c_bool, c_char_p, c_int, c_v
 from functools import cache
 from pathlib import Path
 
-from stickslip.cosim.kernel.structures import Arithmetic, Component, Mark, Run, SumOfSquares
+from stickslip.cosim.kernel.structures import Arithmetic, Component, Mark, Run
 from stickslip.fmi import toolchain
 from stickslip.fmi.standard import standard_files
 
@@ -112,12 +112,8 @@ INLINE bool step(Run *run, const double *now, double *next) {{
     return {calls};
 }}
 
-INLINE void add(Run *run, int64_t n, const double *row) {{
-    (void)run, (void)n, (void)row;
-{sums}}}
-
 __attribute__((noinline)) static bool step_until(Run *run, int64_t end) {{
-    return walk(run, end, step, add, {width}, {constant});
+    return walk(run, end, step, {width}, {constant});
 }}
 """
 
@@ -141,11 +137,9 @@ def unroll(run: Run) -> str | None:
             for i, c in components
             if c.n_outputs
         ]
-    sums = "".join(_add_call(i, run.sums[i]) for i in range(run.n_sums))
     return _STEPS.format(
         lists="\n".join(lists),
         calls=" &&\n        ".join(calls),
-        sums=sums,
         width=run.width,
         constant=run.constant_step,
     )
@@ -171,8 +165,3 @@ def _set_call(i: int, c: Component) -> str:
             ]
         values = f"(const double[]){{{', '.join(terms)}}}"
     return f"set(run, c + {i}, {c.version}, in{i}, {c.n_inputs}, {values})"
-
-
-def _add_call(i: int, s: SumOfSquares) -> str:
-    reference = f"row[{s.reference}]" if s.reference >= 0 else f"run->sums[{i}].constant"
-    return f"    add_square(run->sums + {i}, n, row[{s.column}], {reference});\n"

@@ -7,7 +7,6 @@
 #include "calls.h"
 #include "coupling.h"
 #include "disturbance.h"
-#include "record.h"
 #include <math.h>
 #include <string.h>
 
@@ -124,7 +123,6 @@ bool couple_until(Run *run, int64_t end) {
         run->h = run->constant_step ? run->step : t_next - t;
         TRY(step_coupled(run, row_of(run, next), t, run->h));
         run->done = next;
-        add_squares(run, next, row_of(run, next));
     }
     return true;
 }

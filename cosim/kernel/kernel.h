@@ -94,16 +94,6 @@ typedef struct {
     const double *pairs; /* n pairs */
 } Map;
 
-/* The sum of (signal - reference)^2 over the points in time from a step on, and before another; row
- * after row. */
-typedef struct {
-    int64_t column;
-    int64_t reference; /* a column; -1 where it is the constant */
-    double constant;
-    int64_t first, end; /* steps */
-    double sum;
-} SumOfSquares;
-
 /* Messages of a component since the start of the last run. */
 typedef struct {
     fmi2CallbackFunctions callbacks; /* of FMI 2.0; their environment is that of FMI 3.0, too */
@@ -193,9 +183,7 @@ typedef struct {
     double *record;     /* (n_steps / every + 1, n_selected), or NULL */
     const int64_t *selected; /* columns */
     int64_t n_selected;
-    int64_t every; /* steps from one row of the record to the next */
-    SumOfSquares *sums;
-    int64_t n_sums;
+    int64_t every;       /* steps from one row of the record to the next */
     int64_t block_start; /* the step to which the first row belongs, where rows are used again */
     int64_t done;        /* steps completed; -1 before initialisation */
     int64_t closed;      /* the last step whose row was checked and recorded */

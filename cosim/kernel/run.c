@@ -1,7 +1,6 @@
 #include "calls.h"
 #include "coupling.h"
 #include "disturbance.h"
-#include "record.h"
 #include "steps.h"
 #include <math.h>
 #include <string.h>
@@ -39,7 +38,7 @@ static inline bool step_disturbed(Run *run, const double *now, double *next) {
 }
 
 __attribute__((noinline)) static bool walk_disturbed(Run *run, int64_t end) {
-    return walk(run, end, step_disturbed, add_squares, run->width, run->constant_step);
+    return walk(run, end, step_disturbed, run->width, run->constant_step);
 }
 
 /* Outputs that depend on inputs that depend on outputs, in initialisation mode: set and get until
@@ -158,6 +157,24 @@ static void note_moved(Run *run, int64_t first, int64_t last) {
     }
 }
 
+/* Of the rows from first to last, those of every n-th step. */
+static void record_rows(const Run *run, int64_t first, int64_t last) {
+    const int64_t begin = (first + run->every - 1) / run->every, end = last / run->every + 1;
+    const int64_t stride = run->every * run->width;
+    if (!run->record || begin >= end) {
+        return;
+    }
+    for (int64_t i = 0; i < run->n_selected; i++) {
+        const double *value = row_of(run, begin * run->every) + run->selected[i];
+        double *record = run->record + begin * run->n_selected + i;
+        for (int64_t k = begin; k < end; k++) {
+            *record = *value;
+            record += run->n_selected;
+            value += stride;
+        }
+    }
+}
+
 /* Check the rows up to the last step done, and record what is kept of them. */
 static bool close_rows(Run *run) {
     const int64_t first = run->closed + 1, last = run->done;
@@ -174,10 +191,7 @@ static bool close_rows(Run *run) {
 }
 
 bool end_early(Run *run, bool further) {
-    if (further) {
-        run->done++;
-        add_squares(run, run->done, row_of(run, run->done));
-    }
+    run->done += further;
     return close_rows(run);
 }
 
@@ -226,9 +240,6 @@ static enum Outcome go_on(Run *run) {
         run->closed = -1;
         run->t = run->start;
         run->answers = (Answers){false, false, false, run->start};
-        for (int64_t i = 0; i < run->n_sums; i++) {
-            run->sums[i].sum = 0.0;
-        }
         if (!initialise(run)) {
             return FAILED;
         }
@@ -236,7 +247,6 @@ static enum Outcome go_on(Run *run) {
         if (run->began) {
             memcpy(run->began, run->rows, (size_t)run->width * sizeof *run->began);
         }
-        add_squares(run, 0, run->rows);
         if (!close_rows(run)) {
             return FAILED;
         }

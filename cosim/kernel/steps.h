@@ -96,7 +96,7 @@ GROUPS(at_once)
 #define WALK(name, ...)                                                                            \
     INLINE bool step_##name(Run *run, const double *now, double *next) { return __VA_ARGS__; }     \
     APART bool walk_##name(Run *run, int64_t end) {                                                \
-        return walk(run, end, step_##name, add_squares, run->width, run->constant_step);           \
+        return walk(run, end, step_##name, run->width, run->constant_step);                        \
     }
 #define WALKS(how)                                                                                 \
     WALK(mixed_##how, step_all_##how(run, now, next, 0))                                           \

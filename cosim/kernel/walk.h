@@ -3,7 +3,6 @@
 #define COSIM_WALK_H
 
 #include "calls.h"
-#include "record.h"
 #include <string.h>
 
 /* Read inputs from row now and, where they are fresh, from row next; write outputs to row next. */
@@ -43,11 +42,7 @@ __attribute__((cold, noinline, unused)) static bool step_in_parts(Run *run, cons
     }
 }
 
-/* Take the row of step n into the sums. */
-typedef void Add(Run *run, int64_t n, const double *row);
-
-INLINE bool walk_straight(Run *run, int64_t end, Step step_all, Add add, int64_t width,
-                          bool constant) {
+INLINE bool walk_straight(Run *run, int64_t end, Step step_all, int64_t width, bool constant) {
     double *now = row_of(run, run->done);
     run->h = run->step;
     for (int64_t n = run->done; n < end; now += width) {
@@ -56,25 +51,23 @@ INLINE bool walk_straight(Run *run, int64_t end, Step step_all, Add add, int64_t
             run->h = run->start + (double)(n + 1) * run->step - run->t;
         }
         TRY(step_all(run, now, now + width));
-        add(run, ++n, now + width);
-        run->done = n;
+        run->done = ++n;
     }
     return true;
 }
 
 /* Straight on to the step of the next input event, that one in parts, and on. */
-INLINE bool walk(Run *run, int64_t end, Step step_all, Add add, int64_t width, bool constant) {
+INLINE bool walk(Run *run, int64_t end, Step step_all, int64_t width, bool constant) {
     for (;;) {
         const int64_t next = run->event_end;
         const bool event = UNLIKELY(next != 0) && next <= end;
-        TRY(walk_straight(run, event ? next - 1 : end, step_all, add, width, constant));
+        TRY(walk_straight(run, event ? next - 1 : end, step_all, width, constant));
         if (LIKELY(!event)) {
             return true;
         }
         double *now = row_of(run, next - 1);
         run->t = run->start + (double)(next - 1) * run->step;
         TRY(step_in_parts(run, now, now + width, step_all));
-        add(run, next, now + width);
         run->done = next;
     }
 }

@@ -51,7 +51,7 @@ class Checkpoint:
     identity : what must be the same for the run to go on (FMUs, connections, start values, times,
         coupling, signals): what it is -> as text
     step : number of steps done
-    row : all signals at that time, then the sums of squares up to there
+    row : all signals at that time
     states : component -> state of its FMU
     starts : start values that are numbers, to which a scenario may go back
     memory : ``component/name`` of the general path, ``/name`` of the coupling
@@ -160,9 +160,9 @@ def taken(stepper: Stepper) -> Checkpoint:
             f"the state cannot be saved: {', '.join(mute)} cannot serialise it"
             " (canSerializeFMUstate)"
         )
-    row, done = fmus.memory.state(), fmus.run.done
+    row, done = fmus.memory.row(), fmus.run.done
     memory = {f"/{name}": values for name, values in fmus.coupled.memory().items()}
-    memory["/held"] = held_values(fmus.slots, row[: fmus.run.width], done)
+    memory["/held"] = held_values(fmus.slots, row, done)
     for owner, general in fmus.general.items():
         memory |= {f"{owner}/{name}": values for name, values in general.memory().items()}
     for name, slot in fmus.slots.items():
@@ -213,7 +213,6 @@ def identity(plan: Plan) -> dict[str, str]:
         "tolerance": spec.tolerance,
         "order of the components": ", ".join(plan.order),
         "signals": ", ".join(plan.layout.columns),
-        "sums of squares": plan.layout.summed,
     }
     fmus = {f"component {name}": fmu.identity for name, fmu in system.components.items()}
     wiring = {

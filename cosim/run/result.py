@@ -50,7 +50,6 @@ class Result:
     stopped : who asked to end the run before its time and when; None where the run is whole
     names : of the signals
     values : (n, len(names)) float64, each in its unit
-    sum_of_squares : label -> sum that the record asked for, in the unit of its signal squared
     changes : variable of type String -> times (s) and what it holds from each on
     texts : the same by points: what it holds at each, n of them
     """
@@ -62,14 +61,12 @@ class Result:
         names: Sequence[str],
         system: System,
         stopped: str | None = None,
-        sum_of_squares: dict[str, float] | None = None,
         changes: Changes | None = None,
     ) -> None:
         self.stopped = stopped
         self.time = time
         self.values = values
         self.names = tuple(names)
-        self.sum_of_squares = sum_of_squares or {}
         self.changes = changes or {}
         self._system = system
 

@@ -305,8 +305,8 @@ class Stepper:
         return Texts(batches)
 
     def _result(self, time: Array, values: Array, stopped: str | None = None) -> Result:
-        names, sums = self.plan.layout.recorded, self.fmus.memory.sums
-        return Result(time, values, names, self._system, stopped, sums, self._texts.changes)
+        names = self.plan.layout.recorded
+        return Result(time, values, names, self._system, stopped, self._texts.changes)
 
 
 def last_outputs(slot: structures.Component) -> Array:

@@ -86,7 +86,7 @@ class Lanes:
         plain = plan.coupling.is_plain and plan.coupling.method == "gauss_seidel"
         if not plain or any(one.iterated for one in plan.groups) or specification.allow_nan:
             raise NoLanes("it is coupled otherwise than lanes are")
-        if record.every != 1 or record.keep != "all" or record.deviations or plan.layout.texts:
+        if record.every != 1 or record.keep != "all" or plan.layout.texts:
             raise NoLanes("it is recorded otherwise than lanes are")
         self._library, best = _runner()
         self._level = best if level is None else min(level, best)

@@ -7,7 +7,7 @@ import pytest
 from pyarrow import parquet
 
 from stickslip import cosim
-from stickslip.cosim import Deviation, Record
+from stickslip.cosim import Record
 from tests.cosim.single import one
 
 N = 1000  # several blocks of the kernel, and neither 7 nor 300 divides it
@@ -57,14 +57,6 @@ def test_strings_are_those_of_each_point_that_is_kept(system, record, isolation,
     assert {*result["position.y"]} <= {*every["position.y"]}  # looking changes nothing
 
 
-def one_by_one(deviation):
-    """Sum up squares in the order of time."""
-    total = 0.0
-    for value in deviation.tolist():
-        total += value * value
-    return total
-
-
 @pytest.mark.parametrize(
     ("every", "coupling", "compiled"),
     [
@@ -95,55 +87,20 @@ def test_the_last_value_only(system, coupling):
     assert halted.time == pytest.approx([3.0])
 
 
-@pytest.mark.parametrize(
-    ("coupling", "compiled"), [*((coupling, False) for coupling in COUPLINGS), ("jacobi", True)]
-)
-def test_sums_are_those_of_the_record_one_after_the_other(system, coupling, compiled):
-    options = {"coupling": coupling, "compiled": compiled}
-    full = prepare(system, **options).run(inputs=INPUT)
-    sums = {
-        "itself": "position.y",
-        "from a number": Deviation("position.y", 0.25),
-        "from an output": Deviation("position.y", "force.y"),
-        "from an input": Deviation("speed.y", "u", begin=2.0, end=7.31),
-        "at once": Deviation("u", begin=5.0, end=5.01),
-        "of what nobody reads": Deviation("force.sum", 1.0),
-    }
-    with prepare(system, Record(sum_of_squares=sums), **options) as simulation:
-        for _ in range(2):
-            result = simulation.run(inputs=INPUT)
-    assert result.names == ()
-    assert result.values.shape == (N + 1, 0)
-    y, u = full["position.y"], full["u"]
-    assert result.sum_of_squares == {
-        "itself": one_by_one(y),
-        "from a number": one_by_one(y - 0.25),
-        "from an output": one_by_one(y - full["force.y"]),
-        "from an input": one_by_one((full["speed.y"] - u)[200:731]),
-        "at once": u[500] ** 2,
-        "of what nobody reads": N + 1.0,
-    }
-
-
 @pytest.mark.parametrize("every", [1, 7])
 @pytest.mark.parametrize("at", [0.455, 8.005])
 def test_a_run_that_an_fmu_ends(make, at, every):
     system = one(make("integrator", 3), {"u": 1.0, "fault": TERMINATE, "fault_time": at})
-    sums = {"all": "a.y", "end": Deviation("a.y", 1.0, begin=at - 0.1)}
     full = prepare(system).run()
     assert full.stopped
-    some = prepare(system, Record("a.y", every=every, sum_of_squares=sums)).run()
-    last = prepare(system, Record("a.y", keep="last", sum_of_squares=sums)).run()
+    some = prepare(system, Record("a.y", every=every)).run()
+    last = prepare(system, Record("a.y", keep="last")).run()
     kept = sorted({*range(0, len(full.time), every), len(full.time) - 1})
     np.testing.assert_array_equal(some.time, full.time[kept])
     np.testing.assert_array_equal(some["a.y"], full["a.y"][kept])
     np.testing.assert_array_equal(last.time, full.time[-1:])
     np.testing.assert_array_equal(last["a.y"], full["a.y"][-1:])
-    begin = np.searchsorted(full.time, at - 0.1)
     assert some.stopped == last.stopped == full.stopped
-    assert some.sum_of_squares == last.sum_of_squares
-    assert some.sum_of_squares["all"] == one_by_one(full["a.y"])
-    assert some.sum_of_squares["end"] == one_by_one(full["a.y"][begin:] - 1.0)
 
 
 def test_a_value_that_is_not_finite_is_found_though_nothing_is_kept(make):
@@ -151,7 +108,7 @@ def test_a_value_that_is_not_finite_is_found_though_nothing_is_kept(make):
     system.add("a", make("gain"), {"u": 1.0, "fault": 10, "fault_time": 4.0})
     system.add("b", make("gain"))
     system.connect("a.y", "b.u")
-    for record in (Record(()), Record(keep="last"), Record(sum_of_squares={"b": "b.y"})):
+    for record in (Record(()), Record(keep="last")):
         with pytest.raises(
             cosim.SimulationError, match=r"^a\.y: .*not finite.* t = 4 s.*allow-nan"
         ):
@@ -164,10 +121,7 @@ def test_a_value_that_is_not_finite_is_found_though_nothing_is_kept(make):
         ({"every": 0}, "every = 0, expected an integer from 1"),
         ({"every": 2.5}, "every = 2.5"),
         ({"keep": "first"}, "keep = 'first', expected 'all' or 'last'"),
-        ({"sum_of_squares": {"J": Deviation("u", begin=99.0)}}, "'J': no point in time lies in 99"),
-        ({"sum_of_squares": {"J": Deviation("u", float("nan"))}}, "'J': .* nan is not finite"),
-        ({"sum_of_squares": {"J": "position.z"}}, "no variable 'z'"),
-        ({"sum_of_squares": {"J": Deviation("u", "position.text")}}, "text.* is String"),
+        ({"names": "position.z"}, "no variable 'z'"),
     ],
 )
 def test_what_makes_no_record_is_refused(system, record, message):
@@ -175,30 +129,7 @@ def test_what_makes_no_record_is_refused(system, record, message):
         prepare(system, Record(**record))
 
 
-def test_a_deviation_needs_equal_units(make):
-    system = cosim.System()
-    system.add("a", make("gain"))
-    system.add("b", make("gain", y="mN"))
-    with pytest.raises(cosim.ConnectionFault, match=r"'J': a\.y is in 'N', b\.y in 'mN'"):
-        prepare(system, Record(sum_of_squares={"J": Deviation("a.y", "b.y")}))
-
-
 GIVE_NAN, RETURN_EARLY = 10, 12
-
-
-HOW = [("jacobi", False), ("gauss_seidel", False), ("gauss_seidel", True)]
-each_way = pytest.mark.parametrize(("coupling", "compiled"), HOW)
-
-
-@pytest.fixture
-def simulation(make, version, coupling, compiled):
-    system = cosim.System("loop")
-    system.add("source", make("integrator", version), {"u": 1.0})
-    system.add("gain", make("gain", version))
-    system.connect("source.y", "gain.u")
-    times = {"step": 0.01, "stop": 10.0}
-    with system.prepare(**times, coupling=coupling, compiled=compiled) as simulation:
-        yield simulation
 
 
 def test_an_early_return_that_was_not_allowed_is_a_failure(make):
@@ -207,7 +138,9 @@ def test_an_early_return_that_was_not_allowed_is_a_failure(make):
         system.prepare(step=0.1, stop=1.0).run()
 
 
-@each_way
+@pytest.mark.parametrize(
+    ("coupling", "compiled"), [("jacobi", False), ("gauss_seidel", False), ("gauss_seidel", True)]
+)
 def test_values_that_are_not_finite_pass_where_they_are_allowed(
     make, version, compiled, coupling, tmp_path
 ):

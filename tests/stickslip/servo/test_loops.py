@@ -114,19 +114,15 @@ def system(fmus, loop):
 
 @pytest.mark.parametrize("record", [{"every": 7}, {"keep": "last"}])
 def test_a_record_continues_where_it_was_saved(system, tmp_path, record):
-    sums = {"error": cosim.Deviation("drive.v", "nominal.v_r", begin=HALF / 2)}
     names = ["drive.x_enc", "controller.u"]
-    spec = {"step": STEP, "stop": STOP}
-    spec["record"] = cosim.Record(names, **record, sum_of_squares=sums)
+    spec = {"step": STEP, "stop": STOP, "record": cosim.Record(names, **record)}
     inputs = {"v_cmd": lambda t: 0.02 * np.sin(40 * t)}
     with system.prepare(**spec) as simulation:
         whole = simulation.run(inputs=inputs)
-        first = simulation.run(inputs=inputs, until=HALF)
+        simulation.run(inputs=inputs, until=HALF)
         path = simulation.save(tmp_path / "half.state")
     with system.prepare(**spec) as another:
         rest = another.resume(path, inputs)
-    assert rest.sum_of_squares == whole.sum_of_squares
-    assert 0 < first.sum_of_squares["error"] < whole.sum_of_squares["error"]
     after = whole.time >= HALF
     np.testing.assert_array_equal(rest.time, whole.time[after])
     np.testing.assert_array_equal(rest.values, whole.values[after])
