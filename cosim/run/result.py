@@ -6,36 +6,27 @@ import csv
 import io
 import operator
 import os
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
-from importlib import import_module
-from math import isclose
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stickslip.cosim.display import html_table
-from stickslip.cosim.errors import CosimError
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.system import System
-from stickslip.fmi.description.units import BASE_UNITS, Unit
 from stickslip.fmi.files import atomic_write
-from stickslip.fmi.messages import scaled_unit, shown, suggestion
+from stickslip.fmi.messages import scaled_unit, suggestion
 
 if TYPE_CHECKING:
     import pandas as pd
-    import xarray as xr
     from matplotlib.axes import Axes
 
 Changes = Mapping[str, Sequence[tuple[float, str]]]
 """Name of a variable -> times (s) and what it holds from each on."""
 _HEIGHT, _WIDTH, _PANEL = 1.0, 7.0, 2.0
 """Of a figure without panels, its width, and the height of a panel [inch]."""
-_EXPONENT = re.compile(r"(?<=[A-Za-z])(-?\d+)")
-_OTHER_NAMES = {"Nm": "N*m", "Ohm": "ohm"}  # Pint takes Nm for a number of metres
-_OTHER_NAME = re.compile(r"\b(Nm|Ohm)\b")
 _ROWS = 10_000  # of a CSV file, as numbers of Python at the same time
 
 
@@ -156,12 +147,8 @@ class Result:
         """Unit of each signal; None where its FMU gives none."""
         return {name: self._system.unit(name) for name in self.names}
 
-    def frame(self, *, pint: bool = False) -> pd.DataFrame:
-        """Return signals, then strings, by time (s); ``attrs["units"]`` holds the units.
-
-        Where ``pint``, columns are quantities of Pint; CosimError when pint-pandas is not
-        installed, or Pint does not know a unit.
-        """
+    def frame(self) -> pd.DataFrame:
+        """Return signals, then strings, by time (s); ``attrs["units"]`` holds the units."""
         import pandas as pd  # late, for those who start quickly
 
         index = pd.Index(self.time, name="time")
@@ -169,18 +156,7 @@ class Result:
         for name, texts in self.texts.items():
             frame[name] = texts
         frame.attrs["units"] = self.units
-        if pint:
-            return with_pint(frame, {name: self._system.unit_of(name) for name in self.names})
         return frame
-
-    def to_xarray(self) -> xr.Dataset:
-        """Return a data set along ``time`` (s) with ``units``; CosimError without xarray."""
-        _library("xarray", "xarray")
-        data: xr.Dataset = self.frame().to_xarray()
-        for name, unit in {"time": "s", **self.units}.items():
-            if unit:
-                data[name].attrs["units"] = unit
-        return data
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
@@ -261,46 +237,3 @@ def _draw(
         panel.grid(visible=True, alpha=0.3)
     given[-1].set_xlabel(f"time [{of_time}]")
     return given
-
-
-def with_pint(frame: pd.DataFrame, units: dict[str, Unit | None]) -> pd.DataFrame:
-    """Return a frame with columns of Pint, dimensionless where a signal has no unit."""
-    pint = _library("pint", "pint-pandas")
-    _library("pint_pandas", "pint-pandas")
-    registry = pint.get_application_registry()
-    kinds = {
-        str(name): f"pint[{_pint_unit(registry, str(name), unit):~}]" if unit else "pint[]"
-        for name, unit in units.items()
-    }
-    return frame.astype(kinds)
-
-
-def _pint_unit(registry: Any, name: str, unit: Unit) -> Any:
-    """Return a unit by its name where Pint means the same by it, else by its definition."""
-    base, offset = None, 0.0 if unit.relative else unit.offset
-    if unit.exponents is not None:
-        powers = zip(BASE_UNITS, unit.exponents, strict=True)
-        base = registry.parse_units(" * ".join(f"{one}**{power}" for one, power in powers))
-    try:
-        text = _OTHER_NAME.sub(lambda found: _OTHER_NAMES[found[0]], unit.name.replace(".", "*"))
-        found = registry.parse_units(_EXPONENT.sub(r"**\1", text))
-        if base is None:
-            return found
-        zero, one = (registry.Quantity(x, found).to(base).magnitude for x in (0.0, 1.0))
-        if isclose(zero, offset, abs_tol=1e-12) and isclose(one, unit.factor + offset):
-            return found
-    except (ValueError, TypeError, AttributeError):  # Pint's own are of these kinds
-        pass
-    if base is None or unit.factor != 1.0 or offset:
-        raise CosimError(
-            f"{name}: Pint knows no unit {shown(unit.name)}; define it in Pint's registry"
-            " (pint.get_application_registry().define), or take the frame without Pint"
-        )
-    return base
-
-
-def _library(module: str, package: str) -> Any:
-    try:
-        return import_module(module)
-    except ImportError:
-        raise CosimError(f"{package} is needed: pip install 'stickslip[units]'") from None

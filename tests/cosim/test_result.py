@@ -7,13 +7,10 @@ from xml.etree import ElementTree as ET
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
-import pint
 import pytest
 from matplotlib import pyplot as plt
 
 from stickslip import cosim
-from stickslip.cosim import CosimError, Unit
-from stickslip.cosim.run.result import with_pint
 from stickslip.fmi.messages import scaled_unit
 
 
@@ -33,40 +30,6 @@ def test_names_units_and_frame(result):
     assert frame.index.name == "time"
     assert frame.attrs["units"] == result.units
     np.testing.assert_array_equal(frame["a.y"], result["a.y"])
-
-
-def test_xarray_and_pint_keep_values_and_units(result):
-    data = result.to_xarray()
-    np.testing.assert_array_equal(data["a.y"].sel(time=result.time[2]), result["a.y"][2])
-    assert data["a.y"].attrs["units"] == "N"
-    assert data["time"].attrs["units"] == "s"
-    assert "units" not in data["a.k"].attrs
-    frame = result.frame(pint=True)
-    np.testing.assert_array_equal(frame["a.y"].pint.to("mN").pint.magnitude, 1e3 * result["a.y"])
-    assert frame["a.k"].pint.units.dimensionless
-
-
-@pytest.mark.parametrize(
-    ("unit", "expected"),
-    [
-        (Unit("m/s2", (0, 1, -2, 0, 0, 0, 0, 0)), "m / s**2"),
-        (Unit("N.s/m"), "N * s / m"),
-        (Unit("Nm", (1, 2, -2, 0, 0, 0, 0, 0)), "N * m"),
-        (Unit("degC", (0, 0, 0, 0, 1, 0, 0, 0), 1.0, 273.15), "degC"),
-        (Unit("degC", (0, 0, 0, 0, 1, 0, 0, 0), 1.0, 273.15, relative=True), "K"),
-        (Unit("m", (1, 0, 0, 0, 0, 0, 0, 0)), "kg"),  # what the FMU defines
-        (Unit("mine", (0, 1, 0, 0, 0, 0, 0, 0), 3.0), None),
-        (Unit("mine"), None),
-    ],
-)
-def test_pint_means_the_unit_that_the_fmu_defines(unit, expected):
-    frame = pd.DataFrame({"a": [1.0]})
-    if expected is None:
-        with pytest.raises(CosimError, match="a: Pint knows no unit 'mine'; define it"):
-            with_pint(frame, {"a": unit})
-    else:
-        units = with_pint(frame, {"a": unit})["a"].pint.units
-        assert units == pint.get_application_registry().parse_units(expected)
 
 
 def test_csv_keeps_every_digit(result, tmp_path):
