@@ -28,8 +28,7 @@ _COUNTS = ("n_past", "steps", "sweeps", "rejected", "inner")
 class Coupled:
     """What a run needs to agree before the first step and, where it is not plain, in each.
 
-    Components in ``averages`` are given the mean of inputs, whatever they declare. ``accuracy`` is
-    the declared order, with what these FMUs can do.
+    Components in ``averages`` are given the mean of inputs, whatever they declare.
     """
 
     def __init__(
@@ -47,7 +46,6 @@ class Coupled:
         self._group = {name: g for g in plan.groups for name in g.components}
         jacobi = plan.coupling.method == "jacobi"
         self._inputs = connected_inputs(self._system, plan.layout, plan.order, jacobi=jacobi)
-        self.accuracy = plan.coupling.order
         self._sees = plan.coupling.degree + 1  # the order to which the FMUs follow their inputs
         self._check()
 
@@ -258,7 +256,6 @@ class Coupled:
         member.splits = degree > 0 and shows and not interpolates and fmu.varies_step
         if n and not interpolates:
             self._sees = 1 if shows and not member.splits else min(self._sees, 2)
-            self.accuracy = min(self.accuracy, self._sees)
         member.every = self._coupling.every.get(name, 1)
         library = self._libraries[name]
         if self._group[name].iterated or self._coupling.adaptive:

@@ -103,7 +103,7 @@ class _Served:
     def prepare(self) -> dict[str, object]:
         self._simulation = Simulation(self._specification, self._room)
         self._simulation.before_repetition(lambda: self._reply(repeats=True))
-        return {"accuracy": self._simulation.accuracy}
+        return {}
 
     def call(self, function: Callable[..., object], arguments: Sequence[Any]) -> dict[str, object]:
         """Call a function of ours, which takes the specification before its arguments."""

@@ -42,17 +42,12 @@ class IsolatedSimulation(Simulation):
         self.spec, self._limits = spec, limits
         self._plan = Plan(spec)
         self.pacing = None
-        self._accuracy, self._effort = 0, dict[str, int]()
+        self._effort = dict[str, int]()
         self._process: Process | None = None
         self._state_path = ""  # of the state to resume from
         self._used_again = False  # whether a child has done a second run
         self._exclusive = Exclusive(spec.system.name, outlives_fork=False)
         self._living()
-
-    @property
-    def accuracy(self) -> int:
-        """The declared order: the coupling's error falls with step^accuracy."""
-        return self._accuracy
 
     @property
     def effort(self) -> Mapping[str, int]:
@@ -220,7 +215,7 @@ class IsolatedSimulation(Simulation):
             self._process = Process(self.spec, self._limits, self.order, n, modules)
             self._end = finalize(self, self._process.end)
             try:
-                self._accuracy = self._ask("prepare")["accuracy"]
+                self._ask("prepare")
             except BaseException:
                 self._give_up()
                 raise

@@ -67,11 +67,6 @@ class Simulation:
         return self._plan.order
 
     @property
-    def accuracy(self) -> int:
-        """The declared order: the coupling's error falls with step^accuracy."""
-        return self._fmus.coupled.accuracy
-
-    @property
     def effort(self) -> Mapping[str, int]:
         """What the last run took: steps, sweeps through loops or single components, rejected steps.
 

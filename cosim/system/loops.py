@@ -4,6 +4,7 @@ import heapq
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 
 import numpy as np
 
@@ -66,34 +67,21 @@ def _can_iterate(system: System, members: Sequence[str], *, implicit: bool) -> b
 
 def algebraic_loop(system: System, components: Iterable[str]) -> list[str]:
     """Return the variables of a loop without delay among some components; empty without one."""
-    inner = set(components)
-    edges = _within(((s, t) for t, s in system.connections.items()), inner)
-    sources = {source for source, _ in edges}
-    for _, target in list(edges):
+    edges = _within(((s, t) for t, s in system.connections.items()), set(components))
+    sources: dict[str, list[str]] = {}  # of a variable: those that lead to it
+    for source, target in edges:
+        sources.setdefault(target, []).append(source)
         component = component_of(target)
         for output, inputs in system.components[component].feedthrough.items():
-            source = f"{component}.{output}"
-            if source in sources and variable_of(target) in inputs:
-                edges.append((target, source))
-    nodes = list(dict.fromkeys(end for edge in edges for end in edge))
-    for members in _strongly_connected(nodes, edges):
-        if len(members) > 1:
-            return _cycle([name for name in members if name in sources], edges)
+            if variable_of(target) in inputs:
+                sources.setdefault(f"{component}.{output}", []).append(target)
+    try:
+        TopologicalSorter(sources).prepare()
+    except CycleError as fault:
+        found: list[str] = fault.args[1][:-1]  # it begins and ends with one of them
+        begin = next(found.index(source) for source, _ in edges if source in found)
+        return found[begin:] + found[:begin]
     return []
-
-
-def _cycle(outputs: Sequence[str], edges: Sequence[Connection]) -> list[str]:
-    """Return one way round, target after source, where each output reaches another."""
-    targets = {}  # output -> a target, and an output that depends on it without delay
-    for source, target in edges:
-        if source in outputs:
-            reached = [b for a, b in edges if a == target and b in outputs]
-            if reached:
-                targets[source] = (target, reached[0])
-    path = [outputs[0]]
-    while (following := targets[path[-1]][1]) not in path:
-        path.append(following)
-    return [end for name in path[path.index(following) :] for end in (name, targets[name][0])]
 
 
 def _within(connections: Iterable[Connection], inner: set[str]) -> list[Connection]:

@@ -97,14 +97,6 @@ class Coupling:
         return coupling if isinstance(coupling, Coupling) else cls(coupling)
 
     @property
-    def order(self) -> int:
-        """The order of accuracy with FMUs that interpolate: the error falls with step^order.
-
-        A quadratic extrapolation has no past in its first step, which costs it the third order.
-        """
-        return self.degree + 1 if self.method == "iterative" else min(self.degree + 1, 2)
-
-    @property
     def is_plain(self) -> bool:
         """Whether inputs hold and every component does every step once."""
         return not (self.method == "iterative" or self.degree or self.adaptive or self.every)
