@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -120,9 +119,8 @@ def integer_range(variable: Variable) -> tuple[int, int]:
     """Return the lowest and highest number that a variable takes; 0 and 1 where it is Boolean."""
     if variable.type == "Boolean":
         return 0, 1
-    c_type = _C_TYPES[variable.type]
-    bits = 8 * ctypes.sizeof(c_type) - (c_type(-1).value < 0)
-    return (-(2**bits) if c_type(-1).value < 0 else 0), 2**bits - 1
+    limits = np.iinfo(_C_TYPES[variable.type])
+    return int(limits.min), int(limits.max)
 
 
 def _check_range(variable: Variable, value: float, label: str) -> None:

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from ctypes import byref, c_char, c_size_t, c_void_p
 from pathlib import Path
 from typing import Any
-from weakref import ref
+from weakref import WeakKeyDictionary
 
 from stickslip.cosim import kernel
 from stickslip.cosim.component import Component
@@ -171,7 +171,8 @@ class StateAccess:
 # Anywhere here a simulation may be collected, which then gives up what it has, in this very thread.
 _lock = threading.RLock()
 _times: Counter[Path] = Counter()  # fatal answers
-_holders: dict[tuple[Path, str], tuple[ref[object], str]] = {}
+_held: WeakKeyDictionary[object, tuple[str, dict[str, Path]]] = WeakKeyDictionary()
+"""Simulation -> name of its system, and the binaries of which it has the only instance."""
 
 
 def claim(fmu: Component, component: str, simulation: object, system: str) -> None:
@@ -179,33 +180,20 @@ def claim(fmu: Component, component: str, simulation: object, system: str) -> No
     if not fmu.once_per_process:
         return
     with _lock:
-        for (binary, name), holder, owner in _present():
-            if binary == fmu.binary and (name, holder) != (component, simulation):
-                raise SimulationError(
-                    f"{component}: {fmu.label} can be instantiated only once per process, and"
-                    f" {name} of {owner} has it; close that simulation first"
-                )
-        _holders[fmu.binary, component] = ref(simulation), system
+        for holder, (owner, binaries) in list(_held.items()):
+            for name, binary in binaries.items():
+                if binary == fmu.binary and (name, holder) != (component, simulation):
+                    raise SimulationError(
+                        f"{component}: {fmu.label} can be instantiated only once per process, and"
+                        f" {name} of {owner} has it; close that simulation first"
+                    )
+        _held.setdefault(simulation, (system, {}))[1][component] = fmu.binary
 
 
 def release(simulation: object) -> None:
     """Give back what a simulation has claimed."""
     with _lock:
-        for key, holder, _ in _present():
-            if holder is simulation:
-                _holders.pop(key, None)
-
-
-def _present() -> list[tuple[tuple[Path, str], object, str]]:
-    """Return the reserved instances with their simulations and the names of the systems."""
-    found = []
-    for key, (reference, system) in list(_holders.items()):
-        holder = reference()
-        if holder is None:
-            _holders.pop(key, None)
-        else:
-            found.append((key, holder, system))
-    return found
+        _held.pop(simulation, None)
 
 
 def note_fatal(binary: Path) -> None:

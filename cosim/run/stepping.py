@@ -104,7 +104,7 @@ class Stepper:
         if not (scenario or run.disturbed or run.n_changes):
             return ()
         if scenario:
-            self.plan.check_memory(_PER_SIGNAL * len({name for name, _ in scenario.events}))
+            self.plan.check_memory(_PER_SIGNAL * len({event.name for event in scenario.events}))
         tables = scenario.tables(self.plan.time) if scenario else {}
         self._disturbances, changed = split(tables, layout, self._system)
         disturb(self._disturbances, layout, run, fmus.slots, external, ends)

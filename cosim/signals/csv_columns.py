@@ -23,17 +23,10 @@ LONGEST = 1 << 20  # characters of a line
 
 def read_columns(path: Path) -> dict[str, Array]:
     """Return the columns (n,) of a CSV file by name, with ``time`` [s], which never falls."""
+    label = str(path)
     try:
-        data = read_limited(path, MOST_BYTES)
-    except OSError as fault:
-        raise SignalError(f"{path}: cannot be read: {fault.strerror}") from fault
-    return parse_columns(data, str(path))
-
-
-def parse_columns(data: bytes, label: str) -> dict[str, Array]:
-    """Return the columns (n,) of a CSV file by name, as ``read_columns`` does."""
-    try:
-        rows = csv.reader(_lines(data.decode("utf-8-sig"), label))
+        text = read_limited(path, MOST_BYTES).decode("utf-8-sig")
+        rows = csv.reader(_lines(text, label))
         names = [name.strip() for name in next(rows, [])]
         _check_names(names, label)
         first = next(filter(None, rows), [])
@@ -50,11 +43,12 @@ def parse_columns(data: bytes, label: str) -> dict[str, Array]:
             values = _numbers(cells, columns, where)
             if values[place] < before:
                 raise SignalError(
-                    f"{label}, line {rows.line_num}: time falls from {before} to {values[place]} s;"
-                    " sort the rows by time"
+                    f"{where}: time falls from {before} to {values[place]} s; sort the rows by time"
                 )
             before = values[place]
             numbers.extend(values)
+    except OSError as fault:
+        raise SignalError(f"{label}: cannot be read: {fault.strerror}") from fault
     except (UnicodeDecodeError, csv.Error) as fault:
         raise SignalError(f"{label}: not a CSV file in UTF-8: {fault}") from fault
     if not numbers:

@@ -58,45 +58,31 @@ Tables = Mapping[str, Disturbance]
 
 
 @dataclass(frozen=True)
-class _Given(Span):
-    name: str
-    value: Input
-    replaces: bool
-
-    def apply(self, time: Array, table: Disturbance) -> None:
-        here = self.covers(time)
-        ends = shifted(here)
-        values = np.broadcast_to(sampled(self.name, self.value, time), time.shape)
-        if self.replaces:
-            table.keep[here] = table.add[here] = table.ends[ends] = 0.0
-        table.add[here] += values[here]
-        table.ends[ends] += ends_of(self.value, values, time)[ends]
-
-
-@dataclass(frozen=True)
-class _Keep(Span):
-    keep: float
-
-    def apply(self, time: Array, table: Disturbance) -> None:
-        here = self.covers(time)
-        table.keep[here], table.add[here] = self.keep, 0.0
-        table.ends[shifted(here)] = 0.0
-
-
-@dataclass(frozen=True)
-class _Noise(Span):
+class _Noise:
     deviation: float
     seed: int
 
+    def sample(self, t: Array) -> Array:
+        return self.deviation * np.random.default_rng(self.seed).standard_normal(len(t))
+
+
+@dataclass(frozen=True)
+class Event(Span):
+    """What is added to a signal; with ``keep`` in place of what was done to it so far."""
+
+    name: str
+    value: Input
+    keep: float | None = None
+
     def apply(self, time: Array, table: Disturbance) -> None:
+        """Change what happens at the times (n,) in s."""
         here = self.covers(time)
-        noise = self.deviation * np.random.default_rng(self.seed).standard_normal(len(time))
-        table.add[here] += noise[here]
-        here = shifted(here)
-        table.ends[here] += noise[here]
-
-
-Event = _Given | _Keep | _Noise
+        ends = shifted(here)
+        values = np.broadcast_to(sampled(self.name, self.value, time), time.shape)
+        if self.keep is not None:
+            table.keep[here], table.add[here], table.ends[ends] = self.keep, 0.0, 0.0
+        table.add[here] += values[here]
+        table.ends[ends] += ends_of(self.value, values, time)[ends]
 
 
 @dataclass(frozen=True)
@@ -115,7 +101,7 @@ class Scenario:
     >>> dropout = Scenario().stick("drive.x_enc", begin=1.0, end=1.1).set("v_cmd", 0.0, at=2.0)
     """
 
-    events: tuple[tuple[str, Event], ...] = ()
+    events: tuple[Event, ...] = ()
 
     def set(self, name: str, value: float, at: float) -> Scenario:
         """Give a signal or tunable parameter a value from a time on."""
@@ -125,17 +111,17 @@ class Scenario:
         self, name: str, value: Input, begin: float = -math.inf, end: float = math.inf
     ) -> Scenario:
         """Let another signal take the place of one: a number, Signal, function or array."""
-        return self._with(name, _Given(begin, end, name, value, replaces=True))
+        return self._with(Event(begin, end, name, value, keep=0.0))
 
     def offset(
         self, name: str, value: Input, begin: float = -math.inf, end: float = math.inf
     ) -> Scenario:
         """Add a number, Signal, function or array to a signal, in its unit."""
-        return self._with(name, _Given(begin, end, name, value, replaces=False))
+        return self._with(Event(begin, end, name, value))
 
     def reset(self, name: str, at: float) -> Scenario:
         """End what the methods called before this one do to a signal or parameter."""
-        return self._with(name, _Keep(at, math.inf, 1.0))
+        return self._with(Event(at, math.inf, name, 0.0, keep=1.0))
 
     def add_noise(
         self,
@@ -151,23 +137,24 @@ class Scenario:
                 f"noise on {name}: deviation {deviation} and seed {seed!r}, expected a finite"
                 " deviation and a whole seed, each 0 or more"
             )
-        return self._with(name, _Noise(begin, end, deviation, seed))
+        return self._with(Event(begin, end, name, _Noise(deviation, seed)))
 
     def stick(self, name: str, begin: float, end: float = math.inf) -> Scenario:
         """Let a signal keep the value that it had a step before ``begin``."""
-        return self._with(name, _Keep(begin, end, math.nan))
+        return self._with(Event(begin, end, name, 0.0, keep=math.nan))
 
     def tables(self, time: Array) -> Tables:
         """Return what happens at the times (n,) in s; SignalError where it is not finite."""
         tables: dict[str, Disturbance] = {}
-        for name, event in self.events:
-            n = len(time)
-            table = tables.setdefault(name, Disturbance(np.ones(n), np.zeros(n), np.zeros(n)))
+        n = len(time)
+        for event in self.events:
+            fresh = Disturbance(np.ones(n), np.zeros(n), np.zeros(n))
+            table = tables.setdefault(event.name, fresh)
             with np.errstate(over="ignore"):
                 event.apply(time, table)
             if not np.isfinite([table.add, table.ends]).all():
-                raise SignalError(f"scenario: {name} would not be finite")
+                raise SignalError(f"scenario: {event.name} would not be finite")
         return tables
 
-    def _with(self, name: str, event: Event) -> Scenario:
-        return replace(self, events=(*self.events, (name, event)))
+    def _with(self, event: Event) -> Scenario:
+        return replace(self, events=(*self.events, event))

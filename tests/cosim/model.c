@@ -16,7 +16,7 @@
 
 enum { U, Y, K, FAULT_TIME, SUM, N_REALS };
 enum { FAULT = N_REALS, N, FLAG, TEXT, SIGN };
-enum { GIVE_NAN = 10, END, RETURN_EARLY, FAIL_TO_INITIALISE };
+enum { GIVE_NAN = 10, END, RETURN_EARLY };
 
 typedef struct {
     double real[N_REALS];
@@ -58,21 +58,14 @@ static void report(const Model *m, int status, const char *format, double number
     }
 }
 
-/* The cause comes before the error, as with Dymola. */
-static int complain(const Model *m, int status, double t) {
-    for (int i = 1; i <= 12; i++) {
-        report(m, 0, "cause %g", i);
-    }
-    report(m, status, "broke at t = %g", t);
-    return status;
-}
-
 static int step(Model *m, double t, double h) {
     if (t >= m->real[FAULT_TIME] && m->fault == GIVE_NAN) {
         m->real[Y] = NAN;
         m->real[K] = NAN;
     } else if (t >= m->real[FAULT_TIME] && m->fault > 1 && m->fault < GIVE_NAN) {
-        return complain(m, m->fault, t);
+        report(m, 0, "cause %g", 1.0); /* before the error, as with Dymola */
+        report(m, m->fault, "broke at t = %g", t);
+        return m->fault;
     } else if (KIND == 1) {
         m->real[Y] += h * m->real[U];
     }
@@ -81,7 +74,7 @@ static int step(Model *m, double t, double h) {
 
 static int initialise(Model *m) {
     m->real[Y] = m->real[K];
-    return m->fault == FAIL_TO_INITIALISE ? complain(m, 3, 0.0) : 0;
+    return 0;
 }
 
 static int set(Model *m, const unsigned r[], size_t n, const double v[]) {
@@ -130,52 +123,26 @@ static bool due(const Model *m, double t, int fault) {
      *reached = *early ? t : t + h, step(m, t, h))
 #include "fmu.h"
 
-static int *integer(Model *m, unsigned reference) { return reference == N ? &m->n : &m->fault; }
-
-static int set_integers(Model *m, const unsigned r[], size_t n, const int v[]) {
-    for (size_t i = 0; i < n; i++) {
-        *integer(m, r[i]) = v[i];
+#define EACH(prefix, function, type, tail, statement)                                              \
+    prefix##Status prefix##function(void *c, const unsigned r[], size_t n, type v[] tail) {        \
+        Model *m = c;                                                                              \
+        for (size_t i = 0; i < n; i++) {                                                           \
+            statement;                                                                             \
+        }                                                                                          \
+        return prefix##OK;                                                                         \
     }
-    return 0;
-}
-fmi2Status fmi2SetInteger(fmi2Component c, const unsigned r[], size_t n, const fmi2Integer v[]) {
-    return (fmi2Status)set_integers(c, r, n, v);
-}
-fmi3Status fmi3SetInt32(fmi3Instance c, const unsigned r[], size_t n, const fmi3Int32 v[],
-                        size_t values) {
-    return (fmi3Status)set_integers(c, r, n, v);
-}
-fmi2Status fmi2GetInteger(fmi2Component c, const unsigned r[], size_t n, fmi2Integer v[]) {
-    for (size_t i = 0; i < n; i++) {
-        v[i] = *integer(c, r[i]);
-    }
-    return fmi2OK;
-}
-fmi2Status fmi2SetBoolean(fmi2Component c, const unsigned r[], size_t n, const fmi2Boolean v[]) {
-    return n ? (((Model *)c)->flag = v[0]), fmi2OK : fmi2OK;
-}
-fmi3Status fmi3SetBoolean(fmi3Instance c, const unsigned r[], size_t n, const fmi3Boolean v[],
-                          size_t values) {
-    return n ? (((Model *)c)->flag = v[0]), fmi3OK : fmi3OK;
-}
-fmi2Status fmi2GetBoolean(fmi2Component c, const unsigned r[], size_t n, fmi2Boolean v[]) {
-    return n ? (v[0] = ((Model *)c)->flag), fmi2OK : fmi2OK;
-}
-fmi2Status fmi2SetString(fmi2Component c, const unsigned r[], size_t n, const fmi2String v[]) {
-    snprintf(((Model *)c)->text, 32, "%s", n ? v[0] : "");
-    return fmi2OK;
-}
-fmi3Status fmi3SetString(fmi3Instance c, const unsigned r[], size_t n, const fmi3String v[],
-                         size_t values) {
-    return (fmi3Status)fmi2SetString(c, r, n, v);
-}
-fmi2Status fmi2GetString(fmi2Component c, const unsigned r[], size_t n, fmi2String v[]) {
-    for (size_t i = 0; i < n; i++) {
-        v[i] = r[i] != SIGN ? ((Model *)c)->text : value(c, Y) > 0.0 ? "up" : "not \xc3\xbcp";
-    }
-    return fmi2OK;
-}
-fmi3Status fmi3GetString(fmi3Instance c, const unsigned r[], size_t n, fmi3String v[],
-                         size_t values) {
-    return (fmi3Status)fmi2GetString(c, r, n, v);
-}
+#define ALONE
+#define COUNTED , size_t values
+#define INTEGER (*(r[i] == N ? &m->n : &m->fault))
+#define SIGN_OR_TEXT (r[i] != SIGN ? m->text : value(m, Y) > 0.0 ? "up" : "not \xc3\xbcp")
+#define TAKE_TEXT snprintf(m->text, sizeof m->text, "%s", v[i])
+EACH(fmi2, SetInteger, const fmi2Integer, ALONE, INTEGER = v[i])
+EACH(fmi3, SetInt32, const fmi3Int32, COUNTED, INTEGER = v[i])
+EACH(fmi2, GetInteger, fmi2Integer, ALONE, v[i] = INTEGER)
+EACH(fmi2, SetBoolean, const fmi2Boolean, ALONE, m->flag = v[i])
+EACH(fmi3, SetBoolean, const fmi3Boolean, COUNTED, m->flag = v[i])
+EACH(fmi2, GetBoolean, fmi2Boolean, ALONE, v[i] = m->flag)
+EACH(fmi2, SetString, const fmi2String, ALONE, TAKE_TEXT)
+EACH(fmi3, SetString, const fmi3String, COUNTED, TAKE_TEXT)
+EACH(fmi2, GetString, fmi2String, ALONE, v[i] = SIGN_OR_TEXT)
+EACH(fmi3, GetString, fmi3String, COUNTED, v[i] = SIGN_OR_TEXT)

@@ -140,12 +140,6 @@ def test_names_are_checked(inputs, outputs):
         cosim.Function(minus_twice, inputs, outputs)
 
 
-def test_an_input_left_out_keeps_its_start_value(make):
-    system = one(make("gain"), {"u": 5.0}, "u")
-    assert set(system.prepare(step=0.1, stop=1.0).run()["a.y"]) == {5.0}
-    assert set(system.prepare(step=0.1, stop=1.0).run({"a.u": 7.0})["a.y"]) == {7.0}
-
-
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs POSIX timers")
 def test_an_interrupt_ends_a_run_within_about_a_second(make):
     system = cosim.System()

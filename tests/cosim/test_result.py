@@ -43,13 +43,6 @@ def test_csv_keeps_every_digit(result, tmp_path):
     assert text == result.frame().to_csv(lineterminator="\n", na_rep="nan")
 
 
-def test_what_was_not_recorded_is_named(result):
-    with pytest.raises(KeyError, match=r"'a\.x' was not recorded; did you mean"):
-        result["a.x"]
-    assert "a.y" in result
-    assert "a.x" not in result
-
-
 def test_a_variable_that_one_component_has_needs_no_component(result, make):
     np.testing.assert_array_equal(result["y"], result["a.y"])
     assert "y" in result

@@ -2,11 +2,10 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link, Scaling, conversion
+from stickslip.cosim.system.scaling import PLAIN, Link, Scaling
 from stickslip.fmi.description.units import Unit
 from tests.cosim.single import one
 
@@ -140,15 +139,6 @@ def end(system, **inputs):
     return system.prepare(step=0.5, stop=1.0).run(inputs=inputs)["b.y"][-1]
 
 
-def test_a_unit_converts_to_itself_and_back():
-    assert conversion(NEWTON, NEWTON) == IDENTITY
-    there, back = conversion(FAHRENHEIT, CELSIUS), conversion(CELSIUS, FAHRENHEIT)
-    assert there(212.0) == pytest.approx(100.0)
-    assert there.then(back)(50.0) == pytest.approx(50.0)
-    assert there.inverse(there(50.0)) == pytest.approx(50.0)
-    assert conversion(NEWTON, KELVIN) is None
-
-
 @pytest.mark.parametrize(("source", "target", "factor"), [("mN", "N", 1e-3), ("N", "mN", 1e3)])
 def test_a_connection_converts_units(make, source, target, factor):
     assert end(two_gains(make, source, target), x=3.0) == pytest.approx(6.0 * factor, rel=1e-15)
@@ -172,12 +162,6 @@ def test_a_scaling_comes_after_the_units_or_in_their_place(make):
     assert end(two_gains(make, "mN", "N", Link(line)), x=3.0) == pytest.approx(0.06 + 1)
     assert end(two_gains(make, "mN", "N", Link(line, convert=False)), x=3.0) == 61.0
     assert end(two_gains(make, "m", "N", Link(convert=False)), x=3.0) == 6.0
-
-
-def test_a_scaling_of_one_changes_no_bit(make):
-    signal = np.array([0.1, -0.3, 0.7])
-    plain = two_gains(make, "N", "N")
-    assert end(plain, x=signal) == end(two_gains(make, "N", "kg.m/s2"), x=signal)
 
 
 @pytest.mark.parametrize(

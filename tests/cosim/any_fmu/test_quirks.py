@@ -4,6 +4,7 @@ import logging
 import pickle
 import re
 import threading
+from weakref import WeakKeyDictionary
 
 import fmpy
 import numpy as np
@@ -63,14 +64,14 @@ def test_a_simulation_collected_while_another_gives_up_does_not_wait_for_itself(
 ):
     system = one(export("stair", 2, "CS", 'canBeInstantiatedOnlyOncePerProcess="true"'))
     forgotten = [system.prepare(step=0.1, stop=0.2)]
-    present = once._present
 
-    def collecting():
-        forgotten.clear()  # as a garbage collection may do at any time
-        return present()
+    class Collecting(WeakKeyDictionary):
+        def pop(self, *arguments):
+            forgotten.clear()  # as a garbage collection may do at any time
+            return super().pop(*arguments)
 
-    monkeypatch.setattr(once, "_present", collecting)
-    thread = threading.Thread(target=once.release, args=(object(),), daemon=True)
+    monkeypatch.setattr(once, "_held", Collecting(once._held))
+    thread = threading.Thread(target=once.release, args=(system,), daemon=True)
     thread.start()
     thread.join(10)
     assert not thread.is_alive()
