@@ -55,8 +55,7 @@ class Layout:
     @classmethod
     def of(cls, system: System, record: Record, turn: Iterable[str] | None = None) -> Layout:
         """Lay out a system; ``turn`` is the order of the steps where each sees those before it."""
-        texts = _texts(system, record.wanted)
-        kept = _select(system, record.wanted, texts)
+        kept, texts = _select(system, record.wanted)
         outputs: dict[str, list[str]] = {component: [] for component in system.components}
         for source in dict.fromkeys(system.connections.values()):
             outputs[component_of(source)].append(source)
@@ -92,44 +91,36 @@ def _neighbours(system: System) -> list[str]:
     return list(dict.fromkeys([*first, *system.components]))
 
 
-def _texts(system: System, record: Iterable[str] | None) -> list[str]:
-    """Return the outputs of type String that fit, and the variables of that type that are named."""
-    every = {
-        f"{component}.{v.name}": v
-        for component, fmu in system.components.items()
-        for v in fmu.variables.values()
-        if v.type == "String" and not v.dimensions
-    }
-    usual = [name for name, v in every.items() if v.causality == "output"]
-    if record is None:
-        return usual
-    kept: dict[str, None] = {}
-    for wanted in record:
-        found = [name for name in usual if fnmatchcase(name, wanted)]
-        kept |= dict.fromkeys([wanted] if wanted in every else found)
-    return list(kept)
-
-
-def _select(system: System, record: Iterable[str] | None, texts: Iterable[str]) -> list[str]:
+def _select(system: System, record: Iterable[str] | None) -> tuple[list[str], list[str]]:
+    """Return the signals and the variables of type String to keep."""
     shown = _of_causality(system, "output") or [
         name
         for name in _of_causality(system, "local")
         if system.variable(name).variability not in {"constant", "fixed"}
     ]
     usual = [*system.inputs, *shown]
+    strings = {
+        f"{component}.{v.name}": v.causality
+        for component, fmu in system.components.items()
+        for v in fmu.variables.values()
+        if v.type == "String" and not v.dimensions
+    }
+    told = [name for name, causality in strings.items() if causality == "output"]
     if record is None:
-        return usual
+        return usual, told
     kept: dict[str, None] = {}
+    texts: dict[str, None] = {}
     for wanted in record:
         found = [name for name in usual if name == wanted or fnmatchcase(name, wanted)]
-        if not found and any(fnmatchcase(name, wanted) for name in texts):
-            continue
-        if not found and any(mark in wanted for mark in "*?"):
+        fit = [wanted] if wanted in strings else [n for n in told if fnmatchcase(n, wanted)]
+        if not (found or fit) and any(mark in wanted for mark in "*?"):
             raise ConnectionFault(
                 f"cannot record {wanted!r}: no output fits{suggestion(wanted, usual)}"
             )
-        kept |= dict.fromkeys(found or _recordable(system, wanted))
-    return list(kept)
+        if found or not fit:
+            kept |= dict.fromkeys(found or _recordable(system, wanted))
+        texts |= dict.fromkeys(fit)
+    return list(kept), list(texts)
 
 
 def _of_causality(system: System, causality: str) -> list[str]:

@@ -40,11 +40,12 @@ def edit_parameters(
         values = _whole_arrays(values, system)
     given = read_parameters(editor.graph) if package and values else {}
     uses = Counter(id(element) for _, element in given.values())
-    fresh: dict[str, dict[str, Value]] = defaultdict(dict)
+    fresh: dict[str, dict[str, Value]] = defaultdict(dict)  # by component; on top by no name
     for name, value in values.items():
-        element = given[name][1] if name in given else None
+        element, owner = given[name][1] if name in given else None, component_of(name)
+        inside = editor.graph.nodes[path_of(owner)].document is editor.document
         if element is None:
-            fresh[component_of(name)][variable_of(name)] = value
+            fresh[owner if inside else ""][name] = value
         elif not (
             uses[id(element)] == 1
             and _can_change(element, value)
@@ -53,9 +54,9 @@ def edit_parameters(
             fresh[""][name] = value
     for i, name in enumerate(system.components):
         if name in fresh:
-            _bind(editor, system, name, fresh[name], members, file_name(i, name))
+            _bind(editor, system, fresh[name], members, file_name(i, name), name)
     if "" in fresh:
-        _bind_on_top(editor, system, fresh[""], members)
+        _bind(editor, system, fresh[""], members, "settings")
 
 
 def _changed_values(before: System, system: System) -> dict[str, Value]:
@@ -97,69 +98,38 @@ def _change_in_place(
 def _bind(
     editor: Editor,
     system: System,
-    name: str,
     values: Mapping[str, Value],
     members: Members,
-    file: str,
+    stem: str,
+    component: str = "",
 ) -> None:
-    node = editor.graph.nodes[path_of(name)]
-    if node.document is not editor.document:
-        _bind_on_top(editor, system, {f"{name}.{v}": x for v, x in values.items()}, members)
-        return
-    version = editor.document.root.get("version")
-    source = free_name(f"resources/{file}", ".ssv", members)
+    """Bind values to a component, or to the whole system, where they go before all others."""
+    version, whole = editor.document.root.get("version"), not component
     # One name for all components: ecos applies the parameter set of a name to all that have it.
-    root = new_root("ssv:ParameterSet", "parameters", version)
-    _add_values(root, values, name, system, version)
-    members[source] = text_of(root)
-    add(group(node.element, "ssd:ParameterBindings"), "ssd:ParameterBinding", source=source)
-
-
-def _bind_on_top(
-    editor: Editor, system: System, values: Mapping[str, Value], members: Members
-) -> None:
-    """Bind values to the whole system, where they go before all others."""
-    version = editor.document.root.get("version")
-    root = new_root("ssv:ParameterSet", "settings", version)
-    for name, value in values.items():
-        owner = component_of(name)
-        prefix = ".".join(path_of(owner)) + "."
-        _add_values(root, {variable_of(name): value}, owner, system, version, prefix)
-    source = free_name("resources/settings", ".ssv", members)
-    members[source] = text_of(root)
-    body = editor.graph.nodes[()].body
-    add(group(body, "ssd:ParameterBindings"), "ssd:ParameterBinding", source=source)
-
-
-def _add_values(
-    root: Any,
-    values: Mapping[str, Value],
-    component: str,
-    system: System,
-    version: str,
-    prefix: str = "",
-) -> None:
-    """Put values of one component into an ssv:ParameterSet, in place of those of the same name."""
+    root = new_root("ssv:ParameterSet", "settings" if whole else "parameters", version)
     parameters = group(root, "ssv:Parameters")
-    given = {p.get("name"): p for p in parameters.iterchildren(tag("ssv:Parameter"))}
     for name, value in values.items():
-        variable = system.variable(f"{component}.{name}")
-        if prefix + name in given:
-            parameters.remove(given[prefix + name])
-        parameter = add(parameters, "ssv:Parameter", name=prefix + name)
+        owner, variable = component_of(name), system.variable(name)
+        prefix = ".".join(path_of(owner)) + "." if whole else ""
+        parameter = add(parameters, "ssv:Parameter", name=prefix + variable_of(name))
         kind = _type_of(variable, value, version)
         if kind is None:
             raise SspError(
-                f"{component}.{name}: SSP {version} has no values that are arrays or binary; write"
+                f"{name}: SSP {version} has no values that are arrays or binary; write"
                 " version='2.0'"
             )
         element = add(parameter, f"ssv:{kind}", value=_text_of_value(value))
         for length in variable.dimensions:
             add(parameter, "ssc:Dimension", size=str(length))
-        unit = system.components[component].unit(variable)
+        unit = system.components[owner].unit(variable)
         if kind in _FLOATS and unit and unit.exponents:
             element.set("unit", unit.name)
             add_units(root, "ssv:Units", [unit])
+    source = free_name(f"resources/{stem}", ".ssv", members)
+    members[source] = text_of(root)
+    node = editor.graph.nodes[path_of(component) if component else ()]
+    bindings = group(node.body if whole else node.element, "ssd:ParameterBindings")
+    add(bindings, "ssd:ParameterBinding", source=source)
 
 
 def _text_of_value(value: Value) -> str:
