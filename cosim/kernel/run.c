@@ -41,28 +41,6 @@ __attribute__((noinline)) static bool walk_disturbed(Run *run, int64_t end) {
     return walk(run, end, step_disturbed, run->width, run->constant_step);
 }
 
-/* Outputs that depend on inputs that depend on outputs, in initialisation mode: set and get until
- * all agree. Rows 0 and 1 are the same point in time. */
-static bool sweep(Run *run, Loop *loop) {
-    double *next = run->rows + run->width;
-    for (int64_t j = 0; j < loop->n; j++) {
-        next[loop->columns[j]] = run->rows[loop->columns[j]];
-    }
-    for (int64_t i = loop->first; i < loop->end; i++) {
-        const Component *c = &run->components[i];
-        double *values = run->rows + c->column;
-        TRY(set_inputs(run, c, run->rows) && get_outputs(run, c, c->n_linked, run->rows));
-        disturb(run, c, run->rows, 0);
-        memcpy(values + run->width, values, c->n_linked * sizeof *values);
-    }
-    return true;
-}
-
-static bool solve_initial(Run *run) {
-    run->initial->known = false;
-    return solve(run, run->initial, run->rows, sweep);
-}
-
 /* Before the first step rows 0 and 1 are the same point in time: a fresh input reads the latter. */
 static bool get_initial(Run *run, const Component *c) {
     double *values = run->rows + c->column;
@@ -70,6 +48,25 @@ static bool get_initial(Run *run, const Component *c) {
     disturb(run, c, run->rows, 0);
     memcpy(values + run->width, values, c->n_linked * sizeof *values);
     return true;
+}
+
+/* Outputs that depend on inputs that depend on outputs, in initialisation mode: set and get until
+ * all agree. */
+static bool sweep(Run *run, Loop *loop) {
+    double *next = run->rows + run->width;
+    for (int64_t j = 0; j < loop->n; j++) {
+        next[loop->columns[j]] = run->rows[loop->columns[j]];
+    }
+    for (int64_t i = loop->first; i < loop->end; i++) {
+        const Component *c = &run->components[i];
+        TRY(set_inputs(run, c, run->rows) && get_initial(run, c));
+    }
+    return true;
+}
+
+static bool solve_initial(Run *run) {
+    run->initial->known = false;
+    return solve(run, run->initial, run->rows, sweep);
 }
 
 static bool initialise(Run *run) {

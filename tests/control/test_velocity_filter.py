@@ -10,7 +10,7 @@ from stickslip import cosim
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
 from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
-from tests.control.closed_loop import ideal_servo
+from tests.control.closed_loop import ideal_servo, nominal_values
 
 T_S = 5e-4
 SPECIFICATION = FilterSpecification(encoder_step=4e-7, force_noise=0.05, disturbance_rate=1.5)
@@ -78,6 +78,24 @@ def servo_of_fmus(fmus, loop) -> cosim.System:
     system.parameters |= {"controller.use_v_hat": True, "controller.m_ff": loop.m_ff}
     system.expose("a_cmd", "controller.a_cmd")
     return system
+
+
+def test_without_friction_the_drive_is_the_nominal_loop(fmus, filtered):
+    """A whole sweep: python-control's matrices in an FMU, and the loop of FMUs."""
+    commands = filtered.commands(0.02 * np.sin(np.linspace(0.0, 9.0, 1001) ** 2))
+    system = servo_of_fmus(fmus, filtered)
+    values = nominal_values(filtered)
+    values |= {f"E[{i + 1}]": float(e) for i, e in enumerate(filtered.acceleration.B[:, 0])}
+    system.add("nominal", fmus / "nominal_loop.fmu", values)
+    system.expose("v_r", "nominal.v_cmd")
+    system.expose("a_r", "nominal.a_cmd")
+    if "a_cmd" in commands:
+        commands["a_r"] = commands["a_cmd"]
+    commands["v_r"] = commands["v_cmd"]
+    result = system.prepare(step=T_S, stop=0.5).run(inputs=commands)
+    assert np.abs(result["controller.u"]).max() < 205.0
+    error = result["drive.v"] - result["nominal.v_r"]
+    assert np.abs(error).max() < 1e-7 * np.abs(result["drive.v"]).max()
 
 
 def test_a_known_force_does_what_the_compliance_says(fmus, filtered):
