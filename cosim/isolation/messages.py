@@ -20,7 +20,7 @@ import time
 import zlib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from queue import Empty, SimpleQueue
 from types import MappingProxyType
 from typing import Any, Self
@@ -32,7 +32,7 @@ from stickslip.cosim.errors import FmuCrashed
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.kernel.structures import Mark
-from stickslip.cosim.signals.scenario import Scenario, Tables
+from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Array, Input, sampled
 from stickslip.cosim.system.system import Specification, System
 
@@ -279,32 +279,21 @@ def pack(specification: Specification, **more: object) -> bytes:
 
 def portable_inputs(inputs: Mapping[str, Input], time: Array) -> dict[str, Input]:
     """Return inputs that another process understands: our signals as they are, others sampled."""
-    return {
-        name: signal if _is_portable(signal) else sampled(name, signal, time)
-        for name, signal in inputs.items()
-    }
+    return {name: _portable(name, signal, time) for name, signal in inputs.items()}
 
 
-def _is_portable(signal: Input) -> bool:
-    if hasattr(signal, "sample"):
-        return type(signal).__module__ == "stickslip.cosim.signals.signals"
-    return isinstance(signal, int | float | np.ndarray)
+def portable_scenario(scenario: Scenario | None, time: Array) -> Scenario | None:
+    """Return a scenario whose signals another process understands."""
+    if scenario is None:
+        return None
+    events = (replace(e, value=_portable(e.name, e.value, time)) for e in scenario.events)
+    return replace(scenario, events=tuple(events))
 
 
-@dataclass(frozen=True)
-class Tabulated(Scenario):
-    """A scenario as the tables that it makes."""
-
-    made: Tables | None = None
-
-    @classmethod
-    def of(cls, scenario: Scenario | None, time: Array) -> Tabulated | None:
-        """Return what a scenario does at the times (n,) in s, None for none."""
-        return None if scenario is None else cls(made=scenario.tables(time))
-
-    def tables(self, time: Array) -> Tables:  # noqa: ARG002 - they were made for these times
-        """Return what happens."""
-        return self.made or {}
+def _portable(name: str, signal: Input, time: Array) -> Input:
+    ours = type(signal).__module__ == "stickslip.cosim.signals.signals"
+    plain = isinstance(signal, int | float | np.ndarray)
+    return signal if ours or plain else sampled(name, signal, time)
 
 
 _UNTIMED = ("load", "unload", "Instantiate", "FreeInstance")  # calls at no simulated time

@@ -14,7 +14,12 @@ import numpy as np
 
 from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.errors import FmuCrashed, ParameterError
-from stickslip.cosim.isolation.messages import Reply, Tabulated, called, portable_inputs
+from stickslip.cosim.isolation.messages import (
+    Reply,
+    called,
+    portable_inputs,
+    portable_scenario,
+)
 from stickslip.cosim.isolation.process import Process
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.guards import Exclusive, RealTimePacing
@@ -126,7 +131,7 @@ class IsolatedSimulation(Simulation):
             arguments["parameters"] = starts
         arguments |= {
             "inputs": portable_inputs(signals_of(arguments["inputs"]), self.time),
-            "scenario": Tabulated.of(arguments["scenario"], self.time),
+            "scenario": portable_scenario(arguments["scenario"], self.time),
             "progress": progress is not None,
             "how": how,
         }

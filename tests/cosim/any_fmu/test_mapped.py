@@ -38,20 +38,6 @@ def test_what_has_a_pair_is_replaced_and_all_else_stays(export, version, couplin
     )
 
 
-@pytest.mark.parametrize(
-    ("source", "target", "pairs", "expected"),
-    [
-        ("Boolean", "Boolean", {0: 1, 1: 0}, [1, 0, 0, 1]),
-        ("Boolean", "UInt8", {1: 200}, [0, 200, 200, 0]),
-        ("Int16", "Boolean", {1: 0, 0: 1}, [1, 0, 0, 1]),
-    ],
-)
-def test_types_are_mapped_to_each_other(export, source, target, pairs, expected):
-    system = chain(export, 3, source, target, Link(ValueMap.of(pairs)))
-    result = seen(system, [0, 1, 1, 0])
-    np.testing.assert_array_equal(result[f"b.{target}_out"][1:], [expected[0], *expected[1:]][:3])
-
-
 def test_an_exposed_input_is_mapped_and_starts_with_what_leads_to_the_start_value(export):
     system = one(export("feedthrough", 3), {"Int8_in": 7}, interface="co_simulation")
     system.expose("u", "a.Int8_in", links={"a.Int8_in": Link(ValueMap.of({3: 7}))})
