@@ -51,7 +51,7 @@ def write_fmu(
     outputs: Sequence[str] | None = None,
     parameters: Sequence[str] | None = None,
     experiment: DefaultExperiment | None = None,
-    platforms: Iterable[toolchain.Platform] | None = None,
+    platforms: Iterable[Platform] | None = None,
 ) -> Path:
     """Write a system as one FMU for Co-Simulation and return its path.
 
@@ -89,8 +89,9 @@ def write_fmu(
     components = system.fmus("a container")
     if not components:
         raise ConnectionFault(f"{system.name} has no component; add one before it is exported")
+    labels = {name: f"{system.name}: {name} ({fmu.path.name})" for name, fmu in components.items()}
     for name, fmu in components.items():
-        _check(fmu, f"{system.name}: {name} ({fmu.path.name})")
+        _check(fmu, labels[name])
     targets = list(platforms or [toolchain.host_platform()])
     if loop := algebraic_loop(system, system.components):
         raise ConnectionFault(
@@ -104,7 +105,7 @@ def write_fmu(
     libraries = {name: UnloadedLibrary(fmu) for name, fmu in components.items()}
     jacobi = coupling == "jacobi"
     run, general = wire(system, layout, order, libraries, jacobi=jacobi, tolerance=None)
-    folders = _folders(system)
+    folders = _folders(components)
     header = system_header(system, run, general, order, layout, shown, folders, step)
     identifier = re.sub(r"\W", "_", system.name, flags=re.ASCII)
     identifier = identifier if re.match(r"[A-Za-z_]", identifier) else f"_{identifier}"
@@ -141,7 +142,7 @@ def write_fmu(
         members |= solver_members(targets)
     inside: dict[str, bytes] = {}
     for name, folder in folders.items():
-        inside |= _component(system, name, folder, targets)
+        inside |= _component(components[name], labels[name], folder, targets)
     members |= _binaries(identifier, sources, fmi, targets) | inside
     return atomic_write(Path(path), zipped(members))
 
@@ -157,12 +158,12 @@ def _check(fmu: Fmu, label: str) -> None:
 
 
 def _binaries(
-    name: str, sources: Mapping[str, str], fmi: int, targets: Iterable[toolchain.Platform]
+    name: str, sources: Mapping[str, str], fmi: int, targets: Iterable[Platform]
 ) -> dict[str, bytes]:
     """Return the libraries by path in the FMU."""
     functions = toolchain.standard_functions(sources[f"system/fmi{fmi}Functions.h"])
 
-    def build(target: toolchain.Platform) -> Path:
+    def build(target: Platform) -> Path:
         flags = ["-DEXPORT=", "-Wno-unused-parameter"]
         flags += ["-ldl"] if target.suffix == ".so" else []
         return toolchain.shared_library(
@@ -172,27 +173,24 @@ def _binaries(
     return toolchain.binaries(name, fmi, targets, build)
 
 
-def _folders(system: System) -> dict[str, str]:
+def _folders(components: Mapping[str, Fmu]) -> dict[str, str]:
     """Return component -> folder in the resources, one for each FMU."""
     names: dict[Path, str] = {}
-    for fmu in system.fmus("a container").values():
+    for fmu in components.values():
         plain = re.sub(r"\W", "_", fmu.path.stem, flags=re.ASCII)
         names.setdefault(fmu.folder, f"{len(names)}_{plain}")
-    return {name: names[fmu.folder] for name, fmu in system.fmus("a container").items()}
+    return {name: names[fmu.folder] for name, fmu in components.items()}
 
 
-def _component(
-    system: System, name: str, folder: str, targets: Sequence[toolchain.Platform]
-) -> dict[str, bytes]:
+def _component(fmu: Fmu, label: str, folder: str, targets: Sequence[Platform]) -> dict[str, bytes]:
     """Return the files of an FMU that a container needs."""
-    fmu = system.fmus("a container")[name]
     kept = ["modelDescription.xml", "resources/**/*", "documentation/licenses/**/*"]
     for target in targets:
         place = target.fmi2 if fmu.version == 2 else target.tuple
         if not (fmu.folder / "binaries" / place / (fmu.binary.stem + target.suffix)).is_file():
             raise FmuError(
-                f"{system.name}: {name} ({fmu.path.name}) has no binary for {target.tuple}"
-                f" (binaries/{place}); build it for that platform, or leave the platform out"
+                f"{label} has no binary for {target.tuple} (binaries/{place}); build it for that"
+                " platform, or leave the platform out"
             )
         kept.append(f"binaries/{place}/**/*")
     files = sorted(file for pattern in kept for file in fmu.folder.glob(pattern) if file.is_file())

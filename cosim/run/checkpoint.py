@@ -26,7 +26,7 @@ from stickslip.fmi.files import atomic_write, read_limited
 from stickslip.fmi.messages import printable
 
 MOST_BYTES = 1 << 30
-FORMAT = 2
+FORMAT = 3
 _MOST_NAMED = 3  # differences in a message
 _MOST_SHOWN = 80  # characters of each
 _DAMAGES = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -139,14 +139,9 @@ def _connect(system: System, graph: Graph) -> None:
                 exposed[source[1]][name] = link
     for name, links in exposed.items():
         with _blaming(graph.onward[(), name][0].element):
-            unit = _other(graph.unit(((), name)), links, system)
-            system.expose(name, *links, unit=unit, links=links)
-
-
-def _other(unit: Any, links: Mapping[str, Link], system: System) -> Any:
-    """Return the unit of a connector where it is not that of its first target."""
-    first = system.unit_of(next(iter(links)))
-    return None if unit is None or (first and unit.same_as(first)) else unit
+            unit, first = graph.unit(((), name)), system.unit_of(next(iter(links)))
+            other = unit if unit and not (first and unit.same_as(first)) else None
+            system.expose(name, *links, unit=other, links=links)
 
 
 def _show_outputs(system: System, graph: Graph) -> None:

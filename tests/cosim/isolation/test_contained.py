@@ -230,3 +230,20 @@ def test_what_this_installation_compiled_runs_here_and_what_is_foreign_in_a_chil
     assert cosim.Specification(known, 0.01, 0.1).limits is None
     packed = one(cosim.write_fmu(known, tmp_path / "packed.fmu", step=0.01))
     assert cosim.Specification(packed, 0.01, 0.1).limits == cosim.Isolation()
+
+
+def test_every_preparation_finds_the_resources_that_were_packed(tmp_path):
+    """An FMU that writes into its unpacked files, with one Fmu object, spoils no later run."""
+
+    def behaviour(fmu):
+        return (fmu.folder / "resources" / "behaviour.txt").read_text()
+
+    path = fmus.write(tmp_path / "writer.fmu", "DoStep rewrite")
+    fmu = cosim.Fmu(path)
+    limits = cosim.Isolation(allow=(f"files={fmu.folder}",))
+    for _ in range(3):
+        with one(fmu).prepare(step=0.01, stop=0.1, isolation=limits) as simulation:
+            assert behaviour(fmu) == "DoStep rewrite"
+            simulation.run()
+        assert behaviour(fmu) == "DoStep abort  "
+    assert behaviour(cosim.Fmu(path)) == "DoStep rewrite"
