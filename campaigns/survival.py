@@ -1,10 +1,9 @@
 """``python -m campaigns.survival``: what sets of results survive while they are written.
 
-Processes are killed, the disk is full and folders vanish. A set that is lost raises; else what was
-found is printed as JSON, where "recovered" means only after ``stickslip verify``.
+Processes are killed, and the disk is full. A set that is lost raises; else what was found is
+printed as JSON, where "recovered" means only after ``stickslip verify``.
 """
 
-import argparse
 import errno
 import json
 import os
@@ -12,8 +11,6 @@ import shutil
 import signal
 import sys
 import tempfile
-import threading
-import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -21,8 +18,6 @@ from functools import cache
 from itertools import count
 from pathlib import Path
 from typing import Any, NoReturn
-
-import numpy as np
 
 from stickslip.errors import ResultsError, UsageError
 from stickslip.fmi.files import atomic_write
@@ -160,34 +155,6 @@ def kill_at_each_operation(folder: Path) -> Counter[str]:
     raise AssertionError
 
 
-def timed(files: Files, folder: Path) -> float:
-    """Write a set and return how long it took [s]."""
-    begin = time.perf_counter()
-    write(files, folder)
-    return time.perf_counter() - begin
-
-
-def kill_at_random(folder: Path, kills: int) -> Counter[str]:
-    """Kill processes at random moments while they replace one set by the other, and back."""
-    rng = np.random.default_rng(0)
-    duration = timed(OLD, folder)
-    outcomes: Counter[str] = Counter()
-    while outcomes.total() < kills:
-        older = plain(folder)
-        child = os.fork()
-        if not child:
-            write(NEW if older == OLD else OLD, folder)
-            os._exit(0)
-        time.sleep(rng.uniform(0.0, duration))
-        os.kill(child, signal.SIGKILL)
-        if os.waitpid(child, 0)[1] == 0:
-            continue  # it was faster
-        found = holds(folder)
-        which = "the older" if plain(folder) == older else "the newer"
-        outcomes[f"{which} set, {found}"] += 1
-    return outcomes
-
-
 EXPECTED = (OSError, ResultsError, UsageError)
 
 
@@ -214,59 +181,15 @@ def fill_at_each_operation(folder: Path, *, stays: bool) -> Counter[str]:
     raise AssertionError
 
 
-def remove_at_random(folder: Path, times: int) -> Counter[str]:
-    """Delete the folder while it is written: no half set is taken for a whole one."""
-    rng = np.random.default_rng(0)
-    outcomes: Counter[str] = Counter()
-    duration = timed(NEW, folder)
-    for _ in range(times):
-        remover = threading.Timer(
-            rng.uniform(0.0, 1.2 * duration), shutil.rmtree, (folder,), {"ignore_errors": True}
-        )
-        remover.start()
-        try:
-            write(NEW, folder)
-            written = True
-        except EXPECTED:
-            written = False
-        remover.join()
-        if not written:
-            outcomes["said in one line"] += 1
-        elif not plain(folder):
-            outcomes["removed when it was written"] += 1
-        else:
-            outcomes[_seen_by_verify(folder)] += 1
-        shutil.rmtree(folder, ignore_errors=True)
-    return outcomes
-
-
-def _seen_by_verify(folder: Path) -> str:
-    """Return what ``stickslip verify`` makes of a folder that was removed while it was written."""
-    try:
-        verdict = verify(folder)
-    except ResultsError as complaint:
-        if "manifest.json: there is none" not in str(complaint):
-            raise
-        return "verify says that there is no manifest"
-    if set(verdict.faults.values()) - {"missing"}:
-        raise RuntimeError(f"{folder}: {verdict}")
-    return "verify names what is missing" if verdict.faults else "a whole set"
-
-
 def main() -> None:
     """Try all, and print what was found."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--times", type=int, default=50, metavar="N", help="of what is at random")
-    times = parser.parse_args().times
     os.fsync = lambda _: None  # only slows this: the machine is not switched off
     with tempfile.TemporaryDirectory(prefix="stickslip-") as name:
         folder = Path(name)
         found = {
-            "killed at each operation": kill_at_each_operation(folder / "a"),
-            "killed at random": kill_at_random(folder / "b", times),
-            "full once": fill_at_each_operation(folder / "c", stays=False),
-            "full for good": fill_at_each_operation(folder / "d", stays=True),
-            "removed": remove_at_random(folder / "e", times),
+            "killed": kill_at_each_operation(folder / "a"),
+            "full once": fill_at_each_operation(folder / "b", stays=False),
+            "full for good": fill_at_each_operation(folder / "c", stays=True),
         }
     print(json.dumps(found, indent=1))
 

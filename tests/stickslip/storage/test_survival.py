@@ -22,31 +22,20 @@ def outcomes():
     """What was found; a set that is lost makes the process fail."""
     if sys.platform == "win32":
         pytest.skip("forks")
-    command = [sys.executable, "-m", "campaigns.survival", "--times", "8"]
+    command = [sys.executable, "-m", "campaigns.survival"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
 
-def test_killed_before_any_operation_a_whole_set_is_left(outcomes):
+@pytest.mark.parametrize(
+    ("how", "least"), [("killed", 41), ("full once", 36), ("full for good", 36)]
+)
+def test_before_any_operation_a_whole_set_is_left(outcomes, how, least):
     """Only while the files change places does it take ``stickslip verify`` to see a whole set."""
-    killed = outcomes["killed at each operation"]
-    assert killed["at once"] > 40
-    assert 0 < killed["recovered"] <= 6  # one for each file of the new set, and the one that leaves
-
-
-def test_killed_at_random_moments_a_whole_set_is_left(outcomes):
-    assert sum(outcomes["killed at random"].values()) == 8
-
-
-@pytest.mark.parametrize("how", ["full once", "full for good"])
-def test_without_room_for_any_operation_a_whole_set_is_left(outcomes, how):
-    assert outcomes[how]["at once"] > 35
-    assert outcomes[how]["recovered"] <= 6
-
-
-def test_a_folder_that_vanishes_leaves_a_whole_set_or_a_complaint(outcomes):
-    assert sum(outcomes["removed"].values()) == 8
+    assert outcomes[how]["at once"] >= least
+    assert outcomes[how]["recovered"] <= 6  # one for each file of the new set, and one that leaves
+    assert how != "killed" or outcomes[how]["recovered"] > 0
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
