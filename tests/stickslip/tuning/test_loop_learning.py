@@ -1,12 +1,12 @@
 """Genetic learning of the loop: what a candidate is, what it costs, and what is kept."""
 
 import json
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from benchmarks.learning.loop import candidates_at_random, costs_of
 from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.motions import MOTIONS
@@ -241,11 +241,14 @@ def test_the_search_earns_its_place(reproduction, study, monkeypatch):
     monkeypatch.setattr(loop_tuning, "PHASES", PHASES[:3])
     found = reproduction.loops.by_seed()
     assert judged(study, study.loop(FEEDFORWARD)).max() > 1.3 * found["largest"].max()
-    budget = reproduction.loops.best.evaluations
-    drawn = candidates_at_random(0, budget)
+    low, high = np.log([[gene.lower, gene.upper] for gene in GENES]).T
+    rng, costs = np.random.default_rng(0), {}
     with LoopCost(study) as cost:
-        costs = costs_of(cost, drawn)
+        for _ in range(reproduction.loops.best.evaluations):
+            with suppress(ga.CandidateFailed):
+                drawn = np.exp(rng.uniform(low, high))
+                costs[cost(drawn)] = drawn
     names = [gene.name for gene in GENES]
-    best = study.loop(dict(zip(names, drawn[np.argmin(costs)], strict=True)))
+    best = study.loop(dict(zip(names, costs[min(costs)], strict=True)))
     assert min(costs) > 1.1 * max(one.cost for one in reproduction.loops.learned)
     assert judged(study, best).max() > found["largest"].max()
