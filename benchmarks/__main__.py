@@ -8,18 +8,17 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from benchmarks import learn, measurements
+from benchmarks import isolation, learn
 from benchmarks.common import table
 from benchmarks.coupling import report
 from benchmarks.learning import candidates, speed
 
-MODULES = {"coupling": report, "learn": learn, "learning": candidates, "speed": speed}
 BENCHMARKS = {
-    **{name: (module.measure, module.__doc__) for name, module in MODULES.items()},
-    **{
-        name: (getattr(measurements, name), getattr(measurements, name).__doc__)
-        for name in ("workers", "isolation")
-    },
+    "coupling": report,
+    "learn": learn,
+    "learning": candidates,
+    "speed": speed,
+    "isolation": isolation,
 }
 KEPT = Path(__file__).parents[1] / "results" / "coupling"
 
@@ -34,8 +33,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for chosen in options.names or BENCHMARKS:
-            measure, about = BENCHMARKS[chosen]
-            print(f"\n{about.strip()}\n{table(measure(folder))}")
+            module = BENCHMARKS[chosen]
+            print(f"\n{module.__doc__.strip()}\n{table(module.measure(folder))}")
             if chosen == "coupling" and options.write:
                 for file in report.NAMES:
                     shutil.copy(folder / file, KEPT)
