@@ -9,7 +9,6 @@ the same again, it is the same again.
 
 from __future__ import annotations
 
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -61,7 +60,6 @@ class Optimiser(ABC):
         self._asked: Array | None = None
         self._best: Candidate | None = None
         self._progress = (0, np.inf)
-        self._since = time.monotonic()
 
     @property
     @abstractmethod
@@ -186,7 +184,6 @@ class Optimiser(ABC):
                 generations=self.generation,
                 evaluations=self.evaluations,
                 batch=self.batch,
-                seconds=time.monotonic() - self._since,
                 best=self._best.cost,
                 stagnant=self.evaluations - self._progress[0],
             )

@@ -145,7 +145,6 @@ class Limits:
     ----------
     generations : so many batches were evaluated
     evaluations : another batch would exceed this number of candidates
-    seconds : so long since the optimiser was made or resumed, s
     target : the best cost is at most this, in the cost's unit
     patience : the best cost has not fallen by 1 % for so many evaluations
 
@@ -156,7 +155,6 @@ class Limits:
 
     generations: int | None = None
     evaluations: int | None = None
-    seconds: float | None = None
     target: float | None = None
     patience: int | None = None
 
@@ -172,7 +170,6 @@ class Limits:
         generations: int,
         evaluations: int,
         batch: int,
-        seconds: float,
         best: float,
         stagnant: int,
     ) -> str | None:
@@ -181,8 +178,6 @@ class Limits:
             return f"the best cost {best:.6g} reached the threshold {self.target:.6g}"
         if spent := self.spent(generations=generations, evaluations=evaluations, batch=batch):
             return spent
-        if self.seconds is not None and seconds >= self.seconds:
-            return f"{self.seconds:g} s have passed"
         if self.patience is not None and stagnant >= self.patience:
             return f"stagnation: the best cost has not fallen by 1 % in {stagnant} evaluations"
         return None

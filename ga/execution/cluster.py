@@ -66,14 +66,6 @@ class DaskWorkers(Executor):
             self._client.map(fn, *zip(*calls, strict=True), pure=False, priority=-self._turn)
         )
 
-    def result_all(self, futures: list[Any]) -> list[Any] | None:
-        """Wait for several results, received in one message; None if not all are well."""
-        import_module("distributed").wait(futures)
-        if any(future.status != "finished" for future in futures):
-            return None
-        results: list[Any] = self._client.gather(futures)
-        return results
-
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Run a function on one of the workers."""
         self._turn += 1

@@ -66,7 +66,6 @@ class Evaluator:
         try:
             begun = self._send(ahead, self._executor, begins=False)
             self._begun = {row.tobytes(): place for row, place in zip(ahead, begun, strict=True)}
-            self._wait([place.task for place in places if place is not None])
             outcomes = [place.outcome() for place in places if place is not None]
         except BaseException:
             cancel_all(place.task.future for place in sent)
@@ -99,14 +98,6 @@ class Evaluator:
             for task, part in zip(map(_Task, futures), parts, strict=True)
             for index in range(len(part))
         ]
-
-    def _wait(self, tasks: list[_Task]) -> None:
-        """Let an executor that can receive several results in one message do so."""
-        together = getattr(self._executor, "result_all", None)
-        waiting = list(dict.fromkeys(tasks))
-        received = together([task.future for task in waiting]) if together else None
-        for task, outcomes in zip(waiting, received or (), strict=False):
-            task.outcomes = outcomes
 
     def _alone(self, row: Array, executor: Executor, begins: bool) -> Outcome:
         for _ in range(ALONE):

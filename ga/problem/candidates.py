@@ -6,8 +6,8 @@ import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
-from typing import Self
+from dataclasses import dataclass, field
+from typing import ClassVar, Self
 from uuid import uuid4
 
 from stickslip import cosim
@@ -33,21 +33,16 @@ class SimulatedCost:
     names : the parameter ``component.variable`` that each value of a candidate sets
     cost : evaluates a result, 0 .. inf
     inputs : exposed input -> array, signal or number, the same for every candidate
-    isolation : ``process`` lets a candidate's FMUs crash without harm, see `cosim.Isolation`; that
-        of the specification if None
     """
+
+    fatal: ClassVar = (cosim.CosimError,)
+    """What no candidate is to blame for."""
 
     specification: cosim.Specification
     names: Sequence[str]
     cost: Callable[[cosim.Result], float]
     inputs: Mapping[str, Input] = field(default_factory=dict)
-    isolation: cosim.Isolated = None
     _token: str = field(default_factory=lambda: uuid4().hex, init=False, repr=False)
-
-    @property
-    def fatal(self) -> tuple[type[Exception], ...]:
-        """What no candidate is to blame for."""
-        return (cosim.CosimError,)
 
     def __call__(self, values: Array) -> float:
         """Run one candidate (k,), in the order of `names` and in their units; return its cost.
@@ -84,8 +79,5 @@ class SimulatedCost:
     def _simulation(self) -> cosim.Simulation:
         key = self._token, (os.getpid(), threading.get_ident())
         if key not in _open:
-            specification = self.specification
-            if self.isolation is not None:
-                specification = replace(specification, isolation=self.isolation)
-            _open[key] = specification.prepare()
+            _open[key] = self.specification.prepare()
         return _open[key]

@@ -33,12 +33,6 @@ def test_a_target_ends_the_run_as_soon_as_it_is_reached(algorithm):
     assert "reached the threshold 0.5" in why
 
 
-def test_seconds_end_the_run():
-    optimiser, why = run(ga.Limits(seconds=1e-9))
-    assert optimiser.generation == 1
-    assert why == "1e-09 s have passed"
-
-
 @pytest.mark.parametrize("algorithm", ga.ALGORITHMS)
 def test_stagnation_ends_the_run(algorithm):
     limits = ga.Limits(evaluations=2000, patience=60)
@@ -66,7 +60,7 @@ def test_a_collapsed_population_is_at_rest():
     assert optimiser.evaluations < 1000
 
 
-@pytest.mark.parametrize("field", ["generations", "evaluations", "seconds", "patience", "target"])
+@pytest.mark.parametrize("field", ["generations", "evaluations", "patience", "target"])
 def test_a_limit_out_of_range_is_named(field):
     with pytest.raises(ga.SettingsError, match=f"{field} must be above 0, or None, got -1"):
         ga.Limits(**{field: -1})
