@@ -301,7 +301,6 @@ class Rig(ABC):
         v_cmd: Array,
         loop: VelocityLoop,
         feed: Feed = "nominal",
-        fixed: Mapping[str, float] | None = None,
         *,
         compensated: bool = True,
     ) -> Iterator[Trial]:
@@ -313,13 +312,12 @@ class Rig(ABC):
 
         Parameters
         ----------
-        fixed : parameters of the compensator that no trial has
         compensated : whether the compensator's force reaches the drive
         """
-        whole = self._simulated(v_cmd, loop, (fixed or {}) if compensated else None, feed)
+        whole = self._simulated(v_cmd, loop, {} if compensated else None, feed)
         record = ("nominal.v_r", "compensator.F_mean")
         specification = whole or cosim.Specification(
-            feedforward(self.fmus, loop, fixed or {}, feed),
+            feedforward(self.fmus, loop, {}, feed),
             step=self.T_s,
             stop=(len(v_cmd) - 1) * self.T_s,
             record=record,
@@ -345,7 +343,6 @@ class Rig(ABC):
         loop: VelocityLoop,
         cost: Callable[[TrialLog], float],
         feed: Feed = "nominal",
-        fixed: Mapping[str, float] | None = None,
         *,
         compensated: bool = True,
     ) -> AbstractContextManager[Callable[[Array], float]]:
@@ -355,10 +352,10 @@ class Rig(ABC):
         recorded ``drive.x_enc`` and ``nominal.v_r``. Of a simulated drive without limits it
         pickles, and its runs go side by side.
         """
-        if whole := self._simulated(v_cmd, loop, (fixed or {}) if compensated else None, feed):
+        if whole := self._simulated(v_cmd, loop, {} if compensated else None, feed):
             names = [f"compensator.{name}" for name in estimated(self.law)]
             return SimulatedCost(whole, names, cost, loop.commands(v_cmd))
-        trials = self.trials(v_cmd, loop, feed, fixed, compensated=compensated)
+        trials = self.trials(v_cmd, loop, feed, compensated=compensated)
         return _trial_cost(trials, estimated(self.law), cost)
 
     def _simulated(

@@ -81,7 +81,7 @@ class KeptRig(Rig):
         if kept.exists():
             with _readable(kept), np.load(kept, allow_pickle=False) as content:
                 asked, log = str(content["command"]), Log(*(content[name] for name in _LOG))
-                of = str(content["rig"]) if "rig" in content else ""
+                of = str(content["rig"])
             self._compare(kept, of, asked, key)
             self._report(f"is taken from {self._folder}")
             return log
@@ -89,7 +89,7 @@ class KeptRig(Rig):
             with _readable(begun):
                 state = parse_json(read_limited(begun, MOST_TEXT))
                 asked, limit = str(state["command"]), str(state["limit"])
-                of = str(state.get("rig", ""))
+                of = str(state["rig"])
             self._compare(begun, of, asked, key)
             if limit:
                 self._report(f"was aborted by a limit before, as kept in {self._folder}")
@@ -99,7 +99,8 @@ class KeptRig(Rig):
                 "has no log; it is not repeated by itself. Look at the drive, then delete this "
                 "file to run it again"
             )
-        state = {"command": key, "rig": self._own, "limit": ""}
+        own = {"command": key, "rig": self._own}
+        state = {**own, "limit": ""}
         atomic_write(begun, json.dumps(state))
         try:
             log = self._rig.run(command)
@@ -107,7 +108,6 @@ class KeptRig(Rig):
             atomic_write(begun, json.dumps(state | {"limit": str(fault)}))
             raise
         stream = io.BytesIO()
-        own = {"command": key, "rig": self._own}
         content = {**own, **{name: getattr(log, name) for name in _LOG}}
         np.savez(stream, **cast("Any", content | command.signals))
         atomic_write(kept, stream.getvalue())
@@ -118,7 +118,7 @@ class KeptRig(Rig):
         _LOGGER.warning("motion %d %s; the drive was not moved", self._motion, what)
 
     def _compare(self, file: Path, of: str, kept: str, asked: str) -> None:
-        if of and of != self._own:
+        if of != self._own:
             with _readable(file):
                 other, own = json.loads(of), json.loads(self._own)
             name = next((n for n in own if other.get(n) != own[n]), "rig")
@@ -130,11 +130,6 @@ class KeptRig(Rig):
             raise RigError(
                 f"{file}: is of another command than motion {self._motion} of this run; expected "
                 "the same program, settings and version. Use another folder for another run"
-            )
-        if not of:
-            raise RigError(
-                f"{file}: does not say of which rig it is; expected name, datasheet and limits, "
-                "which an older version did not keep. Give another folder"
             )
 
 

@@ -5,8 +5,6 @@ import socket
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
-from itertools import islice
 from typing import Any, cast
 
 import numpy as np
@@ -19,23 +17,12 @@ from stickslip.rigs.served_drive import ServedDrive
 
 BURST = 100  # most samples between two looks at the sockets
 MOST = 2_000_000  # most samples of a motion
-CONNECTIONS = 50  # most connections; a further one takes the place of the longest silent one
-PENDING = 64  # most requests of a connection before it reads an answer; a rig sends one
 SEND_BUFFER = 1 << 18  # bytes of answers kept for a connection, several of the longest
 SIGNALS = ("F", "F_ff", "a_cmd", "v_cmd", "x_cmd")
 
 
 class Refusal(Exception):
     """A request that is answered with an error."""
-
-
-@dataclass
-class Client:
-    """A connection: what has arrived, when it last sent a request [s], and its session."""
-
-    heard: float
-    session: str = ""
-    lines: Lines = field(default_factory=Lines)
 
 
 class Server:
@@ -97,42 +84,24 @@ class Server:
         for key, _ in self._selector.select(wait):
             self._run_drive()  # many clients do not keep it waiting
             if key.fileobj is self._listener:
-                with suppress(OSError):  # none waits any more
-                    for _ in range(CONNECTIONS):
-                        self._accept()
+                with suppress(OSError):  # it does not wait any more
+                    connection, _ = self._listener.accept()
+                    connection.setblocking(False)  # who does not read answers is not waited for
+                    connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+                    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                    self._selector.register(connection, selectors.EVENT_READ, Lines())
                 continue
-            connection, client = cast("socket.socket", key.fileobj), cast("Client", key.data)
-            if connection.fileno() < 0:
-                continue  # it has made room for a new one
+            connection = cast("socket.socket", key.fileobj)
             try:
                 received = connection.recv(65536)
-                requests = list(islice(client.lines.messages(received), PENDING + 1))
-                for message in requests[:PENDING]:
-                    client.heard, client.session = time.monotonic(), str(message.get("session"))
+                for message in key.data.messages(received):
                     connection.sendall(line_of(self._answer(message)))
-                if received and len(requests) <= PENDING:
+                if received:
                     continue
             except (OSError, ValueError):
                 pass  # lost, not read at the other end, or not of this protocol
-            self._drop(connection)
-
-    def _accept(self) -> None:
-        connection, _ = self._listener.accept()
-        clients = [key for key in self._selector.get_map().values() if key.data]
-        if len(clients) >= CONNECTIONS:
-
-            def least(key: selectors.SelectorKey) -> tuple[bool, float]:
-                return key.data.session == self._session, key.data.heard
-
-            self._drop(cast("socket.socket", min(clients, key=least).fileobj))
-        connection.setblocking(False)  # who does not read the answers is dropped, not waited for
-        connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
-        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._selector.register(connection, selectors.EVENT_READ, Client(time.monotonic()))
-
-    def _drop(self, connection: socket.socket) -> None:
-        self._selector.unregister(connection)
-        connection.close()
+            self._selector.unregister(connection)
+            connection.close()
 
     def _answer(self, message: Mapping[str, Any]) -> dict[str, Any]:
         found: dict[str, Any] = {"seq": message.get("seq")}

@@ -1,6 +1,5 @@
 """Drives behind sockets that answer what they should not, rigs that return no logs, kept logs."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -111,5 +110,4 @@ CASES = [
     _kept("text", "text", r"motion-0001.npz: is damaged .*delete this file to run the motion again", "npz", "hello"),
     _kept("folder", "a folder, into which no log could be written after the motion", "motion-0001.npz: is damaged", "npz", _NO_MORE),
     _kept("begun-list", "begun, as a list", "motion-0001.json: is damaged", "json", "[]"),
-    _kept("begun-other", "begun, with another command", "is of another command than motion 1", "json", json.dumps({"command": "x", "limit": ""})),
 ]  # fmt: skip

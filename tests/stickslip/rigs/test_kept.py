@@ -88,13 +88,3 @@ def test_a_folder_of_another_rig_is_refused_and_what_is_taken_is_said(tmp_path, 
         with pytest.raises(RigError, match=rf"motion-0001\.npz: is of another rig: {named}"):
             experiment(KeptRig(drive, tmp_path))
         assert not drive.moved
-
-
-def test_a_folder_of_an_older_version_is_refused(tmp_path):
-    experiment(KeptRig(Ideal(WIDE), tmp_path))
-    kept = tmp_path / "motion-0001.npz"
-    with np.load(kept) as content:
-        old = {name: content[name] for name in content if name != "rig"}
-    np.savez(kept, **old)
-    with pytest.raises(RigError, match=r"does not say of which rig .* Give another folder"):
-        experiment(KeptRig(Ideal(WIDE), tmp_path))

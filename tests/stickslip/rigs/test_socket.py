@@ -284,33 +284,6 @@ def test_what_cannot_be_sent_is_no_lost_connection(fmus):
         assert time.monotonic() - begun < 1.0
 
 
-@pytest.mark.parametrize("sent", [b"", b'{"seq": 1,', b'{"session": 1, "do": "x"}\n'])
-def test_connections_that_are_held_keep_nobody_out(fmus, sent):
-    """Neither a new program, nor the stop of one that has to connect again."""
-
-    def hold(n):
-        for _ in range(n):
-            connection = held.enter_context(socket.create_connection(("localhost", port)))
-            connection.sendall(sent)
-
-    with served(fmus, fast=False) as (drive, port), ExitStack() as held:
-        hold(64)
-        begun = time.monotonic()
-        rig = held.enter_context(rig_at(port))
-        rig._request("start", motion=1, **load(rig, n=20_000))
-        place = rig._socket
-        hold(200)
-        assert read(rig)["state"] == "moving"
-        assert rig._socket is place  # it was not dropped
-        rig._disconnect()
-        hold(100)
-        rig._request("stop", motion=1)  # of the same session
-        assert time.monotonic() - begun < 5.0
-        while read(rig)["state"] == "stopping":
-            pass
-        assert drive.reason == "stopped by the program"
-
-
 @pytest.mark.parametrize("line", [b'{"seq": 1}\n' * 50, b'{"session": "x"}\n' * 5000])
 def test_a_client_that_does_not_read_delays_no_sample(fmus, line):
     with served(fmus, fast=False) as (_, port), rig_at(port) as rig, ExitStack() as held:
