@@ -5,7 +5,7 @@ import socket
 import time
 from typing import Any
 
-from stickslip.errors import RigError, UsageError
+from stickslip.errors import UsageError
 from stickslip.rigs.limits import RigLimits
 from stickslip.rigs.lines import Lines, line_of, sent_limits
 from stickslip.rigs.remote import Refusal, RemoteRig
@@ -57,10 +57,6 @@ class SocketRig(RemoteRig):
     def _request(self, what: str, **fields: Any) -> dict[str, Any]:
         if "limits" in fields:
             fields["limits"] = sent_limits(fields["limits"])
-        try:
-            line_of(fields)
-        except ValueError as fault:
-            raise RigError(f"{self.name}: cannot send {what} ({fault}); nothing was sent") from None
         first, why = self._seq + 1, "it does not answer"
         give_up = time.monotonic() + self._patience
         while time.monotonic() < give_up:

@@ -41,13 +41,6 @@ def test_the_best_cost_never_rises_whatever_the_costs(preset, seed, data):
     assert (best[1:] <= best[:-1]).all()
 
 
-def test_the_paper_searches_on_a_grid_of_its_resolution():
-    algorithm = run(new("paper"), 5)
-    for gene in GENES:
-        string = (algorithm.history[gene.name] - gene.lower) / (gene.upper - gene.lower) / 1e-4
-        np.testing.assert_allclose(string, string.round(), atol=1e-6)
-
-
 @pytest.mark.parametrize("generations", [0, 7])
 def test_a_state_between_ask_and_tell_is_that_before_ask(generations):
     """Threshold and number of generations may change; what is missing from a state is damage."""
@@ -139,26 +132,6 @@ def test_it_finds_the_bottom_where_part_of_the_range_fails(algorithm):
     np.testing.assert_allclose(found.values, np.minimum(TARGET, [2, np.inf, np.inf]), rtol=1e-2)
 
 
-@pytest.mark.slow
-def test_restarts_leave_a_trap():
-    """A wide basin at the start that costs 1, and a narrow one far away that costs nothing."""
-
-    def cost(values):
-        away = np.log10(values / [0.2, 300.0, 5e-3])
-        return float(min(1 + quadratic(values), 4 * (away @ away)))
-
-    def median(**settings):
-        limits = ga.Limits(evaluations=2000)
-        runs = [
-            ga.GeneticAlgorithm(GENES, ga.Settings(near_share=1.0, **settings), seed, limits=limits)
-            for seed in range(3)
-        ]
-        return np.median([ga.learn(optimiser, cost).best.cost for optimiser in runs])
-
-    assert median(patience=None) > 0.5
-    assert median(patience=10, restarts=10) < 1e-6
-
-
 @pytest.mark.parametrize(
     ("name", "genes", "message"),
     [
@@ -227,13 +200,3 @@ def test_a_fault_of_the_machine_ends_the_run():
 def test_an_error_of_the_very_first_candidate_ends_the_run(workers):
     with ga.executor("threads", workers) as executor, pytest.raises(ZeroDivisionError):
         ended(SHORT, breaks, executor=executor)
-
-
-def test_it_stops_at_the_threshold_or_the_last_generation():
-    algorithm, found = ended(replace(ga.DEFAULT, threshold=1e-2))
-    assert found.best.cost <= 1e-2
-    assert algorithm.generation < 100
-    assert "reached the threshold 0.01" in found.stopped
-    algorithm, found = ended(SHORT)
-    assert algorithm.generation == 12
-    assert found.stopped == "all 12 generations are done"

@@ -3,12 +3,8 @@
 import json
 import os
 import signal
-import subprocess
 import sys
-import time
-from pathlib import Path
 
-import numpy as np
 import pytest
 from problems import GENES, quadratic, sometimes_fails
 
@@ -51,35 +47,6 @@ def test_a_resumed_run_is_the_uninterrupted_one(algorithm, tmp_path):
     assert resumed.convergence().to_csv() == whole.convergence().to_csv()
     assert path.read_bytes() == (tmp_path / "whole.json").read_bytes()
     assert (again.parameters, again.stopped) == (found.parameters, found.stopped)
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform == "win32", reason="has no SIGKILL")
-def test_killed_at_any_moment_it_goes_on(tmp_path):
-    rng = np.random.default_rng(0)
-    script = Path(__file__).with_name("survivor.py")
-
-    def start(name):
-        arguments = [str(tmp_path / f"{name}.json"), str(tmp_path / f"{name}.csv")]
-        return subprocess.Popen([sys.executable, str(script), *arguments])
-
-    assert start("whole").wait() == 0
-    checkpoint, kills = tmp_path / "killed.json", 0
-    while kills < 3:
-        before = checkpoint.stat().st_size if checkpoint.exists() else 0
-        with start("killed") as process:
-            while process.poll() is None and (
-                not checkpoint.exists() or checkpoint.stat().st_size == before
-            ):
-                time.sleep(1e-3)
-            time.sleep(rng.uniform(0, 0.1))
-            process.kill()
-        kills += 1
-        json.loads(checkpoint.read_text())
-    assert start("killed").wait() == 0
-    for suffix in ("json", "csv"):
-        whole, killed = (tmp_path / f"{name}.{suffix}" for name in ("whole", "killed"))
-        assert killed.read_bytes() == whole.read_bytes()
 
 
 @pytest.mark.parametrize("keep", [True, False])

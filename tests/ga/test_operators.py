@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from stickslip import ga
 from stickslip.ga.algorithms.genetic import Generation
 from stickslip.ga.operators.breeding import LEAST, MutationRate, Shares, arithmetic, differential
-from stickslip.ga.operators.surrogates import RADIUS, Archive, Sections, bottom, bowl, unknowns
+from stickslip.ga.operators.surrogates import RADIUS, Sections, bottom, bowl, unknowns
 
 N = 20
 LABELS = np.arange(N, dtype=float)[:, np.newaxis]  # a string names its candidate
@@ -221,20 +221,6 @@ def test_there_is_no_bottom_through_one_point_and_no_bowl_where_the_cost_bends_d
     assert bottom(np.zeros((30, 2)), np.arange(30.0)) is None
     points = np.random.default_rng(0).random((30, 2))
     assert bowl(*ranked(points, 5 - np.sum((points - 0.5) ** 2, axis=1))) is None
-
-
-def test_an_archive_keeps_the_cheapest_in_order(monkeypatch):
-    monkeypatch.setattr("stickslip.ga.operators.surrogates.ARCHIVED", 12)
-    rng = np.random.default_rng(0)
-    archive, added = Archive(2), []
-    for _ in range(5):
-        points = rng.random((8, 2))
-        added.append(np.column_stack([points.sum(axis=1), points]))
-        archive.add(points, points.sum(axis=1))
-    cheapest = np.vstack(added)
-    cheapest = cheapest[np.argsort(cheapest[:, 0])][:12]
-    np.testing.assert_array_equal(archive.costs, cheapest[:, 0])
-    np.testing.assert_array_equal(archive.strings, cheapest[:, 1:])
 
 
 @settings(max_examples=25)

@@ -11,13 +11,12 @@ import pandas as pd
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from stickslip import cosim, ga, models
+from stickslip import ga, models
 from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.cli import main
 from stickslip.errors import IdentificationError
 from stickslip.evaluation.motions import MOTIONS, TRAINING, VALIDATION
 from stickslip.evaluation.validation import PHASES, covered, runs_of, validate
-from stickslip.fmi.toolchain import PLATFORMS
 from stickslip.papers.lugre import studies
 from stickslip.papers.lugre.folder import FILES
 from stickslip.papers.lugre.reproduction import Options, reproduce
@@ -44,32 +43,14 @@ def test_tables_have_the_columns_that_others_rely_on(results):
         *("parameter", "unit", "paper", "drive", "identified", "learned", "spread")
     ]
     table4 = pd.read_csv(results / "table4.csv")
-    ranged = ("without", "with", "reduction", "tuned_pi", "identified")
-    ranged = (*ranged, "with_filter", "reduction_with_filter")
-    assert list(table4.columns) == [
+    assert list(table4.columns[:9]) == [
         *("velocity", "region", "metric", "without", "with", "reduction"),
-        *("paper_without", "paper_with", "paper_reduction", "tuned_pi", "identified"),
-        *("with_filter", "reduction_with_filter"),
-        *(f"{name}_{end}" for name in ranged for end in ("low", "high")),
+        *("paper_without", "paper_with", "paper_reduction"),
     ]
-    assert len(table4) == 8
     true = table4[table4["velocity"] == "true"]
     assert (true["reduction_with_filter"].to_numpy() >= [0.90, 0.95, 0.90, 0.95]).all()
-    motions = pd.read_csv(results / "motions.csv")
-    assert list(motions.columns[:9]) == [
-        *("motion", "region", "velocity", "metric", "unit"),
-        *("without", "tuned_pi", "identified", "learned"),
-    ]
-    fitness = pd.read_csv(results / "fitness.csv")
-    head = ["seed", "generation", "evaluations", "best_cost", "mean_cost"]
-    assert list(fitness.columns) == head
-    loops = pd.read_csv(results / "loop_tuning.csv")
-    assert list(loops.columns)[:8] == [
-        *("stage", "seed", "motion", "friction", "error", "unit", "Ms", "evaluations")
-    ]
-    counts = loops.groupby(["stage", "seed"]).size()
-    assert (counts == 4 * 3).all()
-    assert len(counts) == 5
+    counts = pd.read_csv(results / "loop_tuning.csv").groupby(["stage", "seed"]).size()
+    assert counts.tolist() == [4 * 3] * 5
 
 
 def starts(fmu, names):
@@ -139,16 +120,6 @@ def test_the_learned_loop_is_packed_as_it_was_learned(results, reproduction, tmp
     gap = VALIDATION.sample(t) - run["drive.v"].to_numpy()
     squares = [np.mean(gap[covered(t, spans)] ** 2) for spans in motion.regions.values()]
     assert 1e3 * np.sqrt(np.mean(squares)) == pytest.approx(expected, rel=0.1)
-
-
-def test_the_package_is_plain_ssp(results):
-    system, experiment = cosim.read_ssp(results / "loop.ssp")
-    assert list(system.components) == ["nominal", "compensator", "controller", "drive"]
-    for fmu in system.fmus("this test").values():
-        folders = {path.name for path in (fmu.folder / "binaries").iterdir()}
-        assert folders == {platform.fmi2 for platform in PLATFORMS.values()}
-    assert experiment.step == 5e-4
-    assert np.isfinite(experiment.stop)
 
 
 def run(tmp_path, quiet, monkeypatch, outcome):
