@@ -12,7 +12,7 @@ from stickslip.fmi.errors import Fault
 from stickslip.identification.estimation import Search
 from stickslip.output import Factors, Progress
 from stickslip.papers.lugre.published import OURS, SQUARES, study_as_published
-from stickslip.papers.lugre.record_mode import learn_from_recording
+from stickslip.papers.lugre.record import learn_from_recording
 from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, reproduce
 from stickslip.papers.lugre.steps import TRAPEZOID, steps, with_steps
 from stickslip.rigs.fmu import FmuRig

@@ -16,7 +16,7 @@ from stickslip.identification.estimation import Search
 from stickslip.learned.writing import SCHEMA, versions
 from stickslip.logs import Description, load_description
 from stickslip.output import SILENT, Factors, Progress
-from stickslip.papers.lugre.record_mode import learn_from_recording
+from stickslip.papers.lugre.record import learn_from_recording
 from stickslip.rigs.fmu import rig_of
 from stickslip.studies.fleet.table import Drive, LogSource
 from stickslip.studies.learn.document import log_document, recording_document

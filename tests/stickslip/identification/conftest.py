@@ -7,7 +7,7 @@ import pytest
 
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.output import SILENT
-from stickslip.papers.lugre.record_mode import reproduce_from_recording
+from stickslip.papers.lugre.record import reproduce_from_recording
 from stickslip.papers.lugre.reproduction import Options
 from tests.kept import kept
 

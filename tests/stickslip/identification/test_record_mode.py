@@ -8,7 +8,7 @@ import pytest
 from stickslip import cosim
 from stickslip.catalog.parameters import UNITS
 from stickslip.logs import load_description, read_recording
-from stickslip.papers.lugre.record_folder import RECORD_FILES, write_record_results
+from stickslip.papers.lugre.record import RECORD_FILES, write_record_results
 from stickslip.rigs.contract import commissioning_loop
 from stickslip.servo.axis import Datasheet
 from stickslip.studies.learn.recorded import record_drive

@@ -5,7 +5,7 @@ import pytest
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.papers.lugre import folder as reproduction_results
-from stickslip.papers.lugre import record_folder
+from stickslip.papers.lugre import record
 from stickslip.storage import reserved, staged, verify
 from stickslip.storage.publishing import READY
 from stickslip.studies.learn import folder as learned_folder
@@ -100,8 +100,8 @@ COMMANDS = {
     "reproduce": (["reproduce"], reproduction_results.FILES, "papers.lugre.reproduction.reproduce"),
     "record": (
         ["reproduce", "--mode", "record"],
-        record_folder.RECORD_FILES,
-        "papers.lugre.record_mode.reproduce_from_recording",
+        record.RECORD_FILES,
+        "papers.lugre.record.reproduce_from_recording",
     ),
     "identify": (["identify"], ["identified.json"], "identification.stages.identify"),
     "fleet": (["fleet", "TABLE"], FLEET, "work.kept_jobs.run_jobs"),

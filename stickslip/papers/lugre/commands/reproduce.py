@@ -103,8 +103,7 @@ def _print_drive(reproduction: Reproduction) -> None:
 def _record(
     options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
 ) -> Show:
-    from stickslip.papers.lugre.record_folder import write_record_results
-    from stickslip.papers.lugre.record_mode import reproduce_from_recording
+    from stickslip.papers.lugre.record import reproduce_from_recording, write_record_results
     from stickslip.papers.lugre.tables import print_table4
 
     reproduction = reproduce_from_recording(options, fmus, progress, execution)
@@ -151,7 +150,7 @@ def run(options: argparse.Namespace) -> Answer:
     _check(options)
     truth, coarse = drive_changes(options.set), coarse_factors(options.coarse, options.law)
     from stickslip.papers.lugre.folder import FILES, PUBLISHED_FILES
-    from stickslip.papers.lugre.record_folder import RECORD_FILES
+    from stickslip.papers.lugre.record import RECORD_FILES
     from stickslip.papers.lugre.reproduction import Options, drive_truth
 
     mode = "published" if options.as_published else options.mode
