@@ -8,16 +8,14 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from benchmarks import isolation, learn
+from benchmarks import candidates, isolation, learn
 from benchmarks.common import table
 from benchmarks.coupling import report
-from benchmarks.learning import candidates, speed
 
 BENCHMARKS = {
     "coupling": report,
     "learn": learn,
     "learning": candidates,
-    "speed": speed,
     "isolation": isolation,
 }
 KEPT = Path(__file__).parents[1] / "results" / "coupling"

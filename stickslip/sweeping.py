@@ -168,7 +168,7 @@ def optimise(
         system, in the unit of the variable; searched by the logarithm where the lowest is above 0
     cost : of a result, 0 or more
     evaluations : budget of runs
-    algorithm : ``default``, ``paper``, ``cma`` or ``de``
+    algorithm : ``default``, ``paper`` or ``cma``
     seed : random seed; the same seed gives the same search, whatever the workers
 
     Raises

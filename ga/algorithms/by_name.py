@@ -24,7 +24,7 @@ EVALUATIONS = DEFAULT.population + (DEFAULT.generations - 1) * (DEFAULT.populati
 """What the presets spend: 802."""
 
 ALGORITHMS = (*sorted(PRESETS), *OTHERS)
-"""``default`` and ``paper``, our genetic algorithm; ``cma``, CMA-ES; ``de``, scipy's evolution."""
+"""``default`` and ``paper``, our genetic algorithm; ``cma``, CMA-ES."""
 
 
 def optimiser(

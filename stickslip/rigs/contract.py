@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from threading import Lock
-from typing import Protocol, Self
+from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -147,11 +147,8 @@ def refuse(limits: RigLimits, command: Command) -> None:
                 raise LimitError(f"the command exceeds a limit, nothing has moved: {found}")
 
 
-class TrialLog(Protocol):
-    """What a trial recorded: signals (n,) by name."""
-
-    def __getitem__(self, name: str) -> Array:
-        """Return a signal."""
+TrialLog = cosim.Result | Mapping[str, Array]
+"""What a trial recorded: signals (n,) by name."""
 
 
 def _wrong_log(log: object, command: Command) -> str:
@@ -314,7 +311,7 @@ class Rig(ABC):
         ----------
         compensated : whether the compensator's force reaches the drive
         """
-        whole = self._simulated(v_cmd, loop, {} if compensated else None, feed)
+        whole = self._simulated(v_cmd, loop, feed, compensated=compensated)
         record = ("nominal.v_r", "compensator.F_mean")
         specification = whole or cosim.Specification(
             feedforward(self.fmus, loop, {}, feed),
@@ -352,17 +349,17 @@ class Rig(ABC):
         recorded ``drive.x_enc`` and ``nominal.v_r``. Of a simulated drive without limits it
         pickles, and its runs go side by side.
         """
-        if whole := self._simulated(v_cmd, loop, {} if compensated else None, feed):
+        if whole := self._simulated(v_cmd, loop, feed, compensated=compensated):
             names = [f"compensator.{name}" for name in estimated(self.law)]
             return SimulatedCost(whole, names, cost, loop.commands(v_cmd))
         trials = self.trials(v_cmd, loop, feed, compensated=compensated)
         return _trial_cost(trials, estimated(self.law), cost)
 
     def _simulated(
-        self, v_cmd: Array, loop: VelocityLoop, connected: Mapping[str, float] | None, feed: Feed
+        self, v_cmd: Array, loop: VelocityLoop, feed: Feed, *, compensated: bool
     ) -> cosim.Specification | None:
         """Return a run of drive and compensator, connected or not; None of a real drive."""
-        del v_cmd, loop, connected, feed
+        del v_cmd, loop, feed, compensated
         return None
 
     def close(self) -> None:

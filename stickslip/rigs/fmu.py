@@ -1,6 +1,6 @@
 """A drive FMU as a rig."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -59,13 +59,13 @@ class FmuRig(Rig):
         return Log(result.time, *(result[measured] for measured in MEASURED))
 
     def _simulated(
-        self, v_cmd: Array, loop: VelocityLoop, connected: Mapping[str, float] | None, feed: Feed
+        self, v_cmd: Array, loop: VelocityLoop, feed: Feed, *, compensated: bool
     ) -> cosim.Specification | None:
         """Return a run of the loop with a compensator, where there are no limits to check."""
         if self.limits is not None:
             return None
         return cosim.Specification(
-            paper_loop(self.fmus, loop, connected, feed),
+            paper_loop(self.fmus, loop, {} if compensated else None, feed),
             step=self.T_s,
             stop=(len(v_cmd) - 1) * self.T_s,
             record=("drive.x_enc", "nominal.v_r"),

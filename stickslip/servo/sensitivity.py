@@ -22,7 +22,13 @@ from numpy.typing import NDArray
 from stickslip.servo.axis import Array, Axis
 from stickslip.servo.frequency import respond
 from stickslip.servo.velocity_filter import Observer
-from stickslip.servo.velocity_loop import VelocityLoop, known_force, plant_and_estimator
+from stickslip.servo.velocity_loop import (
+    VelocityLoop,
+    known_force,
+    pi_controller,
+    plant_and_estimator,
+    plant_with_force,
+)
 
 ComplexArray = NDArray[np.complex128]
 LOWEST = 1e-5  # lowest frequency that is evaluated, as a share of the sample rate
@@ -83,10 +89,7 @@ class OpenLoop:
     def _controller(self) -> tuple[control.StateSpace, control.StateSpace]:
         """From (d, F) to the controller's force, and from the compensator's force to u."""
         loop = self.loop
-        gains = loop.K_p, loop.T_s * loop.K_i
-        pi = control.ss(1.0, gains[1], 1.0, sum(gains), loop.T_s)
-        if loop.K_i == 0.0:
-            pi = control.ss([], [], [], loop.K_p, loop.T_s)
+        pi = pi_controller(loop.K_p, loop.K_i, loop.T_s)
         _, estimator = plant_and_estimator(loop.axis, loop.T_s, loop.tau_f, loop.velocity_filter)
         if loop.K_x:  # the position is the sum of the displacements
             ahead = np.array([[loop.K_x] + [0.0] * (estimator.ninputs - 1)])
@@ -168,19 +171,11 @@ def peak_sensitivity(
     return opened.response(observer).peak if opened.stable(observer) else float("inf")
 
 
-def _displacement_and_force(axis: Axis, T_s: float) -> control.StateSpace:
-    """Return the axis from u to its displacement per sample [m] and to the motor force F [N]."""
-    sampled = axis.sampled(T_s)
-    A = np.array(sampled.A)
-    A[-1, -1] = 0.0  # the displacement in one period, so that no state drifts
-    return control.ss(A, sampled.B, np.eye(3)[[2, 0]], 0, T_s)
-
-
 @lru_cache
 def _plant(axis: Axis, T_s: float, f: bytes) -> tuple[Any, ...]:
     """Return the axis, the points z, and the responses to u and to a force at frequencies [Hz]."""
-    plant = _displacement_and_force(axis, T_s)
+    plant = plant_with_force(axis, T_s)[1:, 0]
     z = np.exp(2j * np.pi * np.frombuffer(f) * T_s)
     moved, force = respond(plant, z)[:, :, 0].T
-    unlagged = _displacement_and_force(Axis(axis.m, axis.b), T_s)
+    unlagged = plant_with_force(Axis(axis.m, axis.b), T_s)[1, 0]
     return plant, z, moved, force, respond(unlagged, z)[:, 0, 0]

@@ -184,11 +184,7 @@ def close_velocity_loop(
     check("tau_f", tau_f, "s", tau_f >= 0.0, expected="0 or above")
     check("K_p", K_p, axis.unit("N s/m"), True, expected="a number")
     check("K_i", K_i, axis.unit("N/m"), True, expected="a number")
-    # I+ = I + T_s K_i e,  u = K_p e + I+
-    names = {"name": "controller", "inputs": "e", "outputs": "u_pi"}
-    controller = control.ss(1.0, T_s * K_i, 1.0, K_p + T_s * K_i, T_s, **names)
-    if K_i == 0.0:  # no integrator, whose pole would stay at 1
-        controller = control.ss([], [], [], K_p, T_s, **names)
+    controller = pi_controller(K_p, K_i, T_s, name="controller", inputs="e", outputs="u_pi")
     error = control.summing_junction(["v_cmd", "-v_est"], "e", name="error")
     plant, estimator = plant_and_estimator(axis, T_s, tau_f, velocity_filter)
     known = [] if velocity_filter is None else known_force(velocity_filter)
@@ -232,6 +228,13 @@ def close_velocity_loop(
     )
 
 
+def pi_controller(K_p: float, K_i: float, T_s: float, **names: Any) -> control.StateSpace:
+    """Return u = K_p e + I+ with I+ = I + T_s K_i e, from e to u."""
+    if K_i == 0.0:  # no integrator, whose pole would stay at 1
+        return control.ss([], [], [], K_p, T_s, **names)
+    return control.ss(1.0, T_s * K_i, 1.0, K_p + T_s * K_i, T_s, **names)
+
+
 POSITION_LOOP = 75.4 / 849.0  # gain of the position loop, over the velocity loop's crossover
 
 
@@ -270,7 +273,7 @@ def plant_and_estimator(
     check(
         "L_1 of the velocity filter", L_1, "N/(m s)", L_1 == 0.0, expected="0: a filter of order 1"
     )
-    return _plant_with_force(axis, T_s), velocity_filter.system()
+    return plant_with_force(axis, T_s), velocity_filter.system()
 
 
 def known_force(velocity_filter: VelocityFilter) -> list[control.StateSpace]:
@@ -284,7 +287,7 @@ def known_force(velocity_filter: VelocityFilter) -> list[control.StateSpace]:
     ]
 
 
-def _plant_with_force(axis: Axis, T_s: float) -> control.StateSpace:
+def plant_with_force(axis: Axis, T_s: float) -> control.StateSpace:
     """Return ``_plant`` with one output more: the motor force F [N], which is its first state."""
     sampled = axis.sampled(T_s)
     A = np.array(sampled.A)

@@ -94,7 +94,7 @@ def test_an_earlier_run_is_not_overwritten(tmp_path):
 @pytest.mark.parametrize(
     ("resumed", "message"),
     [
-        (lambda: new("de"), "other optimiser"),
+        (lambda: new("cma"), "other optimiser"),
         (lambda: new("paper"), "other settings"),
         (lambda: new(seed=5), "other seed"),
         (lambda: ga.optimiser("default", ga.Problem(GENES), LIMITS, 4), "other repair"),

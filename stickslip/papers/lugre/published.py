@@ -8,6 +8,7 @@ As published: Table 3, Steps 1 to 4, (6) and (7), and no later step. The paper l
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 import pandas as pd
@@ -167,24 +168,17 @@ def study_as_published(
 def _search(
     searched: Sequence[ga.Gene], settings: ga.Settings, seed: int, cost: Callable[[Array], float]
 ) -> SeedRun:
+    @cache  # the drive FMU repeats itself bit for bit
+    def known(key: bytes) -> float:
+        return cost(np.frombuffer(key))
+
+    def evaluate(values: Array) -> float:
+        return known(values.tobytes())
+
+    evaluate.fatal = getattr(cost, "fatal", ())  # type: ignore[attr-defined]
     algorithm = ga.GeneticAlgorithm(searched, settings, seed)
-    ga.learn(algorithm, _CostMemo(cost))
+    ga.learn(algorithm, evaluate)
     best = algorithm.best
     names = [gene.name for gene in searched]
     values = dict(zip(names, best.values.tolist(), strict=True))  # noqa: PD011 - an array
     return SeedRun(seed, values, best.cost, settings.population * settings.generations, algorithm)
-
-
-class _CostMemo:
-    """A cost that runs each candidate once: the drive FMU repeats itself bit for bit."""
-
-    def __init__(self, cost: Callable[[Array], float]) -> None:
-        self._cost = cost
-        self.fatal = getattr(cost, "fatal", ())
-        self._costs: dict[bytes, float] = {}
-
-    def __call__(self, values: Array) -> float:
-        key = values.tobytes()
-        if key not in self._costs:
-            self._costs[key] = self._cost(values)
-        return self._costs[key]

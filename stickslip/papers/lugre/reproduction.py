@@ -60,6 +60,10 @@ class Options:
         """The seeds."""
         return range(self.seed, self.seed + self.seeds)
 
+    def rig(self, fmus: Path) -> FmuRig:
+        """Return the drive whose FMUs are in a folder, on its test bench."""
+        return FmuRig(fmus, Datasheet(), LOOP.T_s, self.law)
+
 
 @dataclass(frozen=True)
 class Extras:
@@ -134,7 +138,7 @@ def build_rig(options: Options, fmus: Path, progress: Progress) -> FmuRig:
     """Build the drive and the FMUs of the loop into a folder, which must stay."""
     progress.stage("building the FMUs")
     build_fmus(fmus, options.truth, options.law)
-    return FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
+    return options.rig(fmus)
 
 
 def validated(options: Options, rig: FmuRig, learned: Learned, progress: Progress) -> BaseResult:

@@ -15,8 +15,6 @@ from stickslip.papers.lugre.published import OURS, SQUARES, study_as_published
 from stickslip.papers.lugre.record import learn_from_recording
 from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, reproduce
 from stickslip.papers.lugre.steps import TRAPEZOID, steps, with_steps
-from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.studies.learn.learned import Learned
 from stickslip.work.jobs import Execution
 
@@ -31,7 +29,7 @@ def with_studies(
     options, found = reproduction.options, reproduction.identification
     own = replace(execution, checkpoint=None, resume=False)
     extras = reproduce_with_extras(options, fmus / "extras", progress, own)
-    rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
+    rig = options.rig(fmus)
     study = recorded = None
     if options.complete:
         study = study_as_published(
@@ -55,7 +53,7 @@ def with_motions(
     """Return a reproduction, whose FMUs are in a folder, with what its steps do in all motions."""
     options, study = reproduction.options, reproduction.published
     entries = steps(reproduction.identification, reproduction.learned, recorded)
-    rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
+    rig = options.rig(fmus)
     motions = evaluate(rig, entries, options.feed, phases=PHASES, workers=workers)
     if study is not None:
         coarse = {"as_published": OURS, "least_squares_coarse": SQUARES}
@@ -85,7 +83,7 @@ def reproduce_with_extras(
 def step_by_step(found: Reproduction, fmus: Path) -> pd.DataFrame:
     """Return Table 4 of a reproduction with a column for each step that takes no study."""
     options = found.options
-    rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
+    rig = options.rig(fmus)
     entries = steps(found.identification, found.learned)
     evaluation = evaluate(rig, entries, options.feed, [TRAPEZOID], PHASES)
     return with_steps(found.validation.table(), evaluation)
