@@ -13,7 +13,6 @@ import pandas as pd
 import pytest
 
 from stickslip import cosim
-from tests.kept import further
 
 pytestmark = pytest.mark.slow
 
@@ -75,16 +74,6 @@ def test_draws_a_picture_and_says_where(example, name):
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert picture.stat().st_size > 20_000
     assert f"written: {picture}" in output
-
-
-@pytest.mark.parametrize("name", ["closed_loop", *further("learn_parameters")])
-def test_writes_into_a_temporary_folder_by_default(name, tmp_path, monkeypatch):
-    temporary = tmp_path / "temporary"
-    temporary.mkdir()
-    monkeypatch.setitem(os.environ, "TMPDIR", str(temporary))
-    monkeypatch.setitem(os.environ, "TEMP", str(temporary))
-    run(name, tmp_path / "work")
-    assert list(temporary.glob(f"{name}_*/{name}.png"))
 
 
 def test_closed_loop(example):

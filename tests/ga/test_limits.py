@@ -2,7 +2,6 @@
 
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -68,32 +67,6 @@ def test_a_limit_out_of_range_is_named(field):
 
 def optimiser(settings=ga.PRESETS["default"], **limits):
     return ga.GeneticAlgorithm(GENES, settings, limits=ga.Limits(**limits))
-
-
-def test_what_is_foreseen_is_asked():
-    algorithm = optimiser(generations=30)
-    children = ga.DEFAULT.population - ga.DEFAULT.elites
-    foreseen = algorithm.ahead
-    for generation in range(12):
-        asked = algorithm.ask()
-        np.testing.assert_array_equal(asked[: len(foreseen)], foreseen)
-        foreseen = algorithm.ahead
-        assert len(foreseen) == (children if generation else 0)
-        algorithm.tell([quadratic(values) for values in asked])
-
-
-def test_a_fresh_start_forgets_what_was_foreseen():
-    settings = replace(ga.PRESETS["default"], patience=1)
-    algorithm = optimiser(settings, generations=30)
-    anew = 0
-    for _ in range(12):
-        asked, foreseen = algorithm.ask(), algorithm.ahead
-        algorithm.tell([1.0] * len(asked))
-        if len(foreseen) and algorithm.batch == settings.population:
-            anew += 1
-            assert not np.array_equal(algorithm.ask()[: len(foreseen)], foreseen)
-            algorithm.tell([1.0] * settings.population)
-    assert anew > 1
 
 
 def test_a_worker_goes_on_while_the_last_cost_is_missing():

@@ -297,6 +297,7 @@ def test_only_foreign_fmus_are_isolated_unless_asked(monkeypatch):
         ("m=2", "expected one of F_s, F_c"),
         ("F_c=0", "positive number"),
         ("F_c=nan", "positive number"),
+        ("F_c=inf", "positive number"),
         ("F_c=much", "must be a number"),
         ("F_c", "expected NAME=VALUE"),
     ],

@@ -149,18 +149,6 @@ def test_a_log_that_is_not_of_the_command_is_no_limit(change, said):
     assert not isinstance(fault.value, LimitError)
 
 
-def test_the_clock_of_a_log_need_not_be_exact():
-    rig, move = Ideal(WIDE), Ideal(WIDE).move
-    jitter = 0.3 * rig.T_s * np.random.default_rng(1).uniform(-1.0, 1.0, 100)
-
-    def measured(command):
-        log = move(command)
-        return Log(5.0 + 1.001 * log.t + jitter, log.x_enc, log.F_m)
-
-    rig.move = measured
-    assert len(rig.follow(np.full(100, 0.01), rig.loop).t) == 100
-
-
 @pytest.mark.parametrize("T_s", [0.0, -1e-3, np.nan, np.inf])
 def test_a_rig_has_a_sample_period(T_s):
     with pytest.raises(UsageError, match=f"drive.fmu: T_s = {T_s} s; expected a finite number"):

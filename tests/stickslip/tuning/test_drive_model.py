@@ -72,18 +72,6 @@ def test_a_drive_of_another_law_has_a_model_that_errs_like_it_with_other_frictio
         assert unlike(errors_with(bench, "lugre", lugre), true) > 0.3
 
 
-@pytest.mark.thorough
-def test_parameters_that_identification_missed_are_found(bench_of, monkeypatch):
-    monkeypatch.setattr(drive_model, "LAWS", ("lugre",))
-    monkeypatch.setattr(drive_model, "ROUNDS", (120,))
-    missed = {"sigma_0": 0.3 * PAPER["sigma_0"], "F_s": 1.2 * PAPER["F_s"]}
-    (model,) = fit_models(bench_of(missed))
-    assert model.fitted
-    assert model.mismatch < 0.15
-    assert model.friction["sigma_0"] == pytest.approx(PAPER["sigma_0"], rel=0.35)
-    assert model.friction["F_s"] >= model.friction["F_c"]
-
-
 @pytest.fixture
 def searches(monkeypatch):
     """Return what was searched, by law, of stubs whose mismatches a test sets."""

