@@ -1,11 +1,9 @@
 """What ``stickslip learn`` hands over on random sound drives, evaluated on the true drives.
 
     python -m campaigns.sound_drives --drives 40 --seed 1 --out DIR [LEARN-OPTIONS ...]
-    python -m campaigns.sound_drives --evaluate DRIVE.json LEARNED_DIR [TUNED_DIR]
 
 A row of rows.csv is a drive; drives that it has are not learned again. A ratio is the RMS of the
 true velocity minus that of the loop without friction, with what was written over without it.
-With a folder of ``stickslip tune``, errors against the command are compared with those before it.
 Options that are not of this command go to ``stickslip learn``.
 """
 
@@ -21,8 +19,8 @@ from typing import Any
 
 import pandas as pd
 
-from campaigns.sound_drives.drives import STICKSLIP, Drive, draw, write_log
-from campaigns.sound_drives.evaluation import INTERVALS, MOTIONS, evaluated, tuned_ratios
+from campaigns.sound_drives.drives import STICKSLIP, draw, write_log
+from campaigns.sound_drives.evaluation import INTERVALS, MOTIONS, evaluated
 
 
 def main() -> None:
@@ -37,13 +35,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("sound_drives"), metavar="DIR")
     parser.add_argument("--workers", type=int, default=1, help="drives at a time")
-    parser.add_argument("--evaluate", nargs="+", type=Path, metavar="PATH")
     options, of_learn = parser.parse_known_args()
-    if options.evaluate:
-        drive, *folders = options.evaluate
-        evaluate = tuned_ratios if len(folders) > 1 else evaluated
-        show(evaluate(Drive.read(drive), *folders))
-        return
     options.out.mkdir(parents=True, exist_ok=True)
     numbers = range(options.first, options.first + options.drives)
     rows = list(measured(options, numbers, of_learn))

@@ -2,6 +2,7 @@
 
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -69,6 +70,18 @@ def optimiser(settings=ga.PRESETS["default"], **limits):
     return ga.GeneticAlgorithm(GENES, settings, limits=ga.Limits(**limits))
 
 
+def test_a_fresh_start_forgets_what_was_foreseen():
+    settings = replace(ga.PRESETS["default"], patience=1)
+    algorithm, forgotten = optimiser(settings, generations=30), set()
+    for _ in range(12):
+        asked, foreseen = algorithm.ask(), algorithm.ahead
+        assert forgotten.isdisjoint(row.tobytes() for row in asked)
+        algorithm.tell([1.0] * len(asked))
+        if algorithm.batch == settings.population:
+            forgotten |= {row.tobytes() for row in foreseen}
+    assert len(forgotten) > settings.population
+
+
 def test_a_worker_goes_on_while_the_last_cost_is_missing():
     """A candidate of the fourth generation ends only when one of the fifth has begun."""
     plan = optimiser(generations=9)
@@ -103,4 +116,4 @@ def test_nothing_is_begun_that_the_limits_forbid(limits):
     with ThreadPoolExecutor(2) as threads:
         algorithm = optimiser(**limits)
         ga.learn(algorithm, cost, threads)
-    assert len(evaluated) == algorithm.evaluations
+    assert len(evaluated) == algorithm.evaluations == 42

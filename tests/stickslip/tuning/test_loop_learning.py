@@ -17,7 +17,7 @@ from stickslip.servo.systems import build_loop, feedforward, servo_loop
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.thresholds import kept
 from stickslip.tuning import drive_model, loop_learning, search
-from stickslip.tuning.drive_model import DriveModel
+from stickslip.tuning.drive_model import DriveModel, start_model
 from stickslip.tuning.loop_learning import (
     FORCE,
     LEVELS,
@@ -134,6 +134,18 @@ def test_with_other_friction_a_loop_counts_as_no_better_than_as_it_was_measured(
             assert counted[kind, level] == max(ratio, own[kind])
             seen = seen or ratio < own[kind]
     assert seen
+
+
+def test_where_models_differ_the_largest_error_counts(study):
+    start = start_model(study, "lugre")
+    soft = replace(start, friction=start.friction | {"sigma_0": 1e5})
+    counted = []
+    for several in ((start,), (soft,), (start, soft)):
+        with LoopCost(replace(study, models=several)) as cost:
+            counted.append(cost.ratios(study.loop(SOME)))
+    one, other, both = counted
+    assert one != other
+    assert all(both[key] == max(one[key], other[key]) for key in both)
 
 
 SOFT = {
