@@ -28,30 +28,19 @@ EXPORT = """#ifdef _WIN32
 
 @dataclass(frozen=True)
 class Variable:
-    """A row of a description.
-
-    Attributes
-    ----------
-    start : as it is written; None where there is none
-    variability : fixed for parameters, else continuous for floating point, else discrete
-    reference : value reference; the place in the table by default
-    derivative : name of the state that it is the derivative of
-    depends : names that an output depends on; None where this is not declared
-    dimensions : attributes of each, in FMI 3.0
-    attributes : further ones of the type
-    """
+    """A row of a description."""
 
     name: str
     causality: str = "local"
-    start: object = None
+    start: object = None  # as it is written
     type: str = "Float64"
-    variability: str | None = None
+    variability: str | None = None  # fixed for parameters, else continuous or discrete by the type
     initial: str | None = None
-    reference: int | None = None
-    derivative: str | None = None
-    depends: Sequence[str] | None = None
-    dimensions: Sequence[str] = ()
-    attributes: str = ""
+    reference: int | None = None  # the place in the table by default
+    derivative: str | None = None  # name of its state
+    depends: Sequence[str] | None = None  # names; None where this is not declared
+    dimensions: Sequence[str] = ()  # attributes of each, in FMI 3.0
+    attributes: str = ""  # further ones of the type
     inside: str = ""
 
 
@@ -61,23 +50,13 @@ def describe(
     variables: Iterable[Variable],
     interfaces: Mapping[str, str],
     *,
-    token: str | None = None,
-    head: str = "",
-    types: str = "",
-    experiment: str = "",
-    structure: str = "",
+    token: str | None = None,  # the name by default
+    head: str = "",  # further attributes of the root
+    types: str = "",  # elements between the interfaces and the default experiment
+    experiment: str = "",  # its attributes
+    structure: str = "",  # further elements of it in FMI 3.0
 ) -> str:
-    """Return modelDescription.xml; variables of types that FMI 2.0 lacks are left out in it.
-
-    Parameters
-    ----------
-    interfaces : their attributes by name, such as ``CoSimulation``
-    token : the name by default
-    head : further attributes of the root
-    types : elements between the interfaces and the default experiment
-    experiment : attributes of the default experiment
-    structure : further elements of the structure in FMI 3.0
-    """
+    """Return modelDescription.xml; variables of types that FMI 2.0 lacks are left out in it."""
     table = [
         (v.reference if v.reference is not None else place, v)
         for place, v in enumerate(v for v in variables if version == 3 or v.type in FMI2_TYPES)

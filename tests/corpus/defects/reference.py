@@ -68,20 +68,13 @@ Writer = Callable[[Path, Members], None]
 
 @dataclass(frozen=True)
 class Seed:
-    """A defect.
-
-    Attributes
-    ----------
-    rule : the one that must find it
-    what : a few words for the table
-    write : writes the defective FMU, given the files of the sound one
-    """
+    """A defect."""
 
     theme: str
     version: int
-    rule: str
-    what: str
-    write: Writer
+    rule: str  # the one that must find it
+    what: str  # a few words for the table
+    write: Writer  # writes the defective FMU, given the files of the sound one
 
     @property
     def name(self) -> str:

@@ -47,14 +47,11 @@ static const Call calls[] = {
     {"move", SYS_renameat2, {AT_FDCWD, SECRET, AT_FDCWD, OTHER}},
     {"take", SYS_renameat2, {AT_FDCWD, SECRET, AT_FDCWD, OWN}},
     {"link", SYS_linkat, {AT_FDCWD, SECRET, AT_FDCWD, OWN}},
-    {"truncate", SYS_truncate, {SECRET}},
     {"chmod", SYS_fchmodat, {AT_FDCWD, SECRET, 0777}},
     {"chmod_root", SYS_fchmodat, {AT_FDCWD, ROOT, 0777}},
     {"chmod_handle", SYS_fchmodat, {AT_FDCWD, HANDLE, 0644}},
     {"fchmod", SYS_fchmod, {FOREIGN, 0644}},
-    {"utimensat", SYS_utimensat, {AT_FDCWD, SECRET}},
     {"futimens", SYS_utimensat, {FOREIGN}},
-    {"setxattr", SYS_setxattr, {SECRET, (long)"user.a", (long)"b", 1}},
     {"flock", SYS_flock, {FOREIGN, LOCK_SH | LOCK_NB}},
     {"lease", SYS_fcntl, {FOREIGN, F_SETLEASE, F_RDLCK}},
     {"attributes", SYS_ioctl, {FOREIGN, 0x40086602, (long)zeros}},
@@ -62,31 +59,20 @@ static const Call calls[] = {
     {"kill", SYS_kill, {VICTIM, SIGTERM}},
     {"kill_all", SYS_kill, {-1, 0}},
     {"tgkill", SYS_tgkill, {VICTIM, VICTIM, SIGTERM}},
-    {"queue_signal", SYS_rt_sigqueueinfo, {VICTIM, SIGTERM, ZEROS}},
-    {"affinity", SYS_sched_setaffinity, {VICTIM, 8, (long)"\1\0\0\0\0\0\0"}},
-    {"scheduler", SYS_sched_setscheduler, {VICTIM, SCHED_BATCH, ZEROS}},
     {"priority", SYS_setpriority, {PRIO_PROCESS, VICTIM, 7}},
     {"priority_user", SYS_setpriority, {PRIO_USER, 0, 0}},
     {"terminal", SYS_openat, {AT_FDCWD, TERMINAL, O_RDONLY | O_NONBLOCK | O_NOCTTY}},
     {"own_terminal", SYS_openat, {AT_FDCWD, (long)"/dev/tty", O_RDONLY}},
-    {"kernel_log", SYS_openat, {AT_FDCWD, (long)"/dev/kmsg", O_RDONLY}},
-    {"passwords", SYS_openat, {AT_FDCWD, (long)"/etc/shadow", O_RDONLY}},
     {"type", SYS_ioctl, {0, TIOCSTI, (long)"x"}},
     {"shared_file",
      SYS_openat,
      {AT_FDCWD, (long)"/dev/shm/stickslip-attempt", O_CREAT | O_RDWR, 0600}},
-    {"huge_pages", SYS_mmap, {0, 1 << 21, 3, MAP_PRIVATE | MAP_ANONYMOUS | MAP_HUGETLB, -1, 0}},
     {"datagrams", SYS_socketpair, {AF_UNIX, SOCK_DGRAM, 0, ZEROS}},
     {"unix_socket", SYS_socket, {AF_UNIX, SOCK_STREAM, 0}},
     {"internet", SYS_socket, {AF_INET, SOCK_STREAM, 0}},
-    {"routes", SYS_socket, {16, SOCK_RAW, 0}},
     {"crypto", SYS_socket, {38, SOCK_SEQPACKET, 0}},
     {"io_uring", SYS_io_uring_setup, {1, ZEROS}},
-    {"bpf", SYS_bpf, {0, ZEROS, 72}},
-    {"unshare", SYS_unshare, {CLONE_NEWUSER}},
     {"namespace", SYS_clone, {CLONE_NEWUSER | SIGCHLD}},
-    {"personality", SYS_personality, {0x0040000}},
-    {"session", SYS_setsid, {0}},
     {"group", SYS_setpgid, {0, 0}},
     {"program", SYS_execve, {(long)"/bin/true", ZEROS, ZEROS}},
     {"not_dumped", SYS_prctl, {PR_SET_DUMPABLE, 0}},
@@ -238,14 +224,12 @@ static bool attempt(const char *name) {
     return true; /* there is no such attempt */
 }
 
-/* Carry out what a file asks for; return how many have worked. */
-__attribute__((visibility("default"))) int try_all(const char *path);
-int try_all(const char *path) {
+/* Carry out what a file asks for. */
+static void try_all(const char *path) {
     char folder[4000], name[64];
-    int worked = 0;
     FILE *file = fopen(path, "r");
     if (!file || fscanf(file, "%d %3999s %63s", &victim, folder, terminal) != 3)
-        return -1;
+        return;
     snprintf(secret, sizeof secret, "%s/secret", folder);
     snprintf(new, sizeof new, "%s/new", folder);
     snprintf(other, sizeof other, "%s/other", folder);
@@ -256,11 +240,9 @@ int try_all(const char *path) {
         if (attempt(name)) {
             printf("escaped: %s\n", name);
             fflush(stdout);
-            worked++;
         }
     }
     fclose(file);
-    return worked;
 }
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }

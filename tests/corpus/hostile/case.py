@@ -10,26 +10,15 @@ Content = bytes | str | Callable[[Path], object]
 
 @dataclass(frozen=True)
 class Case:
-    """One row of the table.
+    """One row of the table."""
 
-    Parameters
-    ----------
-    group : what it attacks, a key of `GROUPS`
-    name : of its own
-    about : what is hostile about it, for the table
-    says : regular expression that the line matches which the command ends with
-    command : arguments of ``stickslip``, run in a folder that holds the files
-    files : their contents by their names, written in this order
-    code : Python that is run in that folder instead of a command, see ``python.run``
-    """
-
-    group: int
-    name: str
-    about: str
-    says: str
-    command: str
-    files: Mapping[str, Content] = field(default_factory=dict)
-    code: str = ""
+    group: int  # what it attacks, a key of `GROUPS`
+    name: str  # of its own
+    about: str  # what is hostile about it, for the table
+    says: str  # regular expression that the line matches which the command ends with
+    command: str  # arguments of ``stickslip``, run in a folder that holds the files
+    files: Mapping[str, Content] = field(default_factory=dict)  # by name, written in this order
+    code: str = ""  # Python that is run there instead of a command, see ``python.run``
 
     def make(self, folder: Path) -> list[str]:
         """Write the files; return the arguments."""
@@ -50,12 +39,8 @@ def family(
 ) -> Callable[..., Case]:
     """Return what makes the cases of one command, each with another content of one file.
 
-    Parameters
-    ----------
-    file : its name; without one the content is the rest of the command. A {} in it and in the
-        command stands for the suffix
-    begins : what each message begins with
-    others : contents of further files; ``_`` in their names stands for the dot
+    Without its name the content is the rest of the command; a {} in both stands for the suffix.
+    ``begins`` is what each message begins with. In names of others ``_`` stands for the dot.
     """
 
     def case(

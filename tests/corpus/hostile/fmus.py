@@ -31,13 +31,9 @@ def write(
     binaries: dict[str, bytes] | None = None,
     flags: str = "",
 ) -> Path:
-    """Write an FMU.
+    """Write an FMU that misbehaves: call, what it does, at which time, such as ``DoStep segv 3``.
 
-    Parameters
-    ----------
-    behaviour : call, what it does, and at the how-manieth time: ``DoStep segv 3``
-    binaries : name in the archive -> content; the library for this machine by default
-    flags : further attributes of its interface
+    Binaries are by their names in the archive, flags further attributes of the interface.
     """
     description = fmu.describe(
         "hostile",

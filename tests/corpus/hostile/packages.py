@@ -109,14 +109,7 @@ def structure(
     name: str = "n",
     **parts: str,
 ) -> str:
-    """Return a SystemStructure.ssd.
-
-    Parameters
-    ----------
-    rest : behind the system
-    times : a DefaultExperiment
-    parts : connectors, before and behind, see system
-    """
+    """Return a SystemStructure.ssd; times are a DefaultExperiment, parts as of ``system``."""
     proposed = experiment() if times is None else times
     whole = system("s", elements, connections, **parts) + rest + proposed
     return document("ssd:SystemStructureDescription", whole, version, name)

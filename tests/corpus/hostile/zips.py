@@ -84,13 +84,7 @@ def zipped(
     directory: int | None = None,
     length: int | None = None,
 ) -> bytes:
-    """Return an archive.
-
-    Parameters
-    ----------
-    before : bytes in front of it
-    count, directory, length : number of members, place and bytes of their list, as the end says
-    """
+    """Return an archive; its end says number of members, and place and length of their list."""
     body, entries = bytearray(), bytearray()
     for member in members:
         entries += member.entry(len(body))

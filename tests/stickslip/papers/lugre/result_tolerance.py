@@ -25,20 +25,12 @@ velocity of an eighth of a step in 5 ms, as long as the low-pass takes; a point 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """How far a table may differ.
+    """How far a table may differ."""
 
-    Attributes
-    ----------
-    relative : of figures without a range
-    unit : of the medians, where no column ``unit`` tells it
-    of_range : of the medians, as a share of the range
-    by : columns of which each combination is one row, over seeds; none where rows are compared
-    """
-
-    relative: float = 1e-6
-    unit: str = ""
-    of_range: float = OF_RANGE
-    by: tuple[str, ...] = ()
+    relative: float = 1e-6  # of figures without a range
+    unit: str = ""  # of the medians, where no column ``unit`` tells it
+    of_range: float = OF_RANGE  # of the medians, as a share of the range
+    by: tuple[str, ...] = ()  # columns of which each combination is one row, over seeds
 
 
 TABLES = {
