@@ -63,8 +63,9 @@ def _encoding(data: bytes) -> str:
         encoding = "utf-16"
     elif declared and not data.isascii():
         encoding = declared[1].decode("latin-1")
-    try:
-        known = encoding == "utf-16" or codecs.lookup(encoding).name in _CODECS
+    try:  # codecs passes over letters that are not ASCII
+        found = codecs.lookup(encoding).name if encoding.isascii() else ""
+        known = encoding == "utf-16" or found in _CODECS
         text = data.decode("utf-16").encode() if encoding == "utf-16" else data
     except (LookupError, ValueError):
         known = False

@@ -9,7 +9,8 @@ from campaigns.fuzz import PARSERS, run
 pytestmark = pytest.mark.slow
 
 N = {"mat": 20, "ssp": 50}  # each starts a process, or unpacks two FMUs
-N |= dict.fromkeys(("description", "library", "csv", "state", "config", "learned", "lti"), 400)
+TEXTS = ("description", "csv", "config", "learned", "lti", "checkpoint")
+N |= dict.fromkeys((*TEXTS, "library", "state"), 500)
 
 
 @pytest.mark.parametrize("name", PARSERS)
