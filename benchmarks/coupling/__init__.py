@@ -1,1 +1,1 @@
-"""The ring of three FMUs: cosim and C loops."""
+"""The ring of three FMUs: cosim, C loops and every peer that pip installs."""

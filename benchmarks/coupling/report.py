@@ -1,7 +1,8 @@
-"""The ring of three FMUs: cosim and C loops, in one run."""
+"""The ring of three FMUs: cosim, C loops and every peer that pip installs, in one run."""
 
 import csv
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import matplotlib as mpl
@@ -15,6 +16,7 @@ from benchmarks.coupling.steps import (
     IN_TURN,
     PLAIN,
     measure_candidate,
+    measure_peers,
 )
 from benchmarks.coupling.steps import measure as measure_steps
 
@@ -49,6 +51,8 @@ def draw(path: Path, steps: dict[str, float], growth: dict[str, dict[int, float]
 
 
 FMUS = (3, 30, 300, 3000)
+VARIABLES = (1, 10, 100, 1000)
+STEPS = (1_000, 10_000, 100_000, 1_000_000)
 
 
 def by_fmus(folder: Path, version: int, coupling: str) -> dict[int, float]:
@@ -59,13 +63,52 @@ def by_fmus(folder: Path, version: int, coupling: str) -> dict[int, float]:
     }
 
 
-def _per_step(system, steps: int, coupling: str) -> float:
-    once, twice = (
-        system.prepare(step=ring.STEP, stop=n * ring.STEP, coupling=coupling, record="mass.v")
-        for n in (steps, 2 * steps)
-    )
+def by_variables(folder: Path) -> dict[int, float]:
+    """Return ns per FMU and step with so many recorded outputs more on each FMU."""
+    return {
+        n: _per_step(ring.system(folder, 2, 3, n), 200_000 // (n + 50), "jacobi", None) / 3
+        for n in VARIABLES
+    }
+
+
+def by_steps(folder: Path) -> dict[int, float]:
+    """Return ns per FMU and step of a whole run, start and end included."""
+    system = ring.system(folder, 2)
+    costs = {}
+    for n in STEPS:
+        seconds = interleaved({"run": _prepare(system, n, "jacobi").run}, 11, time.thread_time)
+        costs[n] = seconds["run"] / n / 3 * 1e9
+    return costs
+
+
+def by_threads(folder: Path) -> float:
+    """Return how much faster two threads are than one, on runs of 10 ms and more."""
+    simulations = [_prepare(ring.system(folder, 2), 1_000_000, "jacobi") for _ in range(2)]
+
+    def work(simulation) -> None:
+        for _ in range(5):
+            simulation.run()
+
+    with ThreadPoolExecutor(1) as one, ThreadPoolExecutor(2) as two:
+        seconds = interleaved(
+            {
+                "one": lambda: list(one.map(work, simulations)),
+                "two": lambda: list(two.map(work, simulations)),
+            },
+            11,
+        )
+    return seconds["one"] / seconds["two"]
+
+
+def _per_step(system, steps: int, coupling: str, record=("mass.v",)) -> float:
+    once, twice = (_prepare(system, n, coupling, record) for n in (steps, 2 * steps))
     seconds = interleaved({"once": once.run, "twice": twice.run}, 15, time.thread_time)
     return (seconds["twice"] - seconds["once"]) / steps * 1e9
+
+
+def _prepare(system, steps: int, coupling: str, record=("mass.v",)):
+    stop = steps * ring.STEP
+    return system.prepare(step=ring.STEP, stop=stop, coupling=coupling, record=record)
 
 
 NAMES = ("coupling.csv", "coupling.md", "coupling.png")
@@ -77,6 +120,8 @@ def measure(folder: Path) -> dict[str, float]:
     drawn = {}
     for version in (2, 3):
         seconds = measure_steps(folder, version)
+        if version == 2:
+            seconds |= measure_peers(folder)
         drawn[version] = {name: time / seconds[PLAIN] for name, time in seconds.items()}
         rows += _ratios(f"step, FMI {version}.0", seconds, PLAIN, IN_TURN)
         seconds = measure_candidate(folder, version)
@@ -90,6 +135,12 @@ def measure(folder: Path) -> dict[str, float]:
         rows += [(f"per FMU, {label}", f"{n} FMUs", cost, "ns") for n, cost in costs.items()]
         growing = max(costs.values()) / costs[3]
         rows.append((f"per FMU, {label}", "dearest / 3 FMUs", growing, "x"))
+    for label, costs in {
+        "outputs more each": by_variables(folder),
+        "steps": by_steps(folder),
+    }.items():
+        rows += [(f"per FMU, by {label}", f"{n} {label}", cost, "ns") for n, cost in costs.items()]
+    rows.append(("threads", "speed of two / one", by_threads(folder), "x"))
     _write(folder, rows)
     draw(folder / "coupling.png", drawn[2], grown)
     return {f"{group}: {name} ({unit})": value for group, name, value, unit in rows}
