@@ -1,13 +1,17 @@
 """What ``stickslip learn`` hands over on random sound drives, evaluated on the true drives.
 
     python -m campaigns.sound_drives --drives 40 --seed 1 --out DIR [LEARN-OPTIONS ...]
+    python -m campaigns.sound_drives --drives 40 --seed 1 --logs-only DIR
+    python -m campaigns.sound_drives --evaluate DRIVE.json LEARNED_DIR [TUNED_DIR]
 
 A row of rows.csv is a drive; drives that it has are not learned again. A ratio is the RMS of the
 true velocity minus that of the loop without friction, with what was written over without it.
+With a folder of ``stickslip tune``, errors against the command are compared with those before it.
 Options that are not of this command go to ``stickslip learn``.
 """
 
 import argparse
+import contextlib
 import json
 import os
 import shutil
@@ -19,8 +23,8 @@ from typing import Any
 
 import pandas as pd
 
-from campaigns.sound_drives.drives import STICKSLIP, draw, write_log
-from campaigns.sound_drives.evaluation import INTERVALS, MOTIONS, evaluated
+from campaigns.sound_drives.drives import STICKSLIP, Drive, draw, write_log
+from campaigns.sound_drives.evaluation import INTERVALS, MOTIONS, evaluated, tuned_ratios
 
 
 def main() -> None:
@@ -35,11 +39,38 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("sound_drives"), metavar="DIR")
     parser.add_argument("--workers", type=int, default=1, help="drives at a time")
+    parser.add_argument("--json", action="store_true", help="print rows as JSON")
+    parser.add_argument("--logs-only", type=Path, metavar="DIR", help="write logs and truth")
+    parser.add_argument("--evaluate", nargs="+", type=Path, metavar="PATH")
     options, of_learn = parser.parse_known_args()
-    options.out.mkdir(parents=True, exist_ok=True)
+    if options.evaluate:
+        drive, *folders = options.evaluate
+        evaluate = tuned_ratios if len(folders) > 1 else evaluated
+        show(evaluate(Drive.read(drive), *folders), as_json=options.json)
+        return
+    folder = options.logs_only or options.out
+    folder.mkdir(parents=True, exist_ok=True)
     numbers = range(options.first, options.first + options.drives)
+    if options.logs_only:
+        for number in numbers:
+            drive = recorded(options.seed, number, folder)
+            print("stickslip", *learn_command(drive, folder), flush=True)
+        return
     rows = list(measured(options, numbers, of_learn))
     print(summary(pd.DataFrame(rows)))
+
+
+def recorded(seed: int, number: int, folder: Path) -> Drive:
+    """Return a drive whose log is in a folder."""
+    drive = draw(seed, number)
+    path = folder / f"{drive.name}.json"
+    return Drive.read(path) if path.exists() else write_log(drive, folder)
+
+
+def learn_command(drive: Drive, folder: Path) -> list[str]:
+    """Return the arguments of ``stickslip`` that learn the log of a drive."""
+    log, out = folder / f"{drive.name}.csv", folder / f"{drive.name}.learned"
+    return ["learn", str(log), *drive.learn, "--out", str(out)]
 
 
 def measured(
@@ -59,32 +90,36 @@ def measured(
             with path.open("a", encoding="utf-8") as stream:
                 stream.write(json.dumps(row) + "\n")
             pd.DataFrame(rows).sort_values("drive").to_csv(options.out / "rows.csv", index=False)
-            show(row)
+            show(row, as_json=options.json)
             yield row
 
 
 def learn_one(options: argparse.Namespace, number: int, of_learn: list[str]) -> dict[str, Any]:
     """Return the row of one drive."""
-    drive = write_log(draw(options.seed, number), options.out)
-    log, learned = (options.out / f"{drive.name}.{end}" for end in ("csv", "learned"))
-    shutil.rmtree(learned, ignore_errors=True)
+    drive = recorded(options.seed, number, options.out)
+    command = learn_command(drive, options.out)
+    shutil.rmtree(command[-1], ignore_errors=True)
     messages = options.out / f"{drive.name}.err"
     with messages.open("w") as stream:
         process = subprocess.Popen(
-            [STICKSLIP, "learn", log, *drive.learn, "--out", learned, *of_learn],
+            [STICKSLIP, *command, *of_learn],
             stdout=subprocess.DEVNULL,
             stderr=stream,
         )
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
-    row = evaluated(drive, learned, messages.read_text())
-    log.unlink()
+    row = evaluated(drive, Path(command[-1]), messages.read_text())
+    with contextlib.suppress(FileNotFoundError):
+        (options.out / f"{drive.name}.csv").unlink()
     seconds, memory = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0
     return row | {"status": process.returncode, "cpu": round(seconds, 1), "MB": round(memory)}
 
 
-def show(row: dict[str, Any]) -> None:
+def show(row: dict[str, Any], *, as_json: bool) -> None:
     """Print a row."""
+    if as_json:
+        print(json.dumps(row), flush=True)
+        return
     print("  ".join(f"{k} {v}" for k, v in row.items() if v != ""), flush=True)
 
 

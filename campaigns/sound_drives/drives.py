@@ -3,10 +3,11 @@
 A rotary drive is a linear one behind a radius: read rad for m, N m for N, kg m2 for kg.
 """
 
+import json
 import math
 import subprocess
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -75,6 +76,18 @@ class Drive:
         found |= {name: along * p[name] for name in ("F_c", "F_s")}
         absent = {"dahl": ("v_s", "F_s"), "coulomb_stribeck": ("sigma_0",)}.get(self.law, ())
         return {name: value for name, value in found.items() if name not in absent}
+
+    def write(self, path: Path) -> None:
+        """Write it as JSON."""
+        told = {"learn": self.learn, "truth": self.truth}
+        text = json.dumps(asdict(self) | told, indent=1)
+        path.write_text(text + "\n", encoding="utf-8")
+
+    @classmethod
+    def read(cls, path: Path) -> "Drive":
+        """Read what ``write`` wrote."""
+        values = json.loads(path.read_text(encoding="utf-8"))
+        return cls(**{one.name: values[one.name] for one in fields(cls)})
 
 
 def draw(seed: int, number: int) -> Drive:
@@ -172,7 +185,7 @@ def _spectral_radius(p: dict[str, float], gain: float) -> float:
 
 
 def write_log(drive: Drive, folder: Path, encoder_noise: float = ENCODER_NOISE) -> Drive:
-    """Record the planned experiment; write the log, and return the drive with its travel."""
+    """Record the planned experiment; write log and drive, and return it with its travel."""
     unit = "rad" if drive.rotary else "m"
     command = _planned(drive, folder)
     v_cmd, x_cmd = command["velocity_command"], command["position_command"]
@@ -193,7 +206,9 @@ def write_log(drive: Drive, folder: Path, encoder_noise: float = ENCODER_NOISE) 
     }
     path = folder / f"{drive.name}.csv"
     pd.DataFrame(log).to_csv(path, index=False, float_format="%.10g")
-    return replace(drive, travel=(float(found["x"].min()), float(found["x"].max())))
+    drive = replace(drive, travel=(float(found["x"].min()), float(found["x"].max())))
+    drive.write(path.with_suffix(".json"))
+    return drive
 
 
 def _planned(drive: Drive, folder: Path) -> pd.DataFrame:

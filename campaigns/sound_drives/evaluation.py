@@ -8,6 +8,8 @@ import statistics
 import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -72,15 +74,69 @@ def error(
 
     The seed sets noise, the phase of the encoder and the place on the guide.
     """
+    driven = _driven(drive, v_cmd, level, seed, compensator=compensator)
+    linear = simulator.run("none", {**drive.parameters, "encoder": 0.0}, v_cmd)
+    return _rms(driven["v"] - linear["v"])
+
+
+def tuned_ratios(drive: Drive, learned: Path, tuned: Path) -> dict[str, Any]:
+    """Return errors against the command in a tuned loop over those in the present one.
+
+    ``learned`` is the present loop with what ``learn`` wrote, ``plain`` that without it. The errors
+    are those of the velocity v, in a cascade also of the position x.
+    """
+    document = json.loads((tuned / "tuned.json").read_text(encoding="utf-8"))
+    own = document["loop"].keys() & drive.parameters.keys() - {"m", "b"}
+    gains = {name: document["loop"][name]["value"] for name in own}
+    after = replace(drive, parameters={**drive.parameters, **gains})
+    found: dict[str, list[float]] = {}
+    with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as other:
+        blocks = _exported_if(learned, Path(one)), _exported_if(tuned, Path(other))
+        loops = {"learned": (drive, blocks[0]), "plain": (drive, None), "tuned": (after, blocks[1])}
+        for level, name in product(LEVELS, MOTIONS):
+            v_cmd = motion(drive, name)
+            x_cmd = simulator.positions(v_cmd, drive.parameters["T_s"])
+
+            commanded = {"v": v_cmd, "x": x_cmd} if drive.parameters["K_x"] else {"v": v_cmd}
+            runs = {
+                loop: [_driven(own, v_cmd, level, seed, compensator=block) for seed in SEEDS]
+                for loop, (own, block) in loops.items()
+            }
+            errors = {
+                (loop, figure): np.array([_rms(run[figure] - target) for run in every])
+                for loop, every in runs.items()
+                for figure, target in commanded.items()
+            }
+            for loop, figure in product(("learned", "plain"), commanded):
+                ratio = float(np.median(errors["tuned", figure] / errors[loop, figure]))
+                found.setdefault(f"{figure} over {loop}", []).append(ratio)
+    row = {"drive": drive.name, "Ms": round(document["tuning"]["Ms"]["after"], 3)}
+    for key, every in found.items():
+        row[key] = round(statistics.geometric_mean(every), 3)
+        row |= {f"{key}, worst": round(max(every), 3)}
+        row |= {f"{key}, {n}": round(x, 3) for n, x in zip(MOTIONS, every, strict=False)}
+    return row
+
+
+def _exported_if(folder: Path, to: Path) -> ctypes.CDLL | None:
+    """Return what was written into a folder, exported and compiled; None where nothing was."""
+    names = [name for name in SIGNALS if (folder / f"{name}.fmu").exists()]
+    return exported(folder, names, to) if names else None
+
+
+def _driven(
+    drive: Drive, v_cmd: np.ndarray, level: float, seed: int, *, compensator: ctypes.CDLL | None
+) -> dict[str, np.ndarray]:
+    """Return a run of the drive; the seed sets noise, phase of the encoder and place."""
     p, rng = drive.parameters, np.random.default_rng([seed, drive.seed])
     friction = {name: level * p[name] for name in ("F_c", "F_s")}
     place = {"phase": rng.uniform(), "origin": p["period"] * rng.uniform()}
     noise, values = (ENCODER_NOISE, drive.noise_F), {**p, **friction, **place}
-    driven = simulator.run(
-        drive.law, values, v_cmd, noise=noise, seed=seed, compensator=compensator
-    )
-    linear = simulator.run("none", {**p, "encoder": 0.0}, v_cmd)
-    return float(np.sqrt(np.mean((driven["v"] - linear["v"]) ** 2)))
+    return simulator.run(drive.law, values, v_cmd, noise=noise, seed=seed, compensator=compensator)
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def exported(learned: Path, names: Sequence[str], folder: Path) -> ctypes.CDLL:
@@ -88,8 +144,9 @@ def exported(learned: Path, names: Sequence[str], folder: Path) -> ctypes.CDLL:
 
     Raises subprocess.CalledProcessError when it cannot be exported.
     """
+    file = next(learned / one for one in ("tuned.json", "learned.json") if (learned / one).exists())
     for name in names:
-        options = ["--parameters", str(learned / "learned.json"), "--as", "c", "--out", str(folder)]
+        options = ["--parameters", str(file), "--as", "c", "--out", str(folder)]
         subprocess.run([STICKSLIP, "export", name, *options], check=True, capture_output=True)
     glue = folder / "glue.c"
     glue.write_text(_glue({name: (folder / f"{name}.h").read_text() for name in names}))
