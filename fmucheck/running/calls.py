@@ -8,7 +8,6 @@ import ctypes
 import os
 import platform
 import re
-import struct
 import sys
 from collections.abc import Sequence
 from ctypes import (
@@ -29,66 +28,33 @@ from typing import Any
 from stickslip.fmi.messages import named
 from stickslip.fmucheck.description.model import Variable
 
-_SPEC = re.compile(
-    rb"%(?P<flags>[-+ #0]*)(?P<width>\*|\d*)(?:\.(?P<digits>\*|\d*))?"
-    rb"(?:hh|h|(?P<long>ll|l|j|z|t)|L)?(?P<kind>[diouxXcspfFeEgGaA%])"
-)
-_MOST_WIDTH = 1000
 _ON_STACK = 8
-_TOGETHER = sys.platform == "win32"
-"""Whether floating-point numbers lie among the others."""
 _REGISTERS = {"x86_64": (1, 8), "AMD64": (1, 8), "aarch64": (3, 8)}.get(platform.machine())
 KNOWN = _REGISTERS is not None and sys.platform in ("linux", "win32")
-_N, _N_FLOATS = (_REGISTERS or (0, 0)) if not _TOGETHER else (0, 0)
+# On Windows floating-point numbers lie among the others.
+_N, _N_FLOATS = (_REGISTERS or (0, 0)) if sys.platform != "win32" else (0, 0)
 _PASSED = (*[c_uint64] * (_N + _ON_STACK), *[c_double] * _N_FLOATS)
 ARGUMENTS: tuple[Any, ...] = _PASSED if KNOWN else ()
 """C types of what follows the format."""
+_LIBC = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
+_LONGEST = 10_000  # bytes of a message
+_STORES = re.compile(rb"%%|%(?=[^%a-zA-Z]*[hlLjzt]*n)")  # %n: printf would write to memory
+_SIZES = re.compile(rb"(%[^%a-zA-Z]*)[jzt]")  # which msvcrt spells otherwise
+_NOTHING = (c_uint64(),) * 32  # for conversions beyond what was passed
 
 
 def formatted(text: bytes, arguments: Sequence[float]) -> bytes:
-    """Return a format with values of ``ARGUMENTS``; what it asks beyond stays as it is written."""
-    words = iter([int(word) for word in arguments[: _N + _ON_STACK]])
-    floats = iter(arguments[_N + _ON_STACK :])
-
-    def size(given: bytes | None) -> bytes:
-        number = _signed(next(words), 32) if given == b"*" else int(given or 0)
-        return str(max(-_MOST_WIDTH, min(_MOST_WIDTH, number))).encode()
-
-    def one(found: re.Match[bytes]) -> bytes:
-        kind = found["kind"]
-        if kind == b"%":
-            return b"%"
-        spec: bytes = b"%" + found["flags"] + (size(found["width"]) if found["width"] else b"")
-        spec += b"" if found["digits"] is None else b"." + size(found["digits"])
-        if kind in b"fFeEgGaA":
-            raw = struct.pack("Q", next(words)) if _TOGETHER else struct.pack("d", next(floats))
-            number: float = struct.unpack("d", raw)[0]
-            return number.hex().encode() if kind in b"aA" else (spec + kind) % number
-        word = next(words)
-        if kind == b"s":
-            string: bytes = ctypes.c_char_p(word).value or b"(null)"
-            return (spec + kind) % string
-        if kind == b"c":
-            return (spec + kind) % bytes([word & 0xFF])
-        bits = 64 if found["long"] or kind == b"p" else 32
-        if kind in b"di":
-            return (spec + b"d") % _signed(word, bits)
-        if kind == b"o":  # Python writes 0o for the 0 of C
-            digits: bytes = (spec + kind) % (word % 2**bits)
-            return digits.replace(b"0o", b"0", 1)
-        spec += {b"p": b"#x", b"u": b"d"}.get(kind, kind)
-        shown: bytes = spec % (word % 2**bits)
-        return shown
-
-    try:
-        return _SPEC.sub(one, text) if KNOWN else text
-    except StopIteration:
+    """Return a format with values of ``ARGUMENTS``, as printf writes it."""
+    if not KNOWN:
         return text
-
-
-def _signed(word: int, bits: int) -> int:
-    word %= 2**bits
-    return word - 2**bits if word >> (bits - 1) else word
+    out, text = ctypes.create_string_buffer(_LONGEST), _STORES.sub(b"%%", text)
+    passed = [kind(value) for kind, value in zip(ARGUMENTS, arguments, strict=True)]
+    if sys.platform == "win32":
+        write, text = _LIBC._snprintf, _SIZES.sub(rb"\1I64", text)
+    else:
+        write = _LIBC.snprintf
+    write(out, c_size_t(_LONGEST - 1), text, *passed, *_NOTHING)
+    return out.value
 
 
 OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
@@ -144,7 +110,6 @@ def references(numbers: list[int]) -> Any:
     return (ctypes.c_uint32 * len(numbers))(*numbers)
 
 
-_LIBC = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
 _LIBC.calloc.restype = c_void_p
 _LIBC.calloc.argtypes = (c_size_t, c_size_t)
 _LIBC.free.argtypes = (c_void_p,)
