@@ -19,6 +19,20 @@ _LONGEST = 4096  # bytes of a name
 _MOST_TEXT = 2**25  # bytes of all names
 
 
+class NotALibrary(Fault, ValueError):
+    """The bytes are not a shared library that can be read."""
+
+
+@dataclass(frozen=True)
+class Library:
+    """One shared library; a universal file of macOS has several ``targets``."""
+
+    targets: frozenset[str]  # platforms it runs on, such as ``x86_64-linux``
+    exports: frozenset[str]  # names of the functions that can be loaded from it
+    needs: tuple[str, ...]  # file names of the libraries it loads itself
+    unsigned: bool = False  # a part for arm64 macOS lacks the signature that it is loaded with
+
+
 class Names:
     """The strings of a library, which end with a zero byte."""
 
@@ -50,8 +64,7 @@ _LOAD, _DYNAMIC, _SHARED = 1, 2, 3
 _NEEDED, _HASH, _STRINGS, _SYMBOL_TABLE, _GNU_HASH = 1, 4, 5, 6, 0x6FFFFEF5
 
 
-def _read_elf(data: bytes) -> tuple[str, list[str], list[str]]:
-    """Return machine, exported names and needed libraries."""
+def _read_elf(data: bytes) -> Library:
     wide, order = data[4] == 2, "<" if data[5] == 1 else ">"
     kind, number = struct.unpack_from(order + "HH", data, 16)
     if kind != _SHARED:
@@ -77,7 +90,8 @@ def _read_elf(data: bytes) -> tuple[str, list[str], list[str]]:
     count = _checked(_symbol_count(data, tags, offset, order, wide), "symbols")
     exports = _elf_exports(data, offset(tags[_SYMBOL_TABLE]), count, order, wide)
     machine = _ELF_MACHINES.get(number, f"machine {number}")
-    return machine, [names.at(strings + name) for name in exports], needs
+    exported = frozenset(names.at(strings + name) for name in exports)
+    return Library(frozenset({f"{machine}-linux"}), exported, tuple(needs))
 
 
 def _segments(data: bytes, wide: bool, order: str) -> list[tuple[int, int, int, int]]:
@@ -134,8 +148,7 @@ _PE_MACHINES = {0x14C: "x86", 0x8664: "x86_64", 0xAA64: "aarch64", 0x1C4: "aarch
 _IS_DLL = 0x2000
 
 
-def _read_pe(data: bytes) -> tuple[str, list[str], list[str]]:
-    """Return machine, exported names and needed libraries."""
+def _read_pe(data: bytes) -> Library:
     (header,) = struct.unpack_from("<I", data, 0x3C)
     if data[header : header + 4] != b"PE\0\0":
         raise ValueError("it has no PE header")
@@ -170,12 +183,12 @@ def _read_pe(data: bytes) -> tuple[str, list[str], list[str]]:
             needs.append(names.at(offset(name)))
             _checked(len(needs), "libraries that it needs", MOST_NAMES)
             place += 20
-    return _PE_MACHINES.get(number, f"machine {number:#x}"), exports, needs
+    machine = _PE_MACHINES.get(number, f"machine {number:#x}")
+    return Library(frozenset({f"{machine}-windows"}), frozenset(exports), tuple(needs))
 
 
 _THIN = {b"\xcf\xfa\xed\xfe": True, b"\xce\xfa\xed\xfe": False}
 _FAT = b"\xca\xfe\xba\xbe"
-_MACH_O = (*_THIN, _FAT)
 _MACH_O_MACHINES = {7: "x86", 0x01000007: "x86_64", 12: "aarch32", 0x0100000C: "aarch64"}
 _LIBRARIES = (6, 8)  # dylib and bundle
 _SYMBOL_COMMAND, _SIGNATURE = 0x2, 0x1D
@@ -183,28 +196,23 @@ _LOADS = (0xC, 0x80000018, 0x8000001F, 0x23 | 0x80000000)  # plain, weak, re-exp
 _OUTSIDE, _HIDDEN, _KIND, _DEFINED, _DEBUG = 0x01, 0x10, 0x0E, 0x0E, 0xE0
 
 
-@dataclass(frozen=True)
-class _Part:
-    """The part for one processor."""
-
-    machine: str
-    exports: list[str]
-    needs: list[str]
-    signed: bool
-
-
-def _read_macho(data: bytes) -> list[_Part]:
-    """Return the parts of a library."""
+def _read_macho(data: bytes) -> Library:
     if data[:4] != _FAT:
-        return [_part(data)]
+        return _part(data)
     (count,) = struct.unpack_from(">I", data, 4)
     if not 0 < count < 20:  # a Java class begins with the same four bytes
         raise ValueError(f"a universal file with {count} parts")
     places = [struct.unpack_from(">IIIII", data, 8 + 20 * k) for k in range(count)]
-    return [_part(data[offset : offset + size]) for _, _, offset, size, _ in places]
+    parts = [_part(data[offset : offset + size]) for _, _, offset, size, _ in places]
+    return Library(
+        targets=frozenset.union(*(part.targets for part in parts)),
+        exports=frozenset.intersection(*(part.exports for part in parts)),
+        needs=tuple(dict.fromkeys(name for part in parts for name in part.needs)),
+        unsigned=any(part.unsigned for part in parts),
+    )
 
 
-def _part(data: bytes) -> _Part:
+def _part(data: bytes) -> Library:
     wide = _THIN[data[:4]]
     _, number, _, kind, count = struct.unpack_from("<IIIII", data, 0)
     if kind not in _LIBRARIES:
@@ -226,7 +234,10 @@ def _part(data: bytes) -> _Part:
             needs.append(data[place + name : place + size].split(b"\0")[0].decode("latin-1"))
         signed = signed or command == _SIGNATURE
         place += size
-    return _Part(_MACH_O_MACHINES.get(number, f"machine {number:#x}"), exports or [], needs, signed)
+    machine = _MACH_O_MACHINES.get(number, f"machine {number:#x}")
+    unsigned = machine == "aarch64" and not signed
+    targets = frozenset({f"{machine}-darwin"})
+    return Library(targets, frozenset(exports or ()), tuple(dict.fromkeys(needs)), unsigned)
 
 
 def _mach_o_exports(data: bytes, table: int, count: int, strings: int, wide: bool) -> list[str]:
@@ -261,35 +272,15 @@ def universal(libraries: Iterable[bytes]) -> bytes:
     return joined + b"\0" * (page - len(joined)) + body
 
 
-class NotALibrary(Fault, ValueError):
-    """The bytes are not a shared library that can be read."""
-
-
-@dataclass(frozen=True)
-class Library:
-    """One shared library; a universal file of macOS has several ``targets``."""
-
-    targets: frozenset[str]  # platforms it runs on, such as ``x86_64-linux``
-    exports: frozenset[str]  # names of the functions that can be loaded from it
-    needs: tuple[str, ...]  # file names of the libraries it loads itself
-    unsigned: bool = False  # a part for arm64 macOS lacks the signature that it is loaded with
+_READERS = {_ELF: _read_elf, _PE: _read_pe, **dict.fromkeys((*_THIN, _FAT), _read_macho)}
 
 
 def read_library(data: bytes) -> Library:
     """Read the headers of a shared library; NotALibrary for other formats and damaged ones."""
     try:
-        for mark, read, system in ((_ELF, _read_elf, "linux"), (_PE, _read_pe, "windows")):
+        for mark, read in _READERS.items():
             if data.startswith(mark):
-                machine, exports, needs = read(data)
-                return Library(frozenset({f"{machine}-{system}"}), frozenset(exports), tuple(needs))
-        if data[:4] in _MACH_O:
-            parts = _read_macho(data)
-            return Library(
-                targets=frozenset(f"{part.machine}-darwin" for part in parts),
-                exports=frozenset.intersection(*(frozenset(part.exports) for part in parts)),
-                needs=tuple(dict.fromkeys(name for part in parts for name in part.needs)),
-                unsigned=any(part.machine == "aarch64" and not part.signed for part in parts),
-            )
+                return read(data)
     except (struct.error, IndexError, ValueError, KeyError, OverflowError) as fault:
         raise NotALibrary(f"its headers are damaged: {fault}") from None
     raise NotALibrary(f"is neither ELF nor PE nor Mach-O; it begins with {data[:4]!r}")

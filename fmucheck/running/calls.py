@@ -50,9 +50,8 @@ def formatted(text: bytes, arguments: Sequence[float]) -> bytes:
     out, text = ctypes.create_string_buffer(_LONGEST), _STORES.sub(b"%%", text)
     passed = [kind(value) for kind, value in zip(ARGUMENTS, arguments, strict=True)]
     if sys.platform == "win32":
-        write, text = _LIBC._snprintf, _SIZES.sub(rb"\1I64", text)
-    else:
-        write = _LIBC.snprintf
+        text = _SIZES.sub(rb"\1I64", text)
+    write = getattr(_LIBC, "_snprintf" if sys.platform == "win32" else "snprintf")
     write(out, c_size_t(_LONGEST - 1), text, *passed, *_NOTHING)
     return out.value
 

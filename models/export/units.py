@@ -7,21 +7,71 @@ from typing import Any
 
 BaseUnit = dict[str, float]
 """Exponents of base units; ``factor`` where the unit is not made of these alone."""
-UNITS: dict[str, dict[str, int]] = {
-    "1": {},
-    "kg": {"kg": 1},
-    "m": {"m": 1},
-    "m/s": {"m": 1, "s": -1},
-    "m/s2": {"m": 1, "s": -2},
-    "N": {"kg": 1, "m": 1, "s": -2},
-    "N2": {"kg": 2, "m": 2, "s": -4},
-    "N/m": {"kg": 1, "s": -2},
-    "N.s/m": {"kg": 1, "s": -1},
-    "N/s": {"kg": 1, "m": 1, "s": -3},
-    "N/m/s": {"kg": 1, "s": -3},
-    "s": {"s": 1},
-    "1/s": {"s": -1},
+# symbol -> factor and exponents of kg, m, s, A, K, mol, cd, rad
+_BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+_SYMBOLS: dict[str, tuple[float, tuple[int, ...]]] = {
+    "g": (1e-3, (1,)),
+    **{name: (1.0, (*[0] * k, 1)) for k, name in enumerate(_BASE) if k},
+    "Hz": (1.0, (0, 0, -1)),
+    "N": (1.0, (1, 1, -2)),
+    "Pa": (1.0, (1, -1, -2)),
+    "J": (1.0, (1, 2, -2)),
+    "W": (1.0, (1, 2, -3)),
+    "C": (1.0, (0, 0, 1, 1)),
+    "V": (1.0, (1, 2, -3, -1)),
+    "F": (1.0, (-1, -2, 4, 2)),
+    "Ohm": (1.0, (1, 2, -3, -2)),
+    "Wb": (1.0, (1, 2, -2, -1)),
+    "T": (1.0, (1, 0, -2, -1)),
+    "H": (1.0, (1, 2, -2, -2)),
+    "bar": (1e5, (1, -1, -2)),
+    "l": (1e-3, (0, 3)),
 }
+_WHOLE: dict[str, tuple[float, tuple[int, ...]]] = {  # take no prefix
+    "1": (1.0, ()),
+    "%": (1e-2, ()),
+    "min": (60.0, (0, 0, 1)),
+    "h": (3600.0, (0, 0, 1)),
+    "deg": (math.pi / 180, (0, 0, 0, 0, 0, 0, 0, 1)),
+    "rpm": (math.pi / 30, (0, 0, -1, 0, 0, 0, 0, 1)),
+}
+_PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "h": 1e2, "d": 0.1, "c": 1e-2, "m": 1e-3}
+_PREFIXES |= {"u": 1e-6, "\N{MICRO SIGN}": 1e-6, "n": 1e-9, "p": 1e-12}
+_FACTOR = re.compile(r"([./*]|^)([^\W\d]+|%|1)\^?(-?\d+)?")
+
+
+def base_unit(unit: str) -> BaseUnit | None:
+    """Return a unit as exponents of base units, None where it is not made of known symbols.
+
+    Symbols are joined by ``.`` or ``*``, a ``/`` inverts the one behind it: ``N.s/m``, ``rad/s2``.
+    """
+    text = unit.replace(" ", ".")
+    factor, exponents, end = 1.0, [0] * len(_BASE), 0
+    for match in _FACTOR.finditer(text):
+        symbol = _symbol(match[2])
+        if match.start() != end or symbol is None:
+            return None
+        power = int(match[3] or 1) * (-1 if match[1] == "/" else 1)
+        factor *= symbol[0] ** power
+        for k, exponent in enumerate(symbol[1]):
+            exponents[k] += power * exponent
+        end = match.end()
+    if end != len(text) or not end:
+        return None
+    base: BaseUnit = {name: n for name, n in zip(_BASE, exponents, strict=True) if n}
+    return base if factor == 1.0 else {**base, "factor": factor}
+
+
+def _symbol(text: str) -> tuple[float, tuple[int, ...]] | None:
+    if found := _WHOLE.get(text) or _SYMBOLS.get(text):
+        return found
+    factor, scaled = _PREFIXES.get(text[0]), _SYMBOLS.get(text[1:])
+    return (factor * scaled[0], scaled[1]) if factor and scaled else None
+
+
+_NAMES = "1 kg m m/s m/s2 N N2 N/m N.s/m N/s N/m/s s 1/s"
+UNITS = {name: base_unit(name) or {} for name in _NAMES.split()}
+"""Units of models and laws -> exponents of base units."""
 RANGES = {
     "N": (1e-15, 1e15),
     "m": (1e-15, 1e9),
@@ -80,69 +130,5 @@ def rate_unit(unit: str) -> str:
 def force_and_length(unit: str) -> tuple[int, int]:
     """Return the powers of force and length in a unit of ``UNITS``: (1, -1) for N/m and for kg."""
     base = UNITS[unit]
-    mass = base.get("kg", 0)
-    return mass, base.get("m", 0) - mass
-
-
-# symbol -> factor and exponents of kg, m, s, A, K, mol, cd, rad
-_BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
-_SYMBOLS: dict[str, tuple[float, tuple[int, ...]]] = {
-    "g": (1e-3, (1,)),
-    **{name: (1.0, (*[0] * k, 1)) for k, name in enumerate(_BASE) if k},
-    "Hz": (1.0, (0, 0, -1)),
-    "N": (1.0, (1, 1, -2)),
-    "Pa": (1.0, (1, -1, -2)),
-    "J": (1.0, (1, 2, -2)),
-    "W": (1.0, (1, 2, -3)),
-    "C": (1.0, (0, 0, 1, 1)),
-    "V": (1.0, (1, 2, -3, -1)),
-    "F": (1.0, (-1, -2, 4, 2)),
-    "Ohm": (1.0, (1, 2, -3, -2)),
-    "Wb": (1.0, (1, 2, -2, -1)),
-    "T": (1.0, (1, 0, -2, -1)),
-    "H": (1.0, (1, 2, -2, -2)),
-    "bar": (1e5, (1, -1, -2)),
-    "l": (1e-3, (0, 3)),
-}
-_WHOLE: dict[str, tuple[float, tuple[int, ...]]] = {  # take no prefix
-    "1": (1.0, ()),
-    "%": (1e-2, ()),
-    "min": (60.0, (0, 0, 1)),
-    "h": (3600.0, (0, 0, 1)),
-    "deg": (math.pi / 180, (0, 0, 0, 0, 0, 0, 0, 1)),
-    "rpm": (math.pi / 30, (0, 0, -1, 0, 0, 0, 0, 1)),
-}
-_PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "h": 1e2, "d": 0.1, "c": 1e-2, "m": 1e-3}
-_PREFIXES |= {"u": 1e-6, "\N{MICRO SIGN}": 1e-6, "n": 1e-9, "p": 1e-12}
-_FACTOR = re.compile(r"([./*]|^)([^\W\d]+|%|1)\^?(-?\d+)?")
-
-
-def base_unit(unit: str) -> BaseUnit | None:
-    """Return a unit as exponents of base units, None where it is not made of known symbols.
-
-    Symbols are joined by ``.`` or ``*``, a ``/`` inverts the one behind it: ``N.s/m``, ``rad/s2``.
-    """
-    if unit in UNITS:
-        return dict(UNITS[unit])
-    text = unit.replace(" ", ".")
-    factor, exponents, end = 1.0, [0] * len(_BASE), 0
-    for match in _FACTOR.finditer(text):
-        symbol = _symbol(match[2])
-        if match.start() != end or symbol is None:
-            return None
-        power = int(match[3] or 1) * (-1 if match[1] == "/" else 1)
-        factor *= symbol[0] ** power
-        for k, exponent in enumerate(symbol[1]):
-            exponents[k] += power * exponent
-        end = match.end()
-    if end != len(text) or not end:
-        return None
-    base: BaseUnit = {name: n for name, n in zip(_BASE, exponents, strict=True) if n}
-    return base if factor == 1.0 else {**base, "factor": factor}
-
-
-def _symbol(text: str) -> tuple[float, tuple[int, ...]] | None:
-    if found := _WHOLE.get(text) or _SYMBOLS.get(text):
-        return found
-    factor, scaled = _PREFIXES.get(text[0]), _SYMBOLS.get(text[1:])
-    return (factor * scaled[0], scaled[1]) if factor and scaled else None
+    mass = int(base.get("kg", 0))
+    return mass, int(base.get("m", 0)) - mass
