@@ -39,19 +39,6 @@ def test_a_restored_state_goes_on_as_before(fmu, slave, identical):
     instance.api.freeFMUState(state)
 
 
-def test_a_saved_state_keeps_parameters_and_phase(some_fmu, slave, identical):
-    instance = slave(some_fmu)
-    fresh = instance.api.getFMUState()
-    values = instance.everything()
-    instance.initialize(some_fmu.settings()).run(0, 5)
-    instance.api.setFMUState(fresh)
-    assert identical(instance.everything(), values)
-    with pytest.raises(FMICallException):
-        instance.api.doStep(0.0, 5e-4)
-    instance.initialize()
-    instance.api.freeFMUState(fresh)
-
-
 RESUME = """
 import importlib.util, pathlib, sys
 spec = importlib.util.spec_from_file_location("conformance", sys.argv[1])

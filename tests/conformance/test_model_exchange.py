@@ -116,49 +116,6 @@ def test_samples_are_time_events_with_the_bits_of_co_simulation(
         solved.api.enterEventMode()
 
 
-@pytest.mark.parametrize("name", SAMPLED)
-def test_another_tool_finds_the_events(build, name):
-    fmu = build(name, 3)
-    time = np.arange(101) * 5e-4
-    outputs = fmu.names("output")
-    table = {"time": time} | {
-        name: size * np.sin(40.0 * (k + 1) * time)
-        for k, (name, size) in enumerate(fmu.sizes().items())
-    }
-    stepped = fmu.simulate(0.05, 5e-4, input=table, output=outputs)
-    kinds = [(name, "f8") for name in table]
-    inputs = np.array(list(zip(*table.values(), strict=True)), dtype=kinds)
-    solved = solve(fmu, inputs, output=outputs, output_interval=5e-4)
-    for output in outputs:
-        np.testing.assert_allclose(solved[output], stepped[output], rtol=1e-9, atol=1e-12)
-
-
-def test_a_restored_state_goes_on_as_before(fmu, exchanged, identical):
-    if not fmu.model.has_model_exchange:
-        pytest.skip("steps only")
-    instance = exchanged(fmu).initialize()
-
-    def go_on():
-        rows = []
-        for n in range(20):
-            instance.set(fmu.inputs(n))
-            instance.update()
-            instance.api.enterContinuousTimeMode()
-            instance.place(n * 1e-3, [1e-6 * (n + k) for k in range(instance.n_states)])
-            rows.append(instance.everything())
-            instance.api.enterEventMode()
-        return rows
-
-    state = instance.api.getFMUState()
-    stored = instance.api.serializeFMUState(state)
-    first = go_on()
-    assert len(np.unique(first, axis=0)) == 20
-    instance.api.setFMUState(instance.api.deserializeFMUState(stored))
-    assert identical(go_on(), first)
-    instance.api.reset()
-    assert identical(instance.initialize().api and go_on(), first)
-
-
 def test_what_has_no_such_equations_says_so(build, exchanged):
     for version in (2, 3):
         fmu = build("drive", version)
