@@ -3,7 +3,6 @@
 import ctypes
 import shutil
 import subprocess
-import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -23,6 +22,7 @@ from tests.models.firmware import structured_text
 
 STEP, N = 5e-4, 1500  # s
 STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wconversion", "-ffreestanding")
+STRICT += ("-Wfloat-conversion", "-Wdouble-promotion")
 FEEDFORWARDS = {law: ("compensator", law, "compensator") for law in models.law_names()}
 OBSERVER = ("dob", None, "observer")
 OTHERS = {
@@ -222,18 +222,6 @@ def test_what_is_learned_is_read_in_c_and_structured_text(exported, name):
     shown = next(scope[key] for key in (LEARNED[name], f"{LEARNED[name]}_1") if key in scope)
     _, _, expected = of_fmu(folder, name, 200)
     np.testing.assert_allclose(np.ravel(shown), expected, rtol=1e-9, atol=1e-9)
-
-
-@pytest.mark.parametrize("case", ["lugre", "gms", "observer"])
-def test_strict_compilers_have_nothing_to_say(exported, case, tmp_path):
-    folder, name = exported(case), CASES[case][2]
-    strict = [*STRICT, "-Wfloat-conversion", "-Wdouble-promotion", "-O2", "-c", f"{name}.c"]
-    compiler = [sys.executable, "-m", "ziglang", "cc"]
-    for called in (compiler, ["gcc"])[: 1 + bool(shutil.which("gcc"))]:
-        for flags in ([], [f"-D{name.upper()}_FLOAT"]):
-            arguments = [*called, *flags, *strict, "-o", str(tmp_path / "o")]
-            done = subprocess.run(arguments, cwd=folder, capture_output=True, text=True)
-            assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_what_structured_text_has_not_is_refused(tmp_path):
