@@ -27,7 +27,6 @@ Columns = dict[str, np.ndarray]
 Parameters = dict[str, float]
 Network = Callable[..., np.ndarray]
 STEP = 5e-4  # s
-GMS_SHARES = ("alpha", "kappa")
 INSTANT = 1e-11  # s, in place of no lag
 Z_UNIT = 1e-6  # the solver sees the bristle in um, so that one absolute tolerance fits all
 
@@ -44,6 +43,18 @@ def model_of(name: str) -> models.Model:
 def start_values(name: str) -> Parameters:
     """Return the parameters of a model, or of a law, by name."""
     return {v.name: v.start for v in model_of(name).variables if v.role == "parameter"}
+
+
+def array(p: Parameters, name: str, *sizes: int) -> np.ndarray:
+    """Return the elements of an array of parameters."""
+    keys = (",".join(str(i + 1) for i in index) for index in np.ndindex(*sizes))
+    return np.reshape([p[f"{name}[{key}]"] for key in keys], sizes)
+
+
+def ahead(v: np.ndarray, lead: float) -> np.ndarray:
+    """Return the means of velocities over the periods that end, a time [s] ahead."""
+    last = np.append(v[0], v[:-1])
+    return (v + last) / 2 + lead * (v - last) / STEP
 
 
 def stribeck(v: np.ndarray | float, p: Mapping[str, complex]) -> np.ndarray:
@@ -167,9 +178,9 @@ def elasto_plastic(p: Parameters) -> Columns:
 def leuven(p: Parameters) -> Columns:
     """Follow the same velocity (n_h = 1): exponentials from one switch of an element on."""
     t, v = through_zero()
-    kappa = np.array([p[f"kappa[{i}]"] for i in range(1, 5)])
+    kappa = array(p, "kappa", 4)
     k = p["sigma_0"] * kappa / kappa.sum()
-    limit = np.append([p[f"W[{i}]"] * p["F_c"] for i in range(1, 4)] / k[:3], np.inf)
+    limit = np.append(array(p, "W", 3) * p["F_c"] / k[:3], np.inf)
     q, F_mean, F_f = np.zeros(4), [0.0], [p["sigma_1"] * v[0]]
     for speed in v[:-1]:
         g, s, left, area, begin = stribeck(speed, p), np.sign(speed), STEP, 0.0, q[3]
@@ -195,7 +206,7 @@ def leuven(p: Parameters) -> Columns:
 def gms(p: Parameters) -> Columns:
     """Follow the same velocity, all elements at once: stick until the limit, then decay."""
     t, v = through_zero()
-    alpha, kappa = (np.array([p[f"{name}[{i}]"] for i in range(1, 5)]) for name in GMS_SHARES)
+    alpha, kappa = array(p, "alpha", 4), array(p, "kappa", 4)
     alpha, k = alpha / alpha.sum(), p["sigma_0"] * kappa / kappa.sum()
     F, slips = np.zeros(4), np.zeros(4)
     F_mean, F_f = [0.0], [p["sigma_1"] * v[0]]
@@ -339,20 +350,20 @@ def predictor(p: Parameters, N: np.ndarray) -> Callable[[int, np.ndarray], np.nd
     move = expm(rates * STEP)
     held = (N[1:] - move[3, 3] * N[:-1]) / move[3, 4]
 
-    def ahead(k: int, estimate: np.ndarray) -> np.ndarray:
+    def predicted(k: int, estimate: np.ndarray) -> np.ndarray:
         begin = [*estimate, N[k - 1], held[k - 1]] if k else [*estimate, 0.0, 0.0]
         return (move @ begin)[:3]
 
-    return ahead
+    return predicted
 
 
 def velocity_filter(p: Parameters) -> Columns:
     """Estimate a motion under a lagging force; friction is known but for a tenth of it."""
     given = lagging_motion(p)
-    ahead, gain = predictor(p, given.pop("N")), np.array([p["L_x"], p["L_v"], p["L_d"]])
+    predicted, gain = predictor(p, given.pop("N")), np.array([p["L_x"], p["L_v"], p["L_d"]])
     estimate, rate = [np.zeros(3)], 0.0
     for k, position in enumerate(given["x_enc"][:-1]):
-        x, *others = ahead(k, estimate[-1])
+        x, *others = predicted(k, estimate[-1])
         rate += p.get("L_1", 0.0) * (position - x)
         estimate.append([x, *others] + gain * (position - x) + [0.0, 0.0, STEP * rate])
     _, v_hat, d_hat = np.transpose(estimate)
@@ -377,21 +388,20 @@ def coulomb_observer(p: Parameters) -> Columns:
     """Observe the same, with a reference velocity that reverses and creeps."""
     given = lagging_motion(p)
     N = given.pop("N")
-    ahead, (v_r, share) = predictor(p, N), reversing(given["time"], p)
-    now, a, s, v_last = np.zeros(3), p["a_0"], 0.0, v_r[0]
+    predicted, (v_r, share) = predictor(p, N), reversing(given["time"], p)
+    now, a, s, mean, leading = np.zeros(3), p["a_0"], 0.0, ahead(v_r, 0.0), ahead(v_r, p["lead"])
     F, a_hat = [0.0], [a]
     for k, position in enumerate(given["x_enc"][:-1]):
-        x, v, _ = ahead(k, np.array([now[0], now[1], -a * s]))
+        x, v, _ = predicted(k, np.array([now[0], now[1], -a * s]))
         r = position - x
         now = np.array([x + p["L_x"] * r, v + p["L_v"] * r, 0.0])
         a -= s * p["L_d"] * r
-        slope, mean = (v_r[k] - v_last) / STEP, (v_r[k] + v_last) / 2
-        v_s, v_lead = (now[1],) * 2 if p["measured"] else (mean, mean + p["lead"] * slope)
+        slope = (v_r[k] - v_r[max(k - 1, 0)]) / STEP
+        v_s, v_lead = (now[1],) * 2 if p["measured"] else (mean[k], leading[k])
         s, early = np.clip(np.array([v_s, v_lead]) / p["v_t"], -1.0, 1.0)
         returned = p["k_a"] * (N[k] - a * s - p["b"] * now[1] - p["m"] * slope)
         F.append(given["F_in"][k] + share[k] * (p["share"] * a * early - returned))
         a_hat.append(a)
-        v_last = v_r[k]
     return {**given, "v_r": v_r, "F": np.array(F), "a_hat": np.array(a_hat)}
 
 
@@ -425,6 +435,7 @@ def momentum_observer(p: Parameters) -> Columns:
     given, residual = lagging_motion(p), momentum(p)
     N, x, (v_r, share) = given.pop("N"), given["x_enc"], reversing(given["time"], p)
     a, F, a_hat, s, w, v_k = p["a_0"], [0.0], [p["a_0"]], 1.0, p["w_q"], 0.0
+    early = ahead(v_r, p["lead"])
     for k in range(200):
         last = max(k - 1, 0)
         friction, v = residual(N[[last, k]], x[[last, k]])
@@ -433,9 +444,8 @@ def momentum_observer(p: Parameters) -> Columns:
             s = np.clip(v / p["v_t"], -1.0, 1.0)
             w = p["w_q"] * (abs(v) / p["v_t"]) ** (p["mu"] - 1.0)
         a += (1.0 - np.exp(-w * STEP)) * s * (friction - a * s)
-        early = (v_r[k] + v_r[last]) / 2 + p["lead"] * (v_r[k] - v_r[last]) / STEP
-        ahead = np.clip((v_k if p["measured"] else early) / p["v_t"], -1.0, 1.0)
-        force = p["share"] * a * (ahead if p["coulomb"] else 1.0)
+        side = np.clip((v_k if p["measured"] else early[k]) / p["v_t"], -1.0, 1.0)
+        force = p["share"] * a * (side if p["coulomb"] else 1.0)
         F.append(given["F_in"][k] + share[k] * force)
         a_hat.append(a)
     return {**given, "v_r": v_r, "F": np.array(F), "a_hat": np.array(a_hat)}
@@ -469,14 +479,17 @@ def adaptive_scale(p: Parameters) -> Columns:
     return {**given, "v_r": v_r, "F": np.array(F)}
 
 
+def coulomb_with_ramp(p: Parameters, v: np.ndarray) -> np.ndarray:
+    """Return Coulomb friction with a ramp at velocities, and viscous friction."""
+    side = 1.0 + p["asymmetry"] * np.where(v < 0.0, -1.0, 1.0)
+    return side * p["F_c"] * np.clip(v / p["v_t"], -1.0, 1.0) + p["b"] * v
+
+
 def static_feedforward(p: Parameters) -> Columns:
     """Follow a velocity through zero, with another compensator's force beside it."""
     t, v = through_zero()
     F_in = 2.0 * np.cos(2 * np.pi * 3.0 * t)
-    early = (v[1:-1] + v[:-2]) / 2 + p["lead"] * np.diff(v[:-1]) / STEP
-    early = np.concatenate([v[:1], early])
-    side = 1.0 + p["asymmetry"] * np.where(early < 0.0, -1.0, 1.0)
-    force = side * p["F_c"] * np.clip(early / p["v_t"], -1.0, 1.0) + p["b"] * early
+    force = coulomb_with_ramp(p, ahead(v[:-1], p["lead"]))
     return {"time": t, "v": v, "F_in": F_in, "F": np.append(0.0, F_in[:-1] + force)}
 
 
@@ -502,12 +515,11 @@ def lugre_observer(p: Parameters, n: int = 401, held: tuple[float, float] | None
     x_enc = np.rint(x_enc / 4e-7) * 4e-7
     F_in = 2.0 * np.cos(2 * np.pi * 3.0 * t)
     weight = 1.0 - np.exp(-STEP / p["tau_f"]) if p["tau_f"] else 1.0
-    v_k, z, F, z_hat = 0.0, 0.0, [0.0], [0.0]
+    v_k, z, F, z_hat, early = 0.0, 0.0, [0.0], [0.0], ahead(v_r, p["lead"])
     for k in range(n - 1):
         last = max(k - 1, 0)
         v_k += weight * ((x_enc[k] - x_enc[last]) / STEP - v_k)
-        early = (v_r[k] + v_r[last]) / 2 + p["lead"] * (v_r[k] - v_r[last]) / STEP
-        v, correction = early if p["reference"] else v_k, p["k_e"] * (v_k - v_r[last])
+        v, correction = early[k] if p["reference"] else v_k, p["k_e"] * (v_k - v_r[last])
         sigma_1 = p["sigma_1"] * (np.exp(-((v / p["v_d"]) ** 2)) if p["v_d"] else 1.0)
 
         def motion(_: float, y: np.ndarray, v: float = v, c: float = correction) -> list[float]:
@@ -532,10 +544,10 @@ def learning_signals(p: Parameters) -> Columns:
     return {"time": t, "v_r": v_r, "u": u, "F_in": F_in}
 
 
-def weights(p: Parameters, rows: int, columns: int) -> np.ndarray:
-    """Return the weights to start with."""
-    every = range(1, rows + 1), range(1, columns + 1)
-    return np.array([[p[f"w_0[{i},{j}]"] for j in every[1]] for i in every[0]])
+def explained(p: Parameters, v_r: np.ndarray) -> np.ndarray:
+    """Return the force [N] of the periods before, which the motion explains."""
+    last = np.append(v_r[0], v_r[:-1])
+    return np.append(0.0, (p["m"] * (v_r - last) / STEP + p["b"] * (v_r + last) / 2)[:-1])
 
 
 def network(
@@ -543,13 +555,9 @@ def network(
 ) -> Columns:
     """Learn weights w, up to a limit, of force(w, v, way since the reversal) along gradient."""
     given, F, old = learning_signals(p), [0.0], []
-    v_r = given["v_r"]
-    v_last, u_r, q, direction = v_r[0], 0.0, 0.0, 0.0
-    for k in range(400):
-        error = given["u"][k] - F[-1] - u_r
-        slope, mean = (v_r[k] - v_last) / STEP, (v_r[k] + v_last) / 2
-        v_last, u_r = v_r[k], p["m"] * slope + p["b"] * mean
-        v = mean + p["lead"] * slope
+    known, q, direction = explained(p, given["v_r"]), 0.0, 0.0
+    for k, v in enumerate(ahead(given["v_r"], p["lead"])[:-1]):
+        error = given["u"][k] - F[-1] - known[k]
         if np.sign(v) != direction:
             direction, q = np.sign(v), 0.0
         old.append((v, q + abs(v) * STEP / 2))
@@ -573,7 +581,7 @@ def lffc(p: Parameters) -> Columns:
     def force(w: np.ndarray, *place: float) -> np.ndarray:
         return (w * hats(w, *place)).sum()
 
-    return network(p, weights(p, 2, 14), force, hats, p["F_max"])
+    return network(p, array(p, "w_0", 2, 14), force, hats, p["F_max"])
 
 
 def inputs_of_network(p: Parameters, v: float, q: float) -> tuple[float, float]:
@@ -597,7 +605,7 @@ def rbf(p: Parameters) -> Columns:
     def force(w: np.ndarray, *place: float) -> np.ndarray:
         return (w * both(w, *place)).sum()
 
-    return network(p, weights(p, 11, 8), force, both, p["F_max"])
+    return network(p, array(p, "w_0", 11, 8), force, both, p["F_max"])
 
 
 def mlp(p: Parameters) -> Columns:
@@ -610,7 +618,7 @@ def mlp(p: Parameters) -> Columns:
         moved = (w + 1e-30j * one.reshape(8, 4) for one in np.eye(32))
         return np.reshape([force(each, *place).imag / 1e-30 for each in moved], (8, 4))
 
-    return network(p, weights(p, 8, 4), force, gradient, np.array([20.0, 20.0, 20.0, 1.0]))
+    return network(p, array(p, "w_0", 8, 4), force, gradient, np.array([20.0, 20.0, 20.0, 1.0]))
 
 
 def lugre_network(p: Parameters) -> Columns:
@@ -618,7 +626,7 @@ def lugre_network(p: Parameters) -> Columns:
     given, names = learning_signals(p), ("F_c", "sigma_0", "sigma_1", "F_s", "v_s")
     theta = {name: p[name] for name in names}
     tiny, z, z_by = 1e-30, 0.0, np.zeros(5)
-    v_r, v_last, u_r, F, old = given["v_r"], given["v_r"][0], 0.0, [0.0], []
+    known, F, old = explained(p, given["v_r"]), [0.0], []
 
     def held(v: float, z: complex, theta: Mapping[str, complex]) -> tuple[complex, complex]:
         """Return the mean force and the deflection at the end, at v != 0."""
@@ -628,11 +636,8 @@ def lugre_network(p: Parameters) -> Columns:
         way = -(end - z) * np.expm1(-y)
         return own["sigma_0"] * (end - way / y) + own["sigma_1"] * way / STEP, z + way
 
-    for k in range(400):
-        error = given["u"][k] - F[-1] - u_r
-        slope, mean = (v_r[k] - v_last) / STEP, (v_r[k] + v_last) / 2
-        v_last, u_r = v_r[k], p["m"] * slope + p["b"] * mean
-        v = mean + p["lead"] * slope
+    for k, v in enumerate(ahead(given["v_r"], p["lead"])[:-1]):
+        error = given["u"][k] - F[-1] - known[k]
         by = np.zeros(5)
         for i, name in enumerate(names):
             moved = {**theta, name: theta[name] * (1.0 + 1j * tiny)}
@@ -654,9 +659,7 @@ def nominal_loop(p: Parameters) -> Columns:
     """Follow a step and a sine."""
     t = np.arange(101) * STEP
     v_cmd = np.where(t < 0.02, 0.02, 0.03 * np.sin(2 * np.pi * 60.0 * t))
-    n = range(1, 9)
-    A = np.array([[p[f"A[{i},{k}]"] for k in n] for i in n])
-    B, C = (np.array([p[f"{name}[{i}]"] for i in n]) for name in "BC")
+    A, B, C = array(p, "A", 8, 8), array(p, "B", 8), array(p, "C", 8)
     a_cmd = np.gradient(v_cmd, STEP)  # without effect, for E starts at 0
     x, v_r = np.zeros(8), [0.0]
     for command in v_cmd[:-1]:
@@ -670,31 +673,25 @@ def commands(p: Parameters) -> tuple[Columns, np.ndarray]:
     t, v_cmd = (column[:201] for column in through_zero())
     commands = {"v_cmd": v_cmd, "x_cmd": 0.01 + np.cumsum(v_cmd) * STEP}
     commands["a_cmd"] = np.gradient(v_cmd, STEP)
-    n = range(1, 9)
-    A = np.array([[p[f"loop_A[{i},{k}]"] for k in n] for i in n])
-    B, G, E, C = (np.array([p[f"loop_{name}[{i}]"] for i in n]) for name in "BGEC")
+    A, (B, G, E, C) = array(p, "loop_A", 8, 8), (array(p, f"loop_{name}", 8) for name in "BGEC")
     x, x_last, v_r = np.zeros(8), commands["x_cmd"][0], [0.0]
     for v, place, a in zip(*commands.values(), strict=True):
         x, x_last = A @ (x + G * (place - x_last)) + B * v + E * a, place
         v_r.append(C @ x + p["loop_D"] * v)
-    begin, end = np.append(p["loop_D"] * v_cmd[0], v_r[1:-1]), np.array(v_r[1:])
-    ahead = (begin + end) / 2 + p["lead"] * (end - begin) / STEP
-    return {"time": t, **commands, "v_r": np.array(v_r[:-1])}, ahead
+    early = ahead(np.array([p["loop_D"] * v_cmd[0], *v_r[1:]]), p["lead"])[1:]
+    return {"time": t, **commands, "v_r": np.array(v_r[:-1])}, early
 
 
 def command_feedforward(p: Parameters) -> Columns:
     """Follow the loop without friction by the closed form of LuGre."""
-    given, ahead = commands(p)
-    viscous = p["b"] * np.append(0.0, ahead[:-1])
-    return {**given, "F_ff": lugre(p, ahead)["F_mean"] + viscous}
+    given, v = commands(p)
+    return {**given, "F_ff": lugre(p, v)["F_mean"] + p["b"] * np.append(0.0, v[:-1])}
 
 
 def command_static(p: Parameters) -> Columns:
     """Follow it by Coulomb friction with a ramp."""
-    given, ahead = commands(p)
-    side = 1.0 + p["asymmetry"] * np.where(ahead < 0.0, -1.0, 1.0)
-    force = side * p["F_c"] * np.clip(ahead / p["v_t"], -1.0, 1.0) + p["b"] * ahead
-    return {**given, "F_ff": np.append(0.0, force[:-1])}
+    given, v = commands(p)
+    return {**given, "F_ff": np.append(0.0, coulomb_with_ramp(p, v)[:-1])}
 
 
 def main(folder: Path) -> None:

@@ -7,7 +7,7 @@ import pytest
 from stickslip import models
 from stickslip.servo.axis import Axis
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
-from tests.models.make_references import controlled
+from tests.models.make_references import array, controlled
 
 NAME = "velocity_controller"
 T_S = 5e-4  # s
@@ -75,8 +75,7 @@ NOMINAL = {v.name: v.start for v in models.load_model("nominal_loop").variables}
 def test_start_values_are_the_loop_python_control_designs():
     """Compared where the choice of states does not show: in the pulse response."""
     loop = design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LoopSpecification(125, 50, 5e-4, 5e-4))
-    A = np.array([[NOMINAL[f"A[{i},{k}]"] for k in range(1, 9)] for i in range(1, 9)])
-    B, C = (np.array([NOMINAL[f"{name}[{i}]"] for i in range(1, 9)]) for name in "BC")
+    A, B, C = array(NOMINAL, "A", 8, 8), array(NOMINAL, "B", 8), array(NOMINAL, "C", 8)
     x, response = B, [NOMINAL["D"]]
     for _ in range(200):
         response.append(C @ x)
