@@ -190,13 +190,13 @@ class Variable(Entry):
 
 
 class Unknown(Entry):
-    """An entry of ModelStructure; variables that do not exist are ``None``."""
+    """An entry of ModelStructure; dependencies that do not exist are ``None``."""
 
-    def __init__(self, element: Element, group: str, description: "Description") -> None:
+    def __init__(
+        self, element: Element, group: str, variable: Variable, description: "Description"
+    ) -> None:
         super().__init__(element)
-        self.group = group
-        self.key = self.given.get("index" if description.version == 2 else "valueReference", "")
-        self.variable = description.variable(whole(self.key))
+        self.group, self.variable = group, variable
         depends, kinds = self.given.get("dependencies"), self.given.get("dependenciesKind")
         self.dependencies = (
             None
@@ -208,8 +208,7 @@ class Unknown(Entry):
     @property
     def place(self) -> str:
         """Where it is."""
-        name = self.variable.name if self.variable else self.key
-        return f"ModelStructure, {self.group} {name} (line {self.line})"
+        return f"ModelStructure, {self.group} {self.variable.name} (line {self.line})"
 
 
 class Interface(Entry):
@@ -236,7 +235,11 @@ class Interface(Entry):
 
 
 class Description:
-    """All of modelDescription.xml that rules ask for; ``root`` holds the root's attributes."""
+    """All of modelDescription.xml that rules ask for.
+
+    ``root`` holds the root's attributes, ``dangling`` place and key of the entries of
+    ModelStructure whose variable does not exist; the others are ``unknowns``.
+    """
 
     def __init__(self, root: Element, version: int) -> None:
         experiment = root.find("DefaultExperiment")
@@ -250,11 +253,16 @@ class Description:
         types = {each.name: each for each in self.types}
         found = enumerate(_inside(root.find("ModelVariables")), 1)
         self.variables = [Variable(each, index, version, types) for index, each in found]
-        self.unknowns: list[Unknown] = []
+        self.unknowns, self.dangling = list[Unknown](), list[tuple[str, str]]()
         for child in _inside(root.find("ModelStructure")):
             group = _GROUPS.get(child.tag, child.tag) if version == 2 else child.tag
-            entries = _inside(child) if version == 2 else [child]
-            self.unknowns += [Unknown(each, group, self) for each in entries]
+            for entry in _inside(child) if version == 2 else [child]:
+                key = entry.get("index" if version == 2 else "valueReference", "")
+                if variable := self.variable(whole(key)):
+                    self.unknowns.append(Unknown(entry, group, variable, self))
+                else:
+                    place = f"ModelStructure, {group} {key} (line {entry.sourceline})"
+                    self.dangling.append((place, key))
 
     @property
     def token(self) -> str:
@@ -278,7 +286,7 @@ class Description:
     @cached_property
     def derivatives(self) -> list[Variable]:
         """The state derivatives, in the order of the API."""
-        return [u.variable for u in self.group("ContinuousStateDerivative") if u.variable]
+        return [u.variable for u in self.group("ContinuousStateDerivative")]
 
     @cached_property
     def states(self) -> list[Variable]:
@@ -313,9 +321,9 @@ class Description:
         known = [n for n in lengths if n is not None]
         return math.prod(known) if len(known) == len(lengths) else None
 
-    def count(self, variables: Iterable[Variable | None]) -> int:
-        """Return how many values variables have; None has none."""
-        return sum(self.size(v) or 1 for v in variables if v)
+    def count(self, variables: Iterable[Variable]) -> int:
+        """Return how many values variables have."""
+        return sum(self.size(v) or 1 for v in variables)
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,7 @@ def _is_circular(v: Variable, description: Description) -> bool:
 def derivative_without_state(description: Description) -> Claims:
     """A listed state derivative has no attribute derivative, so that its state is unknown."""
     for unknown in description.group("ContinuousStateDerivative"):
-        if unknown.variable and "derivative" not in unknown.variable.given:
+        if "derivative" not in unknown.variable.given:
             yield unknown.place, f"{unknown.variable.name} has no attribute derivative"
 
 
@@ -98,18 +98,17 @@ def indicators_without_model_exchange(description: Description) -> Claims:
 @error("2.2.8", "2.4.8", "refer to a variable that exists")
 def unknown_in_structure(description: Description) -> Claims:
     """ModelStructure lists a variable that does not exist."""
-    for unknown in description.unknowns:
-        if unknown.variable is None:
-            kind = "index" if description.version == 2 else "value reference"
-            yield unknown.place, f"no variable has {kind} {unknown.key}"
+    kind = "index" if description.version == 2 else "value reference"
+    for place, key in description.dangling:
+        yield place, f"no variable has {kind} {key}"
 
 
 @error("2.2.8", "2.4.8", "list it once")
 def listed_twice(description: Description) -> Claims:
     """ModelStructure lists a variable twice in one list."""
-    for entry, count in repeated((u.group, u.key) for u in description.unknowns):
-        place = next(u.place for u in description.unknowns if (u.group, u.key) == entry)
-        yield place, f"is listed {count} times"
+    entries = [(u.group, u.variable) for u in description.unknowns]
+    for entry, count in repeated(entries):
+        yield description.unknowns[entries.index(entry)].place, f"is listed {count} times"
 
 
 @error("2.2.8", "2.4.8", "list exactly the outputs")
@@ -120,7 +119,7 @@ def outputs_incomplete(description: Description) -> Claims:
 
 
 def _differences(description: Description, group: str, wanted: list[Variable]) -> Claims:
-    given = {u.variable.index: u.variable for u in description.group(group) if u.variable}
+    given = {u.variable.index: u.variable for u in description.group(group)}
     expected = {v.index for v in wanted}
     missing = [v.name for v in wanted if v.index not in given]
     extra = [v.name for v in given.values() if v.index not in expected]
@@ -135,7 +134,7 @@ def initial_unknowns(description: Description) -> Claims:
     """The initial unknowns are not those that the standard asks for."""
     computed = ("approx", "calculated")
     dynamic = {v.index for v in [*description.states, *description.derivatives]}
-    given = {u.variable.index for u in description.group("InitialUnknown") if u.variable}
+    given = {u.variable.index for u in description.group("InitialUnknown")}
 
     def is_due(v: Variable) -> bool:
         if v.clocks is not None or v.kind == "Clock":
@@ -153,8 +152,6 @@ def bad_event_indicator(description: Description) -> Claims:
     """An event indicator is not a continuous floating-point variable, or a parameter or input."""
     for unknown in description.group("EventIndicator"):
         v = unknown.variable
-        if v is None:
-            continue
         if v.kind not in FLOATS or v.variability != "continuous":
             yield unknown.place, f"{v.name} is {v.kind}, {v.variability}"
         elif v.causality not in ("local", "output"):
@@ -166,8 +163,6 @@ def bad_clocked_state(description: Description) -> Claims:
     """A clocked state has no clock, no previous value, or is not discrete."""
     for unknown in description.group("ClockedState"):
         v = unknown.variable
-        if v is None:
-            continue
         clocked = v.clocks is not None and v.previous is not None and v.kind != "Clock"
         if not clocked or v.variability != "discrete":
             what = f"{v.name}: clocks {v.clocks}, previous {v.previous}, {v.variability}"
@@ -207,7 +202,7 @@ def illegal_kind(unknown: Unknown) -> Iterator[str]:
     for kind in unknown.kinds or ():
         if kind == "dependent":
             continue
-        if unknown.variable and unknown.variable.kind not in FLOATS:
+        if unknown.variable.kind not in FLOATS:
             yield f"kind {kind} of a variable that is {unknown.variable.kind}"
         elif unknown.group == "InitialUnknown" and kind != "constant":
             yield f"kind {kind}; of initial unknowns only dependent or constant"
@@ -239,5 +234,5 @@ def dependencies_not_given(description: Description) -> Claims:
     bare = [u for u in description.unknowns if u.group in groups and u.dependencies is None]
     inputs = any(v.causality == "input" for v in description.variables)
     if bare and inputs:
-        names = listed(u.variable.name for u in bare if u.variable)
+        names = listed(u.variable.name for u in bare)
         yield "ModelStructure", f"no dependencies of {names}"

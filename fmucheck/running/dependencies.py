@@ -31,8 +31,8 @@ class Slope:
         return abs(other - self.value) <= slack
 
 
-def _scalar(v: Variable | None) -> bool:
-    return v is not None and v.kind in ("Real", "Float64") and not v.dimensions and not v.clocks
+def _scalar(v: Variable) -> bool:
+    return v.kind in ("Real", "Float64") and not v.dimensions and not v.clocks
 
 
 def _knowns(bench: Bench) -> list[Variable]:
@@ -57,7 +57,7 @@ def _pairs(bench: Bench) -> Iterator[tuple[Variable, Variable]]:
         depends = unknown.dependencies
         for known in _knowns(bench):
             listed = depends is None or any(v is known for _, v in depends)
-            if unknown.variable and listed and unknown.variable is not known:
+            if listed and unknown.variable is not known:
                 yield unknown.variable, known
 
 
@@ -154,7 +154,7 @@ def wrong_dependency_kind(bench: Bench) -> Claims:
         for (_, known), kind in zip(unknown.dependencies or (), unknown.kinds or (), strict=False):
             if kind not in ("constant", "fixed") or known is None or known not in _knowns(bench):
                 continue
-            if unknown.variable is None or unknown.variable is known or bench.still:
+            if unknown.variable is known or bench.still:
                 continue
             slopes = [s for run in runs if (s := _slope(run, unknown.variable, known))]
             if any(not slopes[0].agrees(other.value, other.doubt) for other in slopes[1:]):
@@ -176,7 +176,7 @@ def _first_order(bench: Bench, name: str, variables: list[Variable]) -> Claims:
 def output_derivatives_fail(bench: Bench) -> Claims:
     """It declares maxOutputDerivativeOrder, but has no derivatives of outputs."""
     order = whole(bench.interface.given.get("maxOutputDerivativeOrder"))
-    wanted = [u.variable for u in _smooth_unknowns(bench) if u.variable]
+    wanted = [u.variable for u in _smooth_unknowns(bench)]
     if not bench.is_exchange and order and wanted:
         real = "Real" if bench.description.version == 2 else ""
         yield from _first_order(bench, f"Get{real}OutputDerivatives", wanted)
@@ -193,15 +193,8 @@ def input_derivatives_fail(bench: Bench) -> Claims:
 _MOST = 100  # knowns moved
 _STEPS = (1, 4)
 _LATER = "later"
-
-
-@dataclass(frozen=True)
-class Seen:
-    """What was seen: these unknowns move with this known."""
-
-    known: Variable
-    moved: frozenset[int]
-    mode: str
+Seen = tuple[str, Variable, set[int]]
+"""Mode, known, and the indices of the unknowns that move with it."""
 
 
 def _probe(run: Run, known: Variable, unknowns: list[Variable], mode: str) -> Seen:
@@ -218,17 +211,17 @@ def _probe(run: Run, known: Variable, unknowns: list[Variable], mode: str) -> Se
         after = run.instance.get(unknowns)
         pairs = zip(unknowns, before, after, strict=True)
         moving |= {v.index for v, a, b in pairs if repr(a) != repr(b) and v is not known}
-    return Seen(known, frozenset(moving), mode)
+    return mode, known, moving
 
 
-def _unknowns(bench: Bench, groups: tuple[str, ...]) -> list[Unknown]:
-    chosen = (u for u in bench.description.unknowns if u.group in groups and u.variable)
-    return [u for u in chosen if u.variable and u.variable in bench.observed]
+def _unknowns(bench: Bench, *groups: str) -> list[Unknown]:
+    chosen = (u for u in bench.description.unknowns if u.group in groups)
+    return [u for u in chosen if u.variable in bench.observed]
 
 
 def _initial(bench: Bench) -> Iterator[Seen]:
     """Yield what is seen in initialisation mode."""
-    unknowns = [u.variable for u in _unknowns(bench, ("InitialUnknown",)) if u.variable]
+    unknowns = [u.variable for u in _unknowns(bench, "InitialUnknown")]
     every = [v for v in bench.description.variables if v.clocks is None and v.initial == "exact"]
     every = [v for v in every if v.kind not in ("String", "Binary", "Clock")]
     every = [v for v in every if v.causality != "structuralParameter"]
@@ -252,7 +245,7 @@ def _initial(bench: Bench) -> Iterator[Seen]:
 
 def _stepping(bench: Bench) -> Iterator[Seen]:
     """Yield what is seen between steps."""
-    unknowns = [u.variable for u in _unknowns(bench, _stepped(bench)) if u.variable]
+    unknowns = [u.variable for u in _unknowns(bench, *_stepped(bench))]
     inputs = [v for v in bench.inputs if not bench.is_exchange or v.variability == "continuous"]
     states = [v for v in bench.description.states if not v.dimensions] if bench.is_exchange else []
     for known in bench.while_time([*inputs, *states][:_MOST]) if unknowns else ():
@@ -270,7 +263,7 @@ def _stepping(bench: Bench) -> Iterator[Seen]:
 
 def _after_steps(bench: Bench) -> Iterator[Seen]:
     """Yield what is seen in steps or events after a known was moved: reason to declare it."""
-    outputs = [u.variable for u in _unknowns(bench, ("Output",)) if u.variable]
+    outputs = [u.variable for u in _unknowns(bench, "Output")]
     moves_by_itself = bench.is_exchange and bench.description.states
     knowns = bench.inputs[:_MOST] if outputs and not moves_by_itself else []
     for known in bench.while_time(knowns):
@@ -280,8 +273,7 @@ def _after_steps(bench: Bench) -> Iterator[Seen]:
             continue
         steps = zip(*rows, strict=False)
         pairs = [one for a, b in steps for one in zip(outputs, a, b, strict=True)]
-        moving = frozenset(v.index for v, a, b in pairs if repr(a) != repr(b))
-        yield Seen(known, moving, _LATER)
+        yield _LATER, known, {v.index for v, a, b in pairs if repr(a) != repr(b)}
 
 
 def _rows(bench: Bench, outputs: list[Variable], shifted: Variable | None) -> list[list[Values]]:
@@ -304,18 +296,17 @@ def _seen(bench: Bench) -> dict[tuple[str, int], set[int]]:
     """Return for each mode and unknown the indices of the knowns it moves with."""
     if bench.seen is None:
         bench.seen = {}
-        for seen in [*_initial(bench), *_stepping(bench), *_after_steps(bench)]:
-            bench.seen.setdefault((seen.mode, -1), set()).add(seen.known.index)
-            for index in seen.moved:
-                bench.seen.setdefault((seen.mode, index), set()).add(seen.known.index)
+        for mode, known, moving in [*_initial(bench), *_stepping(bench), *_after_steps(bench)]:
+            for index in (-1, *moving):
+                bench.seen.setdefault((mode, index), set()).add(known.index)
     return bench.seen
 
 
 def _declared(bench: Bench) -> Iterator[tuple[Unknown, set[int], set[int], set[int]]]:
     """Yield unknown, knowns declared, knowns seen and knowns tried, as indices."""
     seen = _seen(bench)
-    for unknown in _unknowns(bench, (*_stepped(bench), "InitialUnknown")):
-        if unknown.dependencies is not None and unknown.variable:
+    for unknown in _unknowns(bench, *_stepped(bench), "InitialUnknown"):
+        if unknown.dependencies is not None:
             mode = "initialisation" if unknown.group == "InitialUnknown" else "stepping"
             declared = {v.index for _, v in unknown.dependencies if v}
             found = seen.get((mode, unknown.variable.index), set())
@@ -337,9 +328,9 @@ def dependency_never_seen(bench: Bench) -> Claims:
     names = {v.index: v.name for v in bench.description.variables}
     seen = _seen(bench)
     for unknown, declared, found, tried in _declared(bench):
-        found = found | {unknown.variable.index} if unknown.variable else found
+        found = found | {unknown.variable.index}
         if unknown.group == "Output":
-            found |= seen.get((_LATER, unknown.variable.index if unknown.variable else 0), set())
+            found |= seen.get((_LATER, unknown.variable.index), set())
         idle = [names[index] for index in sorted(declared & tried)]
         if idle and not declared & found:  # the others may wait for a parameter that turns them on
             yield unknown.place, f"does not move with {listed(idle)}"

@@ -222,7 +222,7 @@ def indicator_count(description: Description) -> int:
     """Return how many event indicators the description declares."""
     if description.version == 2:
         return whole(description.root.get("numberOfEventIndicators")) or 0
-    return description.count([u.variable for u in description.group("EventIndicator")])
+    return description.count(u.variable for u in description.group("EventIndicator"))
 
 
 def new_run(
