@@ -137,21 +137,6 @@ def _of(array: np.ndarray) -> ctypes.c_void_p:
     return array.ctypes.data_as(ctypes.c_void_p)
 
 
-@pytest.fixture(scope="session")
-def lugre(library: ctypes.CDLL) -> Callable[..., tuple[float, float]]:
-    """Step the bristle: ``lugre(h, v, z, parameters)`` returns z after and the mean force."""
-    library.probe_lugre.restype = ctypes.c_double
-
-    def step(h: float, v: float, z: float, p: Mapping[str, float]) -> tuple[float, float]:
-        deflection = ctypes.c_double(z)
-        force = library.probe_lugre(
-            ctypes.c_double(h), ctypes.c_double(v), ctypes.byref(deflection), _contact(p)
-        )
-        return deflection.value, force
-
-    return step
-
-
 def _contact(p: Mapping[str, float]) -> ctypes.Array[ctypes.c_double]:
     names = ("F_s", "F_c", "v_s", "sigma_0", "sigma_1", "delta")
     return (ctypes.c_double * 6)(*({"delta": 1.0, **p}[name] for name in names))

@@ -44,12 +44,6 @@ static LuGre contact_of(const double p[6]) {
     return (LuGre){p[0], p[1], 1.0 / p[2], p[3], p[4], p[5], 0.0};
 }
 
-EXPORT double probe_lugre(double h, double v, double *z, const double p[6]);
-double probe_lugre(double h, double v, double *z, const double p[6]) {
-    const LuGre contact = contact_of(p);
-    return lugre_step(h, v, z, &contact);
-}
-
 /* The equations of the paper once more, with the C library's exp. y: x, v, z */
 static void derivative(const double y[3], double u, const Mass *s, const LuGre *p, double dy[3]) {
     const double speed = fabs(y[1]);

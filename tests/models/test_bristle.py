@@ -1,41 +1,8 @@
-"""The LuGre law, and the compensator that follows it: exact steps, damping, lead, viscous force."""
-
-import math
+"""The LuGre law, and the compensator that follows it: damping, lead, viscous force."""
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
-
-from tests.models.contacts import contacts
-
-EVERYWHERE = settings(derandomize=True, deadline=None, max_examples=200, database=None)
-
-velocities = st.floats(-6.0, 0.0).flatmap(lambda e: st.sampled_from([10.0**e, -(10.0**e)]))
-steps = st.floats(-5.0, -2.0).map(lambda e: 10.0**e)  # 1e-5 .. 1e-2 s
-
-
-def equation_4(v: float, p: dict[str, float], delta: float = 1.0) -> float:
-    return p["F_c"] + (p["F_s"] - p["F_c"]) * math.exp(-((abs(v) / p["v_s"]) ** delta))
-
-
-@pytest.mark.slow
-@EVERYWHERE
-@given(p=contacts, v=velocities, h=steps, start=st.floats(-2.0, 2.0))
-def test_step_is_the_closed_form(lugre, p, v, h, start):
-    """z(t) = z_inf + (z - z_inf) e^(-a t); the force is the mean of (3) over the step."""
-    z_inf = math.copysign(equation_4(v, p) / p["sigma_0"], v)
-    z = start * z_inf
-    y = abs(v) * h / abs(z_inf)  # a h
-    after, force = lugre(h, v, z, p)
-    gone = -math.expm1(-y)
-    assert after == pytest.approx(z + (z_inf - z) * gone, rel=1e-12, abs=1e-12 * abs(z_inf))
-    mean_z = z_inf + (z - z_inf) * gone / y
-    expected = p["sigma_0"] * mean_z + p["sigma_1"] * (z_inf - z) * gone / h
-    scale = p["sigma_0"] * abs(z_inf) + p["sigma_1"] * abs(v)
-    assert force == pytest.approx(expected, rel=1e-8, abs=1e-8 * scale)
-
 
 H = 5e-4  # s
 F_S, F_C, V_S, SIGMA_0, SIGMA_1 = 8.999, 5.999, 5.5697e-4, 3.9162e5, 4424.8

@@ -38,17 +38,6 @@ TWO = {
 }
 
 
-def test_one_element_is_lugre(follow, push):
-    one = {f"kappa[{k}]": 2.0 * (k == 4) for k in range(1, 5)}
-    v = 0.01 * np.sin(np.arange(800) * 0.05) * np.cos(np.arange(800) * 0.003)
-    found, lugre = follow("leuven", H, v, **one), follow("lugre", H, v)
-    np.testing.assert_allclose(found["F_mean"], lugre["F_mean"], atol=1e-11)
-    np.testing.assert_allclose(found["F_f"], lugre["F_f"], atol=1e-11)
-    u = 12.0 * np.sin(2 * np.pi * 3.0 * np.arange(1000) * H)
-    found, lugre = push("leuven", H, u, **one), push("lugre", H, u)
-    np.testing.assert_allclose(found["v"], lugre["v"], atol=1e-6)  # 10 midpoint sub-steps
-
-
 def stretching(v: float, q: np.ndarray, n: float) -> tuple[float, float]:
     """Return dz/dt [m/s] and the force of two elements [N], by the published equation."""
     force = SIGMA_0 * float(np.dot([0.612839, 0.387161], q))

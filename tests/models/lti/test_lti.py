@@ -9,26 +9,17 @@ import numpy as np
 import pytest
 
 from stickslip import cosim, models
+from tests.cosim.single import exposed
 
 each_version = pytest.mark.parametrize("fmi", [2, 3])
 
 
-def alone(path) -> cosim.System:
-    """Return a system of one FMU ``f`` with its inputs exposed as in0, in1 ..."""
-    system = cosim.System()
-    system.add("f", path)
-    variables = system.components["f"].variables.values()
-    for k, v in enumerate(v for v in variables if v.causality == "input"):
-        system.expose(f"in{k}", f"f.{v.name}")
-    return system
-
-
 def run(path, step, n, inputs, parameters=None) -> cosim.Result:
-    system = alone(path)
+    """Run for n steps; ``inputs`` are in the order of the system's."""
+    system = exposed(path, parameters, "f")
     names = [f"f.{v.name}" for v in system.components["f"].variables.values() if v.name != "time"]
     with system.prepare(step=step, stop=n * step, record=names) as simulation:
-        given = {f"in{k}": u for k, u in enumerate(inputs)}
-        return simulation.run({f"f.{k}": v for k, v in (parameters or {}).items()}, given)
+        return simulation.run(inputs=dict(zip(system.inputs, inputs, strict=True)))
 
 
 def many_modes(states: int) -> control.StateSpace:
