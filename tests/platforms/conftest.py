@@ -4,7 +4,6 @@ import os
 import shutil
 import subprocess
 import sys
-import zipfile
 from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
@@ -15,6 +14,7 @@ import pytest
 from stickslip import models
 from stickslip.fmi import toolchain
 from stickslip.fmi.toolchain import PLATFORMS, Platform
+from tests.conformance.conftest import Fmu
 
 STEP = 5e-4  # s
 STEPS = 400
@@ -60,39 +60,27 @@ def pytest_collection_finish(session: pytest.Session) -> None:
         )
 
 
-def run_table(fmu: Path, version: int) -> str:
+def run_table(fmu: Fmu, library: str) -> str:
     """Return the table ``run.h``: what the driver feeds and shows."""
-    model = models.load_model(fmu.stem)
-    with zipfile.ZipFile(fmu) as archive:
-        library = next(Path(name).name for name in archive.namelist() if "binaries/" in name)
-        description = archive.read("modelDescription.xml").decode()
-    token = description.split('guid="' if version == 2 else 'instantiationToken="')[1].split('"')[0]
     of = {
-        role: [k for k, v in enumerate(model.variables) if role in (v.role, v.type)]
+        role: [k for k, v in enumerate(fmu.model.variables) if role in (v.role, v.type)]
         for role in ("input", "boolean", "state", "derivative", "output")
     }
     known = (of["state"] + of["input"]) if of["derivative"] else []
-    n = np.arange(STEPS)[:, np.newaxis]
-    reals = [k for k, v in enumerate(model.variables) if v.type == "real" and (k or version == 3)]
-    # Positions move little: their speed is what counts.
-    size = [
-        (v.nominal or 1.0) * (1e-3 if v.unit == "m" else 1.0)
-        for v in model.variables
-        if v.role == "input"
-    ]
-    fed = np.array(size) * (np.sin(0.05 * n * (1 + np.arange(len(size)))) + 0.3 * (n % 3))
+    reals = [k for k, v in fmu.listed.items() if v.type == "real"]
 
     def numbers(values: object) -> str:
         return "{" + ", ".join(map(str, values)) + "}"
 
-    rows = ",\n".join(numbers(float(x).hex() for x in row) for row in fed)
+    fed = (fmu.inputs(n).values() for n in range(STEPS))
+    rows = ",\n".join(numbers(map(float.hex, row)) for row in fed)
     return f"""
-enum {{ STEPS = {STEPS}, INPUTS = {len(size)}, SHOWN = {len(reals)},
+enum {{ STEPS = {STEPS}, INPUTS = {len(of["input"])}, SHOWN = {len(reals)},
         SWITCHES = {len(of["boolean"])}, KNOWNS = {len(known)},
         UNKNOWNS = {len(of["derivative"] + of["output"])} }};
-#define FMI {version}
+#define FMI {fmu.version}
 #define LIBRARY "{library}"
-#define TOKEN "{token}"
+#define TOKEN "{fmu.description.guid or fmu.description.instantiationToken}"
 static const double STEP = {STEP};
 static const uint32_t INPUT[] = {numbers(of["input"])};
 static const uint32_t SWITCH[] = {numbers(of["boolean"] or [0])};
@@ -139,14 +127,14 @@ def run(tmp_path: Path, emulators: dict[str, str]) -> Callable[[str, int, str], 
     def run(name: str, version: int, tuple_: str) -> np.ndarray:
         folder = tmp_path / tuple_
         platform = PLATFORMS[tuple_]
-        fmu = models.build_fmu(name, folder, fmi=version, platforms=[platform])
+        path = models.build_fmu(name, folder, fmi=version, platforms=[platform])
+        fmu = Fmu(path, version, name)
+        [library] = (fmu.folder / "binaries").glob("*/*")
         # One file: the compiler's own cache does not notice another run.h in another folder.
         text = (HERE / "driver.c").read_text()
-        table = run_table(fmu, version)
+        table = run_table(fmu, library.name)
         (folder / "driver.c").write_text(text.replace('#include "run.h"', table))
-        with zipfile.ZipFile(fmu) as archive:
-            [library] = [n for n in archive.namelist() if n.startswith("binaries/")]
-            (folder / Path(library).name).write_bytes(archive.read(library))
+        shutil.copy(library, folder)
         program = _compile_driver(folder, platform)
         done = subprocess.run(
             [*RUNNERS[tuple_], str(program)], cwd=folder, env=emulators, capture_output=True
