@@ -130,7 +130,13 @@ static void agree(int status, int of_shadow) {
         }                                                                                          \
         (void)who;                                                                                 \
     } while (0)
-#define PLAIN(p, lawful, name) BOTH(p, lawful, CALL(name, c))
+/* A call that only leads from some phases to another. */
+#define CHANGE(p, from, name, to)                                                                  \
+    do {                                                                                           \
+        doing = #name;                                                                             \
+        BOTH(p, ((p)->phase & (from)) != 0, CALL(name, c));                                        \
+        (p)->phase = status == OK ? (to) : (p)->phase;                                             \
+    } while (0)
 #define MUST(condition)                                                                            \
     if (!(condition))                                                                              \
     violated("must be: " #condition, status)
@@ -171,34 +177,27 @@ static void live(Pair *p) {
     switch (what) {
     case 0:
     case 1:
-        doing = "enter initialization";
 #if FMI == 2
-        PLAIN(p, p->phase == CREATED, EnterInitializationMode);
+        CHANGE(p, CREATED, EnterInitializationMode, STARTING);
 #else
+        doing = "enter initialization";
         BOTH(p, p->phase == CREATED && isfinite(start), enter_initialization(c, start));
         p->t = status == OK ? start : p->t;
-#endif
         p->phase = status == OK ? STARTING : p->phase;
+#endif
         break;
     case 2:
     case 3:
-        doing = "exit initialization";
-        PLAIN(p, p->phase == STARTING, ExitInitializationMode);
-        p->phase = status == OK ? (p->exchange ? EVENTS : STEPS) : p->phase;
+        CHANGE(p, STARTING, ExitInitializationMode, p->exchange ? EVENTS : STEPS);
         break;
     case 4:
-        doing = "terminate";
-        if (rarely()) {
-            PLAIN(p, (p->phase & (STEPS | EVENTS | FLOWING)) != 0, Terminate);
-            p->phase = status == OK ? OVER : p->phase;
-        }
+        if (rarely())
+            CHANGE(p, STEPS | EVENTS | FLOWING, Terminate, OVER);
         break;
     case 5:
-        doing = "reset";
         if (rarely()) {
-            PLAIN(p, true, Reset);
+            CHANGE(p, ALWAYS, Reset, CREATED);
             MUST(status == OK);
-            p->phase = CREATED;
         }
         break;
     default:
@@ -461,14 +460,10 @@ static void exchange(Pair *p) {
         BOTH(p, p->phase == EVENTS && answers, update(c, answers, &next));
         break;
     case 1:
-        doing = "enter continuous-time mode";
-        PLAIN(p, p->phase == EVENTS, EnterContinuousTimeMode);
-        p->phase = status == OK ? FLOWING : p->phase;
+        CHANGE(p, EVENTS, EnterContinuousTimeMode, FLOWING);
         break;
     case 2:
-        doing = "enter event mode";
-        PLAIN(p, flows, EnterEventMode);
-        p->phase = status == OK ? EVENTS : p->phase;
+        CHANGE(p, FLOWING, EnterEventMode, EVENTS);
         break;
     case 3:
         doing = "set time";
