@@ -66,10 +66,12 @@ _NEEDED, _HASH, _STRINGS, _SYMBOL_TABLE, _GNU_HASH = 1, 4, 5, 6, 0x6FFFFEF5
 
 def _read_elf(data: bytes) -> Library:
     wide, order = data[4] == 2, "<" if data[5] == 1 else ">"
-    kind, number = struct.unpack_from(order + "HH", data, 16)
+    header = struct.unpack_from(order + ("HHIQQQIHHH" if wide else "HHIIIIIHHH"), data, 16)
+    kind, number, _, _, table, _, _, _, size, count = header
     if kind != _SHARED:
         raise ValueError(f"ELF of type {kind} is no shared library")
-    segments = _segments(data, wide, order)
+    segment = struct.Struct(order + ("I4xQQ8xQ" if wide else "III4xI"))
+    segments = [segment.unpack_from(data, table + k * size) for k in range(count)]
     loads = [(address, offset, size) for what, offset, address, size in segments if what == _LOAD]
     dynamic = next(((offset, size) for what, offset, _, size in segments if what == _DYNAMIC), None)
     if dynamic is None:
@@ -92,25 +94,6 @@ def _read_elf(data: bytes) -> Library:
     machine = _ELF_MACHINES.get(number, f"machine {number}")
     exported = frozenset(names.at(strings + name) for name in exports)
     return Library(frozenset({f"{machine}-linux"}), exported, tuple(needs))
-
-
-def _segments(data: bytes, wide: bool, order: str) -> list[tuple[int, int, int, int]]:
-    """Return type, offset, address and size in the file of each segment."""
-    if wide:
-        (table,) = struct.unpack_from(order + "Q", data, 32)
-        size, count = struct.unpack_from(order + "HH", data, 54)
-    else:
-        (table,) = struct.unpack_from(order + "I", data, 28)
-        size, count = struct.unpack_from(order + "HH", data, 42)
-    found = []
-    for k in range(count):
-        place = table + k * size
-        if wide:
-            what, _, at, address, _, length = struct.unpack_from(order + "IIQQQQ", data, place)
-        else:
-            what, at, address, _, length = struct.unpack_from(order + "IIIII", data, place)
-        found.append((what, at, address, length))
-    return found
 
 
 def _symbol_count(

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 from stickslip.fmucheck.description.model import Description, Interface, Variable, is_number, number
 from stickslip.fmucheck.rules import Claims
 from stickslip.fmucheck.running import calls
-from stickslip.fmucheck.running.instance import Instance, Values
+from stickslip.fmucheck.running.instance import Instance
 
 Settings = list[tuple[str, object]]
 """Settings of a process by name."""
@@ -26,13 +26,11 @@ class Spent(Exception):
     """A further instance is needed where the FMU allows one per process."""
 
 
-@dataclass
+@dataclass(eq=False)
 class Bench:
     """One interface of one FMU, to be tried.
 
-    ``first`` is what an earlier process found out, for rules that compare two processes. Until they
-    are tried, ``changes``, other values of parameters with which it still runs, and ``seen``, for
-    each mode and unknown the knowns it moves with, are None.
+    ``first`` is what an earlier process found out, for rules that compare two processes.
     """
 
     description: Description
@@ -44,8 +42,6 @@ class Bench:
     results: dict[str, str] = field(default_factory=dict)  # what is found out, for a later process
     tick: Callable[[], None] = lambda: None  # tells the parent that work goes on
     began: float = 0.0  # when the rule that is being tried began, by the monotonic clock
-    changes: list[tuple[Variable, Values]] | None = None
-    seen: dict[tuple[str, int], set[int]] | None = None
     instantiated: bool = False  # whether an instance was made, or refused
     _open: list[Instance] = field(default_factory=list)
 

@@ -1,7 +1,7 @@
 """Rules about calls that must be refused, and about messages."""
 
 from collections.abc import Iterator
-from ctypes import byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_void_p
+from ctypes import c_bool, c_char_p, c_double, c_int, c_size_t, c_void_p
 from typing import Any
 
 from stickslip.fmucheck.rules import Claims, error, warning
@@ -9,14 +9,6 @@ from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed, Message, references, status_name
 from stickslip.fmucheck.running.instance import Instance
 from stickslip.fmucheck.running.run import finished, new_run
-
-
-def _step(instance: Instance, time: float, step: float) -> int:
-    """Return the status of one step."""
-    if instance.description.version == 2:
-        return instance.status("DoStep", c_double(time), c_double(step), c_int(0))
-    results: list[Any] = [byref(c_bool()), byref(c_bool()), byref(c_bool()), byref(c_double())]
-    return instance.status("DoStep", c_double(time), c_double(step), c_bool(False), *results)
 
 
 def _unused(bench: Bench) -> int:
@@ -54,7 +46,7 @@ def bad_step(bench: Bench) -> Claims:
         run = new_run(bench)
         run.begin()
         run.go(2)
-        if not run.ended and _step(run.instance, run.time, size) in (0, 1):
+        if not run.ended and run.instance.attempt_step(run.time, size)[0] in (0, 1):
             yield f"{bench.binary.prefix}DoStep", f"a step of {size} is accepted"
         else:
             run.instance.broken = True
@@ -66,7 +58,7 @@ def step_before_initialisation(bench: Bench) -> Claims:
     if bench.is_exchange:
         return
     instance = bench.new()
-    if _step(instance, bench.start_time, bench.step_size) in (0, 1):
+    if instance.attempt_step(bench.start_time, bench.step_size)[0] in (0, 1):
         yield f"{bench.binary.prefix}DoStep", "a step before initialisation is accepted"
     else:
         instance.broken = True

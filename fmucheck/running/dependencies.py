@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Iterator
 from ctypes import c_double, c_size_t
 from dataclasses import dataclass
+from functools import cache
 
 from stickslip.fmi.description.variables import FLOATS
 from stickslip.fmucheck.description.model import Unknown, Variable, listed, whole
@@ -292,14 +293,14 @@ def _rows(bench: Bench, outputs: list[Variable], shifted: Variable | None) -> li
     return rows
 
 
+@cache
 def _seen(bench: Bench) -> dict[tuple[str, int], set[int]]:
-    """Return for each mode and unknown the indices of the knowns it moves with."""
-    if bench.seen is None:
-        bench.seen = {}
-        for mode, known, moving in [*_initial(bench), *_stepping(bench), *_after_steps(bench)]:
-            for index in (-1, *moving):
-                bench.seen.setdefault((mode, index), set()).add(known.index)
-    return bench.seen
+    """Return for each mode and unknown the knowns it moves with, at -1 all tried, as indices."""
+    seen: dict[tuple[str, int], set[int]] = {}
+    for mode, known, moving in [*_initial(bench), *_stepping(bench), *_after_steps(bench)]:
+        for index in (-1, *moving):
+            seen.setdefault((mode, index), set()).add(known.index)
+    return seen
 
 
 def _declared(bench: Bench) -> Iterator[tuple[Unknown, set[int], set[int], set[int]]]:

@@ -104,34 +104,33 @@ class Instance:
             self.set(variable, values)
         self.do("EnterInitializationMode", *(() if self.two else times))
 
+    def attempt_step(self, time: float, step: float) -> tuple[int, tuple[Any, ...]]:
+        """Return the status of a communication step; event, end, early return and last time."""
+        answers = c_bool(), c_bool(), c_bool(), c_double()
+        given = c_double(time), c_double(step), self._flag(False)
+        status = self.status("DoStep", *given, *(() if self.two else map(byref, answers)))
+        if self.two and status == calls.DISCARD:
+            ended = c_int()
+            self.status("GetBooleanStatus", c_int(_TERMINATED), byref(ended))
+            answers[1].value = bool(ended.value)
+        return status, tuple(answer.value for answer in answers)
+
     def step(self, time: float, step: float) -> bool:
         """Do one communication step; return whether the FMU wants the run to end."""
-        return (self._step2 if self.two else self._step3)(time, step)
-
-    def _step2(self, time: float, step: float) -> bool:
         self.broken = True
-        status = self.status("DoStep", c_double(time), c_double(step), c_int(0))
-        ended = c_int(0)
-        if status == calls.DISCARD:
-            self.status("GetBooleanStatus", c_int(_TERMINATED), byref(ended))
-        if not ended.value and status not in (calls.OK, calls.WARNING):
-            raise calls.CallFailed("fmi2DoStep", status, f" for the step from {time} by {step}")
+        status, (event, end, early, last) = self.attempt_step(time, step)
+        if status not in (calls.OK, calls.WARNING) and not (self.two and end):
+            why = f" for the step from {time} by {step}"
+            raise calls.CallFailed(f"{self.binary.prefix}DoStep", status, why)
         if status == calls.WARNING:
             self.warned.append("DoStep")
         self.broken = False
-        return bool(ended.value)
-
-    def _step3(self, time: float, step: float) -> bool:
-        event, end, early, last = c_bool(), c_bool(), c_bool(), c_double()
-        results = byref(event), byref(end), byref(early), byref(last)
-        self.do("DoStep", c_double(time), c_double(step), c_bool(False), *results)
-        if early.value and not end.value:
-            why = f" early at {last.value}, though that is not allowed"
-            raise calls.CallFailed("fmi3DoStep", 0, why)
-        if event.value and self.event_mode:
+        if early and not end:
+            raise calls.CallFailed("fmi3DoStep", 0, f" early at {last}, though that is not allowed")
+        if event and self.event_mode:
             self.do("EnterEventMode")
             self.leave_event_mode()
-        return end.value
+        return bool(end)
 
     def update_discrete_states(self) -> Event:
         """Do one iteration of an event."""

@@ -4,6 +4,7 @@ import copy
 import math
 from collections.abc import Sequence
 from ctypes import c_double
+from functools import cache
 from typing import Any, Self
 
 from stickslip.fmi.description.variables import FLOATS
@@ -241,16 +242,15 @@ def finished(bench: Bench, instance: Instance | None = None, *, watching: bool =
     return run
 
 
+@cache
 def changes(bench: Bench) -> list[tuple[Variable, Values]]:
     """Return other values of parameters with which a run works, none if none do."""
-    if bench.changes is None:
-        bench.changes = [(v, x) for v in bench.parameters[:100] if (x := other(v))]
-        run = new_run(bench, phase=1.0)
-        try:
-            run.begin(bench.changes)
-            run.go(STEPS)
-        except CallFailed:
-            bench.changes = []
-        else:
-            bench.free(run.instance)
-    return bench.changes
+    changed = [(v, x) for v in bench.parameters[:100] if (x := other(v))]
+    run = new_run(bench, phase=1.0)
+    try:
+        run.begin(changed)
+        run.go(STEPS)
+    except CallFailed:
+        return []
+    bench.free(run.instance)
+    return changed
