@@ -18,7 +18,6 @@ from tests.corpus.hostile.zips import zipped
 from tests.cosim.single import one
 
 HEAD = '<?xml version="1.0" encoding="UTF-8"?>'
-RATE = 'min="0" max="10" start="2"'
 
 
 def read(version, *pairs):
@@ -104,13 +103,6 @@ def test_strange_names_reach_the_table_unchanged(tmp_path, name):
     header = next(csv.reader(io.StringIO((tmp_path / "a.csv").read_text("utf-8"))))
     assert name in header
     assert not any(column.startswith(("=", "+", "-", "@")) for column in header)
-
-
-def test_a_start_outside_its_range_is_left_to_the_fmu(tmp_path, capsys):
-    path = written(tmp_path, (RATE, 'min="0" max="10" start="11"'))
-    assert main(["simulate", str(path)]) == 0
-    assert "'k' starts at '11.0', outside its range 0.0 to 10.0" in capsys.readouterr().err
-    assert main(["simulate", str(path), "--set", "k=11"]) == 1
 
 
 def test_names_stay_apart_and_each_reaches_its_variable():
