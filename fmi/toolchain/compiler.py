@@ -35,16 +35,7 @@ def _content(archive: Path) -> tuple[str, frozenset[str]]:
         return opened.comment.decode(), frozenset(opened.namelist())
 
 
-def shipped_compiler(member: str) -> str | None:
-    """Return the version of the compiler that a library is from; None if it is not there."""
-    compiler, members = _content(ARCHIVE)
-    return compiler if member in members else None
-
-
-def shipped_library(member: str) -> bytes | None:
-    """Return the bytes of a library; None if it is not there."""
-    if shipped_compiler(member) is None:
-        return None
+def _shipped(member: str) -> bytes:
     with zipfile.ZipFile(ARCHIVE) as opened:
         return opened.read(member)
 
@@ -108,13 +99,14 @@ def shared_library(
     recipe = _digest([target.target, name, *command[1:]], files)
     file = name + target.suffix
     member = f"{recipe}/{file}"
-    compiler = shipped_compiler(member) or compiler_version()
+    version, members = _content(ARCHIVE)
+    compiler = version if (is_shipped := member in members) else compiler_version()
     library = platforms.cache_directory() / "libraries" / f"{recipe}-{compiler}" / file
     if not _is_whole(library):
         try:
             with _alone(library.parent):
                 if not _is_whole(library):  # another process may just have compiled it
-                    linked = shipped_library(member) or _compile(command, files, library.name)
+                    linked = _shipped(member) if is_shipped else _compile(command, files, file)
                     if exports is not None:
                         _check_exports(linked, exports, library.name)
                     atomic_write(library, linked)
