@@ -206,10 +206,9 @@ def read_lti(path: Path | str) -> LtiFile:
         When the file does not describe one, or cannot be read; the message names file and key.
     """
     path = Path(path)
-    content = _read(path)
     try:
-        return _understood(content, path.stem)
-    except LtiError as error:
+        return _understood(_read(path), path.stem)
+    except ValueError as error:
         raise LtiError(f"{path}: {error}") from None
 
 
@@ -231,14 +230,11 @@ def _understood(content: Mapping[str, Any], name: str) -> LtiFile:
 
 def _read(path: Path) -> Mapping[str, Any]:
     if path.suffix not in (".json", ".toml"):
-        raise LtiError(f"{path}: expected a .json or .toml file")
-    try:
-        data = read_limited(path, MOST_TEXT)
-        content = parse_json(data) if path.suffix == ".json" else parse_toml(data)
-    except ValueError as error:
-        raise LtiError(f"{path}: {error}") from None
+        raise LtiError("expected a .json or .toml file")
+    data = read_limited(path, MOST_TEXT)
+    content = parse_json(data) if path.suffix == ".json" else parse_toml(data)
     if not isinstance(content, dict):
-        raise LtiError(f"{path}: expected keys and values at the top")
+        raise LtiError("expected keys and values at the top")
     return content
 
 
