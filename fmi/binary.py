@@ -84,7 +84,7 @@ def _read_elf(data: bytes) -> Library:
     def offset(address: int) -> int:
         for start, place, size in loads:
             if start <= address < start + size:
-                return place + address - start
+                return int(place + address - start)
         raise ValueError(f"address {address:#x} lies in no segment")
 
     strings, names = offset(tags[_STRINGS]), Names(data)

@@ -108,7 +108,8 @@ class Instance:
         """Return the status of a communication step; event, end, early return and last time."""
         answers = c_bool(), c_bool(), c_bool(), c_double()
         given = c_double(time), c_double(step), self._flag(False)
-        status = self.status("DoStep", *given, *(() if self.two else map(byref, answers)))
+        places = [] if self.two else [byref(answer) for answer in answers]
+        status = self.status("DoStep", *given, *places)
         if self.two and status == calls.DISCARD:
             ended = c_int()
             self.status("GetBooleanStatus", c_int(_TERMINATED), byref(ended))
