@@ -31,14 +31,14 @@ def unseen(value: float) -> Estimate:
     return Estimate(value, UNKNOWN * value)
 
 
-def correlation_length(residual: Array) -> float:
+def correlation_length(residual: Array, lags: int | None = None) -> float:
     """Return how many neighbouring samples say the same: 1 for white noise.
 
-    The sum of the autocorrelation up to its first value below 0.05, both sides.
+    The sum of the autocorrelation up to its first value below 0.05, or so many lags, both sides.
     """
     centred = residual - residual.mean()
     power = np.abs(np.fft.rfft(centred, 2 * len(centred))) ** 2
-    correlation = np.fft.irfft(power)[: len(centred)]
+    correlation = np.fft.irfft(power)[: len(centred)][:lags]
     if correlation[0] <= 0.0:
         return 1.0
     correlation /= correlation[0]

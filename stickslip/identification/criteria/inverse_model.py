@@ -11,15 +11,10 @@ A law without presliding gives any force up to that of break-away at rest: there
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from copy import copy
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from stickslip import cosim
@@ -35,7 +30,7 @@ from stickslip.identification.criteria.motion import (
     smooth_motion,
     velocity_noise,
 )
-from stickslip.identification.criteria.runs import RECENT, Closing, Runs
+from stickslip.identification.criteria.runs import RECENT, Criterion, Runs
 from stickslip.logs import Recording
 from stickslip.models import Law
 from stickslip.servo.measurement import Array, smoothed
@@ -67,12 +62,12 @@ def row_length(recording: Recording) -> int:
     return samples_per_row(position, T_s, noise, least=least, share=row_rate.NOISE, rows=FEWEST)
 
 
-class InverseModel(Closing):
+class InverseModel(Criterion):
     """Criterion: the measured force minus the force that the values predict.
 
     Attributes
     ----------
-    fmus, recording, cutoff, workers, law, q : as given
+    fmus, recording, cutoff, law, q : as given
     t, T_s, position, force, motion : of the n rows
     moves : (n,) where the drive is not at rest, nor near it within the memory of the low-pass
     slides : (n,) where friction follows from the motion; everywhere for a law with presliding
@@ -112,9 +107,8 @@ class InverseModel(Closing):
         # The velocity of row n + 1 is the one at the end of the step from t[n].
         self.inputs = {"v": np.append(self.motion.v[1:], self.motion.v[-1])}
         self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])
-        self._runs = Runs(self.specification, workers)
+        self.runs = Runs(self.specification, workers)
         self._of_law = lru_cache(RECENT)(self._friction_of_law)
-        self.workers = workers
 
     def friction(self, values: Values) -> Array:
         """Return F_f (n,) [N] along the recorded motion."""
@@ -122,7 +116,7 @@ class InverseModel(Closing):
 
     def _friction_of_law(self, law: tuple[tuple[str, float], ...]) -> Array:
         parameters = {f"compensator.{name}": value for name, value in law}
-        return self._runs.run(parameters, self.inputs)["compensator.F_f"]
+        return self.runs.run(parameters, self.inputs)["compensator.F_f"]
 
     def predicted(self, values: Values) -> Array:
         """Return the force (n,) [N] that the values predict for the motion, low-passed."""
@@ -152,38 +146,16 @@ class InverseModel(Closing):
         at = np.clip(self.recording.t, self.t[0], self.t[-1])
         return np.asarray(CubicSpline(self.t, signal)(at))
 
-    def map(self, points: Iterable[Values]) -> list[Array]:
-        """Return the residuals of several points, ``workers`` at a time."""
-        return self._runs.each(self.residual, points)
 
-    def over(self, space: ParameterSpace) -> Self:
-        """Return the same criterion over another space; it shares the FMU."""
-        other = copy(self)
-        other.space = space
-        return other
-
-    def close(self) -> None:
-        """Free the FMU."""
-        self._runs.close()
-
-
-@dataclass(frozen=True)
 class ForceCost:
     """Sum of squares [N^2] that the best m, b and F_0 leave of a candidate's friction."""
 
-    T_s: float  # [s]
-    cutoff: float  # of the low-pass [Hz]
-    target: Array  # (n,) recorded force, low-passed [N]
-    basis: Array  # (n, k) orthonormal, of what is linear
-    slides: NDArray[np.bool_]  # (n,) where friction follows from the motion
-
-    @classmethod
-    def of(cls, model: InverseModel, delay: float) -> ForceCost:
-        """Return the cost of a model for a given delay [s]."""
+    def __init__(self, model: InverseModel, delay: float) -> None:  # of the force [s]
+        self.T_s, self.cutoff, self.slides = model.T_s, model.cutoff, model.slides
+        force = np.interp(model.t - delay, model.t, model.force)
+        self.target = np.where(self.slides, force, 0.0)
         columns = model.linear[:, 2:] if model.measures_friction else model.linear
-        target = np.where(model.slides, np.interp(model.t - delay, model.t, model.force), 0.0)
-        basis = np.linalg.qr(columns * model.slides[:, np.newaxis])[0]
-        return cls(model.T_s, model.cutoff, target, basis, slides=model.slides)
+        self.basis = np.linalg.qr(columns * self.slides[:, np.newaxis])[0]  # (n, k)
 
     def __call__(self, result: cosim.Result) -> float:
         """Return the cost of a run that recorded ``compensator.F_f``."""

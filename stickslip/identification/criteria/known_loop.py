@@ -6,11 +6,9 @@ encoder are off unless the recording is simulated again with them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from copy import copy
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Self
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
@@ -19,7 +17,7 @@ from scipy.signal import lfilter
 from stickslip import cosim
 from stickslip.catalog.parameters import ParameterSpace, Values, friction_law
 from stickslip.identification.criteria.motion import position_noise, position_of
-from stickslip.identification.criteria.runs import RECENT, Closing, Runs, require_bounded
+from stickslip.identification.criteria.runs import RECENT, Closing, Criterion, Runs, require_bounded
 from stickslip.logs import Recording
 from stickslip.models import Law
 from stickslip.servo.measurement import Array
@@ -118,8 +116,7 @@ class KnownLoop(Closing):
                 "controller.u",
             ),
         )
-        self._runs = Runs(specification, workers)
-        self.each, self.workers = self._runs.each, workers
+        self.runs = Runs(specification, workers)
         self._memory = memory_force(gains, len(recording.t), recording.T_s)
         force = recording.force if is_running(gains) else None
         self._first = None if force is None else float(force[0])
@@ -139,7 +136,7 @@ class KnownLoop(Closing):
                 if name in self._states:
                     parameters[f"candidate.{name}"] = state(held, values)
         F_ff = self._inputs["F_ff"] + self._memory - values["F_0"] + feedforward
-        return self._runs.run(parameters, {**self._inputs, "F_ff": F_ff})
+        return self.runs.run(parameters, {**self._inputs, "F_ff": F_ff})
 
     def bounded(
         self,
@@ -154,10 +151,6 @@ class KnownLoop(Closing):
         result = self.run(values, further, feedforward)
         require_bounded(result["candidate.v"], self._speed)
         return result
-
-    def close(self) -> None:
-        """Free the FMUs."""
-        self._runs.close()
 
 
 def _top_speed(recording: Recording) -> float:
@@ -182,7 +175,7 @@ ORDER = 30
 BURN_IN = 0.005  # share at the start that is not used: the controller's state is unknown
 
 
-class OutputError(Closing):
+class OutputError(Criterion):
     """Criterion: the measured position minus that of the simulated loop with the recorded command.
 
     Residuals can be whitened: encoder errors that have passed through the loop are predictable
@@ -204,9 +197,11 @@ class OutputError(Closing):
         self.t = recording.t
         self.position = position_of(recording)
         self.loop = KnownLoop(fmus, recording, gains, workers=workers)
+        self.runs = self.loop.runs
         # Whitening changes, but the positions that values give do not.
         self._simulated = lru_cache(RECENT)(self._simulate)
-        self.noise = position_noise(self.position, recording.encoder_step)
+        self.step = recording.encoder_step
+        self.noise = position_noise(self.position, self.step)
         self.whitening = np.ones(1)
         self.used = slice(max(2 * ORDER, int(BURN_IN * len(self.t))), len(self.t))
 
@@ -220,16 +215,6 @@ class OutputError(Closing):
     def residual(self, values: Values) -> Array:
         """Return the same, whitened (k,) [m]."""
         return self.white(self.raw(values))
-
-    def map(self, points: Iterable[Values]) -> list[Array]:
-        """Return the residuals of several points, ``workers`` at a time."""
-        return self.loop.each(self.residual, points)
-
-    def over(self, space: ParameterSpace) -> Self:
-        """Return the same criterion over another space; it shares the FMUs."""
-        other = copy(self)
-        other.space = space
-        return other
 
     def white(self, raw: Array) -> Array:
         """Whiten a residual (n,) and leave out its start, (k,)."""
@@ -248,10 +233,6 @@ class OutputError(Closing):
         """
         expected = max(self.noise, float(np.std(explained[self.used])))
         return float(np.std(self.raw(values)[self.used])) / expected
-
-    def close(self) -> None:
-        """Free the FMUs."""
-        self.loop.close()
 
 
 def predictor_error(signal: Array, order: int) -> Array:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from copy import copy
 from pathlib import Path
 from typing import Self, TypeVar
 
 import numpy as np
 
 from stickslip import cosim, models
+from stickslip.catalog.parameters import ParameterSpace, Values
 from stickslip.cosim.signals.signals import Input
 from stickslip.fmi.process import Threads, temporary_folder
 from stickslip.servo.lanes import Lanes, Run, lanes_of
@@ -18,12 +20,14 @@ from stickslip.servo.measurement import Array
 from stickslip.thresholds import loop_fit
 
 
-class Closing(ABC):
+class Closing:
     """Closes itself when a ``with`` block ends."""
 
-    @abstractmethod
+    runs: Runs  # that it holds
+
     def close(self) -> None:
         """Free the FMUs."""
+        self.runs.close()
 
     def __enter__(self) -> Self:
         return self
@@ -63,6 +67,7 @@ class Runs(Closing):
 
     def __init__(self, specification: cosim.Specification, workers: int = 1) -> None:
         self._specification = specification
+        self.workers = workers
         self._threads = Threads(workers) if workers > 1 else None
         self._lanes: Lanes | None = None
         self._all = [specification.prepare()]
@@ -111,6 +116,28 @@ class Runs(Closing):
             self._threads.shutdown(cancel_futures=True)
         for simulation in self._all:
             simulation.close()
+
+
+class Criterion(Closing):
+    """Compares the values of a parameter space with a recording, by runs of FMUs."""
+
+    name: str  # display name
+    every: int  # the samples of which a search for the minimum needs one; the others follow it
+    space: ParameterSpace  # the parameters and their coordinates
+
+    @abstractmethod
+    def residual(self, values: Values) -> Array:
+        """Return the difference that the values leave (n,)."""
+
+    def map(self, points: Iterable[Values]) -> list[Array]:
+        """Return the residuals of several points, as many at a time as the runs have workers."""
+        return self.runs.each(self.residual, points)
+
+    def over(self, space: ParameterSpace) -> Self:
+        """Return the same criterion over another space; it shares the FMUs."""
+        other = copy(self)
+        other.space = space
+        return other
 
 
 class Diverged(cosim.SimulationError):

@@ -18,7 +18,7 @@ from stickslip.catalog.parameters import Values, friction_law, presliding
 from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.known_loop import OutputError
+from stickslip.identification.criteria.known_loop import KnownLoop, OutputError
 from stickslip.identification.criteria.motion import (
     Scale,
     against_motion,
@@ -35,11 +35,11 @@ from stickslip.identification.estimation.faults import (
 from stickslip.identification.estimation.task import Task, choose
 from stickslip.identification.fitting.bootstrap import (
     RUNS,
-    Resimulation,
     UnbiasedFit,
     coarse,
     correct,
     correct_inverse,
+    resimulated_residuals,
 )
 from stickslip.identification.fitting.fit import (
     BLOCKS,
@@ -283,10 +283,11 @@ def _output_error(
         prior_mean=mean,
         prior_deviation=deviation,
     )
-    fmus, recording, seed = task.fmus, task.recording, task.settings.seed
+    fmus, recording, workers = task.fmus, task.recording, task.settings.workers
+    seed = task.settings.seed
     with (
-        OutputError(fmus, recording, gains, task.settings.workers, law=space.law) as whole,
-        Resimulation(whole, fmus, recording, gains) as again,
+        OutputError(fmus, recording, gains, workers, law=space.law) as whole,
+        KnownLoop(fmus, recording, gains, encoder=True, workers=workers) as again,
     ):
         criterion = whole.over(space)
         lag = LAG * recording.T_s
@@ -295,8 +296,9 @@ def _output_error(
         criterion.whiten(space.decode(begins[0]))
         fitted = fit(criterion, begins[:1], ROUGH)
         step(1, 4)
-        explained = again.residuals(fitted.parameters, 0.0, np.random.default_rng(seed), 1)
-        if criterion.unexplained(fitted.parameters, explained[0]) > UNEXPLAINED:
+        values, rng = fitted.parameters, np.random.default_rng(seed)
+        (steps,) = resimulated_residuals(criterion, again, values, 1, noise=0.0, rng=rng)
+        if criterion.unexplained(values, steps) > UNEXPLAINED:
             # Whitened, a model that is far from the recording has further local minima.
             criterion.whitening = np.ones(1)
             fitted = select(variants(criterion, fit(criterion, begins, BASIN), BASIN), 1.0).fit

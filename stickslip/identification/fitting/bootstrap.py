@@ -14,18 +14,15 @@ Source
 Gourieroux, Monfort, Renault, J. Applied Econometrics 8 (1993) S85 (indirect inference).
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 
 from stickslip.catalog.parameters import Values
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import HELD, KnownLoop, OutputError
-from stickslip.identification.criteria.motion import position_noise, position_of
-from stickslip.identification.criteria.runs import Closing
+from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.fitting.fit import Fit, linearised
 from stickslip.logs import Recording
 from stickslip.output import steps
@@ -67,7 +64,7 @@ def correct_inverse(inverse: InverseModel, fitted: Fit, seed: int) -> tuple[Fit,
     with surrogate_loop(inverse, fitted.parameters) as loop:
         for _ in range(ROUNDS):
             drawn = inverse.recording.encoder_step * rng.random(BIAS_RUNS)
-            left = loop.each(partial(resimulated, inverse, loop, at.parameters), drawn)
+            left = loop.runs.each(partial(resimulated, inverse, loop, at.parameters), drawn)
             ratios.append(float(np.mean(np.square(left))) / at.variance)
             own = at.step() - np.mean([at.shift(one) for one in left], axis=0)
             q = at.q + np.where(loose, 0.0, own)
@@ -88,7 +85,7 @@ def surrogate_loop(inverse: InverseModel, values: Values) -> KnownLoop:
     led = replace(recording, position_command=path, velocity_command=derivative(path, T_s))
     led = replace(led, added_force=None, added_velocity=None)  # the motion shows them
     gains = _gains(values, T_s)
-    return KnownLoop(inverse.fmus, led, gains, encoder=True, workers=inverse.workers)
+    return KnownLoop(inverse.fmus, led, gains, encoder=True, workers=inverse.runs.workers)
 
 
 def _gains(values: Values, T_s: float) -> dict[str, float]:
@@ -141,7 +138,6 @@ class UnbiasedFit:
     # numerical error of a simulation
     expected: float
     found: float  # the same of the recording
-    noise: float  # standard deviation on the position, beside the encoder's steps [m]
     unexplained: float  # deviation of the whitened residual, over that of steps and noise
 
     @property
@@ -153,51 +149,41 @@ class UnbiasedFit:
         return max(self.found / self.expected, self.unexplained)
 
 
-class Resimulation(Closing):
-    """Simulates a recording again with any values, encoder steps and noise included.
+def resimulated_residuals(
+    criterion: OutputError,
+    again: KnownLoop,  # the loop of the criterion, with the encoder
+    values: Values,
+    count: int,
+    noise: float,  # on the position [m]
+    rng: np.random.Generator,
+) -> Array:
+    """Return the residuals (count, n) [m] that values leave of recordings of themselves."""
+    smooth = criterion.loop.run(values)["candidate.x"]
 
-    The criterion gives the recorded commands' loop, and the number of parallel runs.
+    def left(drawn: tuple[float, int]) -> Array:
+        offset, seed = drawn
+        further = {
+            "candidate.noise_x": noise,
+            "candidate.seed": seed,
+            "candidate.x": smooth[0] + offset,
+        }
+        return np.asarray(again.run(values, further)["candidate.x_enc"] - offset - smooth)
+
+    drawn = [(criterion.step * rng.random(), int(rng.integers(2**31))) for _ in range(count)]
+    return np.array(again.runs.each(left, drawn))
+
+
+def correct(criterion: OutputError, fitted: Fit, again: KnownLoop, seed: int) -> UnbiasedFit:
+    """Subtract the bias of a whitened fit by a parametric bootstrap of the experiment.
+
+    ``again`` is the loop of the criterion with the encoder.
     """
-
-    def __init__(
-        self, criterion: OutputError, fmus: Path, recording: Recording, gains: Mapping[str, float]
-    ) -> None:
-        self.step = recording.encoder_step
-        self._smooth = criterion.loop
-        workers = self._smooth.workers
-        self._loop = KnownLoop(fmus, recording, gains, encoder=True, workers=workers)
-
-    def residuals(
-        self, values: Values, noise: float, rng: np.random.Generator, count: int
-    ) -> Array:
-        """Return the residuals (count, n) [m] that values leave of recordings of themselves."""
-        smooth = self._smooth.run(values)["candidate.x"]
-
-        def left(drawn: tuple[float, int]) -> Array:
-            offset, seed = drawn
-            further = {
-                "candidate.noise_x": noise,
-                "candidate.seed": seed,
-                "candidate.x": smooth[0] + offset,
-            }
-            return np.asarray(self._loop.run(values, further)["candidate.x_enc"] - offset - smooth)
-
-        drawn = [(self.step * rng.random(), int(rng.integers(2**31))) for _ in range(count)]
-        return np.array(self._loop.each(left, drawn))
-
-    def close(self) -> None:
-        """Free the FMUs."""
-        self._loop.close()
-
-
-def correct(criterion: OutputError, fitted: Fit, again: Resimulation, seed: int) -> UnbiasedFit:
-    """Subtract the bias of a whitened fit by a parametric bootstrap of the experiment."""
-    criterion, step = criterion.over(fitted.space), again.step
+    criterion, step = criterion.over(fitted.space), criterion.step
     rng = np.random.default_rng(seed)
     noise = float(np.sqrt(max(fitted.variance - step**2 / 12.0, 1e-6 * fitted.variance)))
     at = fitted
     for runs in steps((*FEW, RUNS)):
-        raws = again.residuals(at.parameters, noise, rng, runs)
+        raws = resimulated_residuals(criterion, again, at.parameters, runs, noise=noise, rng=rng)
         moves = np.array([at.shift(criterion.white(raw)) for raw in raws])
         q = criterion.space.inside(at.q + at.step() - moves.mean(axis=0))
         at = replace(at, q=q, residual=criterion.residual(criterion.space.decode(q)))
@@ -206,23 +192,14 @@ def correct(criterion: OutputError, fitted: Fit, again: Resimulation, seed: int)
     wider = _wider(fitted, spread)
     spread *= np.outer(wider, wider)
     own = NUMERICS * float(np.std(criterion.position))
-    expected = max(own, *(float(np.std(raw[criterion.used])) for raw in raws))
-    found = float(np.std(criterion.raw(at.parameters)[criterion.used]))
-    mean = criterion.white(raws.mean(axis=0))
-    corrected = replace(at, covariance=spread)
-    bias = fitted.q - at.q
-    unexplained = float(np.sqrt(fitted.variance)) / max(
-        own, position_noise(criterion.position, step)
-    )
     return UnbiasedFit(
-        corrected,
-        bias,
-        mean,
-        criterion.whitening,
-        expected=expected,
-        found=found,
-        noise=noise,
-        unexplained=unexplained,
+        fit=replace(at, covariance=spread),
+        bias=fitted.q - at.q,
+        mean=criterion.white(raws.mean(axis=0)),
+        whitening=criterion.whitening,
+        expected=max(own, *(float(np.std(raw[criterion.used])) for raw in raws)),
+        found=float(np.std(criterion.raw(at.parameters)[criterion.used])),
+        unexplained=float(np.sqrt(fitted.variance)) / max(own, criterion.noise),
     )
 
 

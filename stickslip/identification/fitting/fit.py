@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Protocol, Self
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from stickslip.catalog.parameters import ParameterSpace, Values
+from stickslip.catalog.parameters import ParameterSpace
+from stickslip.identification.criteria.runs import Criterion
 from stickslip.servo.measurement import Array
 
 STEP = 1e-3  # of a coordinate, for differences
@@ -18,23 +18,6 @@ ROUGH = 1e-4  # relative change of the sum of squares at which a fit ends that a
 SAME = 1e-4  # relative difference of mean squares below which two minima are the same
 TINY = 1e-200
 FAR = 2.0  # distance from a fit at which a draw of a coordinate ends
-
-
-class Criterion(Protocol):
-    """Compares the values of a parameter space with a recording."""
-
-    name: str  # display name
-    space: ParameterSpace  # the parameters and their coordinates
-    every: int  # the samples of which a search for the minimum needs one; the others follow it
-
-    def residual(self, values: Values) -> Array:
-        """Return the difference that the values leave (n,)."""
-
-    def map(self, points: Iterable[Values]) -> list[Array]:
-        """Return the residuals of several points, which may be computed in parallel."""
-
-    def over(self, space: ParameterSpace) -> Self:
-        """Return the same criterion over another space."""
 
 
 @dataclass(frozen=True)

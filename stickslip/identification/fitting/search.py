@@ -11,7 +11,8 @@ import numpy as np
 from stickslip import ga
 from stickslip.catalog.parameters import Values
 from stickslip.identification.criteria.inverse_model import ForceCost, InverseModel
-from stickslip.identification.fitting.fit import BLOCKS, FTOL, Criterion, Fit, fit
+from stickslip.identification.criteria.runs import Criterion
+from stickslip.identification.fitting.fit import BLOCKS, FTOL, Fit, fit
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, identifiability
 from stickslip.identification.fitting.start import Start
 from stickslip.output import steps
@@ -63,7 +64,7 @@ def search(
     limits = ga.Limits(evaluations=how.evaluations, patience=PATIENCE)
     algorithm = ga.optimiser(how.algorithm, problem(start), limits, seed)
     names = [f"compensator.{name}" for name in start.space.friction]
-    cost = ForceCost.of(model, start.line["delay"])
+    cost = ForceCost(model, start.line["delay"])
     recorded = np.concatenate([model.t, model.force, model.motion.v]).tobytes()
     with (
         ga.SimulatedCost(model.specification, names, cost, model.inputs) as evaluate,

@@ -270,7 +270,7 @@ def _points(inverse: InverseModel, start: Start, space: ParameterSpace) -> list[
     """Return the best of points (k,) spread over the friction parameters."""
     low, high = _range(space)
     varied = np.flatnonzero(high > low)
-    cost = ForceCost.of(inverse, start.line["delay"])
+    cost = ForceCost(inverse, start.line["delay"])
     line = space.encode(start.line)
     found = []
     for point in qmc.Sobol(len(varied), seed=0).random(POINTS):

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.catalog.parameters import correlation_length
 from stickslip.servo.measurement import Array
 
 ROUNDS = 16
 CORRELATED = (5, 9, 12)  # rounds in which the correlation of the residual is estimated
-LAGS = 400
-UNCORRELATED = 0.05  # autocorrelation below which a residual counts as uncorrelated
+LAGS = 400  # at which it is looked for
 DEVIATIONS = (1e-4, 1.0)  # least and largest standard deviation of a random coefficient
 FEW = 5  # rows of a class of noise up to which all rows give its variance
 
@@ -32,8 +32,6 @@ class Regression:
     coefficients: Array  # (k,) the fixed ones first, then the groups in their order
     covariance: Array  # (k, k)
     places: dict[str, slice]  # where the coefficients of each group are
-    deviations: dict[str, float]  # standard deviation of each group's coefficients
-    correlation: float  # samples of the residual that count as one
 
 
 def regress(
@@ -73,22 +71,9 @@ def regress(
         noise = np.where(few, np.mean(rest**2), squares / np.where(few, 1.0, count - used))
         noise = np.maximum(noise, 1e-12 * np.var(y))
         if pass_ in CORRELATED:
-            correlation = correlation_time(rest / np.sqrt(noise[classes]))
+            correlation = correlation_length(rest / np.sqrt(noise[classes]), LAGS)
         for name, place in places.items():
             effective = c[place].size - np.sum(np.diag(covariance)[place]) * prior[place.start]
             found = np.sqrt(np.sum(c[place] ** 2) / max(effective, 1e-3))
             deviations[name] = float(np.clip(found, *DEVIATIONS))
-    return Regression(c, covariance, places, deviations, correlation=correlation)
-
-
-def correlation_time(signal: Array) -> float:
-    """Return how many samples of a signal (n,) count as one independent sample, at least 1."""
-    n = len(signal)
-    spectrum = np.abs(np.fft.rfft(signal - signal.mean(), 2 * n)) ** 2
-    correlation = np.fft.irfft(spectrum)[: min(LAGS, n)]
-    if correlation[0] <= 0.0:
-        return 1.0
-    correlation = correlation / correlation[0]
-    end = np.flatnonzero(correlation < UNCORRELATED)
-    last = end[0] if len(end) else len(correlation)
-    return max(1.0, 1.0 + 2.0 * float(correlation[1:last].sum()))
+    return Regression(c, covariance, places)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from stickslip.identification.criteria.known_loop import OutputError, predictor_error
-from stickslip.identification.fitting.bootstrap import Resimulation, correct
+from stickslip.identification.criteria.known_loop import KnownLoop, OutputError, predictor_error
+from stickslip.identification.fitting.bootstrap import correct
 from stickslip.identification.fitting.fit import linearised
 from stickslip.thresholds import loop_fit
 from stickslip.trial.compensator_trial import shown_gains
@@ -39,7 +39,7 @@ def test_a_bad_fit_does_not_pass_for_noise(off, recorded, candidates):
         values = best.space.decode(q)
         variance = float(np.var(criterion.residual(values)))
         bad = linearised(criterion.over(best.space), q, variance)
-        with Resimulation(criterion, candidates, learned.recording, learned.gains) as again:
+        with KnownLoop(candidates, learned.recording, learned.gains, encoder=True) as again:
             told = correct(criterion, bad, again, 0)
     assert told.found / told.expected < loop_fit.MODEL_ERROR
     assert (told.model_error > loop_fit.MODEL_ERROR) == (off > 0.0)
