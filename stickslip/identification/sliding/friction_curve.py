@@ -138,14 +138,18 @@ def friction_curve(
     t = T_s * np.arange(len(position))
     force = np.interp(t - delay, t, force) if delay else force
     noise = position_noise(position, step)
+
+    def rows(first: int, share: float) -> list[_Rows]:
+        each = (first, 2 * first)
+        return [_Rows(position, force, T_s, noise, q=q, share=share) for q in each]
+
     first = 2
     while len(position) // first > ENOUGH:
         first *= 2
     first = samples_per_row(
         position, T_s, noise, least=first, share=NOISE, rows=2.0 * curve_shown.ROWS
     )
-    rows = [_Rows.of(position, force, T_s, noise, q=first * factor) for factor in (1, 2)]
-    found = _estimated(rows, DISTANCES, SPAN, KNOTS)
+    found = _estimated(rows(first, SLOWEST), DISTANCES, SPAN, KNOTS)
     if found is None:
         return None
     value, error, width = _together(found.values, np.diagonal(found.covariances, axis1=1, axis2=2))
@@ -160,8 +164,7 @@ def friction_curve(
         name: force for name, force, sure in zip(VARYING, forces, certain, strict=True) if sure
     }
     first = max(first // 2, round(CREEP_PERIOD / T_s), 1)
-    rows = [_Rows.of(position, force, T_s, noise, q=first * factor) for factor in (1, 2)]
-    slow = _estimated([row.from_speed(CREEPS) for row in rows], NEAR, (0.0, SPAN[1]), FINE)
+    slow = _estimated(rows(first, CREEPS), NEAR, (0.0, SPAN[1]), FINE)
     return FrictionCurve(
         found.speeds,
         value[3:],
@@ -239,58 +242,27 @@ def _estimated(
     return _Estimated(speeds, *map(np.array, zip(*estimates, strict=True)))
 
 
-@dataclass(frozen=True)
 class _Rows:
-    """A recording behind a low-pass, every q-th sample of it."""
+    """A recording behind a low-pass, every q-th sample of it; ``s`` is since the last reversal."""
 
-    T: float
-    cutoff: float
-    # (n,)
-    x: Array
-    v: Array
-    a: Array
-    force: Array
-    path: Array  # (n,) travel since the begin [m]
-    s: Array  # (n,) travel since the last reversal [m]
-    ahead: Array  # (n,) direction of the motion, -1 or 1
-    slides: NDArray[np.bool_]  # (n,) whether the speed is above the noise
-    top: float
-    noisy: float  # speed up to which the drive may be at rest
-    slowest: float  # speed from which on it slides
-
-    @classmethod
-    def of(cls, position: Array, force: Array, T_s: float, noise: float, q: int) -> _Rows:
-        T, cutoff = q * T_s, SHARE / (q * T_s)
-        x = smoothed(means(position, q), T, cutoff)
-        v = derivative(x, T)
-        own = noise * 2.0 * np.pi * cutoff * np.sqrt(2.0 * cutoff * T_s)
-        top = float(np.quantile(np.abs(v), 0.99))
-        noisy = NOISY * own
-        slowest = max(noisy, SLOWEST * top)
-        slides = np.abs(v) > slowest
-        last = np.maximum.accumulate(np.where(slides, np.arange(len(v)), 0))
-        ahead = np.sign(v)[last]
-        path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(x)))])
-        reversed_at = np.zeros(len(v))
-        turns = np.flatnonzero(np.diff(ahead)) + 1
-        reversed_at[turns] = path[turns]
-        s = path - np.maximum.accumulate(reversed_at)
-        logged = smoothed(means(force, q), T, cutoff)
-        return cls(
-            T,
-            cutoff,
-            x,
-            v,
-            a=derivative(v, T),
-            force=logged,
-            path=path,
-            s=s,
-            ahead=ahead,
-            slides=slides,
-            top=top,
-            noisy=noisy,
-            slowest=slowest,
-        )
+    def __init__(
+        self, position: Array, force: Array, T_s: float, noise: float, *, q: int, share: float
+    ) -> None:
+        self.T, self.cutoff = q * T_s, SHARE / (q * T_s)
+        self.x = smoothed(means(position, q), self.T, self.cutoff)
+        self.v = derivative(self.x, self.T)
+        self.a = derivative(self.v, self.T)
+        self.force = smoothed(means(force, q), self.T, self.cutoff)
+        own = noise * 2.0 * np.pi * self.cutoff * np.sqrt(2.0 * self.cutoff * T_s)
+        self.top, noisy = float(np.quantile(np.abs(self.v), 0.99)), NOISY * own
+        self.slowest = max(noisy, share * self.top)
+        self.slides = np.abs(self.v) > self.slowest
+        moves = np.abs(self.v) > max(noisy, SLOWEST * self.top)
+        last = np.maximum.accumulate(np.where(moves, np.arange(len(moves)), 0))
+        self.ahead = np.sign(self.v)[last]
+        self.path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self.x)))])
+        turned = np.append(False, np.diff(self.ahead) != 0.0)
+        self.s = self.path - np.maximum.accumulate(np.where(turned, self.path, 0.0))
 
     def used(self, distance: float, guard: float) -> NDArray[np.intp]:
         """Return the rows before which it slid evenly for this share of its travel."""
@@ -305,12 +277,8 @@ class _Rows:
         near = np.convolve(~good, np.ones(2 * rows + 1), "same") > 0.5
         return np.flatnonzero(~near)
 
-    def from_speed(self, share: float) -> _Rows:
-        """Return the same rows in which the drive slides from this share of its top speed on."""
-        slowest = max(self.noisy, share * self.top)
-        return replace(self, slides=np.abs(self.v) > slowest, slowest=slowest)
-
     def speeds(self, distance: float, guard: float, span: tuple[float, float]) -> Array | None:
+        """Return the speeds (k,) of the curve, None with few rows."""
         used = self.used(distance, guard)
         if len(used) < curve_shown.ROWS:
             return None
