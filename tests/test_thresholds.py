@@ -598,7 +598,7 @@ def on_grid(samples=100, gap=0, jitter=0.0):
     t[50:] += gap
     t += jitter * np.sqrt(2.0) * np.sin(np.arange(samples) ** 2)
     try:
-        found = grid.even_grid(TABLE, 1e-3 * t, {"force": np.sin(0.1 * t)}).findings
+        found = grid.even_grid(TABLE, 1e-3 * t, {"force": np.sin(0.1 * t)})[2]
     except RecordingError:
         return ["refused"]
     return [one.severity for one in found if "interpolated" not in one.what]

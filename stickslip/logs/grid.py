@@ -1,7 +1,6 @@
 """Resampling to an even grid: gaps filled or cut off, jitter removed."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -173,22 +172,14 @@ def _jumped(
     return Finding("error", "the position jumps, as no drive can", figure, advice)
 
 
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """Signals at even times."""
-
-    t: Array  # (n,) from 0 on [s]
-    signals: dict[str, Array]  # (n,) by role
-    findings: list[Finding]  # what was done to get there
-
-
 def even_grid(
     table: LogTable, t: Array, signals: Mapping[str, Array], motion: Motion = "linear"
-) -> Grid:
-    """Return signals on an even grid, from those (n,) by role, NaN where a value is missing.
+) -> tuple[Array, dict[str, Array], list[Finding]]:
+    """Return even times (k,) from 0 on [s], signals (k,) by role at these, and what was done.
 
-    The times t (n,) do not fall [s]; table and motion are for messages. Raises RecordingError when
-    no stretch without gaps is long enough, or its times do not rise.
+    They are given at times t (n,) that do not fall [s], NaN where a value is missing; table and
+    motion are for messages. Raises RecordingError when no stretch without gaps is long enough, or
+    its times do not rise.
     """
     findings: list[Finding] = []
     if len(t) < log_content.FEWEST:
@@ -219,7 +210,6 @@ def even_grid(
         advice = "if the samples are even and only the clock is not, give <sample_period>"
         severity: Severity = "warning" if jitter > log_clock.UNEVEN else "note"
         findings.append(Finding(severity, "times are uneven", figure, advice))
-    missing = len(grid) - len(t)
     result = {}
     methods: dict[str, list[str]] = {}
     for role, signal in signals.items():
@@ -232,12 +222,9 @@ def even_grid(
         result[role] = interpolated(t[known], signal[known], grid, method)
     if methods:
         how = "; ".join(f"{', '.join(names)} {method}" for method, names in methods.items())
-        findings.append(
-            Finding(
-                "note", "interpolated between the logged samples", f"{missing} rows missing; {how}"
-            )
-        )
-    return Grid(np.arange(count + 1) * T_s, result, findings)
+        figure = f"{len(grid) - len(t)} rows missing; {how}"
+        findings.append(Finding("note", "interpolated between the logged samples", figure))
+    return np.arange(count + 1) * T_s, result, findings
 
 
 def _longest(

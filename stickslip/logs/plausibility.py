@@ -180,38 +180,21 @@ def _unit_for(reading: Reading, role: str, factor: float) -> Unit | None:
     return sized_unit(quantities, factor * (unit.factor if unit else 1.0))
 
 
-_Limits = dict[str, tuple[float, float]]
-
-GROSS: dict[Motion, _Limits] = {
+LIMITS: dict[Motion, dict[str, tuple[float, float, float, float]]] = {
     "linear": {
-        "mass": (1e-3, 1e5),  # kg
-        "speed": (0.0, 100.0),  # m/s
-        "acceleration": (0.0, 9806.65),  # m/s^2
-        "force": (0.0, 1e7),  # N
+        "mass": (1e-3, 2e-2, 2e4, 1e5),  # kg
+        "speed": (0.0, 0.0, 10.0, 100.0),  # m/s
+        "acceleration": (0.0, 0.0, 300.0, 9806.65),  # m/s^2
+        "force": (0.0, 0.0, 1e5, 1e7),  # N
     },
     "rotary": {
-        "mass": (1e-9, 1e6),
-        "speed": (0.0, 1e4),
-        "acceleration": (0.0, 1e6),
-        "force": (0.0, 1e7),
+        "mass": (1e-9, 1e-7, 1e4, 1e6),
+        "speed": (0.0, 0.0, 2000.0, 1e4),
+        "acceleration": (0.0, 0.0, 1e5, 1e6),
+        "force": (0.0, 0.0, 1e5, 1e7),
     },
 }
-"""Figures beyond these must be confirmed."""
-UNUSUAL: dict[Motion, _Limits] = {
-    "linear": {
-        "mass": (2e-2, 2e4),
-        "speed": (0.0, 10.0),
-        "acceleration": (0.0, 300.0),
-        "force": (0.0, 1e5),
-    },
-    "rotary": {
-        "mass": (1e-7, 1e4),
-        "speed": (0.0, 2000.0),
-        "acceleration": (0.0, 1e5),
-        "force": (0.0, 1e5),
-    },
-}
-"""Figures beyond these are asked about."""
+"""Figures beyond the outer two must be confirmed, those beyond the inner two are asked about."""
 LONGEST: dict[Motion, float] = {"linear": 2.0, "rotary": math.inf}
 """Travel [m] beyond which a position that states no unit is asked about."""
 
@@ -272,20 +255,15 @@ def implausible_mass(reading: Reading, low: float, high: float) -> Finding | Non
 
 def _asked(reading: Reading, name: str, low: float, high: float, unit: str) -> Finding | None:
     """Return the finding on a figure, between two values, beyond its limits."""
-    for limits in (GROSS, UNUSUAL):
-        least, most = limits[reading.recording.motion][name]
-        if high < least:
-            figure = f"{high:.4g} {unit}, less than {least:g} {unit}"
-        elif low > most:
-            figure = f"{low:.4g} {unit}, more than {most:g} {unit}"
-        else:
-            continue
-        return _extreme(reading, name, figure, gross=limits is GROSS)
-    return None
-
-
-def _extreme(reading: Reading, name: str, figure: str, *, gross: bool) -> Finding:
-    """Return a figure's error or warning, or its note where it is confirmed."""
+    least, small, large, most = LIMITS[reading.recording.motion][name]
+    if not (gross := high < least or low > most):
+        least, most = small, large
+    if high < least:
+        figure = f"{high:.4g} {unit}, less than {least:g} {unit}"
+    elif low > most:
+        figure = f"{low:.4g} {unit}, more than {most:g} {unit}"
+    else:
+        return None
     if name in reading.description.confirm:
         return Finding("note", f"the {name} is extreme, and confirmed", figure)
     roles = [r for r in ("time", "position", "velocity", "force") if r in reading.units]

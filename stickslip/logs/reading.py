@@ -101,13 +101,11 @@ def read_recording(
         t, signals, table = _cut(table, t, signals, given.span)
     step = _encoder_step(table, given.encoder_step, signals, findings)
     rows, t, signals = on_one_clock(table, t, signals, findings)
-    grid = even_grid(table.part(rows), t, signals, motion)
-    findings += [*grid.findings, *_integrated(given, signals)]
+    t, even, done = even_grid(table.part(rows), t, signals, motion)
+    findings += [*done, *_integrated(given, signals)]
     if strict:
         raise_errors(table.path, findings)
-    recording = Recording(
-        grid.t, **grid.signals, encoder_step=step, motion=motion, source=Path(path).name
-    )
+    recording = Recording(t, **even, encoder_step=step, motion=motion, source=Path(path).name)
     gains = {name: table.value(value, f"gain {name}") for name, value in given.gains.items()}
     for name, value in gains.items():
         if value < 0:

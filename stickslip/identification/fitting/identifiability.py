@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from stickslip.catalog.parameters import ParameterSpace, Values
@@ -36,13 +35,9 @@ AT_BOUND = 1e-6  # distance from a bound below which a coordinate is held there
 
 
 @dataclass(frozen=True)
-class Identifiability:
+class Identifiability(Interval):
     """Estimate of one parameter, in SI units."""
 
-    value: float  # of the fit
-    standard_error: float  # of the fit
-    low: float  # 95 % interval
-    high: float  # 95 % interval
     identifiability: str  # one of ``LEVELS``
     # the same for display, with the experiment that shows the parameter, and ``VALUE`` for the
     # value, which may still be scaled
@@ -174,55 +169,42 @@ def profiles(
     """
     space = fitted.space
     (rest,) = residuals([fitted.parameters])
-    information = _Information.of(fitted, rest)
+    information = _Information(fitted, rest)
     points = [
-        _Point(name, distance, fitted, errors[name], information=information)
+        _Point(name, distance, errors[name], information)
         for name in space.friction
         for distance in POINTS
     ]
     moving = points
     for k in range(PASSES + 1):
         rests = residuals([space.decode(point.q) for point in moving])
-        for point, rest in zip(moving, rests, strict=True):
+        tried, moving = zip(moving, rests, strict=True), []
+        for point, rest in tried:
             if k:
                 point.losses.append(information.loss(rest, point.q))
-        if k == PASSES:
-            break
-        moving = [
-            point
-            for point, rest in zip(moving, rests, strict=True)
-            if point.advance(rest) > SETTLED or not k
-        ]
+            if k < PASSES and (point.advance(rest) > SETTLED or not k):
+                moving.append(point)
     middle = [(name, fitted.parameters[name], 0.0) for name in space.friction]
     rows = middle + [point.row() for point in points if point.is_reached]
     table = pd.DataFrame(rows, columns=["parameter", "value", "deviance"])
     return table.sort_values(["parameter", "value"], ignore_index=True)
 
 
-@dataclass(frozen=True)
 class _Information:
-    """The fit around which profiles are computed."""
+    """The fit around which profiles are computed, from its residual (n,)."""
 
-    fitted: Fit
-    loose: NDArray[np.bool_]  # (k,) whether a coordinate stays while others are profiled
-    inverse: Array  # (k, k) inverse information of all coordinates
-    frozen: Array  # (k, k) of those not loose
-    weight: Array  # (k,) information of the priors
-    least: float  # loss of the fit
-
-    @classmethod
-    def of(cls, fitted: Fit, rest: Array) -> _Information:
-        """Return it for a fit and its residual (n,)."""
-        u = fitted.space
-        inverse = inverse_information(fitted.jacobian, fitted.noise, u)
-        loose = np.sqrt(np.diag(inverse)) > LOOSE
-        loose |= np.minimum(fitted.q - u.lower, u.upper - fitted.q) < AT_BOUND
-        jacobian = np.where(loose, 0.0, fitted.jacobian)
-        frozen = inverse_information(jacobian, fitted.noise, u)
-        frozen[loose], frozen[:, loose] = 0.0, 0.0
-        weight = np.where(np.isfinite(u.prior_deviation), 1.0 / u.prior_deviation**2, 0.0)
-        found = cls(fitted, loose, inverse, frozen, weight=weight, least=0.0)
-        return replace(found, least=found.loss(rest, fitted.q))
+    def __init__(self, fitted: Fit, rest: Array) -> None:
+        u, self.fitted = fitted.space, fitted
+        self.inverse = inverse_information(fitted.jacobian, fitted.noise, u)  # of all coordinates
+        # Loose coordinates stay while others are profiled.
+        self.loose = np.sqrt(np.diag(self.inverse)) > LOOSE
+        self.loose |= np.minimum(fitted.q - u.lower, u.upper - fitted.q) < AT_BOUND
+        jacobian = np.where(self.loose, 0.0, fitted.jacobian)
+        self.frozen = inverse_information(jacobian, fitted.noise, u)  # of those not loose
+        self.frozen[self.loose], self.frozen[:, self.loose] = 0.0, 0.0
+        known = np.isfinite(u.prior_deviation)
+        self.weight = np.where(known, 1.0 / u.prior_deviation**2, 0.0)  # of the priors
+        self.least = self.loss(rest, fitted.q)
 
     def loss(self, rest: Array, q: Array) -> float:
         """Return twice the negative log likelihood of a residual (n,) at coordinates (k,)."""
@@ -233,11 +215,9 @@ class _Information:
 class _Point:
     """One parameter, held at a number of standard errors from its value."""
 
-    def __init__(
-        self, name: str, distance: float, fitted: Fit, error: float, information: _Information
-    ) -> None:
-        space = fitted.space
-        self._name, self._fitted, self._information = name, fitted, information
+    def __init__(self, name: str, distance: float, error: float, information: _Information) -> None:
+        fitted, space = information.fitted, information.fitted.space
+        self._name, self._information = name, information
         self._value = fitted.parameters[name]
         index = space.index(name)
         self._direction = direction = space.direction(name)
@@ -257,16 +237,15 @@ class _Point:
 
     def advance(self, rest: Array) -> float:
         """Make a Gauss step from the residual (n,) here; return its length in deviance."""
-        fitted, space, direction = self._fitted, self._fitted.space, self._direction
-        frozen, weight = self._information.frozen, self._information.weight
-        prior = weight * (self.q - space.prior_mean)
+        around, direction = self._information, self._direction
+        fitted, space, frozen = around.fitted, around.fitted.space, around.frozen
+        prior = around.weight * (self.q - space.prior_mean)
         step = -frozen @ (fitted.jacobian.T @ rest / fitted.noise + prior)
         if not self._held:
             missing = self._wanted - direction @ (self.q + step)
             step += frozen @ direction * missing / self._plain**2
         before, self.q = self.q, np.clip(self.q + step, space.lower, space.upper)
-        moved = np.where(self._information.loose, 0.0, self.q - before)
-        return fitted.length(moved)
+        return fitted.length(np.where(around.loose, 0.0, self.q - before))
 
     @property
     def is_reached(self) -> bool:

@@ -7,8 +7,8 @@ a file of the format begins; ``CONTAINS``, what it also has somewhere, if others
 - ``contents(data: bytes)``, which returns signals as a tree of mappings, lists and arrays, or a
   table as text. It runs in a process of its own with limits of memory and time. The module is
   loaded there by its path, and imports no other module of the project.
-- ``read(path: str, data: bytes) -> LogTable``, which runs in our process, for readers that no
-  content can crash. It raises RecordingError.
+- ``signals(data: bytes) -> list[Signal]``, which runs in our process, for readers that no content
+  can crash. It raises ValueError.
 """
 
 from dataclasses import replace
@@ -54,9 +54,7 @@ def read_table(path: Path, delimiter: str | None = None, decimal: str | None = N
         what = f"a text, not a file of {named[-1].TITLE} as its name says; rename it to .csv"
         raise RecordingError(f"{name}: {what}")
     if found := known or named:
-        table = _read(
-            found[-1], name, data, delimiter, decimal=decimal
-        )  # MAT files of old have no mark
+        table = _read(found[-1], name, data, delimiter, decimal=decimal)  # old MAT has no mark
         if suffix and found[-1] not in named:
             what = f"the file is {found[-1].TITLE}, although its name ends in {suffix}"
             table = replace(table, findings=(Finding("note", what), *table.findings))
@@ -78,10 +76,14 @@ def _read(
     if find_spec(library) is None:
         needed = f"reading {module.TITLE} needs {library}"
         raise RecordingError(f"{path}: {needed}; pip install 'stickslip[{extra}]'")
-    if hasattr(module, "read"):
-        table: LogTable = module.read(path, data)
-        return table
-    found = read_isolated(path, data, str(module.__file__), module.TITLE)
+    if not hasattr(module, "signals"):
+        found = read_isolated(path, data, str(module.__file__), module.TITLE)
+    else:
+        try:
+            found = module.signals(data)
+        except ValueError as error:
+            what = f"not a {module.TITLE} file, or damaged ({error})"
+            raise RecordingError(f"{path}: {what}") from None
     if isinstance(found, str):
         return read_text(path, found.encode(), delimiter or "\t", decimal)
     return table_of(path, found)

@@ -1,10 +1,6 @@
 """Logs as Parquet files."""
 
-from stickslip.errors import RecordingError
-from stickslip.fmi.messages import printable
-from stickslip.logs.header import split_unit
-from stickslip.logs.table import LogTable
-from stickslip.servo.measurement import Array
+from stickslip.logs.signals import Signal
 
 TITLE = "Parquet"
 SUFFIXES = (".parquet", ".pq")
@@ -12,32 +8,19 @@ BEGINS = (b"PAR1",)
 NEEDS = ("pyarrow", "parquet")
 
 
-def read(path: str, data: bytes) -> LogTable:
-    """Read the numeric columns of a Parquet file; points in time become seconds.
+def signals(data: bytes) -> list[Signal]:
+    """Return the columns; points in time become seconds.
 
-    Raises RecordingError when the file cannot be read, or it holds no rows of numbers.
+    Raises ValueError when the file cannot be read.
     """
-    from stickslip.cosim.signals.tables import Unreadable, read_parquet  # late: loads cosim
+    from stickslip.cosim.signals.tables import read_parquet  # late: loads cosim
 
-    try:
-        columns = read_parquet(data)
-    except Unreadable as error:
-        raise RecordingError(f"{path}: not a Parquet file, or damaged ({error})") from None
-    names: list[str] = []
-    numbers: dict[str, Array] = {}
-    units: dict[str, str] = {}
-    faults: dict[str, str] = {}
-    for label, column in columns.items():
-        name, unit = split_unit(label)
-        if name in names:
-            name = label
-        names.append(name)
-        if column.numbers is None or column.kind == "bool":
-            faults[name] = f"expected numbers, got {printable(column.kind)}"
-            continue
-        numbers[name] = column.numbers
-        if unit := column.unit or unit:
-            units[name] = unit
-    if not any(len(column) for column in numbers.values()):
-        raise RecordingError(f"{path}: no rows of numbers; expected columns of numbers")
-    return LogTable(path, tuple(names), numbers, units=units, faults=faults)
+    return [
+        Signal(
+            label,
+            None if column.kind == "bool" else column.numbers,
+            unit=column.unit or "",
+            instead=column.kind,
+        )
+        for label, column in read_parquet(data).items()
+    ]
