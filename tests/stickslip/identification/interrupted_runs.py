@@ -7,66 +7,44 @@ import signal
 import sys
 import time
 from contextlib import nullcontext, suppress
+from types import SimpleNamespace
 
+from stickslip.fmi.process import interruptible
 from stickslip.identification.criteria.runs import Runs
 
-
-class Idle:
-    """Stands for a simulation, and for its specification."""
-
-    def prepare(self):
-        return self
-
-    def run(self, parameters, inputs, *, until=None):
-        del parameters, inputs, until
-        time.sleep(1e-3)
-
-    def close(self):
-        pass
-
-
-class Interrupter:
-    """Sends a signal to its own process at the n-th event of tracing in the main thread."""
-
-    def __init__(self, at, number):
-        self.count, self.at, self.number = 0, at, number
-
-    def __call__(self, frame, event, argument):
-        del frame, event, argument
-        self.count += 1
-        if self.count == self.at:
-            signal.raise_signal(self.number)
-        return self
+IDLE = SimpleNamespace(run=lambda *_, **__: time.sleep(1e-3), close=lambda: None)
+"""Stands for a simulation."""
 
 
 def run(at, number):
-    """Return whether the signal was sent before all runs were done."""
-    interrupter = Interrupter(at, number)
-    sys.settrace(interrupter)
+    """Send a signal at the n-th event of tracing in this thread; return whether there is one."""
+    count = 0
+
+    def interrupt(*_):
+        nonlocal count
+        count += 1
+        if count == at:
+            signal.raise_signal(number)
+        return interrupt
+
+    sys.settrace(interrupt)
     try:
-        with Runs(Idle(), 2) as runs:
+        with Runs(SimpleNamespace(prepare=lambda: IDLE), 2) as runs:
             runs.each(lambda _: runs.run({}, {}), range(3))
     finally:
         sys.settrace(None)
-    return interrupter.count >= at
-
-
-def watched(how):
-    """Return the block that a program runs in: the command line's, or a notebook's."""
-    if how == "notebook":
-        return nullcontext()
-    from stickslip.fmi.process import interruptible
-
-    return interruptible()
+    return count >= at
 
 
 if __name__ == "__main__":
     how, stride = sys.argv[1], int(sys.argv[2])
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    number = signal.SIGTERM if how == "command line" else signal.SIGINT
+    commanded = how == "command line"
+    number = signal.SIGTERM if commanded else signal.SIGINT
     at, ended = 1, False
     while not ended:
-        with watched(how), suppress(KeyboardInterrupt):
+        watched = interruptible() if commanded else nullcontext()
+        with watched, suppress(KeyboardInterrupt):
             ended = not run(at, number)
         at += stride
     sys.stdout.write(f"{at}\n")

@@ -8,7 +8,6 @@ import pytest
 
 from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.known_loop import KnownLoop
-from stickslip.identification.criteria.motion import Scale
 from stickslip.logs import Recording
 
 T = np.arange(6000) * drives.T_S
@@ -50,10 +49,3 @@ def test_the_loop_follows_what_was_added(log, candidates):
     known, plain = errors
     assert known < 2e-3
     assert plain > 10 * known
-
-
-def test_what_was_added_is_scaled(log):
-    scaled = Scale(force=10.0, length=0.1).recording(log[0])
-    for name, factor in (("added_force", 10.0), ("added_velocity", 0.1)):
-        if (signal := getattr(log[0], name)) is not None:
-            np.testing.assert_allclose(getattr(scaled, name), factor * signal)

@@ -28,8 +28,7 @@ def known(changes=None, **levels):
             0.1 * value,
             0.1 * value,
             10.0 * value,
-            levels.get(name, IDENTIFIABLE),
-            levels.get(name, IDENTIFIABLE),
+            *2 * (levels.get(name, IDENTIFIABLE),),
         )
         for name, value in {**LUGRE, **(changes or {})}.items()
     }

@@ -47,15 +47,17 @@ def commanded(motion, share, weight, v=0.0, integral=0.0, u_max=np.inf):
     return force
 
 
+def checked(candidates, motion, force):
+    t, x, v_cmd, x_cmd = motion
+    recording = Recording(t, x, force, velocity_command=v_cmd, position_command=x_cmd)
+    return check_controller(candidates, recording, GAINS)
+
+
 @pytest.mark.parametrize("low_pass", WEIGHTS)
 @pytest.mark.parametrize("integral", SHARES)
 def test_the_form_is_found(candidates, motion, integral, low_pass):
-    t, x, v_cmd, x_cmd = motion
     force = commanded(motion, SHARES[integral], WEIGHTS[low_pass])
-    recording = Recording(
-        t, x, force=force, velocity_command=v_cmd, position_command=x_cmd, source="here"
-    )
-    check = check_controller(candidates, recording, GAINS)
+    check = checked(candidates, motion, force)
     assert check.form == ", ".join(filter(None, (integral, low_pass)))
     assert check.error < 1e-9
     last = slice(-1)  # is held, not computed
@@ -64,13 +66,9 @@ def test_the_form_is_found(candidates, motion, integral, low_pass):
 
 @pytest.mark.parametrize("shift", [0, 2])
 def test_what_the_controller_remembers_is_found(candidates, motion, shift):
-    t, x, v_cmd, x_cmd = motion
     force = commanded(motion, 1.0, WEIGHTS[""], v=0.3, integral=70.0)
     logged = np.append(np.full(shift, force[0]), force[: len(force) - shift])
-    recording = Recording(
-        t, x, force=logged, velocity_command=v_cmd, position_command=x_cmd, source="here"
-    )
-    check = check_controller(candidates, recording, GAINS)
+    check = checked(candidates, motion, logged)
     assert (check.shift, check.form) == (shift, "")
     assert check.error < 1e-9
     np.testing.assert_allclose(check.force[:-1], force[:-1], atol=1e-9 * np.abs(force).max())
@@ -78,15 +76,11 @@ def test_what_the_controller_remembers_is_found(candidates, motion, shift):
 
 @pytest.mark.parametrize("noise", [0.0, 0.3])
 def test_a_limit_that_is_not_given_is_found(candidates, motion, noise):
-    t, x, v_cmd, x_cmd = motion
     whole = commanded(motion, 1.0, WEIGHTS[""])
     limit = float(np.quantile(np.abs(whole), 0.85))
     force = commanded(motion, 1.0, WEIGHTS[""], u_max=limit)
-    logged = force + np.random.default_rng(5).normal(0.0, noise, len(t))
-    recording = Recording(
-        t, x, force=logged, velocity_command=v_cmd, position_command=x_cmd, source="here"
-    )
-    check = check_controller(candidates, recording, GAINS)
+    logged = force + np.random.default_rng(5).normal(0.0, noise, len(force))
+    check = checked(candidates, motion, logged)
     assert check.form == "limit of the force as the log shows it"
     assert check.gains["u_max"] == pytest.approx(limit, rel=max(1e-9, 2.0 * noise / limit))
     assert check.error < 0.01
@@ -94,11 +88,6 @@ def test_a_limit_that_is_not_given_is_found(candidates, motion, noise):
 
 def test_another_controller_is_told_by_the_gains_given(candidates, motion):
     """What no form explains is not explained away: the gains stay as they were given."""
-    t, x, v_cmd, x_cmd = motion
-    force = 1.3 * commanded(motion, 1.0, WEIGHTS[""])
-    recording = Recording(
-        t, x, force=force, velocity_command=v_cmd, position_command=x_cmd, source="here"
-    )
-    check = check_controller(candidates, recording, GAINS)
+    check = checked(candidates, motion, 1.3 * commanded(motion, 1.0, WEIGHTS[""]))
     assert fmu_gains(check.gains) == GAINS
     assert check.error > 0.1

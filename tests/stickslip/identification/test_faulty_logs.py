@@ -73,11 +73,6 @@ def test_a_delay_is_taken_out(drive, samples):
     assert again.force[1000] == log.force[k + late]
 
 
-def test_noise_is_no_delay(drive):
-    noise = np.random.default_rng(0).standard_normal(len(drive[1]["t"]))
-    assert samples_late(recording(drive[1], noise)) == 0
-
-
 @pytest.mark.parametrize("share", [0.005, 0.02, 0.1])
 def test_lost_rows_are_counted(drive, share):
     n = len(drive[1]["t"])
@@ -86,14 +81,6 @@ def test_lost_rows_are_counted(drive, share):
     assert "rows are lost under an even clock" in said
     told = float(said.split(": ")[2].split("%")[0]) / 100.0
     assert told == pytest.approx(share, rel=0.2)
-
-
-def test_a_burst_of_lost_rows_is_found(drive):
-    rows = np.ones(len(drive[1]["t"]), dtype=bool)
-    moving = np.flatnonzero(np.abs(drive[1]["v"]) > 0.02)
-    for begin in moving[:: len(moving) // 8]:
-        rows[begin : begin + 50] = False
-    assert any("rows are lost" in said for said in unreliable(recording(drive[1], rows=rows)))
 
 
 def test_a_limit_is_found_in_a_log_of_the_force_before_it_and_behind_it(limited):
@@ -133,13 +120,3 @@ def test_rejected_gains_change_nothing(short, candidates):
     assert rejected.known == without.known
     assert rejected.parameters == without.parameters
     assert without.known["F_c"].identifiability == "identifiable"
-
-
-def test_a_delay_at_its_bound_is_a_fault(short, candidates):
-    learned = learn(Task(candidates, replace(short, force=np.roll(short.force, 10))))
-    fault, *_ = learned.faults
-    assert "the delay of the force ends at the bound of the fit: -5 samples or -2.5 ms" in str(
-        fault
-    )
-    assert fault.spoils == "intervals"
-    assert "identifiable" not in {known.identifiability for known in learned.known.values()}

@@ -6,14 +6,12 @@ from pathlib import Path
 import pytest
 
 from stickslip import cosim
-from stickslip.cli import main
 from stickslip.learned.file import LearnedFile
-from stickslip.logs import Finding, load_description
+from stickslip.logs import load_description
 from stickslip.studies.learn.command import print_estimation
 from stickslip.studies.learn.folder import write_learned
 from stickslip.studies.learn.log_learning import learn
 from stickslip.trial.candidates import CompensatorComparison, Row
-from stickslip.trial.guards import Benefit
 
 pytestmark = pytest.mark.slow
 
@@ -32,19 +30,6 @@ def learned(folder, name, example, law="auto"):
 @pytest.fixture(scope="module")
 def emps():
     return learned("emps", "DATA_EMPS.mat", "emps.toml", law="lugre")
-
-
-@pytest.fixture(scope="module")
-def sound(emps):
-    """Return the same as if LuGre predicted what it was not fitted to."""
-    return replace(emps, estimation=replace(emps.estimation, faults=()))
-
-
-def only(sound, benefit):
-    """Return what was learned where feedforward of the law was asked for, and does this."""
-    rows = (sound.trial.compared.rows[0], Row("lugre", 2, 1.2, benefit))
-    compared = CompensatorComparison(rows, "lugre")
-    return replace(sound, trial=replace(sound.trial, benefit=benefit, compared=compared))
 
 
 def test_the_law_chosen_for_emps_predicts_as_well_as_friction_without_presliding():
@@ -85,52 +70,15 @@ def test_emps_shows_no_presliding_and_says_so(emps, capsys):
 
 
 @pytest.mark.usefixtures("without_pictures")
-def test_what_was_learned_is_written_and_read(sound, tmp_path):
-    sound = only(sound, sound.trial.benefit)
-    write_learned(sound, tmp_path)
-    assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(sound.compensator)
-    assert sum("not identifiable in this experiment" in warning for warning in sound.warnings) == 4
-    start = cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start
-    assert start == pytest.approx(sound.compensator["F_c"])
-    assert "DATA_EMPS.mat" in (tmp_path / "report.html").read_text(encoding="utf-8")
-
-
-@pytest.mark.usefixtures("without_pictures")
-def test_a_compensator_that_does_harm_is_not_written(sound, tmp_path):
-    rows = sound.trial.benefit.rows
-    rows = tuple(replace(row, compensated=1.03 * row.without) for row in rows)
-    harmful = only(sound, Benefit(1.0, rows, rows, variant=sound.trial.benefit.variant))
-    assert "1.03 times that without the compensator" in harmful.refusal
-    write_learned(only(sound, sound.trial.benefit), tmp_path)
-    assert (tmp_path / "compensator.fmu").exists()
-    write_learned(harmful, tmp_path)
-    assert not (tmp_path / "compensator.fmu").exists()
-    write_learned(harmful, tmp_path, force=True)
-    assert (tmp_path / "compensator.fmu").exists()
-
-
-@pytest.mark.usefixtures("without_pictures")
 def test_a_forced_compensator_has_the_whole_force_in_all_files(emps, tmp_path):
-    write_learned(only(emps, replace(emps.trial.benefit, share=0.8)), tmp_path, force=True)
+    benefit = replace(emps.trial.benefit, share=0.8)
+    rows = (emps.trial.compared.rows[0], Row("lugre", 2, 1.2, benefit))
+    trial = replace(emps.trial, benefit=benefit, compared=CompensatorComparison(rows, "lugre"))
+    write_learned(replace(emps, trial=trial), tmp_path, force=True)
     whole = emps.estimation.compensator
     assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(whole)
     start = cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start
     assert start == pytest.approx(whole["F_c"])
-
-
-@pytest.mark.parametrize(("spoils", "written"), [("values", False), ("intervals", True)])
-@pytest.mark.usefixtures("without_pictures")
-def test_a_compensator_of_wrong_values_is_not_written(emps, tmp_path, spoils, written):
-    fault = Finding("warning", "rows are lost", "2 %", "log without gaps", spoils=spoils)
-    spoiled = replace(emps, estimation=replace(emps.estimation, faults=(fault,)))
-    spoiled = only(spoiled, emps.trial.benefit)
-    assert spoiled.refusal == ("" if written else "rows are lost: 2 %; log without gaps")
-    write_learned(spoiled, tmp_path)
-    assert (tmp_path / "compensator.fmu").exists() == written
-    parameters, out = str(tmp_path / "learned.json"), str(tmp_path / "out")
-    export = ["export", "compensator", "--parameters", parameters, "--out", out]
-    assert main(export) == (0 if written else 1)
-    assert main([*export, "--force"]) == 0
 
 
 @pytest.mark.usefixtures("without_pictures")

@@ -66,13 +66,6 @@ def test_nothing_but_measurements_leaves_the_drive(make_rig, monkeypatch):
     assert not [name for name in specification.system.parameters if name.startswith("drive.")]
 
 
-def test_candidates_know_nothing_of_the_drive(candidates, make_rig):
-    rig = make_rig(asymmetric=1.0)
-    drive, candidate = (cosim.Fmu(folder / "drive.fmu") for folder in (rig.fmus, candidates))
-    assert drive.variables["asymmetric"].start
-    assert not candidate.variables["asymmetric"].start
-
-
 @pytest.mark.usefixtures("without_pictures")
 def test_the_written_recording_is_the_recording(recorded, tmp_path):
     write_record_results(recorded, tmp_path)

@@ -33,10 +33,12 @@ def test_common_drives_are_left_alone_and_others_brought_near():
 
 def test_a_recording_is_scaled_and_back():
     t = np.arange(5.0)
-    recording = Recording(t, position=t, force=2 * t, velocity_command=3 * t, encoder_step=0.1)
+    lengths = ("position", "velocity", "position_command", "velocity_command", "added_velocity")
+    forces = ("force", "friction", "force_command", "added_force")
+    recording = Recording(t, **dict.fromkeys((*lengths, *forces), t + 1.0), encoder_step=0.1)
     there = Scale(10.0, 100.0).recording(recording)
     assert there.encoder_step == pytest.approx(10.0)
-    back = Scale(0.1, 0.01).recording(there)
-    np.testing.assert_allclose(back.force, recording.force)
-    np.testing.assert_allclose(back.velocity_command, recording.velocity_command)
-    assert replace(back, position=None).friction is None
+    for name in (*lengths, *forces):
+        factor = 100.0 if name in lengths else 10.0
+        np.testing.assert_allclose(getattr(there, name), factor * (t + 1.0))
+    assert Scale(0.1, 0.01).recording(replace(there, force=None)).force is None

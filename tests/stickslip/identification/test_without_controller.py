@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip.errors import IdentificationError, UsageError
-from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.estimation import LearnSettings, Task, learn
-from stickslip.identification.fitting.bootstrap import coarse
 
 pytestmark = pytest.mark.slow
 
@@ -60,13 +58,6 @@ def test_a_constant_force_changes_nothing_else(alone, candidates):
     for name in alone.known:
         apart = learned.parameters[name] - alone.parameters[name]
         assert abs(apart) < 0.2 * alone.fitted.errors[name], name
-
-
-def test_an_encoder_counts_as_coarse_by_its_step(recorded, candidates):
-    recording = recorded.learned.estimation.recording
-    with InverseModel(candidates, recording) as model:
-        assert coarse(model, recording)
-        assert not coarse(model, replace(recording, encoder_step=1e-9))
 
 
 def test_a_force_of_the_wrong_sign_is_told(recorded, candidates):

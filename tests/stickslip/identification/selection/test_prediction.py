@@ -5,7 +5,7 @@ import pytest
 from drives import STAGE, run
 
 from stickslip.identification.criteria.controller_check import ControllerCheck
-from stickslip.identification.selection import candidates, prediction, predictions
+from stickslip.identification.selection import prediction, predictions
 from stickslip.logs import Recording
 from stickslip.planning import plan
 from tests.kept import further
@@ -23,13 +23,6 @@ def recording(law, **changes):
 def predicted(request):
     found = predictions(recording(request.param, **DAMPING.get(request.param, {})))
     return request.param, {one.candidate.title: one for one in found}
-
-
-def test_the_candidates_are_the_laws_that_declare_it():
-    found = [one.law.name for one in candidates() if not one.is_level]
-    assert found == ["lugre", "coulomb_stribeck", "dahl", "gms"]
-    (level,) = (one for one in candidates() if one.is_level)
-    assert level.title == "Coulomb-viscous"
 
 
 def test_the_law_of_the_drive_predicts_what_it_was_not_fitted_to(predicted):
