@@ -82,20 +82,14 @@ def test_a_factor_of_units_is_an_error_that_names_it(check, name):
 
 STATED = {
     "iq": "current by its name",
-    "Strom": "current by its name",
     "Motorstrom": "current by its name",
     "courant": "current by its name",
-    "Motor_Current": "current by its name",
-    "corrente": "current by its name",
-    "i": "current by its name",
     "u": "voltage by its name",
     "I_q [A]": "force is in A",
     "Strom_mA": "force is in mA",
-    "actual current [%]": "force is in %",
     "torque [0.1 %]": "force is in ‰",
     "torque [‰ of rated]": "unit '‰ of rated' is unknown",
     "actual torque %": "percentage by its name",
-    "Torque actual value": "torque by its name",
     "tau": "torque by its name",
 }
 WRONG = {

@@ -12,7 +12,6 @@ import scipy.io
 from stickslip.errors import RecordingError, UsageError
 from stickslip.logs import Column, Description, Recording, read_recording
 from stickslip.logs.text import read_text
-from stickslip.logs.units import unit_named
 
 BARE = Description(columns={"time": Column(1), "position": Column("2"), "force": Column(3)})
 
@@ -52,25 +51,6 @@ def test_encodings_and_line_ends(table, tmp_path, encoding, ending):
     renamed["position [µm]"] *= 1e6
     text = renamed.to_csv(index=False, lineterminator=ending)
     equals(read_recording(written(tmp_path, text.encode(encoding))).recording, table)
-
-
-HEADERS = {
-    "brackets": ("Time [ms]", "Actual position (mm)", "Motor force [N]", "v_cmd [mm/s]"),
-    "suffixes": ("t_ms", "pos_act_mm", "force_N", "velocity_command"),
-    "slashes": ("t / ms", "x / mm", "F / N", "v_ref / mm/s"),
-    "paths": ("time, ms", "drive.x_enc, mm", "drive.F_m, N", "controller.v_cmd"),
-}
-
-
-@pytest.mark.parametrize("style", HEADERS)
-def test_names_and_units_are_taken_from_the_header(table, tmp_path, style):
-    header = HEADERS[style]
-    scaled = table.to_numpy() * [1e3, 1e3, 1.0, 1e3 if "mm/s" in header[3] else 1.0]
-    text = pd.DataFrame(scaled, columns=list(header)).to_csv(index=False, sep="\t")
-    reading = read_recording(written(tmp_path, text, "log.txt"))
-    equals(reading.recording, table)
-    assert reading.recording.velocity_command is not None
-    assert any("detected by their names" in str(finding) for finding in reading.findings)
 
 
 def test_a_header_behind_a_comment_sign(table, tmp_path):
@@ -152,11 +132,6 @@ def test_a_span_an_offset_and_a_given_period(table, tmp_path):
     coarse = table.assign(time=np.floor(table["time"] * 100) / 100)
     path = written(tmp_path, coarse.to_csv(index=False))
     equals(read_recording(path, Description(sample_period=1e-3)).recording, table)
-
-
-@pytest.mark.parametrize("given", ["MN", "foo", "", "NM", "m^2", "N/m"])
-def test_unknown_units(given):
-    assert unit_named(given) is None
 
 
 R = np.random.default_rng(3)

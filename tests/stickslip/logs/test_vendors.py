@@ -99,6 +99,8 @@ FILES = {
     + rows(T, X * 1e9, F, number=lambda a: f"{a:,.12f}".translate(str.maketrans(",.", ".,"))),
     "date and time of day": "Datum;Uhrzeit;Lage [mm];Kraft [N]\n"
     + rows(["12.03.2024"] * N, [f"10:00:00,{k:03d}" for k in range(N)], X * 1e3, F),
+    "units behind commas": "time, ms\tdrive.x_enc, mm\tdrive.F_m, N\n"
+    + rows(T * 1e3, X * 1e3, F, separator="\t", number="{:.9g}".format),
     "own times": "Zeit 1 [ms];Lageistwert [µm];Zeit 2 [ms];Kraftistwert [N]\n"
     + rows(T * 1e3, X * 1e6, T * 1e3 + 0.0, F),
 }  # fmt: skip
