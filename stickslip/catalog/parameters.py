@@ -212,17 +212,15 @@ class ParameterSpace:
             for name, parameter in law.parameters.items()
             if name not in names and len(parameter.start) == 1 and parameter.start[0] != 0.0
         }
-        k = len(parameters)
-        infinite = np.full(k, np.inf)
-        lower = np.array([0.0 if one.at_least else -np.inf for one in parameters])
+        infinite = np.full(len(parameters), np.inf)
         return cls(
             law,
             parameters,
             constants,
-            np.ones(k),
-            prior_mean=np.zeros(k),
+            units=np.ones_like(infinite),
+            prior_mean=np.zeros_like(infinite),
             prior_deviation=infinite,
-            lower=lower,
+            lower=np.array([0.0 if one.at_least else -np.inf for one in parameters]),
             upper=infinite,
         )
 
@@ -328,13 +326,10 @@ class ParameterSpace:
             if name not in self.names and name not in self.constants:
                 raise KeyError(name)
         kept = [k for k, name in enumerate(self.names) if name not in values]
-        return ParameterSpace(
-            self.law,
-            tuple(self.parameters[k] for k in kept),
-            {**self.constants, **values},
-            self.units[kept],
-            prior_mean=self.prior_mean[kept],
-            prior_deviation=self.prior_deviation[kept],
-            lower=self.lower[kept],
-            upper=self.upper[kept],
+        arrays = ("units", "prior_mean", "prior_deviation", "lower", "upper")
+        return replace(
+            self,
+            parameters=tuple(self.parameters[k] for k in kept),
+            constants={**self.constants, **values},
+            **{name: getattr(self, name)[kept] for name in arrays},
         )

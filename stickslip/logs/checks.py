@@ -16,9 +16,8 @@ from stickslip.logs.motion import (
     aligned,
     force_delay,
     kinematics,
-    late_beyond,
-    samples_late,
     signal_delay,
+    sure_delay,
 )
 from stickslip.logs.recording import Finding, Recording, Severity
 from stickslip.logs.sampling import step_of
@@ -155,15 +154,14 @@ def check_recording(
     findings = [*_signals(recording, controller)]
     if any(finding.severity == "error" for finding in findings):
         return tuple(findings)
-    shown = excitation(recording)
-    late = samples_late(recording)
-    lost = lost_rows(recording)
+    shown, lost, sure = excitation(recording), lost_rows(recording), sure_delay(recording)
+    late = 0 if sure is None or sure.at_bound else round(sure.value / recording.T_s)
     return (
         *findings,
         *([lost] if lost else force_path(aligned(recording, late))),  # the cause of the rest
         *saturation(recording, force_limit),
         *_quantisation(recording, shown),
-        *_delays(recording, late),
+        *_delays(recording, sure, late),
         *_visibility(recording, shown),
     )
 
@@ -219,11 +217,11 @@ def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:
         yield Finding("note", "the position is quantised", figure)
 
 
-def _delays(recording: Recording, late: int) -> Iterator[Finding]:
-    """Yield delays of signals relative to each other."""
-    delay = force_delay(recording)
-    if beyond := late_beyond(recording):
-        figure = f"{1e3 * beyond:.4g} ms, the largest that is looked for, explains most of it"
+def _delays(recording: Recording, sure: Delay | None, late: int) -> Iterator[Finding]:
+    """Yield delays of signals relative to each other; that of the force may be sure."""
+    delay = sure or force_delay(recording)
+    if sure and sure.at_bound:
+        figure = f"{1e3 * sure.value:.4g} ms, the largest that is looked for, explains most of it"
         advice = "log force and position of the same instants, or shift the force by its delay"
         what = "the delay of the force ends at the bound of its search"
         yield Finding("warning", what, figure, advice, spoils="values")

@@ -233,28 +233,22 @@ def _best_trial(signal: scipy.interpolate.CubicSpline, t: Array, base: Array) ->
     return float(delays[k])
 
 
-def samples_late(recording: Recording) -> int:
-    """Return by how many samples the force shows late, where that is sure and no loop explains it.
+def sure_delay(recording: Recording) -> Delay | None:
+    """Return the delay of the force where it is sure and no loop explains it.
 
     A sampled loop and its amplifier account for less than two samples. Saturation and noise make
     delays, too; taking those out explains no more of the force.
     """
-    delay = force_delay(recording)
-    if delay is None or delay.at_bound or not delay.is_large(recording.T_s):
-        return 0
-    samples = round(delay.value / recording.T_s)
-    return samples if _explains(recording, samples) else 0
+    delay, T_s = force_delay(recording), recording.T_s
+    if delay is None or not (delay.at_bound or delay.is_large(T_s)):
+        return None
+    return delay if _explains(recording, round(delay.value / T_s)) else None
 
 
-def late_beyond(recording: Recording) -> float:
-    """Return the largest delay [s] that is looked for, with its sign, if the force has more; or 0.
-
-    It has where that delay explains the force, and a smaller one explains less.
-    """
-    delay = force_delay(recording)
-    if delay is None or not delay.at_bound:
-        return 0.0
-    return delay.value if _explains(recording, round(delay.value / recording.T_s)) else 0.0
+def samples_late(recording: Recording) -> int:
+    """Return by how many samples the force shows late for sure, 0 where it may be even more."""
+    delay = sure_delay(recording)
+    return 0 if delay is None or delay.at_bound else round(delay.value / recording.T_s)
 
 
 def _explains(recording: Recording, samples: int) -> bool:

@@ -170,15 +170,9 @@ def read_isolated(path: str, data: bytes, module: str, title: str) -> list[Signa
                 described = json.loads(found["signals"].item())
                 if described is None:
                     return bytes(found["arr_0"]).decode()
-                arrays = [found[f"arr_{k}"] for k in range(len(found.files) - 1)]
+                arrays = {k: found[f"arr_{k}"] for k in range(len(found.files) - 1)}
                 return [
-                    Signal(
-                        name,
-                        None if place is None else arrays[place],
-                        unit=unit,
-                        time=None if time is None else arrays[time],
-                        instead=instead,
-                    )
+                    Signal(name, arrays.get(place), unit, arrays.get(time), instead=instead)
                     for name, unit, place, instead, time in described
                 ]
         except subprocess.TimeoutExpired:

@@ -280,12 +280,8 @@ def bounded(v: Array, limits: Limits) -> Array:
 
 
 def _out_and_back(limits: Limits, size: float, samples: int) -> Array:
-    """Return one sine of velocity that leads a distance [m] away."""
-    return _sine(limits, math.pi * size * limits.rate / samples, samples)
-
-
-def _sine(limits: Limits, v: float, samples: int) -> Array:
-    """Return one sine of velocity: out and back."""
+    """Return one sine of velocity that leads a distance [m] away, and back."""
+    v = math.pi * size * limits.rate / samples
     return bounded(v * np.sin(2 * math.pi * np.arange(samples) / samples), limits)
 
 

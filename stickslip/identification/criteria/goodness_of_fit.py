@@ -16,6 +16,9 @@ from stickslip.identification.criteria.motion import Scale, measured_force, posi
 from stickslip.identification.criteria.runs import Diverged
 from stickslip.servo.measurement import Array
 
+LOOP = ("position", "velocity", "closed_loop_force")
+ERRORS = ("force", "force_unfiltered", *LOOP)
+
 
 @dataclass(frozen=True)
 class GoodnessOfFit:
@@ -38,13 +41,7 @@ class GoodnessOfFit:
 
     def errors(self) -> dict[str, float]:
         """Return the relative errors by name."""
-        return {
-            "force": self.force,
-            "force_unfiltered": self.force_unfiltered,
-            "position": self.position,
-            "velocity": self.velocity,
-            "closed_loop_force": self.closed_loop_force,
-        }
+        return {name: value for name, value in vars(self).items() if name in ERRORS}
 
     def scaled(self, scale: Scale) -> GoodnessOfFit:
         """Return the signals in other units; relative errors stay."""
@@ -73,18 +70,13 @@ def goodness_of_fit(
     used = slice(inverse.used.start * inverse.q, inverse.used.stop * inverse.q)
     raw = np.interp(recording.t - delay, recording.t, measured_force(recording))
     unfiltered = relative(raw[used], predicted[used])
-    position = velocity = closed_loop_force = math.nan
-    simulated = None
+    errors, simulated = dict.fromkeys(LOOP, math.nan), None
     if gains is not None and check is not None:
-        found = _closed_loop(inverse, values, gains, check)
-        if found is not None:
-            position, velocity, closed_loop_force, simulated = found
+        errors, simulated = _closed_loop(inverse, values, gains, check) or (errors, None)
     return GoodnessOfFit(
         force,
         unfiltered,
-        position,
-        velocity,
-        closed_loop_force=closed_loop_force,
+        **errors,
         t=recording.t,
         measured=measured,
         predicted=predicted,
@@ -97,8 +89,8 @@ def goodness_of_fit(
 
 def _closed_loop(
     inverse: InverseModel, values: Values, gains: Mapping[str, float], check: ControllerCheck
-) -> tuple[float, float, float, Array] | None:
-    """Return the relative errors of position, velocity and force, and the position (n,) [m]."""
+) -> tuple[dict[str, float], Array] | None:
+    """Return the relative errors of ``LOOP`` and the position (n,) [m]."""
     recording = inverse.recording
     with KnownLoop(inverse.fmus, recording, gains) as loop:
         try:
@@ -110,8 +102,8 @@ def _closed_loop(
     commanded = np.append(result["controller.u"][1:], 0.0) + values["F_0"]
     n = len(commanded) - check.shift - 1
     logged = measured_force(recording)[check.shift : check.shift + n]
-    errors = relative(position, simulated), relative(*velocity), relative(logged, commanded[:n])
-    return *errors, simulated
+    pairs = (position, simulated), velocity, (logged, commanded[:n])
+    return {name: relative(*pair) for name, pair in zip(LOOP, pairs, strict=True)}, simulated
 
 
 def relative(recorded: Array, modelled: Array) -> float:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from stickslip.logs import Finding
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import law_choice, misfit
 
+FORCE = attrgetter("force")
 NO_LAW = (
     "none of the laws compared explains it; check sign, unit and delay of the force, and what else "
     "pushes the drive"
@@ -92,14 +94,10 @@ def _another_law(found: Prediction, others: Sequence[Prediction]) -> Iterator[Ca
         return
     order = [*candidates(), found.candidate].index
     ordered = sorted((found, *others), key=lambda one: order(one.candidate))
-    best = choose(ordered).chosen if ordered[0].candidate.is_level else min(ordered, key=_force)
+    best = choose(ordered).chosen if ordered[0].candidate.is_level else min(ordered, key=FORCE)
     if best is not found and is_better(best, found):
         law = "auto" if best.candidate.is_level else best.candidate.law.name
         yield Cause(f"another law, {best.candidate.title},", best.force, f"give <law {law}>")
-
-
-def _force(one: Prediction) -> float:
-    return one.force
 
 
 def _removes(cause: Cause, found: Prediction) -> float:
@@ -172,7 +170,7 @@ def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice
         if one.candidate.is_level
         or ((one.shown or one.force < law_choice.UNIDENTIFIED * simplest) and not one.fails)
     ]
-    best = min(able, key=lambda one: one.force)
+    best = min(able, key=FORCE)
     static = [one.force for one in predictions if not presliding(one.candidate.law)]
     most = law_choice.STATIC * min(static, default=best.force)
     most = min(most, best.force / law_choice.UNIDENTIFIED)

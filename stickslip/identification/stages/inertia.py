@@ -155,7 +155,8 @@ def measure_presliding(rig: Rig, known: Mapping[str, float], force: float) -> Pr
                 stiffer = (_starts(shown, f * stiffness, known["m"])[0] for f in STIFFER)
                 nearest = min(stiffer, key=lambda start: float(np.sum(residual(start) ** 2)))
                 fit = min(fit, _least(residual, [nearest]), key=lambda candidate: candidate.cost)
-            p, errors, warning = _evaluated(fit, starts[0], _left(fit.fun, log, step))
+            left = float(np.std(fit.fun) * step / np.std(log.x_enc))  # share of the deflection
+            p, errors, warning = _evaluated(fit, starts[0], left)
         gap = position(p) - log.x_enc
         x_fit = position(p) - gap.mean()
     values = np.exp(p)
@@ -175,11 +176,6 @@ def measure_presliding(rig: Rig, known: Mapping[str, float], force: float) -> Pr
 def _least(residual: Callable[[Array], Array], starts: Iterable[Array]) -> OptimizeResult:
     fits = [least_squares(residual, start, diff_step=[1e-3]) for start in starts]
     return min(fits, key=lambda candidate: candidate.cost)
-
-
-def _left(residual: Array, log: Log, step: float) -> float:
-    """Return the share of the deflection that a residual in encoder steps is."""
-    return float(np.std(residual) * step / np.std(log.x_enc))
 
 
 def _evaluated(fit: OptimizeResult, start: Array, left: float) -> tuple[Array, Array, str]:
