@@ -48,10 +48,7 @@ def correlation_length(residual: Array, lags: int | None = None) -> float:
 
 
 def covariance(jacobian: Array, residual: Array) -> Array:
-    """Return the covariance (k, k) of a least-squares fit.
-
-    The Jacobian (n, k) is that of the residual (n,), both at the fit.
-    """
+    """Return the covariance (k, k) of a fit with this Jacobian (n, k) and residual (n,)."""
     n, k = jacobian.shape
     variance = residual @ residual / max(n - k, 1) * correlation_length(residual)
     return np.asarray(variance * np.linalg.pinv(jacobian.T @ jacobian))
@@ -95,10 +92,7 @@ PAPER = {
 
 @cache
 def friction_law(name: str = "lugre") -> Law:
-    """Return a friction law of ``models/laws``, LuGre by default.
-
-    Raises models.UnknownLaw when there is no such law.
-    """
+    """Return a law of ``models/laws``; raise models.UnknownLaw when there is none."""
     return models.load_law(name)
 
 
@@ -131,10 +125,7 @@ def scaled_start(one: LawParameter, F_c: float, deflection: float) -> float:
 
 @cache
 def parameter(name: str) -> LawParameter:
-    """Return a parameter of a drive or of any friction law.
-
-    Raises KeyError when there is none of this name.
-    """
+    """Return a parameter of a drive or of any friction law; raise KeyError when there is none."""
     if name in DRIVE:
         return DRIVE[name]
     for law in map(friction_law, ("lugre", *models.law_names())):
@@ -318,10 +309,7 @@ class ParameterSpace:
         return replace(self, upper=upper)
 
     def fixed(self, **values: float) -> ParameterSpace:
-        """Return the space in which these parameters have these values, in SI units.
-
-        Raises KeyError when there is no parameter of one of the names.
-        """
+        """Return the space with these values [SI] as constants; raise KeyError for another name."""
         for name in values:
             if name not in self.names and name not in self.constants:
                 raise KeyError(name)

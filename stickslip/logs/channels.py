@@ -143,10 +143,7 @@ def _whole(numbers: Array | None) -> bool:
 def motion_from(
     description: Description, channels: Sequence[Channel]
 ) -> tuple[Motion, list[Finding]]:
-    """Return the motion: that of the description, else that of the units, else linear.
-
-    A position without a unit whose name is that of an angle makes it rotary, too.
-    """
+    """Return the motion: that of the description, else of a unit, else of the position's name."""
     if description.motion:
         return description.motion, []
     for one in channels:

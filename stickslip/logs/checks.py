@@ -58,14 +58,11 @@ def lost_rows(recording: Recording) -> Finding | None:
 
 
 def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
-    """Yield forces at a limit, and such that are beyond the one that is stated.
+    """Yield forces at a limit, and such that are beyond the one that is stated [N].
 
     A force that stays at its extreme may be one that was commanded, or Coulomb friction of a drive
     at constant speed. It is limited only where the force command is larger, or where the error of
     the motion grows, by so much that the loop would command more.
-
-    The recording is on its even grid. The limit is that of the force [N], None where none is
-    stated.
     """
     for name in ("force", "force_command"):
         force = getattr(recording, name)
@@ -144,10 +141,7 @@ ONE_WAY = "F_c and the constant force cannot be told apart"
 def check_recording(
     recording: Recording, controller: Controller | None = None, force_limit: float | None = None
 ) -> tuple[Finding, ...]:
-    """Return the findings on a recording on its even grid, before learning.
-
-    The controller is the one that was in use, the force limit that of motor or amplifier [N].
-    """
+    """Return the findings on a recording made with a controller under a force limit [N]."""
     controller = controller or Controller()
     if force_limit is None and np.isfinite(controller.u_max):
         force_limit = controller.u_max

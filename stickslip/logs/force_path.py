@@ -21,10 +21,7 @@ OWN = (0.0, 0.5, 0.7, 0.85, 1.0)  # shares of a low-pass's time constant that ar
 
 
 def force_path(recording: Recording) -> Iterator[Finding]:
-    """Yield how the logged force differs from that which moves the drive.
-
-    The recording has no delay of its force.
-    """
+    """Yield how the logged force, without its delay, differs from that which moves the drive."""
     force = recording.force
     if force is None:
         return

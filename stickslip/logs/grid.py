@@ -20,10 +20,7 @@ WORDS = tuple(2.0**n for n in range(8, 33))  # counts after which a counter rest
 
 
 def jumps(t: Array, x: Array) -> tuple[NDArray[np.intp], Array, Array]:
-    """Return after which samples (k,) a signal jumps, how far, and the tolerance of that (k,).
-
-    The times t (n,) rise.
-    """
+    """Return after which samples (k,) a signal jumps, how far, and the tolerance of that (k,)."""
     steps, times = np.diff(x), np.diff(t)
     near = steps / times
     beside = [near[:-4], near[1:-3], near[3:-1], near[4:]]
@@ -95,10 +92,7 @@ def _restart(role: str, x: Array, sizes: Array, tolerance: Array) -> float | Non
 
 
 def _unwrap(role: str, size: float, signals: dict[str, Array]) -> tuple[int, int]:
-    """Count a signal on, and a position's command, which restarts elsewhere.
-
-    Returns how many times it restarts, and the first sample behind that.
-    """
+    """Count a signal on, and a position's command; return how often it restarts, and where."""
     signal = signals[role].copy()
     known = np.flatnonzero(np.isfinite(signal))
     restarts = np.flatnonzero(np.abs(np.diff(signal[known])) > 0.5 * size)

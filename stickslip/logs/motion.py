@@ -29,10 +29,7 @@ class Kinematics:
 
 
 def kinematics(recording: Recording, cutoff: float = CUTOFF) -> Kinematics:
-    """Return what the position, or else the velocity, shows of the motion.
-
-    The cut-off of the low-pass [Hz] is less where the sampling is slow.
-    """
+    """Return what position or else velocity shows, low-passed [Hz] as the sampling allows."""
     T_s = recording.T_s
     cutoff = min(cutoff, FASTEST / T_s)
     if recording.position is not None:
@@ -52,10 +49,7 @@ def kinematics(recording: Recording, cutoff: float = CUTOFF) -> Kinematics:
 
 
 def sliding(motion: Kinematics, T_s: float, share: float = 0.1) -> NDArray[np.bool_]:
-    """Return where (n,) the drive slides fast, farther from slow motion than the low-pass smears.
-
-    T_s is the sample period of the recording [s], and fast is more than a share of the top speed.
-    """
+    """Return where (n,) it is faster than a share of its top speed, and not near slower motion."""
     slow = np.abs(motion.v) < share * np.max(np.abs(motion.v))
     reach = max(1, min(round(1.0 / (motion.cutoff * T_s)), (len(slow) - 1) // 2))
     near = np.convolve(slow, np.ones(2 * reach + 1), mode="same") > 0.5
@@ -178,11 +172,9 @@ def _fitted(
 ) -> Delay | None:
     """Return the delay of a signal (n,) against columns (k, c), by Gauss-Newton.
 
-    The first column is that of a mass or gain: where a signal switches, a wrong delay may explain
-    it best, by a negative one, and is not looked at.
-
-    ``slope`` gives the derivative (k,) of what the columns fit by time. It is the same smooth
-    motion that the delay moves along, so noise in it weakens a step but not where the steps end.
+    The first column is that of a mass or gain: where a signal switches, a negative one explains a
+    wrong delay best. ``slope`` gives the derivative (k,) of what the columns fit by time, of the
+    same smooth motion, so that noise in it weakens a step but not where the steps end.
     """
     from stickslip.catalog.parameters import covariance  # late: loads the stages
 
@@ -252,10 +244,7 @@ def samples_late(recording: Recording) -> int:
 
 
 def _explains(recording: Recording, samples: int) -> bool:
-    """Tell whether a delay of so many samples explains much of the unexplained force, by a mass.
-
-    Where the force switches, a wrong delay explains it best, by a negative mass.
-    """
+    """Tell whether a delay of so many samples explains much of the unexplained force, by a mass."""
     shown = aligned(recording, samples)
     if (drive := rigid(shown, kinematics(shown, DELAY_CUTOFF))) is None:
         return False

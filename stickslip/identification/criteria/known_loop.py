@@ -144,10 +144,7 @@ class KnownLoop(Closing):
         further: Mapping[str, float] | None = None,
         feedforward: Array | float = 0.0,
     ) -> cosim.Result:
-        """Do what ``run`` does, for figures that are shown.
-
-        Raises Diverged when the drive runs away from its command.
-        """
+        """Do what ``run`` does; raise Diverged when the drive runs away from its command."""
         result = self.run(values, further, feedforward)
         require_bounded(result["candidate.v"], self._speed)
         return result
@@ -226,11 +223,7 @@ class OutputError(Criterion):
         self.whitening = predictor_error(self.raw(values)[self.used], ORDER)
 
     def unexplained(self, values: Values, explained: Array) -> float:
-        """Return the standard deviation of the residual over that of what is explained.
-
-        What is explained is the residual (n,) [m] of these values' own recording, by encoder steps
-        alone.
-        """
+        """Return the deviation of the residual over that of one (n,) [m] by the encoder alone."""
         expected = max(self.noise, float(np.std(explained[self.used])))
         return float(np.std(self.raw(values)[self.used])) / expected
 

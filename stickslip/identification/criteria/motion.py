@@ -89,18 +89,12 @@ def samples_per_row(
 
 
 def velocity_noise(noise: float, T_s: float, cutoff: float) -> float:
-    """Return the standard deviation [m/s] of the velocity from white noise on the position [m].
-
-    It is differentiated and cut off [Hz].
-    """
+    """Return the deviation [m/s] of a velocity, cut off [Hz], by noise on the position [m]."""
     return float(2.0 * np.pi * noise * np.sqrt(2.0 * cutoff**3 * T_s / 3.0))
 
 
 def position_of(recording: Recording) -> Array:
-    """Return the position (n,) [m], integrated from the velocity where it was not logged.
-
-    Raises UsageError when neither was logged.
-    """
+    """Return the position (n,) [m] or the velocity's integral; raise UsageError without both."""
     if recording.position is not None:
         return recording.position
     if recording.velocity is None:
@@ -112,10 +106,7 @@ def position_of(recording: Recording) -> Array:
 
 
 def measured_force(recording: Recording) -> Array:
-    """Return the motor's force (n,) [N], or the friction where that was measured.
-
-    Raises UsageError when neither was logged.
-    """
+    """Return the force (n,) [N] of motor or friction; raise UsageError when none was logged."""
     for signal in (recording.force, recording.friction, recording.force_command):
         if signal is not None:
             return signal

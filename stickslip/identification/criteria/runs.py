@@ -60,10 +60,7 @@ Outcome = cosim.Result | cosim.SimulationError  # of a run
 
 
 class Runs(Closing):
-    """Runs of a system, in any thread. Which thread runs what changes no result.
-
-    ``each`` uses ``workers`` threads; a run leaves the interpreter lock.
-    """
+    """Runs of a system, which leave the interpreter lock, in threads that change no result."""
 
     def __init__(self, specification: cosim.Specification, workers: int = 1) -> None:
         self._specification = specification
@@ -145,11 +142,7 @@ class Diverged(cosim.SimulationError):
 
 
 def require_bounded(v: Array, speed: float) -> None:
-    """Raise where a simulated velocity is not finite, or far beyond what was commanded.
-
-    Raises Diverged when it has run away. The velocity v (n,) is compared with the largest speed
-    [m/s] that is commanded at any time of the trial.
-    """
+    """Raise Diverged where a velocity (n,) is not finite, or far beyond the commanded one [m/s]."""
     peak = float(np.max(np.abs(v)))
     if not peak <= loop_fit.RUNS_AWAY * speed:
         raise Diverged(

@@ -134,12 +134,8 @@ def check_held_out(
 ) -> HeldOut:
     """Predict, and test the causes of a mismatch: the position, and the other laws.
 
-    Parameters
-    ----------
-    found : by the inverse model
-    task : of a recording that is scaled
-    gains : of a controller that commands the logged force
-    scale : of the recording
+    What the inverse model found is of a recording that is scaled; the gains are those of a
+    controller that commands the logged force.
     """
     candidate = Candidate(inverse.space.law, is_level=task.is_level)
     residual = held_out(inverse, found)

@@ -84,14 +84,8 @@ BIAS_ERROR = 0.12  # standard error of the bias that is subtracted, as share of 
 def learn(task: Task, progress: Progress = SILENT) -> Estimation:
     """Learn the parameters of the drive that made a recording.
 
-    Raises
-    ------
-    IdentificationError
-        When the drive does not slide in the recording.
-    UsageError
-        When it lacks a signal that the criterion needs.
-    ga.NothingLearned
-        When no candidate could be run.
+    Raises IdentificationError when the drive does not slide in the recording, UsageError when it
+    lacks a signal that the criterion needs, or ga.NothingLearned when no candidate could be run.
     """
     scale = recording_scale(task.recording)
     gains = None if task.gains is None else scale.values(task.gains)

@@ -174,10 +174,7 @@ def resimulated_residuals(
 
 
 def correct(criterion: OutputError, fitted: Fit, again: KnownLoop, seed: int) -> UnbiasedFit:
-    """Subtract the bias of a whitened fit by a parametric bootstrap of the experiment.
-
-    ``again`` is the loop of the criterion with the encoder.
-    """
+    """Subtract the bias of a fit by a bootstrap; ``again`` is its loop with the encoder."""
     criterion, step = criterion.over(fitted.space), criterion.step
     rng = np.random.default_rng(seed)
     noise = float(np.sqrt(max(fitted.variance - step**2 / 12.0, 1e-6 * fitted.variance)))

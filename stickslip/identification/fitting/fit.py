@@ -65,10 +65,7 @@ class Fit:
         return value_errors(self.space, self.q, self.covariance)
 
     def correlations(self) -> Array:
-        """Return how the errors of the values go together (n, n), in the order of their names.
-
-        Rows and columns of values that were held are NaN.
-        """
+        """Return how errors of values go together (n, n), in their order; NaN where one is held."""
         slopes = self.space.jacobian(self.q)
         deviation = np.array([*self.errors().values()])
         deviation[deviation == 0.0] = np.nan
@@ -182,8 +179,6 @@ def inverse_information(jacobian: Array, variance: float, space: ParameterSpace)
 
 def covariance(jacobian: Array, residual: Array, space: ParameterSpace) -> Array:
     """Return the covariance (k, k) of a fit whose residual may be correlated and uneven.
-
-    The priors count as independent measurements.
 
     Source: White, Econometrica 48 (1980) 817, with blocks in place of samples.
     """

@@ -50,10 +50,7 @@ class Identifiability(Interval):
 
 
 def identifiability(name: str, fitted: Fit, errors: Values, degrees: int) -> Identifiability:
-    """Return the identifiability of one parameter.
-
-    Behind the standard errors [SI] by name are so many degrees of freedom.
-    """
+    """Return it for a parameter, from standard errors [SI] by name with degrees of freedom."""
     value, error = fitted.parameters[name], errors[name]
     factor = float(student.ppf(0.975, degrees))
     space = fitted.space
@@ -155,17 +152,12 @@ def _is_prior_dominated(name: str, fitted: Fit) -> bool:
 def profiles(
     fitted: Fit, residuals: Callable[[list[Values]], list[Array]], errors: Values
 ) -> pd.DataFrame:
-    """Return the profile likelihoods of the law's parameters.
+    """Return the profile likelihoods: parameter, value [SI] and deviance, 3.84 at 95 %.
 
     Each point holds one parameter and lets the others follow by up to three Gauss steps with the
     Jacobian of the fit; where that is not enough the curve lies above the true profile. Where a
     bound keeps the parameter from a value there is no point. ``residuals`` returns the residual
     (n,) of each of several points, as the fit saw it; the standard errors by name are in SI units.
-
-    Returns
-    -------
-    DataFrame
-        parameter, value [SI], deviance (twice the loss of log likelihood, 3.84 at 95 %)
     """
     space = fitted.space
     (rest,) = residuals([fitted.parameters])

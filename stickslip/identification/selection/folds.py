@@ -139,16 +139,11 @@ class Moving:
 def moving(
     inverse: InverseModel, values: Values, residual: Array, split: Iterable[Fold]
 ) -> Moving | None:
-    """Compare a law with a regression of Coulomb and viscous friction where the drive moves.
+    """Compare a law with a regression of Coulomb and viscous friction where the drive moves, if so.
 
-    Both are fitted to the same samples. At rest a regression does not tell the force, so the errors
-    are those where the drive moves. None where it does not.
-
-    Parameters
-    ----------
-    values : of the law by name, with the delay of the force
-    residual : of the law where it was not fitted (k,) [N]
-    split : the folds of that residual
+    Both are fitted to the same samples of the folds: the values give the delay of the force, the
+    residual (k,) [N] is that of the law where it was not fitted. At rest a regression does not
+    tell the force.
     """
     moves = inverse.moves[inverse.used]
     if not moves.any():

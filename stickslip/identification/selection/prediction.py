@@ -249,10 +249,7 @@ def _without(inverse: InverseModel, fitted: Fit, fold: Fold) -> Array:
 
 
 def _fitted(inverse: InverseModel, candidate: Candidate, scale: Scale) -> Fit:
-    """Return the fit from the best of several points, with the choices such as an exponent.
-
-    The starts are compared on fewer rows.
-    """
+    """Return the fit from the best of several points, which are compared on fewer rows."""
     recording = inverse.recording
     start = begin(inverse, recording, scale)
     space = candidate.restricted(start.space)

@@ -119,19 +119,10 @@ class FrictionCurve:
 def friction_curve(
     position: Array, force: Array, T_s: float, step: float, delay: float = 0.0
 ) -> FrictionCurve | None:
-    """Estimate the friction curve of a recording.
+    """Estimate the friction curve of a recording, None where the drive slides too little.
 
-    Parameters
-    ----------
-    position, force : (n,) [m], [N]
-    T_s : sample period [s]
-    step : resolution of the position [m]
-    delay : of the force, about; it is fitted beside the rest [s]
-
-    Returns
-    -------
-    FrictionCurve or None
-        None where the drive slides too little.
+    Position [m] and force [N] are (n,), with this step of the position [m]; the force has about
+    this delay [s], which is fitted beside the rest.
     """
     if len(position) < 8 * curve_shown.ROWS:
         return None

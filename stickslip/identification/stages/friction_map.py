@@ -71,9 +71,8 @@ def measure_sliding(rig: Rig, loop: VelocityLoop) -> Sliding:
 def _forth_and_back(rig: Rig, loop: VelocityLoop, speed: float) -> tuple[Array, float] | None:
     """Return the mean force (2, k) [N] in each block, forward and back, and the fluctuation [m/s].
 
-    None where the loop does not hold the speed.
-
-    The velocity does not fluctuate more than the motor force would make the mass alone do.
+    None where the loop does not hold the speed. The velocity does not fluctuate more than the motor
+    force would make the mass alone do.
     """
     reach = GUIDE if speed >= FAST else BEGINNING
     settle, travel = min(SETTLE, LEAD / speed), reach / speed
@@ -221,10 +220,7 @@ def _friction(speed: Array, p: Array, fluctuation: float) -> Array:
 
 
 def _break_away(rig: Rig, direction: float, first: float) -> tuple[float, float]:
-    """Ramp the force up from rest, ever higher, until the stage slides.
-
-    Returns the force [N] without sign, and the rate of the ramp [N/s].
-    """
+    """Ramp the force up, ever higher, until it slides; return force [N] and rate [N/s]."""
     t = rig.samples(RAMP)
     peak = rig.datasheet.peak_force
     end = min(max(abs(first), 1e-3 * peak), peak)

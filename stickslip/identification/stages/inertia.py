@@ -35,10 +35,7 @@ class Inertia:
     def check(self, friction: float) -> None:
         """Compare the friction that was fitted with that of a constant velocity [N] at ``speed``.
 
-        Raises
-        ------
-        IdentificationError
-            When they differ by as much as the mass takes: then it is not the mass.
+        Raises IdentificationError when they differ by as much as the mass takes.
         """
         fitted = self.F_c.value + self.b.value * self.speed
         taken = self.m.value * float(np.abs(self.acceleration).mean())

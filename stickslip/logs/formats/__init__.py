@@ -68,10 +68,7 @@ def read_table(path: Path, delimiter: str | None = None, decimal: str | None = N
 def _read(
     module: ModuleType, path: str, data: bytes, delimiter: str | None, decimal: str | None
 ) -> LogTable:
-    """Read a file of a format.
-
-    Raises RecordingError when its library is not installed, or the file cannot be read.
-    """
+    """Read a file of a format."""
     library, extra = getattr(module, "NEEDS", ("numpy", ""))
     if find_spec(library) is None:
         needed = f"reading {module.TITLE} needs {library}"

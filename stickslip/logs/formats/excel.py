@@ -13,10 +13,7 @@ MOST = 1 << 28  # bytes of a workbook when it is unpacked
 
 
 def contents(data: bytes) -> str:
-    """Return the sheet with most numbers as text, its fields apart by tabulators.
-
-    Raises ValueError when the workbook is too large.
-    """
+    """Return the sheet with most numbers as text, its fields apart by tabulators."""
     from openpyxl import load_workbook
 
     with zipfile.ZipFile(io.BytesIO(data)) as archive:

@@ -9,10 +9,7 @@ NEEDS = ("pyarrow", "parquet")
 
 
 def signals(data: bytes) -> list[Signal]:
-    """Return the columns; points in time become seconds.
-
-    Raises ValueError when the file cannot be read.
-    """
+    """Return the columns; points in time become seconds."""
     from stickslip.cosim.signals.tables import read_parquet  # late: loads cosim
 
     return [

@@ -12,10 +12,7 @@ NEEDS = ("nptdms", "tdms")
 
 
 def contents(data: bytes) -> list[dict[str, Any]]:
-    """Return the channels with their units, and their times where the file states the period.
-
-    Raises ValueError when the file is cut off.
-    """
+    """Return the channels with their units, and their times where the file states the period."""
     from nptdms import TdmsFile
 
     file = TdmsFile.read(io.BytesIO(data))
