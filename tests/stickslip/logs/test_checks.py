@@ -46,12 +46,6 @@ def test_a_controller_without_its_command():
     assert not findings(replace(DRIVE, force=None), "error", controller=known)
 
 
-def test_findings_on_a_rotary_drive_are_in_radians():
-    found = findings(replace(DRIVE, motion="rotary"))
-    assert "rad/s^2" in found
-    assert " m/s" not in found
-
-
 @pytest.mark.slow
 def test_the_plan_shows_all_and_the_sweep_not_f_s_and_v_s(drive_log):
     planned = drive_log(plan()["velocity_command"].to_numpy())

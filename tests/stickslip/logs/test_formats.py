@@ -90,21 +90,6 @@ def test_the_extras_are_declared():
         assert importlib.util.find_spec(library), "the tests need it"
 
 
-@pytest.mark.parametrize("kind", ["excel", "tdms", "mdf", "hdf5", "matlab 7.3", "cells"])
-def test_a_damaged_file_is_reported_in_one_line(kind, table, tmp_path):
-    name, write = FILES[kind]
-    path = tmp_path / name
-    write(path, columns(table, units=kind not in WITHOUT_UNITS))
-    content = path.read_bytes()
-    for wrong in (content[: len(content) // 2], content[:64] + bytes(len(content) - 64)):
-        path.write_bytes(wrong)
-        with pytest.raises(RecordingError) as caught:
-            read_recording(path)
-        assert "\n" not in str(caught.value)
-        assert str(caught.value).startswith(str(path))
-        assert len(str(caught.value)) < len(str(path)) + 250
-
-
 def test_the_content_decides_before_the_name_does(table, tmp_path):
     writers.excel(tmp_path / "log.xlsx", columns(table))
     (tmp_path / "log.xlsx").rename(tmp_path / "log.csv")

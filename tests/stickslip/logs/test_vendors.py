@@ -203,24 +203,19 @@ def test_a_velocity_is_enough(tmp_path):
 
 
 NAMES = {
-    "Istlage": "position", "Lageistwert": "position", "Soll-Lage": "position_command",
-    "Istposition": "position", "s_act": "position", "Istwert [mm]": "position",
-    "Sollwert [1/min]": "velocity_command", "n_ist": "velocity", "Drehzahlsollwert":
-    "velocity_command", "Axis 1.SetVelo": "velocity_command", "606Ch": "velocity",
-    "r0063[0]": "velocity", "r2556": "position_command", "Momentenistwert": "force",
-    "Stromistwert momentenbildend": "force", "M_soll": "force_command", "Istkraft": "force",
+    "Lageistwert": "position", "Soll-Lage": "position_command", "s_act": "position",
+    "Istwert [mm]": "position", "Sollwert [1/min]": "velocity_command", "n_ist": "velocity",
+    "Drehzahlsollwert": "velocity_command", "Axis 1.SetVelo": "velocity_command",
+    "606Ch": "velocity", "r0063[0]": "velocity", "r2556": "position_command",
+    "Stromistwert momentenbildend": "force", "M_soll": "force_command", "0x60B2": "added_force",
     "Drive.r80: CO: Torque actual value": "force", "Torque feedforward [Nm]": "added_force",
-    "0x60B2": "added_force", "dither force": "added_force", "F_added": "added_force",
-    "v_dither": "added_velocity", "pulse force [N]": "added_force",
-    "Schleppabstand [mm]": None, "Regelabweichung": None, "Lastmoment": None, "PosDiff": None,
-    "velocity feedforward": None, "Lageregler": None, "a_act [m/s^2]": None,
-    "t": "time", "Time [s]": "time", "qm": "position", "Actual Position": "position",
-    "ActualVelocity": "velocity", "qg": "position_command", "Target position": "position_command",
-    "v_cmd": "velocity_command", "torque_setpoint": "force_command", "F_m": "force",
-    "drive.F_m": "force", "motor current": "force", "Friction": "friction", "position error": None,
-    "Normal": None, "temperature": None, "F_limit": None, "ref [mm/s]": "velocity_command",
-    "Setpoint [rpm]": "velocity_command", "command [Nm]": "force_command",
-    "angle [deg]": "position", "x [N]": None, "speed [m/s]": "velocity",
+    "dither force": "added_force", "v_dither": "added_velocity", "Schleppabstand [mm]": None,
+    "Regelabweichung": None, "Lastmoment": None, "PosDiff": None, "velocity feedforward": None,
+    "Lageregler": None, "a_act [m/s^2]": None, "Time [s]": "time", "qm": "position",
+    "ActualVelocity": "velocity", "qg": "position_command", "v_cmd": "velocity_command",
+    "drive.F_m": "force", "motor current": "force", "Friction": "friction", "F_limit": None,
+    "position error": None, "Normal": None, "temperature": None, "ref [mm/s]": "velocity_command",
+    "command [Nm]": "force_command", "angle [deg]": "position", "x [N]": None,
 }  # fmt: skip
 
 
