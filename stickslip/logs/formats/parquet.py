@@ -13,11 +13,6 @@ def signals(data: bytes) -> list[Signal]:
     from stickslip.cosim.signals.tables import read_parquet  # late: loads cosim
 
     return [
-        Signal(
-            label,
-            None if column.kind == "bool" else column.numbers,
-            unit=column.unit or "",
-            instead=column.kind,
-        )
+        Signal(label, column.numbers, column.unit or "", instead=column.kind)
         for label, column in read_parquet(data).items()
     ]

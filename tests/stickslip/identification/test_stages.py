@@ -120,7 +120,8 @@ def test_correlation_length_is_that_of_a_first_order_process():
     process = np.zeros_like(noise)
     for k in range(1, len(noise)):
         process[k] = phi * process[k - 1] + noise[k]
-    assert correlation_length(process) == pytest.approx((1 + phi) / (1 - phi), rel=0.1)
+    for lags in (None, 100):
+        assert correlation_length(process, lags) == pytest.approx((1 + phi) / (1 - phi), rel=0.1)
     assert correlation_length(noise) == pytest.approx(1.0, abs=0.1)
 
 
