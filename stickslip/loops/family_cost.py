@@ -10,30 +10,35 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack
 from functools import partial
 
 import numpy as np
 
 from stickslip import cosim, ga
-from stickslip.identification.criteria.runs import Outcome, Runs, bounded, require_bounded
+from stickslip.identification.criteria.runs import Outcome
 from stickslip.loops.drive_loop import DriveLoop
-from stickslip.output import steps
 from stickslip.servo.axis import ControlError
 from stickslip.servo.chain_response import ChainResponse, frequencies
-from stickslip.servo.lanes import Run
 from stickslip.servo.measurement import Array
 from stickslip.servo.sensitivity import OpenLoop
-from stickslip.servo.systems import build_loop
 from stickslip.thresholds import kept
-from stickslip.trial.benefit import FIGURES, Bench, Rows, TrialError, geometric_mean
-from stickslip.trial.family import Command, Drive, axis_values, in_loop
+from stickslip.trial.benefit import (
+    FIGURES,
+    Bench,
+    Cell,
+    LoopRuns,
+    Rows,
+    TrialError,
+    errors_of,
+    geometric_mean,
+)
+from stickslip.trial.family import Command, Drive
 from stickslip.tuning.loop_learning import QUIET
 from stickslip.tuning.search import STEEP, Ratios, mean_of
 
 EXCESS = 1e3  # cost of a candidate beyond a limit, times by how much
-Cell = tuple[Drive, Command]
 
 
 class FamilyCost(ExitStack):
@@ -50,21 +55,11 @@ class FamilyCost(ExitStack):
         super().__init__()
         self.bench, self.start, self.masses, self.names = bench, start, masses, names
         loop = start.loop.changed(m_ff=start.loop.axis.m)  # the loop takes an acceleration
-        noise = bench.datasheet.encoder_noise
-        optics = {"noise": noise > 0.0, "noise_x": noise, "noise_F": 0.0}
-        self._axis = {**axis_values(loop, bench.datasheet), **optics}
-        self._inputs = bench.inputs(loop)
-        self._speed = max(one.speed for one in bench.commands)
-        self._runs = {}
-        for law in dict.fromkeys(one.law for one in bench.drives):
-            system = build_loop(bench.folder_of(law), loop, start.chain, bench.feed)
-            record = ("drive.v", "drive.x", "drive.F_m")
-            stop = (bench.samples - 1) * loop.T_s
-            whole = cosim.Specification(system, step=loop.T_s, stop=stop, record=record)
-            self._runs[law] = self.enter_context(Runs(whole, bench.workers))
+        record = ("drive.v", "drive.x", "drive.F_m")
+        self._runs = self.enter_context(LoopRuns(bench, loop, start.chain, record))
         observers = [one for one in start.chain if one.name == "observer"]
         folder = bench.folder_of(bench.law.name)
-        self._chain = self.enter_context(ChainResponse(folder, loop, observers, self._speed))
+        self._chain = self.enter_context(ChainResponse(folder, loop, observers, self._runs.speed))
         self._lock = threading.Lock()  # of the one simulation behind it
         self.cells = [cell for cell in bench.cells if cell[0].decides]
         searched = {one.name for one in searched_of([drive for drive, _ in self.cells])}
@@ -92,7 +87,7 @@ class FamilyCost(ExitStack):
 
         Each is the largest of all motions.
         """
-        return _forces([self._run(one, cell) for cell in self.first])
+        return _forces(self._each(one, self.first))
 
     def excess(self, one: DriveLoop) -> float:
         """Return peak sensitivity, chatter or force over its limit, whichever is the largest.
@@ -133,7 +128,7 @@ class FamilyCost(ExitStack):
                 unstable[k] = error
         ratio = {k: self.sensitivity(one) / kept.SENSITIVITY for k, one in loops.items()}
         robust = [k for k in loops if ratio[k] <= 1.0]
-        tried = self._batch([loops[k] for k in robust], self.few)
+        tried = self._runs.outcomes([loops[k].parameters for k in robust], self.few)
         runs = dict(zip(robust, tried, strict=True))
 
         def cost(k: int) -> float:
@@ -150,8 +145,7 @@ class FamilyCost(ExitStack):
                 raise ga.CandidateFailed("the loop is unstable at one of the masses, or runs away")
             if excess > 1.0:
                 return EXCESS * excess
-            errors = [self._error(cell, run) for cell, run in own]
-            return cost_of(ratios(self._compared(self.few, errors)))
+            return cost_of(ratios(self._compared(self.few, [run for _, run in own])))
 
         return [partial(cost, k) for k in range(len(rows))]
 
@@ -167,75 +161,37 @@ class FamilyCost(ExitStack):
     def _run_present(self, cells: Sequence[Cell]) -> None:
         """Run the present loop in cells in which it has not been run yet."""
         left = [one for one in cells if (one[0].name, one[1]) not in self._present]
-        for (drive, command), errors in zip(left, self._each(self.start, left), strict=True):
-            self._present[drive.name, command] = errors
+        for cell, run in zip(left, self._each(self.start, left), strict=True):
+            self._present[cell[0].name, cell[1]] = errors_of(run, self._targets(cell[1]))
 
-    def _each(self, one: DriveLoop, cells: Sequence[Cell]) -> list[tuple[float, ...]]:
-        """Return the errors in each cell, several runs of the FMUs at a time."""
+    def _each(self, one: DriveLoop, cells: Sequence[Cell]) -> list[Outcome]:
+        """Return the run of a loop in each cell, or why it failed."""
+        return self._runs.outcomes([one.parameters], cells)[0]
 
-        def error(cell: Cell) -> tuple[float, ...]:
-            try:
-                return self._error(cell, self._run(one, cell))
-            except cosim.SimulationError as failure:
-                return self._error(cell, failure)
-
-        return next(iter(self._runs.values())).each(error, steps(cells))
-
-    def _error(self, cell: Cell, run: Outcome) -> tuple[float, ...]:
-        """Return the RMS errors of velocity [m/s] and, in a cascade, position [m].
-
-        They are infinite when the run fails or the loop runs away.
-        """
-        command = cell[1]
+    def _targets(self, command: Command) -> dict[str, Array]:
+        """Return what the velocity and, in a cascade, the position should be (n,), by signal."""
         targets = {"drive.v": command.v_cmd}
         if self.start.loop.K_x:
-            targets["drive.x"] = self._inputs[command]["x_cmd"][: len(command.v_cmd)]
-        if isinstance(run, cosim.SimulationError):
-            return (math.inf,) * len(targets)
-        return tuple(
-            float(np.sqrt(np.mean((run[name][: len(target)] - target) ** 2)))
-            for name, target in targets.items()
-        )
+            targets["drive.x"] = self._runs.inputs[command]["x_cmd"][: len(command.v_cmd)]
+        return targets
 
-    def _arguments(self, values: Mapping[str, float], cell: Cell) -> Run:
-        """Return what a loop with these parameters runs in a cell."""
-        drive, command = cell
-        own: Mapping[str, object] = in_loop({**self._axis, **drive.parameters}) | dict(values)
-        until = (len(command.v_cmd) - 1) * self.start.loop.T_s
-        return Run(own, self._inputs[command], until)
-
-    def _run(self, one: DriveLoop, cell: Cell) -> cosim.Result:
-        result = self._runs[cell[0].law].run(*self._arguments(one.parameters, cell))
-        require_bounded(result["drive.v"], self._speed)
-        return result
-
-    def _batch(self, loops: Sequence[DriveLoop], cells: Sequence[Cell]) -> list[list[Outcome]]:
-        """Run candidates in lanes: with the results of ``_run``, or what it raises."""
-        found: dict[tuple[int, int], Outcome] = {}
-        parameters = [one.parameters for one in loops]
-        for law, runs in self._runs.items():
-            own = [k for k, (drive, _) in enumerate(cells) if drive.law == law]
-            own.sort(key=lambda k: cells[k][1].name)
-            places = [(i, k) for k in own for i in range(len(loops))]  # lanes have one command
-            outcomes = runs.batch([self._arguments(parameters[i], cells[k]) for i, k in places])
-            for place, outcome in zip(places, outcomes, strict=True):
-                found[place] = bounded(outcome, "drive.v", self._speed)
-        return [[found[i, k] for k in range(len(cells))] for i in range(len(loops))]
-
-    def _compared(self, cells: Sequence[Cell], errors: Sequence[tuple[float, ...]]) -> Rows:
+    def _compared(self, cells: Sequence[Cell], runs: Sequence[Outcome]) -> Rows:
         return tuple(
             TrialError(
-                cell[1].speed,
-                cell[0].name,
+                command.speed,
+                drive.name,
                 without=present,
                 compensated=own,
-                command=cell[1].name,
+                command=command.name,
                 figure=figure,
-                level=cell[0].level,
+                level=drive.level,
             )
-            for cell, found in zip(cells, errors, strict=True)
+            for (drive, command), run in zip(cells, runs, strict=True)
             for figure, present, own in zip(
-                FIGURES, self._present[cell[0].name, cell[1]], found, strict=False
+                FIGURES,
+                self._present[drive.name, command],
+                errors_of(run, self._targets(command)),
+                strict=False,
             )
         )
 

@@ -242,7 +242,7 @@ def lanes_of(specification: cosim.Specification) -> Lanes | None:
     try:
         return Lanes(specification)
     except NoLanes as reason:
-        _log.warning("%s: candidates run one by one: %s", specification.system.name, reason)
+        _log.info("%s: runs go one by one: %s", specification.system.name, reason)
         return None
 
 

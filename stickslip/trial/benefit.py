@@ -25,10 +25,11 @@ import numpy as np
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import friction_law
-from stickslip.identification.criteria.runs import Runs, require_bounded
+from stickslip.identification.criteria.runs import Outcome, Runs, bounded
 from stickslip.models import Law
 from stickslip.output import steps
 from stickslip.servo.axis import Datasheet
+from stickslip.servo.lanes import Run
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -119,6 +120,7 @@ class TrialError:
 
 
 Rows = tuple[TrialError, ...]
+Cell = tuple[Drive, Command]
 Errors = tuple[float, ...]  # root mean squares, one for each figure that counts
 
 
@@ -303,8 +305,7 @@ class Bench:
     @cached_property
     def _without(self) -> list[Errors]:
         """Errors without compensation, of each drive and command."""
-        runs = self._runs(NONE)
-        return runs.each(lambda cell: runs.errors(*cell, NONE), self.cells)
+        return self._errors(NONE, self.cells)
 
     @cached_property
     def targets(self) -> dict[Command, dict[str, Array]]:
@@ -333,19 +334,26 @@ class Bench:
         return self.inputs(self.loop)
 
     @cached_property
-    def _prepared(self) -> dict[object, _Runs]:
+    def _prepared(self) -> dict[object, LoopRuns]:
         """Loops by the models and parameters of their compensators."""
         return {}
 
-    def _runs(self, variant: Variant, laws: Iterable[str] | None = None) -> _Runs:
-        """Return the loops of a variant, prepared for drives of some laws, by default of all."""
+    @cached_property
+    def _known(self) -> dict[object, Errors]:
+        """Errors by loop, parameters, drive and command."""
+        return {}
+
+    def _errors(self, variant: Variant, cells: Sequence[Cell]) -> list[Errors]:
+        """Return the errors with a variant in each cell."""
         key = tuple((one.name, one.model, one.file, *sorted(one.values)) for one in variant.chain)
-        runs = self._prepared.get(key)
-        if runs is None:
-            runs = self._prepared[key] = _Runs(self, variant)
-        for law in self.laws if laws is None else laws:
-            runs.prepare(law)
-        return runs
+        if key not in self._prepared:
+            self._prepared[key] = LoopRuns(self, self.loop, variant.chain)
+        own = key, tuple(variant.parameters.items())
+        left = [cell for cell in cells if (own, cell[0].name, cell[1]) not in self._known]
+        (runs,) = self._prepared[key].outcomes([variant.parameters], left)
+        for run, (drive, command) in zip(runs, left, strict=True):
+            self._known[own, drive.name, command] = errors_of(run, self.targets[command])
+        return [self._known[own, drive.name, command] for drive, command in cells]
 
     def close(self) -> None:
         """Free the FMUs."""
@@ -376,7 +384,7 @@ class Bench:
         return any(one.is_worse for one in by_motion(self._tried(variant, wanted)))
 
     @cached_property
-    def cells(self) -> list[tuple[Drive, Command]]:
+    def cells(self) -> list[Cell]:
         """Each drive with each of its commands."""
         return [
             (drive, command)
@@ -387,26 +395,22 @@ class Bench:
 
     def _tried(self, variant: Variant, cells: Sequence[int]) -> Rows:
         """Return the rows of some cells, by their numbers."""
-        runs = self._runs(variant, dict.fromkeys(self.cells[k][0].law for k in cells))
-
-        def rows(k: int) -> Rows:
-            (drive, command), without = self.cells[k], self._without[k]
-            errors = zip(FIGURES, without, runs.errors(drive, command, variant), strict=False)
-            return tuple(
-                TrialError(
-                    command.speed,
-                    drive.name,
-                    without=plain,
-                    compensated=own,
-                    command=command.name,
-                    figure=figure,
-                    level=drive.level,
-                    law=drive.law,
-                )
-                for figure, plain, own in errors
+        tried = [self.cells[k] for k in cells]
+        errors = self._errors(variant, tried)
+        return tuple(
+            TrialError(
+                command.speed,
+                drive.name,
+                without=plain,
+                compensated=own,
+                command=command.name,
+                figure=figure,
+                level=drive.level,
+                law=drive.law,
             )
-
-        return tuple(chain.from_iterable(runs.each(rows, steps(cells))))
+            for k, (drive, command), found in zip(cells, tried, errors, strict=True)
+            for figure, plain, own in zip(FIGURES, self._without[k], found, strict=False)
+        )
 
     def _benefit(self, variant: Variant, shares: Sequence[float]) -> Benefit:
         unit, every = self.loop.axis.unit("mm/s"), range(len(self.cells))
@@ -418,19 +422,19 @@ class Bench:
             drive, command = self.cells[k]
             groups.setdefault((drive.level, command.name), []).append(k)
         harm_of = {(m.level, m.rows[0].command): m.worst.ratio for m in by_motion(full)}
-        # Where the whole force harms most, a share fails first.
-        order = sorted(groups, key=lambda key: -harm_of[key])
+        worst = max(groups, key=lambda key: harm_of[key])  # a share fails there first
+        grouped = list(chain.from_iterable(groups.values()))
 
         def at(share: float) -> Rows:
             """Return the rows at a share; none where a motion is worse."""
             if share == 1.0:
                 return () if any(one.is_worse for one in by_motion(full)) else full
-            found: dict[tuple[float, str], Rows] = {}
-            for key in order:
-                found[key] = self._tried(variant.share(self.law, share), groups[key])
-                if any(one.is_worse for one in by_motion(found[key])):
+            found = Rows()
+            for cells in (groups[worst], grouped):
+                found = self._tried(variant.share(self.law, share), cells)
+                if any(one.is_worse for one in by_motion(found)):
                     return ()
-            return tuple(chain.from_iterable(found[key] for key in groups))
+            return found
 
         best, rows = 1.0, Rows()
         for share in shares if variant.has_feedforward else shares[:1]:
@@ -443,50 +447,67 @@ class Bench:
         return Benefit(best, rows or full, full, unit, variant=variant, beyond=beyond)
 
 
-class _Runs(ExitStack):
-    """Loops with one variant: prepared simulations for each law of the drives."""
+class LoopRuns(ExitStack):
+    """A loop with a chain of compensators: its runs on drives of any law, in lanes if possible.
 
-    def __init__(self, bench: Bench, variant: Variant) -> None:
+    Use it in a ``with`` block.
+    """
+
+    def __init__(
+        self,
+        bench: Bench,
+        loop: VelocityLoop,
+        chain: Sequence[Compensator],
+        record: tuple[str, ...] = ("drive.v", "drive.x"),
+    ) -> None:
         super().__init__()
-        loop = bench.loop
+        self._bench, self._loop, self._chain, self._record = bench, loop, chain, record
         noise = bench.datasheet.encoder_noise
         optics = {"noise": noise > 0.0, "noise_x": noise, "noise_F": 0.0}
-        self.T_s, self.axis = loop.T_s, {**axis_values(loop, bench.datasheet), **optics}
-        self.bench, self.chain = bench, variant.chain
+        self._axis = {**axis_values(loop, bench.datasheet), **optics}
+        self.inputs = bench.own_inputs if loop is bench.loop else bench.inputs(loop)
         self.speed = max(command.speed for command in bench.commands)
-        self.simulations: dict[str, Runs] = {}
-        self.prepare(bench.law.name)
-        self.each = self.simulations[bench.law.name].each
+        self._runs: dict[str, Runs] = {}  # by law of the drive
 
-    def prepare(self, law: str) -> None:
-        """Prepare the loop with drives of a law, once."""
-        if law in self.simulations:
-            return
-        bench = self.bench
-        specification = cosim.Specification(
-            build_loop(bench.folder_of(law), bench.loop, self.chain, bench.feed),
-            step=self.T_s,
-            stop=(bench.samples - 1) * self.T_s,
-            record=("drive.v", "drive.x"),
-        )
-        self.simulations[law] = self.enter_context(Runs(specification, bench.workers))
+    def outcomes(
+        self, loops: Sequence[Mapping[str, float]], cells: Sequence[Cell]
+    ) -> list[list[Outcome]]:
+        """Return the run with each of some parameters in each cell, or why it failed.
 
-    def errors(self, drive: Drive, command: Command, variant: Variant) -> Errors:
-        """Return the RMS errors of velocity [m/s] and, in a cascade, position [m].
-
-        They are infinite when the run fails or the loop runs away.
+        It is ``Diverged`` where the drive has run away.
         """
-        targets = self.bench.targets[command]
-        values = in_loop({**self.axis, **drive.parameters})
-        until = (len(command.v_cmd) - 1) * self.T_s
-        try:
-            result = self.simulations[drive.law].run(
-                values | variant.parameters, self.bench.own_inputs[command], until=until
-            )
-            require_bounded(result["drive.v"], self.speed)
-        except cosim.SimulationError:
-            return (math.inf,) * len(targets)
-        return tuple(
-            float(np.sqrt(np.mean((result[name][: len(target)] - target) ** 2)))
-            for name, target in targets.items()
-        )
+        found: dict[tuple[int, int], Outcome] = {}
+        for law in steps(list(dict.fromkeys(drive.law for drive, _ in cells))):
+            own = [k for k, (drive, _) in enumerate(cells) if drive.law == law]
+            own.sort(key=lambda k: cells[k][1].name)  # lanes have one command
+            places = [(i, k) for k in own for i in range(len(loops))]
+            runs = self._of(law).batch([self._run(loops[i], cells[k]) for i, k in places])
+            for place, outcome in zip(places, runs, strict=True):
+                found[place] = bounded(outcome, "drive.v", self.speed)
+        return [[found[i, k] for k in range(len(cells))] for i in range(len(loops))]
+
+    def _of(self, law: str) -> Runs:
+        """Return the loop with drives of a law, prepared once."""
+        if law not in self._runs:
+            bench, T_s = self._bench, self._loop.T_s
+            system = build_loop(bench.folder_of(law), self._loop, self._chain, bench.feed)
+            stop = (bench.samples - 1) * T_s
+            whole = cosim.Specification(system, step=T_s, stop=stop, record=self._record)
+            self._runs[law] = self.enter_context(Runs(whole, bench.workers))
+        return self._runs[law]
+
+    def _run(self, values: Mapping[str, float], cell: Cell) -> Run:
+        """Return what a loop with these parameters runs in a cell."""
+        drive, command = cell
+        own: Mapping[str, object] = in_loop({**self._axis, **drive.parameters}) | dict(values)
+        return Run(own, self.inputs[command], (len(command.v_cmd) - 1) * self._loop.T_s)
+
+
+def errors_of(run: Outcome, targets: Mapping[str, Array]) -> Errors:
+    """Return the RMS errors of a run against signals (n,) by name; infinite where it has failed."""
+    if isinstance(run, cosim.SimulationError):
+        return (math.inf,) * len(targets)
+    return tuple(
+        float(np.sqrt(np.mean((run[name][: len(target)] - target) ** 2)))
+        for name, target in targets.items()
+    )

@@ -6,8 +6,9 @@ from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from copy import copy
+from functools import cached_property
 from pathlib import Path
-from typing import Self, TypeVar
+from typing import Generic, Self, TypeVar
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from stickslip import cosim, models
 from stickslip.catalog.parameters import ParameterSpace, Values
 from stickslip.cosim.signals.signals import Input
 from stickslip.fmi.process import Threads, temporary_folder
-from stickslip.servo.lanes import Lanes, Run, lanes_of
+from stickslip.servo.lanes import FEWEST, Lanes, Run, lanes_of
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import loop_fit
 
@@ -56,6 +57,7 @@ RECENT = 12  # number of runs whose results a criterion keeps: those of one Jaco
 
 T = TypeVar("T")
 R = TypeVar("R")
+K = TypeVar("K")
 Outcome = cosim.Result | cosim.SimulationError  # of a run
 
 
@@ -66,9 +68,8 @@ class Runs(Closing):
         self._specification = specification
         self.workers = workers
         self._threads = Threads(workers) if workers > 1 else None
-        self._lanes: Lanes | None = None
-        self._all = [specification.prepare()]
-        self._idle = self._all.copy()
+        self._all: list[cosim.Simulation] = []  # made where lanes do not do
+        self._idle: list[cosim.Simulation] = []
 
     def run(
         self,
@@ -89,13 +90,20 @@ class Runs(Closing):
 
     def batch(self, runs: Sequence[Run]) -> list[Outcome]:
         """Run in lanes where that is possible; return the results of ``run``, or what it raises."""
-        if self._lanes is None:
-            self._lanes = lanes_of(self._specification)
-        found = self._lanes.run(runs, self.each) if self._lanes else [None] * len(runs)
+        lanes = self._lanes if len(runs) >= FEWEST else None
+        found = lanes.run(runs, self.each) if lanes else [None] * len(runs)
         missing = [k for k, one in enumerate(found) if one is None]
         tried = zip(missing, self.each(self._tried, [runs[k] for k in missing]), strict=True)
         left = dict(tried)
         return [left[k] if one is None else one for k, one in enumerate(found)]
+
+    def results(self, runs: Sequence[Run]) -> list[cosim.Result]:
+        """Do what ``batch`` does, and raise what the first run that failed has raised."""
+        return [result_of(outcome) for outcome in self.batch(runs)]
+
+    @cached_property
+    def _lanes(self) -> Lanes | None:
+        return lanes_of(self._specification)
 
     def _tried(self, run: Run) -> Outcome:
         try:
@@ -135,6 +143,31 @@ class Criterion(Closing):
         other = copy(self)
         other.space = space
         return other
+
+
+class Recent(Generic[K, R]):
+    """What runs gave, by what they were made with; the latest are kept."""
+
+    def __init__(self, make: Callable[[Sequence[K]], Iterable[R]]) -> None:
+        self._make = make  # side by side
+        self._kept: dict[K, R] = {}
+
+    def __call__(self, keys: Sequence[K]) -> list[R]:
+        """Return what belongs to some keys; make what is not kept."""
+        found = {key: self._kept.pop(key) for key in dict.fromkeys(keys) if key in self._kept}
+        left = [key for key in dict.fromkeys(keys) if key not in found]
+        found |= zip(left, self._make(left), strict=True) if left else ()
+        self._kept |= found
+        for key in [*self._kept][: -max(RECENT, len(keys))]:
+            del self._kept[key]
+        return [found[key] for key in keys]
+
+
+def result_of(outcome: Outcome) -> cosim.Result:
+    """Return the result of a run, or raise what it has raised."""
+    if isinstance(outcome, cosim.SimulationError):
+        raise outcome
+    return outcome
 
 
 class Diverged(cosim.SimulationError):

@@ -132,5 +132,6 @@ def test_what_lanes_do_not_run_is_left_to_the_fmus(tmp_path, loop, monkeypatch, 
     with pytest.raises(NoLanes, match="coupled"):
         Lanes(cosim.Specification(whole.system, T_S, T_S, coupling="jacobi"))
     monkeypatch.setattr(models, "model_of", lambda _: None)
+    caplog.set_level("INFO")
     assert lanes.lanes_of(whole) is None
     assert "one by one: nominal is not of our models" in caplog.text

@@ -9,6 +9,7 @@ import scipy.signal
 from stickslip.catalog.parameters import friction_law
 from stickslip.cosim import Trapezoid
 from stickslip.evaluation.motions import VALIDATION
+from stickslip.identification.criteria import runs
 from stickslip.identification.criteria.motion import Scale
 from stickslip.models import law_names
 from stickslip.servo.axis import LOOP, Axis, Datasheet
@@ -209,6 +210,11 @@ def test_errors_are_those_of_the_loop_with_each_drive(full_benefit, tmp_path):
             assert row.without == pytest.approx(run.error(), rel=1e-12)
         with trial.runs(compensated=True) as run:
             assert row.compensated == pytest.approx(run.error(), rel=1e-12)
+
+
+def test_errors_in_lanes_have_the_bits_of_the_fmus(full_benefit, monkeypatch):
+    monkeypatch.setattr(runs, "lanes_of", lambda _: None)
+    assert tried(TABLE_2, family(LUGRE, TABLE_2, VALIDATION, KNOWN)) == full_benefit
 
 
 def test_the_share_is_the_best_that_is_in_no_motion_worse(full_benefit):

@@ -95,9 +95,9 @@ def test_a_candidate_runs_as_a_loop_that_is_built_for_it(cost):
     with Runs(whole) as runs:
         v = runs.run(values | optics, one.loop.commands(command.v_cmd))["drive.v"]
     expected = np.sqrt(np.mean((v - command.v_cmd) ** 2))
-    (present,) = cost._each(cost.start, [cell])
-    assert cost._each(one, [cell])[0][0] == pytest.approx(expected, rel=1e-9)
-    assert present[0] != pytest.approx(expected, rel=0.05)
+    row, *_ = cost.rows(one, [cell])
+    assert row.compensated == pytest.approx(expected, rel=1e-9)
+    assert row.without != pytest.approx(expected, rel=0.05)
 
 
 def test_the_present_loop_leaves_its_own_error_in_moves_of_every_length(learned):
