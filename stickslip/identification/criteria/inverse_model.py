@@ -11,7 +11,8 @@ A law without presliding gives any force up to that of break-away at rest: there
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -30,9 +31,10 @@ from stickslip.identification.criteria.motion import (
     smooth_motion,
     velocity_noise,
 )
-from stickslip.identification.criteria.runs import RECENT, Criterion, Runs
+from stickslip.identification.criteria.runs import Criterion, Recent, Runs
 from stickslip.logs import Recording
 from stickslip.models import Law
+from stickslip.servo.lanes import Run
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import row_rate
 
@@ -108,15 +110,17 @@ class InverseModel(Criterion):
         self.inputs = {"v": np.append(self.motion.v[1:], self.motion.v[-1])}
         self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])
         self.runs = Runs(self.specification, workers)
-        self._of_law = lru_cache(RECENT)(self._friction_of_law)
+        self._of_laws = Recent(self._frictions_of_laws)
+        self.workers = workers
 
     def friction(self, values: Values) -> Array:
         """Return F_f (n,) [N] along the recorded motion."""
-        return self._of_law(tuple(item for item in values.items() if item[0] not in DRIVE))
+        return self._of_laws([_law_of(values)])[0]
 
-    def _friction_of_law(self, law: tuple[tuple[str, float], ...]) -> Array:
-        parameters = {f"compensator.{name}": value for name, value in law}
-        return self.runs.run(parameters, self.inputs)["compensator.F_f"]
+    def _frictions_of_laws(self, laws: Sequence[tuple[tuple[str, float], ...]]) -> list[Array]:
+        every = [{f"compensator.{name}": value for name, value in law} for law in laws]
+        runs = self.runs.results([Run(one, self.inputs) for one in every])
+        return [run["compensator.F_f"] for run in runs]
 
     def predicted(self, values: Values) -> Array:
         """Return the force (n,) [N] that the values predict for the motion, low-passed."""
@@ -146,7 +150,18 @@ class InverseModel(Criterion):
         at = np.clip(self.recording.t, self.t[0], self.t[-1])
         return np.asarray(CubicSpline(self.t, signal)(at))
 
+    def map(self, points: Iterable[Values]) -> list[Array]:
+        """Return the residuals of several points, whose friction is run side by side."""
+        points = list(points)
+        self._of_laws([_law_of(values) for values in points])
+        return [self.residual(values) for values in points]
 
+
+def _law_of(values: Values) -> tuple[tuple[str, float], ...]:
+    return tuple(item for item in values.items() if item[0] not in DRIVE)
+
+
+@dataclass(frozen=True)
 class ForceCost:
     """Sum of squares [N^2] that the best m, b and F_0 leave of a candidate's friction."""
 

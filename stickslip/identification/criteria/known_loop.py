@@ -6,8 +6,7 @@ encoder are off unless the recording is simulated again with them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import lru_cache
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +16,10 @@ from scipy.signal import lfilter
 from stickslip import cosim
 from stickslip.catalog.parameters import ParameterSpace, Values, friction_law
 from stickslip.identification.criteria.motion import position_noise, position_of
-from stickslip.identification.criteria.runs import RECENT, Closing, Criterion, Runs, require_bounded
+from stickslip.identification.criteria.runs import Closing, Criterion, Recent, Runs, require_bounded
 from stickslip.logs import Recording
 from stickslip.models import Law
+from stickslip.servo.lanes import Run
 from stickslip.servo.measurement import Array
 
 HELD, FADING = "F_held", "F_fading"  # forces that the log began with, beside the gains [N]
@@ -117,6 +117,7 @@ class KnownLoop(Closing):
             ),
         )
         self.runs = Runs(specification, workers)
+        self.each, self.results, self.workers = self.runs.each, self.runs.results, workers
         self._memory = memory_force(gains, len(recording.t), recording.T_s)
         force = recording.force if is_running(gains) else None
         self._first = None if force is None else float(force[0])
@@ -129,6 +130,15 @@ class KnownLoop(Closing):
         feedforward: Array | float = 0.0,  # (n,) force of a compensator from each sample on [N]
     ) -> cosim.Result:
         """Run the experiment with these values in the drive."""
+        return self.runs.run(*self.arguments(values, further, feedforward))
+
+    def arguments(
+        self,
+        values: Values,
+        further: Mapping[str, float] | None = None,
+        feedforward: Array | float = 0.0,
+    ) -> Run:
+        """Return what ``run`` runs, for ``results``."""
         parameters = {**candidate(values), **(further or {})}
         if self._first is not None:  # friction balances the motor force
             held = float(np.clip(self._first - values["F_0"], -values["F_c"], values["F_c"]))
@@ -136,7 +146,7 @@ class KnownLoop(Closing):
                 if name in self._states:
                     parameters[f"candidate.{name}"] = state(held, values)
         F_ff = self._inputs["F_ff"] + self._memory - values["F_0"] + feedforward
-        return self.runs.run(parameters, {**self._inputs, "F_ff": F_ff})
+        return Run(parameters, {**self._inputs, "F_ff": F_ff})
 
     def bounded(
         self,
@@ -196,7 +206,7 @@ class OutputError(Criterion):
         self.loop = KnownLoop(fmus, recording, gains, workers=workers)
         self.runs = self.loop.runs
         # Whitening changes, but the positions that values give do not.
-        self._simulated = lru_cache(RECENT)(self._simulate)
+        self._simulated = Recent(self._simulate)
         self.step = recording.encoder_step
         self.noise = position_noise(self.position, self.step)
         self.whitening = np.ones(1)
@@ -204,14 +214,21 @@ class OutputError(Criterion):
 
     def raw(self, values: Values) -> Array:
         """Return measured minus simulated position (n,) [m]."""
-        return np.asarray(self.position - self._simulated(tuple(values.items())))
+        return np.asarray(self.position - self._simulated([tuple(values.items())])[0])
 
-    def _simulate(self, values: tuple[tuple[str, float], ...]) -> Array:
-        return self.loop.run(dict(values))["candidate.x"]
+    def _simulate(self, points: Sequence[tuple[tuple[str, float], ...]]) -> list[Array]:
+        runs = self.loop.results([self.loop.arguments(dict(values)) for values in points])
+        return [run["candidate.x"] for run in runs]
 
     def residual(self, values: Values) -> Array:
         """Return the same, whitened (k,) [m]."""
         return self.white(self.raw(values))
+
+    def map(self, points: Iterable[Values]) -> list[Array]:
+        """Return the residuals of several points, whose loops are run side by side."""
+        points = list(points)
+        self._simulated([tuple(values.items()) for values in points])
+        return [self.residual(values) for values in points]
 
     def white(self, raw: Array) -> Array:
         """Whiten a residual (n,) and leave out its start, (k,)."""

@@ -111,9 +111,14 @@ class Runs(Closing):
         except cosim.SimulationError as error:
             return error
 
-    def each(self, function: Callable[[T], R], items: Iterable[T]) -> list[R]:
-        """Apply a function that runs this system to every item, several at a time."""
-        return self._threads.each(function, items) if self._threads else list(map(function, items))
+    def each(self, function: Callable[[T], R], items: Sequence[T]) -> list[R]:
+        """Apply a function that runs this system to every item, several at a time.
+
+        A single one needs no thread, so that a function may ask for a run itself.
+        """
+        if self._threads is None or len(items) < 2:
+            return list(map(function, items))
+        return self._threads.each(function, items)
 
     def close(self) -> None:
         """Free the FMUs."""
@@ -154,12 +159,12 @@ class Recent(Generic[K, R]):
 
     def __call__(self, keys: Sequence[K]) -> list[R]:
         """Return what belongs to some keys; make what is not kept."""
-        found = {key: self._kept.pop(key) for key in dict.fromkeys(keys) if key in self._kept}
+        kept = self._kept  # replaced as a whole, so that threads may ask at once
+        found = {key: kept[key] for key in dict.fromkeys(keys) if key in kept}
         left = [key for key in dict.fromkeys(keys) if key not in found]
         found |= zip(left, self._make(left), strict=True) if left else ()
-        self._kept |= found
-        for key in [*self._kept][: -max(RECENT, len(keys))]:
-            del self._kept[key]
+        latest = {key: one for key, one in kept.items() if key not in found} | found
+        self._kept = dict([*latest.items()][-max(RECENT, len(found)) :])
         return [found[key] for key in keys]
 
 

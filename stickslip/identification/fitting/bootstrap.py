@@ -14,8 +14,8 @@ Source
 Gourieroux, Monfort, Renault, J. Applied Econometrics 8 (1993) S85 (indirect inference).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -64,7 +64,7 @@ def correct_inverse(inverse: InverseModel, fitted: Fit, seed: int) -> tuple[Fit,
     with surrogate_loop(inverse, fitted.parameters) as loop:
         for _ in range(ROUNDS):
             drawn = inverse.recording.encoder_step * rng.random(BIAS_RUNS)
-            left = loop.runs.each(partial(resimulated, inverse, loop, at.parameters), drawn)
+            left = resimulated(inverse, loop, at.parameters, drawn.tolist())
             ratios.append(float(np.mean(np.square(left))) / at.variance)
             own = at.step() - np.mean([at.shift(one) for one in left], axis=0)
             q = at.q + np.where(loose, 0.0, own)
@@ -97,28 +97,37 @@ def _gains(values: Values, T_s: float) -> dict[str, float]:
 
 
 def resimulated(
-    inverse: InverseModel, loop: KnownLoop, values: Values, offset: float, noise: float = 0.0
-) -> Array:
-    """Return the residual (k,) [N] of the drive with these values, simulated and recorded again.
+    inverse: InverseModel,
+    loop: KnownLoop,
+    values: Values,
+    offsets: Sequence[float],
+    noise: float = 0.0,
+) -> list[Array]:
+    """Return residuals (k,) [N] of the drive with these values, simulated and recorded again.
 
-    The drive, and so the encoder's steps, are displaced by an offset [m]; the position has white
-    noise of this standard deviation [m].
+    For each, the drive, and so the encoder's steps, are displaced by an offset [m]; the position
+    has white noise of this standard deviation [m].
     """
     recording = inverse.recording
-    start = position_of(recording)[0] + offset
-    further = {"candidate.x": start, "candidate.noise_x": max(noise, 1e-9 * abs(offset))}
-    result = loop.run({**values, "delay": 0.0}, further)
+    start, law, q = position_of(recording)[0], inverse.space.law, inverse.q
+    further = [
+        {"candidate.x": start + offset, "candidate.noise_x": max(noise, 1e-9 * abs(offset))}
+        for offset in offsets
+    ]
+    runs = loop.results([loop.arguments({**values, "delay": 0.0}, one) for one in further])
     # The drive's output at the end of a sample is the force held over it; the controller adds the
     # constant force, so the output contains it.
     late = recording.t + values["delay"] + 0.5 * recording.T_s
-    again = replace(
-        recording,
-        position=result["candidate.x_enc"],
-        force=np.interp(late, recording.t, result["candidate.F_m"]) + values["F_0"],
-    )
-    law, q = inverse.space.law, inverse.q
-    with InverseModel(inverse.fmus, again, inverse.cutoff, law=law, q=q) as copy:
-        return copy.residual(values)
+    residuals = []
+    for run in runs:
+        again = replace(
+            recording,
+            position=run["candidate.x_enc"],
+            force=np.interp(late, recording.t, run["candidate.F_m"]) + values["F_0"],
+        )
+        with InverseModel(inverse.fmus, again, inverse.cutoff, law=law, q=q) as copy:
+            residuals.append(copy.residual(values))
+    return residuals
 
 
 RUNS = 30
@@ -159,18 +168,20 @@ def resimulated_residuals(
 ) -> Array:
     """Return the residuals (count, n) [m] that values leave of recordings of themselves."""
     smooth = criterion.loop.run(values)["candidate.x"]
-
-    def left(drawn: tuple[float, int]) -> Array:
-        offset, seed = drawn
-        further = {
-            "candidate.noise_x": noise,
-            "candidate.seed": seed,
-            "candidate.x": smooth[0] + offset,
-        }
-        return np.asarray(again.run(values, further)["candidate.x_enc"] - offset - smooth)
-
     drawn = [(criterion.step * rng.random(), int(rng.integers(2**31))) for _ in range(count)]
-    return np.array(again.runs.each(left, drawn))
+    runs = [
+        again.arguments(
+            values,
+            {
+                "candidate.noise_x": noise,
+                "candidate.seed": seed,
+                "candidate.x": smooth[0] + offset,
+            },
+        )
+        for offset, seed in drawn
+    ]
+    both = zip(again.results(runs), drawn, strict=True)
+    return np.array([run["candidate.x_enc"] - offset - smooth for run, (offset, _) in both])
 
 
 def correct(criterion: OutputError, fitted: Fit, again: KnownLoop, seed: int) -> UnbiasedFit:

@@ -107,10 +107,10 @@ def encoder_error(
     offset = step * float(np.random.default_rng(0).random())
     errors = []
     with surrogate_loop(inverse, values) as loop:
-        errors.append(resimulated(inverse, loop, values, offset, noise=noise))
+        errors += resimulated(inverse, loop, values, [offset], noise=noise)
     if gains is not None:
         with KnownLoop(inverse.fmus, inverse.recording, gains, encoder=True) as loop:
-            errors.append(resimulated(inverse, loop, values, offset, noise=noise))
+            errors += resimulated(inverse, loop, values, [offset], noise=noise)
     least = min(errors, key=lambda error: float(np.mean(error**2)))
     if np.mean(least**2) > np.mean(inverse.force[inverse.used] ** 2):  # no such drive moves so
         return np.zeros_like(least)
