@@ -12,7 +12,6 @@ A law without presliding gives any force up to that of break-away at rest: there
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -111,7 +110,6 @@ class InverseModel(Criterion):
         self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])
         self.runs = Runs(self.specification, workers)
         self._of_laws = Recent(self._frictions_of_laws)
-        self.workers = workers
 
     def friction(self, values: Values) -> Array:
         """Return F_f (n,) [N] along the recorded motion."""
@@ -161,7 +159,6 @@ def _law_of(values: Values) -> tuple[tuple[str, float], ...]:
     return tuple(item for item in values.items() if item[0] not in DRIVE)
 
 
-@dataclass(frozen=True)
 class ForceCost:
     """Sum of squares [N^2] that the best m, b and F_0 leave of a candidate's friction."""
 

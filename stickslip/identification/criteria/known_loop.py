@@ -117,7 +117,7 @@ class KnownLoop(Closing):
             ),
         )
         self.runs = Runs(specification, workers)
-        self.each, self.results, self.workers = self.runs.each, self.runs.results, workers
+        self.results = self.runs.results
         self._memory = memory_force(gains, len(recording.t), recording.T_s)
         force = recording.force if is_running(gains) else None
         self._first = None if force is None else float(force[0])
