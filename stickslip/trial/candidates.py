@@ -29,6 +29,7 @@ from stickslip.servo.observer import FORCE_NOISE, DesignedObserver, design_obser
 from stickslip.servo.sensitivity import OpenLoop, Response
 from stickslip.servo.systems import Compensator
 from stickslip.thresholds import offer
+from stickslip.trial.benefit import SHARES as FORCES
 from stickslip.trial.guards import Bench, Benefit, Variant, feedforward
 from stickslip.trial.observed import (
     BOTH,
@@ -218,7 +219,8 @@ def compare(
             rows += candidates.best(rivals)
         else:
             rows += candidates.named(asked)
-    return CompensatorComparison(tuple(sorted(rows, key=lambda row: row.simplicity)), asked)
+        found = CompensatorComparison(tuple(sorted(rows, key=lambda row: row.simplicity)), asked)
+        return candidates.swept(found)
 
 
 def _is_feedforward(part: Part) -> bool:
@@ -270,6 +272,27 @@ class _Candidates(ExitStack):
             if not _is_feedforward(part):
                 rows += self._observer(rows[0] if rows else None, part)
         return rows
+
+    def swept(self, found: CompensatorComparison) -> CompensatorComparison:
+        """Return the same after what would be written was tried in the sweep of the bench."""
+        while (row := found.chosen).benefit and row.acceptable and not row.benefit.swept:
+            safe = replace(row, benefit=self._safe(row.benefit))
+            rows = tuple(safe if one is row else one for one in found.rows)
+            found = replace(found, rows=rows)
+        return found
+
+    def _safe(self, benefit: Benefit) -> Benefit:
+        """Return a compensator at the largest share that harms nowhere in the sweep."""
+        shares = [one for one in FORCES if one <= benefit.share]
+        for share in shares if benefit.variant.has_feedforward else shares[:1]:
+            shared = benefit.variant.share(self.bench.law, share)
+            tried = replace(benefit, share=share, swept=self.bench.swept(shared))
+            if tried.is_safe:
+                break
+        if tried.is_safe and share != benefit.share:
+            (other,) = self.bench.benefits([shared], shares=(1.0,))
+            return replace(tried, rows=other.rows, beyond=other.beyond)
+        return tried
 
     def _feedforward(self, part: Part) -> Row:
         if part.model == ANY_LAW:

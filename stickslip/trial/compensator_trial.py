@@ -28,8 +28,9 @@ from stickslip.servo.observer import masses_between
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 from stickslip.thresholds import control_match, harm
+from stickslip.trial.benefit import RISING
 from stickslip.trial.candidates import CompensatorComparison, compare
-from stickslip.trial.family import hidden_deflections
+from stickslip.trial.family import deflections, hidden_deflections
 from stickslip.trial.guards import (
     NONE,
     Benefit,
@@ -97,7 +98,7 @@ class SimulatedTrial:
                 "ratio": row.ratio,
             }
             for benefit in (self.benefit, *self.others)
-            for row in (*benefit.rows, *benefit.beyond)
+            for row in (*benefit.rows, *benefit.beyond, *benefit.swept)
         ]
         return pd.DataFrame(rows)
 
@@ -135,6 +136,7 @@ def try_compensator(
         for name in estimation.fit.space.friction
         if estimation.known[name].identifiability != NOT_IDENTIFIABLE
     }
+    rising = soft_rise(friction["F_c"], drives, command, step)
     with bench_of(
         law, loop, friction, drives, command=command, datasheet=sheet, workers=settings.workers
     ) as bench:
@@ -148,7 +150,7 @@ def try_compensator(
             best,
             friction,
             masses,
-            rivals=of_rivals(estimation, known),
+            rivals=(*of_rivals(estimation, known), *([] if law.name == RISING else [rising])),
             asked=settings.compensator,
             absent=settings.absent,
         )
@@ -200,6 +202,17 @@ def of_rivals(estimation: Estimation, known: Evidence) -> tuple[Variant, ...]:
         one = Compensator("compensator", "compensator", own, file, law=name)
         found.append(Variant(name, (one,)))
     return tuple(found)
+
+
+def soft_rise(F_c: float, drives: Sequence[Drive], command: Trapezoid, step: float) -> Variant:
+    """Return feedforward of Coulomb friction that rises over the longest presliding deflection.
+
+    In moves in which a drive may stick it has little force, so that it lets none jump.
+    """
+    longest = max(max(every) for every in deflections(drives, command, step).values())
+    values = {"F_c": F_c, "sigma_0": F_c / longest}
+    one = Compensator("compensator", "compensator", values, f"compensator_{RISING}", law=RISING)
+    return Variant(f"soft_{RISING}", (one,))
 
 
 def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]:

@@ -119,6 +119,9 @@ MOVES = {MICRO: (4.0, 10.0, 0.01), "short moves": (60.0, 100.0, 0.1)}
 """Lengths of small moves: in presliding deflections of the drive, at least in encoder steps, and at
 most as a share of the travel."""
 PRESLIDING = ("sigma_0", "sigma_1")  # what does not follow the level of friction, in a drawn drive
+SWEEP = "any small move"
+SWEPT_MOVES, SWEPT_CREEPS = 12, (0.08, 0.15, 0.3, 0.6, 1.2)
+"""Number of moves in the sweep, and its speeds of creep over the Stribeck velocity."""
 LENGTHS = 4  # deflections of drives whose law has none
 LONGEST = 3.0  # the largest of them, over that which an encoder shows
 BEYOND = (0.5, 2.0)  # levels of friction that decide nothing, and are shown beside the others
@@ -213,20 +216,15 @@ def commands(
     """Return the commands: a trapezoid at two speeds, creep that slides, and small moves."""
     unit = motion_unit("mm/s", rotary=rotary)
 
-    def at(share: float, plateau: float) -> Array:
-        slower = replace(command, height=share * command.height, slope=share * command.slope)
-        slower = replace(slower, plateau=plateau)
-        t = np.arange(round((slower.corners()[-1] + slower.begin) / T_s) + 1) * T_s
-        return slower.sample(t)
-
     found = [
-        Command(f"{1e3 * share * command.height:.3g} {unit}", at(share, command.plateau))
+        Command(
+            f"{1e3 * share * command.height:.3g} {unit}",
+            _slower(command, share, T_s, command.plateau),
+        )
         for share in SPEEDS
     ]
     for share, (force, names) in creeps(drives, friction, command).items():
-        held = SLIPS[0] * force / (stiffness * share * abs(command.height))
-        plateau = max(command.plateau, min(held, SLIPS[1]))
-        found.append(Command(CREEP, at(share, plateau), tuple(names)))
+        found.append(Command(CREEP, _creep(command, share, T_s, force / stiffness), tuple(names)))
     bent = deflections(drives, command, encoder_step) or {"": (deflection(friction, command),)}
     for name, (times, steps, share) in MOVES.items():
         of_length: dict[float, list[str]] = {}
@@ -238,6 +236,36 @@ def commands(
             for length, names in of_length.items()
         ]
     return tuple(found)
+
+
+def sweep(
+    command: Trapezoid,
+    T_s: float,
+    drives: Sequence[Drive],
+    encoder_step: float = 0.0,
+    stiffness: float = math.inf,
+) -> tuple[Command, ...]:
+    """Return small moves of any length and creep at any speed, with what ``commands`` takes.
+
+    Whether a loop just breaks away, or just does not, depends on them. The moves have from as many
+    of the shortest presliding deflections to as many of the longest as those of ``commands``, and
+    the speeds are about the Stribeck velocity.
+    """
+    bent = [own for every in deflections(drives, command, encoder_step).values() for own in every]
+    (least, *_), (most, *_) = MOVES.values()
+    ends = least * min(bent), most * max(bent)
+    ends = tuple(
+        min(one, of[2] * travel(command)) for one, of in zip(ends, MOVES.values(), strict=True)
+    )
+    found = [_moves(length, command, T_s) for length in np.geomspace(*ends, SWEPT_MOVES).tolist()]
+    level = [one.parameters for one in drives if one.level == 1.0]
+    shares = CREEPS_OF_LEVEL
+    if rising := [one["v_s"] for one in level if one.get("F_s", 0.0) > one["F_c"]]:
+        slow = float(np.median(rising)) / abs(command.height)
+        shares = tuple(min(max(k * slow, SLOWEST), FASTEST) for k in SWEPT_CREEPS)
+    force = max(max(one.get("F_s", 0.0), one["F_c"]) for one in level)
+    found += [_creep(command, share, T_s, force / stiffness) for share in dict.fromkeys(shares)]
+    return tuple(Command(SWEEP, one) for one in found)
 
 
 def onsets(
@@ -329,6 +357,23 @@ def creeps(
 def _base(drive: Drive) -> str:
     """Return the name of a drive without its level of friction."""
     return drive.name.partition(" x ")[0]
+
+
+def _creep(command: Trapezoid, share: float, T_s: float, bent: float) -> Array:
+    """Return creep at a share of a command's speed, long enough for a loop to break away.
+
+    The loop does that when the command is ``bent`` [m] ahead.
+    """
+    held = SLIPS[0] * bent / (share * abs(command.height))
+    return _slower(command, share, T_s, max(command.plateau, min(held, SLIPS[1])))
+
+
+def _slower(command: Trapezoid, share: float, T_s: float, plateau: float) -> Array:
+    """Return samples of a command at a share of its speed."""
+    slower = replace(command, height=share * command.height, slope=share * command.slope)
+    slower = replace(slower, plateau=plateau)
+    t = np.arange(round((slower.corners()[-1] + slower.begin) / T_s) + 1) * T_s
+    return slower.sample(t)
 
 
 def _moves(length: float, command: Trapezoid, T_s: float) -> Array:

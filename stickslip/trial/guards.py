@@ -47,6 +47,7 @@ from stickslip.trial.family import (
     commands,
     family,
     onsets,
+    sweep,
 )
 from stickslip.trial.hold import Hold, holds, hunting_at_rest
 
@@ -334,6 +335,7 @@ def bench_of(
             datasheet=datasheet,
             workers=workers,
             onsets=onsets(law, drives, command, step),
+            sweep=sweep(command, loop.T_s, drives, step, stiffness),
         )
         with closing(bench):
             yield bench
