@@ -874,8 +874,9 @@ def is_planned(**limits):
 
 CASES: dict[str, tuple[Any, object, object]] = {
     # threshold: decision, verdict with its value, and with twice of it, or half where /2 stands
-    "harm.WORSE": (lambda: MotionErrors((TrialError(1.0, "", 1.0, 1.1),)).is_worse, True, False),
+    "harm.WORSE": (lambda: MotionErrors((TrialError(1.0, "", 1.0, 1.03),)).is_worse, True, False),
     "harm.DRIVES/2": (lambda: MotionErrors(WORSE_ON_SOME).is_worse, True, False),
+    "harm.MORE": (lambda: MotionErrors(WORSE_ON_SOME).is_worse, True, False),
     "harm.SCATTER": (lambda: MotionErrors(WORSE_ON_ONE).is_worse, True, False),
     "harm.RESOLVED/2": (lambda: len(later()), 2, 0),
     "harm.ONSET": (lambda: later()[0] > 8e-5, False, True),
