@@ -893,7 +893,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "harm.GROWS": (lambda: LearnSettings().friction_range[1], 1.3, 2.6),
     "harm.EXPLAINS": (lambda: set(evidence()), {"lugre"}, {"lugre", "coulomb_stribeck"}),
     "harm.RESERVE": (lambda: most("F_s") > 11.7, False, True),
-    "harm.WIDE": (lambda: most("sigma_0") > 10.0, False, True),
+    "harm.WIDE": (lambda: most("sigma_0") > 3.0, False, True),
     "caution.GROWTH": (is_growing, True, False),
     "caution.TOO_LARGE": (lambda: is_too_large(0.3), False, True),
     "caution.PLATEAU": (lambda: is_hunting([0.0] * 800 + [10.0], 0.5), True, False),
