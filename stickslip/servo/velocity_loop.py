@@ -14,7 +14,7 @@ quantisation follows the same difference equations.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from inspect import signature
 from typing import Any
 
@@ -296,6 +296,7 @@ def plant_with_force(axis: Axis, T_s: float) -> control.StateSpace:
     return control.ss(A, sampled.B, C, 0, T_s, name="axis", inputs="u", outputs=["v", "d", "F"])
 
 
+@lru_cache(maxsize=16)
 def _plant(axis: Axis, T_s: float) -> control.StateSpace:
     """Return the axis from held force u [N] to velocity v [m/s] and displacement d per sample [m].
 
