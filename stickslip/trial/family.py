@@ -243,6 +243,7 @@ def sweep(
     T_s: float,
     drives: Sequence[Drive],
     encoder_step: float = 0.0,
+    *,
     stiffness: float = math.inf,
 ) -> tuple[Command, ...]:
     """Return small moves of any length and creep at any speed, with what ``commands`` takes.

@@ -335,7 +335,7 @@ def bench_of(
             datasheet=datasheet,
             workers=workers,
             onsets=onsets(law, drives, command, step),
-            sweep=sweep(command, loop.T_s, drives, step, stiffness),
+            sweep=sweep(command, loop.T_s, drives, step, stiffness=stiffness),
         )
         with closing(bench):
             yield bench
