@@ -253,14 +253,14 @@ def sweep(
     the speeds are about the Stribeck velocity.
     """
     bent = [own for every in deflections(drives, command, encoder_step).values() for own in every]
-    (least, *_), (most, *_) = MOVES.values()
-    ends = least * min(bent), most * max(bent)
-    ends = tuple(
-        min(one, of[2] * travel(command)) for one, of in zip(ends, MOVES.values(), strict=True)
+    shortest, longest = (
+        min(times * own, share * travel(command))
+        for (times, _, share), own in zip(MOVES.values(), (min(bent), max(bent)), strict=True)
     )
-    found = [_moves(length, command, T_s) for length in np.geomspace(*ends, SWEPT_MOVES).tolist()]
+    lengths = np.geomspace(shortest, longest, SWEPT_MOVES).tolist()
+    found = [_moves(length, command, T_s) for length in lengths]
     level = [one.parameters for one in drives if one.level == 1.0]
-    shares = CREEPS_OF_LEVEL
+    shares: tuple[float, ...] = CREEPS_OF_LEVEL
     if rising := [one["v_s"] for one in level if one.get("F_s", 0.0) > one["F_c"]]:
         slow = float(np.median(rising)) / abs(command.height)
         shares = tuple(min(max(k * slow, SLOWEST), FASTEST) for k in SWEPT_CREEPS)

@@ -141,7 +141,7 @@ class Criterion(Closing):
 
     def map(self, points: Iterable[Values]) -> list[Array]:
         """Return the residuals of several points, as many at a time as the runs have workers."""
-        return self.runs.each(self.residual, points)
+        return self.runs.each(self.residual, list(points))
 
     def over(self, space: ParameterSpace) -> Self:
         """Return the same criterion over another space; it shares the FMUs."""
