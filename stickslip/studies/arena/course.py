@@ -20,15 +20,16 @@ def build_entrants(folder: Path, entrants: list[Entrant]) -> None:
     """Build the FMUs of the loop but for the drive, and those of all entrants."""
     for name in ("velocity_controller", "nominal_loop"):
         models.build_fmu(name, folder)
-    built = {part.file: part for one in entrants for part in one.parts if part.model}
-    for file, part in built.items():
+    every = [part for one in entrants for part in one.parts if part.model]
+    for part in every:
+        if part.experiment and part.law:  # what a rig runs beside the drive
+            build_fmus(folder, {}, part.law.name, only=("compensator", "stage"))
+    for file, part in {part.file: part for part in every}.items():
         if part.own_fmu is not None:
             shutil.copy(part.own_fmu, folder / f"{file}.fmu")
         else:
             law = part.law.name if part.law else None
             models.build_fmu(part.model, folder, law=law, called=file)
-            if part.experiment and law:  # what a rig runs beside the drive
-                build_fmus(folder, {}, law, only=("compensator", "stage"))
 
 
 class Course(Closing):

@@ -155,6 +155,7 @@ def test_forces_and_lengths_follow_the_drive_for_every_entrant(loop):
 def test_the_fmus_of_every_entrant_take_its_start_values(tmp_path, loop):
     every, coarse = [entrant(name) for name in registry.parts()], Coarse(6.0, 0.04)
     build(tmp_path, Plan(drives("lugre"), [*registry.parts()]))
+    assert (tmp_path / "lugre/stage.fmu").exists()  # for the entrants that identify the drive
     for one in every:
         problem = one.problem(coarse)
         genes = {gene.name: gene.start for gene in problem.genes} if problem else {}
