@@ -20,7 +20,7 @@ COLUMNS = [
     *("tuned_on", "budget", "reason"),
 ]
 RELATIVE = "relative error"
-DIGITS = 6  # Significant digits of the figures
+DIGITS = 4  # Significant digits of the figures
 ALL = "all"  # The command of a row that is a mean over all commands
 TUNING = {
     "cost": ("training error", "1"),
