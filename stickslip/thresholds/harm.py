@@ -13,8 +13,7 @@ MORE = Threshold(1.05, "decision 140: at 1.02 a compensator that leaves 0.54 was
 SCATTER = Threshold(
     1.3, "decision 140: 19 of 24 drives had at most 1.13 in the sweep, and 5 had 1.73 to 4.24"
 )
-"""The largest ratio on any drive, also in the sweep of small moves and creep; single runs stick and
-slip by chance."""
+"""The largest ratio on any drive; single runs stick and slip by chance."""
 FALLS = Threshold(0.7, "docs/adaptation.md: friction drifts by up to 30 % with temperature")
 """Least friction that the drive may come to have, over that in the log, unless a range is given."""
 GROWS = Threshold(1.3, "docs/adaptation.md: friction drifts by up to 30 % with temperature")

@@ -202,13 +202,18 @@ class Benefit:
 
     @property
     def acceptable(self) -> bool:
-        """Whether the error is in no motion worse with the compensator than without it."""
-        return self.is_safe and not any(one.is_worse for one in self.motions)
+        """Whether the error is in no motion worse, and no drive loses more than all gain."""
+        return self.is_safe and is_acceptable(self.rows)
+
+    @property
+    def most(self) -> float:
+        """Largest ratio that may be: no drive may lose more than all gain in the mean."""
+        return 2.0 - self.mean_ratio
 
     @property
     def is_safe(self) -> bool:
-        """Whether the velocity error of no drive grows by much in the sweep."""
-        return all(row.ratio <= harm.SCATTER for row in self.swept)
+        """Whether the velocity error of no drive grows by more than that in the sweep."""
+        return all(row.ratio <= self.most for row in self.swept)
 
     def shown(self, row: TrialError) -> tuple[float, str]:
         """Return the factor from SI to the unit in which a row is shown, and that unit."""
@@ -262,9 +267,9 @@ class Benefit:
     @property
     def refusal(self) -> str:
         """Why a compensator that is not acceptable is refused, and what to do."""
-        most = harm.WORSE if self.is_safe else harm.SCATTER
+        most = harm.WORSE if self.is_safe else self.most
         return (
-            f"{self.reason}; expected at most {most:g} times, and no share of the force"
+            f"{self.reason}; expected at most {most:.3g} times, and no share of the force"
             f" down to {SHARES[-1]:g} keeps that; raise K_p, learn from a log that shows more, or"
             " compensate faster commands only"
         )
@@ -273,6 +278,12 @@ class Benefit:
 def geometric_mean(rows: Sequence[TrialError]) -> float:
     """Return the geometric mean of the ratios of the errors."""
     return float(np.exp(np.mean(np.log([max(row.ratio, _LEAST) for row in rows]))))
+
+
+def is_acceptable(rows: Rows) -> bool:
+    """Tell whether no motion is worse, and no drive loses more than all gain in the mean."""
+    lost = max(row.ratio for row in rows) - 1.0
+    return not any(one.is_worse for one in by_motion(rows)) and lost <= 1.0 - geometric_mean(rows)
 
 
 def best_of(benefits: Sequence[Benefit]) -> Benefit:
@@ -405,15 +416,18 @@ class Bench:
             if not command.drives or drive.name in command.drives
         ]
 
-    def swept(self, variant: Variant) -> Rows:
-        """Try a variant in the sweep, until it harms a drive; where others harmed most first."""
+    def swept(self, variant: Variant, most: float) -> Rows:
+        """Try a variant in the sweep, until a ratio is above ``most``.
+
+        It begins where others harmed most.
+        """
         found = Rows()
         deciding = [one for one in self.drives if one.decides]
         for command in sorted(self.sweep, key=lambda one: -self._worst[one]):
             rows = self._tried(variant, [(drive, command) for drive in deciding])
             found += (own := tuple(row for row in rows if row.figure == FIGURES[0]))
             self._worst[command] = worst = max(row.ratio for row in own)
-            if worst > harm.SCATTER:
+            if worst > most:
                 break
         return found
 
@@ -449,14 +463,13 @@ class Bench:
 
         def at(share: float) -> Rows:
             """Return the rows at a share; none where a motion is worse."""
-            if share == 1.0:
-                return () if any(one.is_worse for one in by_motion(full)) else full
-            found = Rows()
-            for cells in (groups[worst], grouped):
-                found = self._tried(variant.share(self.law, share), cells)
-                if any(one.is_worse for one in by_motion(found)):
+            shared = variant.share(self.law, share)
+            if share != 1.0:
+                first = self._tried(shared, groups[worst])
+                if any(one.is_worse for one in by_motion(first)):
                     return ()
-            return found
+            found = full if share == 1.0 else self._tried(shared, grouped)
+            return found if is_acceptable(found) else ()
 
         best, rows = 1.0, Rows()
         for share in shares if variant.has_feedforward else shares[:1]:

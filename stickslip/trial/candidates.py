@@ -79,9 +79,7 @@ class Row:
     @property
     def acceptable(self) -> bool:
         """Whether it is nowhere worse than no compensation, by more than it helps in the mean."""
-        if self.benefit is None:
-            return True
-        return self.benefit.acceptable and self.benefit.worst_ratio - 1.0 <= 1.0 - self.mean
+        return self.benefit is None or self.benefit.acceptable
 
     @property
     def choice(self) -> Choice:
@@ -286,13 +284,13 @@ class _Candidates(ExitStack):
         shares = [one for one in FORCES if one <= benefit.share]
         for share in shares if benefit.variant.has_feedforward else shares[:1]:
             shared = benefit.variant.share(self.bench.law, share)
-            tried = replace(benefit, share=share, swept=self.bench.swept(shared))
-            if tried.is_safe:
+            if share != benefit.share:
+                (other,) = self.bench.benefits([shared], shares=(1.0,))
+                benefit = replace(benefit, share=share, rows=other.rows, beyond=other.beyond)
+            benefit = replace(benefit, swept=self.bench.swept(shared, benefit.most))
+            if benefit.acceptable:
                 break
-        if tried.is_safe and share != benefit.share:
-            (other,) = self.bench.benefits([shared], shares=(1.0,))
-            return replace(tried, rows=other.rows, beyond=other.beyond)
-        return tried
+        return benefit
 
     def _feedforward(self, part: Part) -> Row:
         if part.model == ANY_LAW:

@@ -278,7 +278,7 @@ def test_a_weak_loop_at_slow_speed_gets_no_whole_exact_feedforward():
 @pytest.mark.parametrize("compensated", [1.0, 1.02, 1.03, np.inf, np.nan])
 def test_an_error_that_is_not_finite_is_worse(without, compensated):
     """Harmless needs two errors that can be compared; the worst motion is named in any order."""
-    fine = TrialError(0.04, "a drive", 1.0, 1.0, "fast")
+    fine = TrialError(0.04, "a drive", 1.0, 0.9, "fast")
     row = TrialError(0.004, "a drive", without, compensated, "slow")
     finite = np.isfinite(compensated) and (without == 1.0 or without == np.inf)
     assert np.isfinite(row.ratio) == finite
