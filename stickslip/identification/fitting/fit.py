@@ -13,6 +13,7 @@ from stickslip.servo.measurement import Array
 STEP = 1e-3  # of a coordinate, for differences
 BLOCKS = 100  # number of blocks of a recording whose sums of scores are taken to be independent
 ROUNDS = 30
+ROUNDED = 1e-15  # relative size of an eigenvalue that is none, as of numpy.linalg.pinv
 XTOL, FTOL = 1e-6, 1e-7
 ROUGH = 1e-4  # relative change of the sum of squares at which a fit ends that another one continues
 SAME = 1e-4  # relative difference of mean squares below which two minima are the same
@@ -172,9 +173,14 @@ def _deviation(residual: Array) -> float:
 
 
 def inverse_information(jacobian: Array, variance: float, space: ParameterSpace) -> Array:
-    """Return (J'J / variance + prior information)^-1, (k, k)."""
+    """Return (J'J / variance + prior information)^-1, (k, k), without what has no information.
+
+    An eigenvalue that rounding makes negative counts by its size: its variance is large.
+    """
     information = jacobian.T @ jacobian / variance + np.diag(_prior_information(space))
-    return np.asarray(np.linalg.pinv(information, hermitian=True), dtype=float)
+    values, vectors = np.linalg.eigh(information)
+    some = np.abs(values) > ROUNDED * np.abs(values).max(initial=0.0)
+    return np.asarray(vectors[:, some] / np.abs(values[some]) @ vectors[:, some].T, dtype=float)
 
 
 def covariance(jacobian: Array, residual: Array, space: ParameterSpace) -> Array:

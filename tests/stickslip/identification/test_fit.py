@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from stickslip.catalog.parameters import ParameterSpace, friction_law
-from stickslip.identification.fitting.fit import BLOCKS, covariance, fit, linearised, plausible
+from stickslip.identification.fitting import fit as fitting
+from stickslip.identification.fitting.fit import (
+    BLOCKS,
+    covariance,
+    fit,
+    inverse_information,
+    linearised,
+    plausible,
+)
 
 N = 20_000
 
@@ -39,6 +47,19 @@ def space():
 def line_of(rng, truth, noise, space):
     regressors = rng.standard_normal((N, K))
     return Line(regressors, regressors @ truth + noise, space)
+
+
+def test_what_has_no_information_but_rounding_has_a_large_variance(space, monkeypatch):
+    """In the sums of a log of 20,000 samples that slides one way, rounding was 4e-15."""
+    jacobian = np.random.default_rng(0).standard_normal((500, K))
+    jacobian[:, 0] = 0.0
+    rounding = np.zeros(K)
+    rounding[0] = -4e-15 * np.linalg.eigvalsh(jacobian.T @ jacobian)[-1]
+    monkeypatch.setattr(fitting, "_prior_information", lambda space: rounding)
+    variance = np.diag(inverse_information(jacobian, 1.0, space))
+    assert variance[0] > 1e9
+    told = np.linalg.inv(jacobian[:, 1:].T @ jacobian[:, 1:])
+    np.testing.assert_allclose(variance[1:], np.diag(told), rtol=1e-9)
 
 
 def test_it_finds_what_linear_least_squares_finds(space):
