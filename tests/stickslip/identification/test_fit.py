@@ -55,7 +55,7 @@ def test_what_has_no_information_but_rounding_has_a_large_variance(space, monkey
     jacobian[:, 0] = 0.0
     rounding = np.zeros(K)
     rounding[0] = -4e-15 * np.linalg.eigvalsh(jacobian.T @ jacobian)[-1]
-    monkeypatch.setattr(fitting, "_prior_information", lambda space: rounding)
+    monkeypatch.setattr(fitting, "_prior_information", lambda _: rounding)
     variance = np.diag(inverse_information(jacobian, 1.0, space))
     assert variance[0] > 1e9
     told = np.linalg.inv(jacobian[:, 1:].T @ jacobian[:, 1:])
