@@ -259,7 +259,7 @@ def sweep(
     )
     lengths = np.geomspace(shortest, longest, SWEPT_MOVES).tolist()
     found = [_moves(length, command, T_s) for length in lengths]
-    level = [one.parameters for one in drives if one.level == 1.0]
+    level = [one.parameters for one in drives if one.level == 1.0] or [drives[0].parameters]
     shares: tuple[float, ...] = CREEPS_OF_LEVEL
     if rising := [one["v_s"] for one in level if one.get("F_s", 0.0) > one["F_c"]]:
         slow = float(np.median(rising)) / abs(command.height)
