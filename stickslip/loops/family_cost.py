@@ -25,7 +25,6 @@ from stickslip.servo.measurement import Array
 from stickslip.servo.sensitivity import OpenLoop
 from stickslip.thresholds import kept
 from stickslip.trial.benefit import (
-    FIGURES,
     Bench,
     Cell,
     LoopRuns,
@@ -33,6 +32,7 @@ from stickslip.trial.benefit import (
     TrialError,
     errors_of,
     geometric_mean,
+    rows_of,
 )
 from stickslip.trial.family import Command, Drive
 from stickslip.tuning.loop_learning import QUIET
@@ -165,8 +165,8 @@ class FamilyCost(ExitStack):
             self._present[cell[0].name, cell[1]] = errors_of(run, self._targets(cell[1]))
 
     def _each(self, one: DriveLoop, cells: Sequence[Cell]) -> list[Outcome]:
-        """Return the run of a loop in each cell, or why it failed."""
-        return self._runs.outcomes([one.parameters], cells)[0]
+        """Return the run of the FMUs of a loop in each cell, or why it failed."""
+        return self._runs.outcomes([one.parameters], cells, in_lanes=False)[0]
 
     def _targets(self, command: Command) -> dict[str, Array]:
         """Return what the velocity and, in a cascade, the position should be (n,), by signal."""
@@ -176,23 +176,10 @@ class FamilyCost(ExitStack):
         return targets
 
     def _compared(self, cells: Sequence[Cell], runs: Sequence[Outcome]) -> Rows:
-        return tuple(
-            TrialError(
-                command.speed,
-                drive.name,
-                without=present,
-                compensated=own,
-                command=command.name,
-                figure=figure,
-                level=drive.level,
-            )
-            for (drive, command), run in zip(cells, runs, strict=True)
-            for figure, present, own in zip(
-                FIGURES,
-                self._present[drive.name, command],
-                errors_of(run, self._targets(command)),
-                strict=False,
-            )
+        present = [self._present[drive.name, command] for drive, command in cells]
+        both = zip(cells, runs, strict=True)
+        return rows_of(
+            cells, present, [errors_of(run, self._targets(cell[1])) for cell, run in both]
         )
 
 
