@@ -20,6 +20,7 @@ from stickslip.loops.family_cost import FamilyCost, ratios
 from stickslip.loops.other_gains import try_other_gains
 from stickslip.models import load_model
 from stickslip.servo.axis import Axis, Datasheet
+from stickslip.servo.lanes import Lanes
 from stickslip.servo.observer import design_observer
 from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.systems import Compensator, build_loop
@@ -78,6 +79,18 @@ CHANGED = {
     "controller.K_p": 1500.0, "controller.K_x": 31.0, "controller.tau_f": 7e-4,
     "compensator.share": 0.5, "observer.share": 0.6,
 }  # fmt: skip
+
+
+def test_fmus_run_what_is_written_and_lanes_only_candidates(cost, monkeypatch):
+    expected = cost.rows(cost.start)
+
+    def refuse(*_):
+        raise AssertionError("in lanes")
+
+    monkeypatch.setattr(Lanes, "run", refuse)
+    assert cost.rows(cost.start) == expected
+    with pytest.raises(AssertionError, match="in lanes"):
+        cost.together(np.array([[cost.start.parameters["controller.K_p"]]]))
 
 
 def test_a_candidate_runs_as_a_loop_that_is_built_for_it(cost):
