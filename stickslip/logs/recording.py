@@ -31,6 +31,8 @@ class Recording:
     added_force: Array | None = None  # (n,) added to the controller's output, as pulses [N]
     # (n,) that was added to the velocity command, such as dither [m/s]
     added_velocity: Array | None = None
+    # (n,) of the motor's force, what neither mass nor friction takes: gravity, cogging [N]
+    known_force: Array | None = None
     encoder_step: float = 0.0  # resolution of the position [m]; 0 when none shows
     motion: Motion = "linear"  # linear or rotary
     source: str = "recording"  # where it comes from, as displayed

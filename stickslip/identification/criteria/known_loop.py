@@ -15,7 +15,7 @@ from scipy.signal import lfilter
 
 from stickslip import cosim
 from stickslip.catalog.parameters import ParameterSpace, Values, friction_law
-from stickslip.identification.criteria.motion import position_noise, position_of
+from stickslip.identification.criteria.motion import measured_force, position_noise, position_of
 from stickslip.identification.criteria.runs import Closing, Criterion, Recent, Runs, require_bounded
 from stickslip.logs import Recording
 from stickslip.models import Law
@@ -118,9 +118,11 @@ class KnownLoop(Closing):
         )
         self.runs = Runs(specification, workers)
         self.results = self.runs.results
-        self._memory = memory_force(gains, len(recording.t), recording.T_s)
+        self._added = memory_force(gains, len(recording.t), recording.T_s)
+        if recording.known_force is not None:
+            self._added -= recording.known_force
         force = recording.force if is_running(gains) else None
-        self._first = None if force is None else float(force[0])
+        self._first = None if force is None else float(measured_force(recording)[0])
         self._states = cosim.Fmu(fmus / "drive.fmu").variables.keys()
 
     def run(
@@ -145,7 +147,7 @@ class KnownLoop(Closing):
             for name, state in STATES.items():
                 if name in self._states:
                     parameters[f"candidate.{name}"] = state(held, values)
-        F_ff = self._inputs["F_ff"] + self._memory - values["F_0"] + feedforward
+        F_ff = self._inputs["F_ff"] + self._added - values["F_0"] + feedforward
         return Run(parameters, {**self._inputs, "F_ff": F_ff})
 
     def bounded(

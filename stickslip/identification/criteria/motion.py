@@ -106,10 +106,13 @@ def position_of(recording: Recording) -> Array:
 
 
 def measured_force(recording: Recording) -> Array:
-    """Return the force (n,) [N] of motor or friction; raise UsageError when none was logged."""
+    """Return the force (n,) [N] of motor or friction, without what is known of it otherwise.
+
+    Raises UsageError when none was logged.
+    """
     for signal in (recording.force, recording.friction, recording.force_command):
         if signal is not None:
-            return signal
+            return signal if recording.known_force is None else signal - recording.known_force
     raise UsageError(
         f"{recording.source}: no force; log the motor's force or current, or give the controller "
         "whose command it was"
@@ -133,7 +136,7 @@ SPEEDS = (2e-3, 2.0)  # top speed that needs none [m/s]
 FORCE, SPEED = 10.0, 0.05  # what others are brought near to
 
 _LENGTHS = {"position", "velocity", "position_command", "velocity_command", "added_velocity"}
-_FORCES = {"force", "friction", "force_command", "added_force"}
+_FORCES = {"force", "friction", "force_command", "added_force", "known_force"}
 _MEMORY = {"F_held", "F_fading"}  # initial state of the controller [N]
 
 
