@@ -59,16 +59,28 @@ _QUANTITIES = {
 """What single options measure that take a number with a unit, besides a product."""
 
 
-def add_log_argument(parser: argparse.ArgumentParser) -> None:
+def add_log_argument(parser: argparse.ArgumentParser, *, several: bool = False) -> None:
     """Declare the log's file as an argument, and ``--log`` as another spelling of it."""
+    files = "CSV, Excel, Parquet, MAT, HDF5, TDMS or MF4"
     parser.add_argument(
         "log",
-        nargs="?",
+        nargs="*" if several else "?",
         type=Path,
         metavar="LOG",
-        help="CSV, Excel, Parquet, MAT, HDF5, TDMS or MF4",
+        help=f"{files}; several logs of one drive, folders of them, or a table of them with the "
+        "columns log, load, gains, config and use"
+        if several
+        else files,
     )
     parser.add_argument("--log", dest="log_option", type=Path, help=argparse.SUPPRESS)
+
+
+def logs_given(options: argparse.Namespace) -> list[Path]:
+    """Return the files and folders of one log or several; raise what ``log_of`` does."""
+    if len(options.log) < 2:
+        return [one_of("a log", *options.log, options.log_option, folder=True)]
+    require_files(*(path for path in options.log if not path.is_dir()))
+    return list(options.log)
 
 
 def log_of(options: argparse.Namespace) -> Path:
@@ -76,7 +88,7 @@ def log_of(options: argparse.Namespace) -> Path:
     return one_of("a log", options.log, options.log_option)
 
 
-def one_of(what: str, *given: Path | None) -> Path:
+def one_of(what: str, *given: Path | None, folder: bool = False) -> Path:
     """Return the one path that is given.
 
     Raises UsageError when there is none, or more than one, or OSError when the file is not there.
@@ -85,7 +97,8 @@ def one_of(what: str, *given: Path | None) -> Path:
     if len(paths) != 1:
         got = " and ".join(map(str, paths)) or "none"
         raise UsageError(f"expected {what} as an argument; got {got}")
-    require_files(paths[0])
+    if not (folder and paths[0].is_dir()):
+        require_files(paths[0])
     return paths[0]
 
 

@@ -19,10 +19,13 @@ STRONG = 0.5  # share of the strongest acceleration above which one shows the ma
 OFFSETS = 100  # stretches that are compared
 
 
-def shortened(recording: Recording) -> tuple[Recording, tuple[Finding, ...]]:
-    """Return the stretch of a long recording that shows most, and a note; a short one as it is."""
+def shortened(recording: Recording, share: float = 1.0) -> tuple[Recording, tuple[Finding, ...]]:
+    """Return the stretch of a long recording that shows most, and a note; a short one as it is.
+
+    The share is that of the longest stretch which one of several logs may take.
+    """
     n, T_s = len(recording.t), recording.T_s
-    most = max(round(log_content.LONGEST / T_s), round(log_content.MOST))
+    most = round(share * max(log_content.LONGEST / T_s, log_content.MOST))
     motion = recording.velocity if recording.position is None else recording.position
     if n <= most or motion is None:
         return recording, ()
@@ -60,13 +63,17 @@ def _most_telling(motion: Array, length: int, *, is_position: bool) -> int:
     return int(begins[np.argmax(shown)])
 
 
-def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
+def read_and_check(
+    path: Path, description: Description, share: float = 1.0
+) -> tuple[Reading, tuple[Finding, ...]]:
     """Read a log and return the stretch of it that shows most, with findings, errors included.
+
+    The share is that of the longest stretch which one of several logs may take.
 
     Raises RecordingError, UsageError when it cannot be read.
     """
     reading = read_recording(path, description, strict=False)
-    recording, cut = shortened(reading.recording)
+    recording, cut = shortened(reading.recording, share)
     reading = replace(reading, recording=recording)
     checks = check_recording(recording, reading.controller, reading.force_limit)
     return reading, (*reading.findings, *cut, *check_units(reading), *checks)

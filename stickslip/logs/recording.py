@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -11,6 +12,17 @@ from stickslip.errors import with_settings
 from stickslip.servo.measurement import Array
 
 Motion = Literal["linear", "rotary"]
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One of the logs that a recording joins."""
+
+    begin: int  # its first sample
+    end: int  # the sample behind its last one
+    source: str  # where it comes from, as displayed
+    gains: Mapping[str, float] | None = None  # of its controller's FMU; None where not known
+    load: float = 0.0  # mass that it moves beside that of the drive [kg]
 
 
 @dataclass(frozen=True)
@@ -36,6 +48,7 @@ class Recording:
     encoder_step: float = 0.0  # resolution of the position [m]; 0 when none shows
     motion: Motion = "linear"  # linear or rotary
     source: str = "recording"  # where it comes from, as displayed
+    segments: tuple[Segment, ...] = ()  # the logs that it joins; none where it is a single one
 
     @property
     def arrays(self) -> dict[str, Array]:
@@ -45,7 +58,18 @@ class Recording:
     def part(self, begin: int, end: int) -> Recording:
         """Return its samples from one on to another, whose time begins at 0."""
         cut: dict[str, Any] = {name: one[begin:end] for name, one in self.arrays.items()}
-        return replace(self, **cut | {"t": self.t[: end - begin]})
+        return replace(self, **cut | {"t": self.t[: end - begin], "segments": ()})
+
+    @property
+    def pieces(self) -> tuple[Segment, ...]:
+        """The logs that it joins, or itself as the only one."""
+        return self.segments or (Segment(0, len(self.t), self.source),)
+
+    def log(self, segment: Segment) -> Recording:
+        """Return one of the logs that it joins; a single one is returned as it is."""
+        if not self.segments:
+            return self
+        return replace(self.part(segment.begin, segment.end), source=segment.source)
 
     @property
     def rotary(self) -> bool:

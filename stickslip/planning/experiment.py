@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -42,6 +42,10 @@ PARTS = (
 """In the order in which they run: small moves first, from rest, before the bristles are bent."""
 
 
+SET = {"presliding": PARTS[:1], "creep": PARTS[1:2], "sliding": PARTS[2:]}
+"""Parts by the name of an experiment, where each kind of motion has one of its own."""
+
+
 @dataclass(frozen=True)
 class Stretch:
     """Where a part lies in an experiment: from sample ``begin`` up to ``end``."""
@@ -51,21 +55,26 @@ class Stretch:
     end: int
 
 
-def arrange(limits: Limits = LINEAR, show: Collection[str] = ()) -> tuple[Stretch, ...]:
+def arrange(
+    limits: Limits = LINEAR, show: Collection[str] = (), among: Sequence[Part] = PARTS
+) -> tuple[Stretch, ...]:
     """Return when which part runs; ``show`` names parameters whose parts get more time.
 
     Raises UsageError when ``show`` names no parameter.
     """
-    return _laid_out(limits, show)[0]
+    return _laid_out(limits, show, among)[0]
 
 
-def plan(limits: Limits = LINEAR, show: Collection[str] = ()) -> pd.DataFrame:
+def plan(
+    limits: Limits = LINEAR, show: Collection[str] = (), among: Sequence[Part] = PARTS
+) -> pd.DataFrame:
     """Return the command of an experiment that shows the parameters of a drive.
 
     Parameters
     ----------
     limits : what the drive may be asked to do
     show : parameters to favour, by the paper's symbols; none or all: a little of everything
+    among : parts of which it consists
 
     Returns
     -------
@@ -82,7 +91,7 @@ def plan(limits: Limits = LINEAR, show: Collection[str] = ()) -> pd.DataFrame:
     """
     import pandas as pd  # late, for those who start quickly
 
-    velocity = _laid_out(limits, show)[1]
+    velocity = _laid_out(limits, show, among)[1]
     steps = 0.5 * (velocity[1:] + velocity[:-1]) / limits.rate
     position = np.concatenate([[0.0], np.cumsum(steps).round(15)])
     return pd.DataFrame(
@@ -94,7 +103,9 @@ def plan(limits: Limits = LINEAR, show: Collection[str] = ()) -> pd.DataFrame:
     )
 
 
-def _laid_out(limits: Limits, show: Collection[str]) -> tuple[tuple[Stretch, ...], Array]:
+def _laid_out(
+    limits: Limits, show: Collection[str], among: Sequence[Part]
+) -> tuple[tuple[Stretch, ...], Array]:
     """Return the stretches and the velocity (n,).
 
     Where the range that the parts need does not lie around the start, the drive first moves to
@@ -107,7 +118,7 @@ def _laid_out(limits: Limits, show: Collection[str]) -> tuple[tuple[Stretch, ...
     rest = max(1, round(REST * n))
     least = 0
     for _ in range(ROUNDS):
-        stretches = _stretches(show, n, max(rest, least))
+        stretches = _stretches(show, n, max(rest, least), among)
         velocity = np.zeros(n + 1)
         for one in stretches:
             samples = one.end - one.begin
@@ -130,13 +141,15 @@ def _laid_out(limits: Limits, show: Collection[str]) -> tuple[tuple[Stretch, ...
     )
 
 
-def _stretches(show: Collection[str], n: int, rest: int) -> tuple[Stretch, ...]:
-    weights = [part.weight * (FAVOUR if set(part.shows) & set(show) else 1.0) for part in PARTS]
+def _stretches(
+    show: Collection[str], n: int, rest: int, among: Sequence[Part]
+) -> tuple[Stretch, ...]:
+    weights = [part.weight * (FAVOUR if set(part.shows) & set(show) else 1.0) for part in among]
     edges = rest + (n - 2 * rest) * np.cumsum([0.0, *weights]) / sum(weights)
     edges = edges.round().astype(int)
     return tuple(
         Stretch(part, int(begin), int(end))
-        for part, begin, end in zip(PARTS, edges[:-1], edges[1:], strict=True)
+        for part, begin, end in zip(among, edges[:-1], edges[1:], strict=True)
     )
 
 

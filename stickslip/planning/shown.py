@@ -49,7 +49,7 @@ def not_shown(
 
     ``length`` is the name of the unit of length and its value in m.
     """
-    (samples,) = (one.end - one.begin for one in stretches if "v_s" in one.part.shows)
+    samples = sum(one.end - one.begin for one in stretches if "v_s" in one.part.shows)
     lasts = samples / limits.rate
     creep = 0.25 * lasts / levels(lasts)  # time for which each speed is held [s]
     unit, size = length

@@ -83,6 +83,35 @@ class ControllerCheck:
     factor: float = 1.0  # of the logged force over the commanded one, where only it differs; else 1
 
 
+def check_controllers(
+    fmus: Path, recording: Recording, gains: Mapping[str, float]
+) -> tuple[Recording, ControllerCheck]:
+    """Check the controller of each log, and return the recording with the gains as they are found.
+
+    The check of several logs is that of the first, with the force and the error of all: noise is
+    much of a log that hardly varies.
+    """
+    if not recording.segments:
+        return recording, check_controller(fmus, recording, gains)
+    checks = [
+        check_controller(fmus, recording.log(one), one.gains or gains) for one in recording.segments
+    ]
+    pairs = list(zip(recording.segments, checks, strict=True))
+    force = np.zeros_like(recording.t) if recording.force is None else recording.force.copy()
+    for one, check in pairs:
+        force[one.begin : one.end] = check.force
+    segments = tuple(replace(one, gains=check.gains) for one, check in pairs)
+    error = float("nan")
+    if recording.force is not None:
+        parts = [recording.force[one.begin : one.end] for one in recording.segments]
+        sizes = np.array([_slow(part - part.mean(), recording.T_s) for part in parts])
+        errors = sizes * [check.error for check in checks]
+        error = float(np.linalg.norm(errors) / (np.linalg.norm(sizes) or 1.0))
+    factor = max((check.factor for check in checks), key=lambda factor: abs(np.log(abs(factor))))
+    together = replace(checks[0], force=force, error=error, factor=factor)
+    return replace(recording, segments=segments), together
+
+
 def check_controller(
     fmus: Path, recording: Recording, gains: Mapping[str, float]
 ) -> ControllerCheck:

@@ -67,7 +67,7 @@ def goodness_of_fit(
     rows = inverse.measured(at), inverse.predicted(at)
     force = relative(*(signal[inverse.used] for signal in rows))
     measured, predicted = map(inverse.at_samples, rows)
-    used = slice(inverse.used.start * inverse.q, inverse.used.stop * inverse.q)
+    used = inverse.samples_used
     raw = np.interp(recording.t - delay, recording.t, measured_force(recording))
     unfiltered = relative(raw[used], predicted[used])
     errors, simulated = dict.fromkeys(LOOP, math.nan), None

@@ -15,6 +15,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from stickslip import cosim
@@ -70,6 +71,7 @@ class InverseModel(Criterion):
     ----------
     fmus, recording, cutoff, law, q : as given
     t, T_s, position, force, motion : of the n rows
+    used : which of the rows count
     moves : (n,) where the drive is not at rest, nor near it within the memory of the low-pass
     slides : (n,) where friction follows from the motion; everywhere for a law with presliding
     """
@@ -97,8 +99,7 @@ class InverseModel(Criterion):
         self.t, self.position = means(recording.t, self.q), means(position, self.q)
         self.force = smoothed(means(measured_force(recording), self.q), self.T_s, self.cutoff)
         self.motion: SmoothMotion = smooth_motion(self.position, self.T_s, self.cutoff)
-        edge = min(int(EDGE / self.cutoff / self.T_s) + 1, len(self.t) // 10)
-        self.used = slice(edge, len(self.t) - edge)
+        self.used = self._used()
         self.specification = friction_run(fmus, self.motion.v, self.T_s)
         self.law = law or friction_law()
         rests = np.abs(self.motion.v) <= REST * velocity_noise(noise, T_s, self.cutoff)
@@ -110,6 +111,26 @@ class InverseModel(Criterion):
         self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])
         self.runs = Runs(self.specification, workers)
         self._of_laws = Recent(self._frictions_of_laws)
+
+    def _used(self) -> slice | NDArray[np.intp]:
+        """Return the rows that count: not those in which a log begins or ends."""
+        rows = []
+        for one in self.recording.pieces:
+            begin, end = -(-one.begin // self.q), one.end // self.q
+            edge = min(int(EDGE / self.cutoff / self.T_s) + 1, (end - begin) // 10)
+            rows.append(slice(begin + edge, end - edge))
+            if one.load:
+                self.force[begin:end] -= one.load * self.motion.a[begin:end]
+        if len(rows) == 1:
+            return rows[0]
+        return np.concatenate([np.arange(one.start, one.stop) for one in rows])
+
+    @property
+    def samples_used(self) -> slice | NDArray[np.intp]:
+        """Which samples of the recording the rows that count are made of."""
+        if isinstance(self.used, slice):
+            return slice(self.used.start * self.q, self.used.stop * self.q)
+        return (self.used[:, np.newaxis] * self.q + np.arange(self.q)).ravel()
 
     def friction(self, values: Values) -> Array:
         """Return F_f (n,) [N] along the recorded motion."""

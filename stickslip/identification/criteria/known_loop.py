@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
@@ -68,8 +69,20 @@ STATES: dict[str, Callable[[float, Values], float]] = {
 """State of a friction law -> its value at rest under a force [N]. Other states start at 0."""
 
 
+NOTHING: Mapping[str, float] = {}
+
+
+class Point(NamedTuple):
+    """Arguments of ``KnownLoop.run``."""
+
+    values: Values
+    further: Mapping[str, float] = NOTHING
+    feedforward: Array | float = 0.0
+    offset: float = 0.0
+
+
 class KnownLoop(Closing):
-    """Simulates the experiment of a recording."""
+    """Simulates the experiment of a recording, each of its logs with the gains of that."""
 
     def __init__(
         self,
@@ -82,10 +95,85 @@ class KnownLoop(Closing):
         encoder: bool = False,
         workers: int = 1,  # number of parallel runs
     ) -> None:
+        self._recording, self._speed = recording, _top_speed(recording)
+        self._logs = [
+            _LogLoop(
+                *(fmus, recording.log(one), one.gains or gains),
+                encoder=encoder,
+                workers=workers,
+                load=one.load,
+            )
+            for one in recording.pieces
+        ]
+
+    def run(
+        self,
+        values: Values,
+        further: Mapping[str, float] = NOTHING,  # of this run only, as ``candidate.noise_x``
+        feedforward: Array | float = 0.0,  # (n,) force of a compensator from each sample on [N]
+        offset: float = 0.0,  # by which the drive, and so the encoder's steps, are displaced [m]
+    ) -> Mapping[str, Array]:
+        """Run the experiment with these values in the drive; return signals (n,) by name."""
+        return self.results([Point(values, further, feedforward, offset)])[0]
+
+    def results(self, points: Sequence[Point]) -> list[Mapping[str, Array]]:
+        """Return what ``run`` does of each point; they are run side by side."""
+        found = [one.runs.results([one.arguments(*at) for at in points]) for one in self._logs]
+        if len(self._logs) == 1:
+            return list(found[0])
+        return [self._joined(runs) for runs in zip(*found, strict=True)]
+
+    def _joined(self, runs: Sequence[cosim.Result]) -> Mapping[str, Array]:
+        """Return the signals (n,) by name of all logs, between which they are the recorded ones."""
+        recording = self._recording
+        place, force = position_of(recording), recording.force
+        rest = np.zeros_like(place) if force is None else measured_force(recording)
+        at = {"candidate.x": place, "candidate.x_enc": place, "candidate.v": np.zeros_like(place)}
+        found = {name: at.get(name, rest).copy() for name in SIGNALS}
+        for one, run in zip(recording.pieces, runs, strict=True):
+            for name, signal in found.items():
+                signal[one.begin : one.end] = run[name]
+        return found
+
+    def bounded(
+        self,
+        values: Values,
+        further: Mapping[str, float] = NOTHING,
+        feedforward: Array | float = 0.0,
+    ) -> Mapping[str, Array]:
+        """Do what ``run`` does; raise Diverged when the drive runs away from its command."""
+        result = self.run(values, further, feedforward)
+        require_bounded(result["candidate.v"], self._speed)
+        return result
+
+    def close(self) -> None:
+        """Free the FMUs."""
+        for one in self._logs:
+            one.close()
+
+
+SIGNALS = ("candidate.x", "candidate.v", "candidate.x_enc", "candidate.F_m", "controller.u")
+"""What is recorded of a run."""
+
+
+class _LogLoop(Closing):
+    """The experiment of one log."""
+
+    def __init__(
+        self,
+        fmus: Path,
+        recording: Recording,
+        gains: Mapping[str, float],
+        *,
+        encoder: bool,
+        workers: int,
+        load: float = 0.0,
+    ) -> None:
         position = position_of(recording)
         few = position[:FEW]
         parabola = np.polyfit(np.arange(len(few)) * recording.T_s, few, 2)
         start = {"x": position[0], "v": float(parabola[1])}
+        self._start, self._load = position[0], load
         limits = {"u_max": NO_LIMIT, "T_s": recording.T_s}
         system = cosim.System("known_loop")
         system.add("controller", fmus / "velocity_controller.fmu", {**limits, **fmu_gains(gains)})
@@ -101,23 +189,15 @@ class KnownLoop(Closing):
         system.connect("controller.u", "candidate.u")
         system.connect("candidate.x_enc", "controller.x_enc")
         self._inputs = {"F_ff": np.zeros_like(recording.t), **recording.controller_inputs}
-        self._speed = _top_speed(recording)
         for name in self._inputs:
             system.expose(name, f"controller.{name}")
         specification = cosim.Specification(
             system,
             step=recording.T_s,
             stop=(len(recording.t) - 1) * recording.T_s,
-            record=(
-                "candidate.x",
-                "candidate.v",
-                "candidate.x_enc",
-                "candidate.F_m",
-                "controller.u",
-            ),
+            record=SIGNALS,
         )
         self.runs = Runs(specification, workers)
-        self.results = self.runs.results
         self._added = memory_force(gains, len(recording.t), recording.T_s)
         if recording.known_force is not None:
             self._added -= recording.known_force
@@ -125,23 +205,18 @@ class KnownLoop(Closing):
         self._first = None if force is None else float(measured_force(recording)[0])
         self._states = cosim.Fmu(fmus / "drive.fmu").variables.keys()
 
-    def run(
-        self,
-        values: Values,
-        further: Mapping[str, float] | None = None,  # of this run only, as ``candidate.noise_x``
-        feedforward: Array | float = 0.0,  # (n,) force of a compensator from each sample on [N]
-    ) -> cosim.Result:
-        """Run the experiment with these values in the drive."""
-        return self.runs.run(*self.arguments(values, further, feedforward))
-
     def arguments(
         self,
         values: Values,
-        further: Mapping[str, float] | None = None,
-        feedforward: Array | float = 0.0,
+        further: Mapping[str, float],
+        feedforward: Array | float,
+        offset: float,
     ) -> Run:
-        """Return what ``run`` runs, for ``results``."""
-        parameters = {**candidate(values), **(further or {})}
+        """Return the run of a point."""
+        parameters = {**candidate(values), **further}
+        parameters["candidate.m"] += self._load
+        if offset:
+            parameters["candidate.x"] = self._start + offset
         if self._first is not None:  # friction balances the motor force
             held = float(np.clip(self._first - values["F_0"], -values["F_c"], values["F_c"]))
             for name, state in STATES.items():
@@ -149,17 +224,6 @@ class KnownLoop(Closing):
                     parameters[f"candidate.{name}"] = state(held, values)
         F_ff = self._inputs["F_ff"] + self._added - values["F_0"] + feedforward
         return Run(parameters, {**self._inputs, "F_ff": F_ff})
-
-    def bounded(
-        self,
-        values: Values,
-        further: Mapping[str, float] | None = None,
-        feedforward: Array | float = 0.0,
-    ) -> cosim.Result:
-        """Do what ``run`` does; raise Diverged when the drive runs away from its command."""
-        result = self.run(values, further, feedforward)
-        require_bounded(result["candidate.v"], self._speed)
-        return result
 
 
 def _top_speed(recording: Recording) -> float:
@@ -206,20 +270,22 @@ class OutputError(Criterion):
         self.t = recording.t
         self.position = position_of(recording)
         self.loop = KnownLoop(fmus, recording, gains, workers=workers)
-        self.runs = self.loop.runs
         # Whitening changes, but the positions that values give do not.
         self._simulated = Recent(self._simulate)
         self.step = recording.encoder_step
         self.noise = position_noise(self.position, self.step)
         self.whitening = np.ones(1)
-        self.used = slice(max(2 * ORDER, int(BURN_IN * len(self.t))), len(self.t))
+        self._logs = [_behind_start(one.begin, one.end) for one in recording.pieces]
+        self.used = np.concatenate([np.arange(one.start, one.stop) for one in self._logs])
+        if len(self._logs) == 1:
+            self.used = self._logs[0]
 
     def raw(self, values: Values) -> Array:
         """Return measured minus simulated position (n,) [m]."""
         return np.asarray(self.position - self._simulated([tuple(values.items())])[0])
 
     def _simulate(self, points: Sequence[tuple[tuple[str, float], ...]]) -> list[Array]:
-        runs = self.loop.results([self.loop.arguments(dict(values)) for values in points])
+        runs = self.loop.results([Point(dict(values)) for values in points])
         return [run["candidate.x"] for run in runs]
 
     def residual(self, values: Values) -> Array:
@@ -232,10 +298,15 @@ class OutputError(Criterion):
         self._simulated([tuple(values.items()) for values in points])
         return [self.residual(values) for values in points]
 
+    def close(self) -> None:
+        """Free the FMUs."""
+        self.loop.close()
+
     def white(self, raw: Array) -> Array:
         """Whiten a residual (n,) and leave out its start, (k,)."""
-        white = lfilter(self.whitening, [1.0], raw)[self.used]
-        return np.asarray(white - white.mean())
+        white = lfilter(self.whitening, [1.0], raw)
+        parts = [white[used] for used in self._logs]  # in each the position has its own constant
+        return np.concatenate([part - part.mean() for part in parts])
 
     def whiten(self, values: Values) -> None:
         """Estimate the whitening filter from the residual of these values."""
@@ -245,6 +316,10 @@ class OutputError(Criterion):
         """Return the deviation of the residual over that of one (n,) [m] by the encoder alone."""
         expected = max(self.noise, float(np.std(explained[self.used])))
         return float(np.std(self.raw(values)[self.used])) / expected
+
+
+def _behind_start(begin: int, end: int) -> slice:
+    return slice(begin + max(2 * ORDER, int(BURN_IN * (end - begin))), end)
 
 
 def predictor_error(signal: Array, order: int) -> Array:

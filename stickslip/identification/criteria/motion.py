@@ -173,7 +173,12 @@ class Scale:
             if getattr(recording, name) is not None
         }
         step = recording.encoder_step * self.length
-        return replace(recording, **signals, encoder_step=step)  # type: ignore[arg-type]
+        segments = tuple(
+            replace(one, gains=one.gains and self.values(one.gains), load=one.load * self.of("m"))
+            for one in recording.segments
+        )
+        both = {"encoder_step": step, "segments": segments}
+        return replace(recording, **signals, **both)  # type: ignore[arg-type]
 
 
 SI = Scale()  # no scale

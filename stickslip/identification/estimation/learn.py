@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip import ga
 from stickslip.catalog.parameters import Values, friction_law, presliding
-from stickslip.identification.criteria.controller_check import check_controller
+from stickslip.identification.criteria.controller_check import check_controllers
 from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop, OutputError
@@ -99,7 +99,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
     recording, check = task.recording, None
     if task.gains is not None:
         progress.stage("checking the controller")
-        check = check_controller(task.fmus, recording, task.gains)
+        recording, check = check_controllers(task.fmus, recording, task.gains)
         if recording.force is None and recording.friction is None:
             recording = replace(recording, force=check.force)
         task = replace(task, gains=check.gains)

@@ -21,7 +21,7 @@ import numpy as np
 
 from stickslip.catalog.parameters import Values
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.known_loop import HELD, KnownLoop, OutputError
+from stickslip.identification.criteria.known_loop import HELD, KnownLoop, OutputError, Point
 from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.fitting.fit import Fit, linearised
 from stickslip.logs import Recording
@@ -83,7 +83,8 @@ def surrogate_loop(inverse: InverseModel, values: Values) -> KnownLoop:
     recording = inverse.recording
     path, T_s = smoothed(position_of(recording), recording.T_s, inverse.cutoff), recording.T_s
     led = replace(recording, position_command=path, velocity_command=derivative(path, T_s))
-    led = replace(led, added_force=None, added_velocity=None)  # the motion shows them
+    # The motion shows what was added; without its known force the loop begins balanced.
+    led = replace(led, added_force=None, added_velocity=None, known_force=None)
     gains = _gains(values, T_s)
     return KnownLoop(inverse.fmus, led, gains, encoder=True, workers=inverse.runs.workers)
 
@@ -109,12 +110,17 @@ def resimulated(
     has white noise of this standard deviation [m].
     """
     recording = inverse.recording
-    start, law, q = position_of(recording)[0], inverse.space.law, inverse.q
-    further = [
-        {"candidate.x": start + offset, "candidate.noise_x": max(noise, 1e-9 * abs(offset))}
-        for offset in offsets
-    ]
-    runs = loop.results([loop.arguments({**values, "delay": 0.0}, one) for one in further])
+    law, q = inverse.space.law, inverse.q
+    runs = loop.results(
+        [
+            Point(
+                {**values, "delay": 0.0},
+                {"candidate.noise_x": max(noise, 1e-9 * abs(offset))},
+                offset=offset,
+            )
+            for offset in offsets
+        ]
+    )
     # The drive's output at the end of a sample is the force held over it; the controller adds the
     # constant force, so the output contains it.
     late = recording.t + values["delay"] + 0.5 * recording.T_s
@@ -124,6 +130,7 @@ def resimulated(
             recording,
             position=run["candidate.x_enc"],
             force=np.interp(late, recording.t, run["candidate.F_m"]) + values["F_0"],
+            known_force=None,  # the drive had none
         )
         with InverseModel(inverse.fmus, again, inverse.cutoff, law=law, q=q) as copy:
             residuals.append(copy.residual(values))
@@ -170,14 +177,7 @@ def resimulated_residuals(
     smooth = criterion.loop.run(values)["candidate.x"]
     drawn = [(criterion.step * rng.random(), int(rng.integers(2**31))) for _ in range(count)]
     runs = [
-        again.arguments(
-            values,
-            {
-                "candidate.noise_x": noise,
-                "candidate.seed": seed,
-                "candidate.x": smooth[0] + offset,
-            },
-        )
+        Point(values, {"candidate.noise_x": noise, "candidate.seed": seed}, offset=offset)
         for offset, seed in drawn
     ]
     both = zip(again.results(runs), drawn, strict=True)

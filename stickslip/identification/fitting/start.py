@@ -18,7 +18,12 @@ from stickslip.catalog.parameters import (
 from stickslip.errors import IdentificationError
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.motion import SI, Scale, measured_force, position_of
-from stickslip.identification.sliding.friction_curve import FrictionCurve, Interval, friction_curve
+from stickslip.identification.sliding.friction_curve import (
+    FrictionCurve,
+    Interval,
+    Span,
+    friction_curve,
+)
 from stickslip.logs import Finding, Recording
 from stickslip.servo.measurement import level
 from stickslip.thresholds import curve_shown, identifiable
@@ -199,14 +204,16 @@ def _curve(model: InverseModel, recording: Recording, delay: float) -> FrictionC
     if model.measures_friction:
         return None
     signals = (position_of(recording).tobytes(), measured_force(recording).tobytes())
-    return _curve_of(*signals, recording.T_s, step=recording.encoder_step, delay=delay)
+    spans = tuple(Span(one.begin, one.end, one.load) for one in recording.segments)
+    return _curve_of(*signals, recording.T_s, recording.encoder_step, delay=delay, spans=spans)
 
 
 @lru_cache(1)  # every law that is compared asks for that of the same signals
 def _curve_of(
-    position: bytes, force: bytes, T_s: float, step: float, delay: float
+    position: bytes, force: bytes, T_s: float, step: float, delay: float, spans: tuple[Span, ...]
 ) -> FrictionCurve | None:
-    return friction_curve(np.frombuffer(position), np.frombuffer(force), T_s, step, delay=delay)
+    signals = np.frombuffer(position), np.frombuffer(force)
+    return friction_curve(*signals, T_s, step, delay=delay, spans=spans)
 
 
 def _massless(m: float, error: float, figure: str) -> tuple[Finding, ...]:

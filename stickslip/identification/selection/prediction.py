@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip import models
 from stickslip.catalog.parameters import ParameterSpace, friction_law, presliding
-from stickslip.identification.criteria.controller_check import check_controller
+from stickslip.identification.criteria.controller_check import check_controllers
 from stickslip.identification.criteria.inverse_model import EDGE, ForceCost, InverseModel
 from stickslip.identification.criteria.known_loop import fmu_gains
 from stickslip.identification.criteria.motion import Scale, against_motion, recording_scale
@@ -146,7 +146,7 @@ def predictions(
     found = []
     with threadpool_limits(limits=1, user_api="blas"):
         if gains is not None:
-            gains = _believed(scaled, scale.values(gains))
+            scaled, gains = _believed(scaled, scale.values(gains))
         for candidate in steps(candidates() if among is None else tuple(among)):
             with (
                 candidate_fmus(candidate.law.name) as fmus,
@@ -158,11 +158,13 @@ def predictions(
     return found
 
 
-def _believed(recording: Recording, gains: Mapping[str, float]) -> Mapping[str, float] | None:
+def _believed(
+    recording: Recording, gains: Mapping[str, float]
+) -> tuple[Recording, Mapping[str, float] | None]:
     """Return the gains, with the controller's initial state, if they command the logged force."""
     with candidate_fmus() as fmus:
-        check = check_controller(fmus, recording, fmu_gains(gains))
-    return check.gains if check.error <= control_match.EXACT else None
+        found, check = check_controllers(fmus, recording, fmu_gains(gains))
+    return found, check.gains if check.error <= control_match.EXACT else None
 
 
 def predict(

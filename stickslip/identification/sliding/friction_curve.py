@@ -15,9 +15,10 @@ between the eight show what is not known and are a part of the intervals.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -116,14 +117,30 @@ class FrictionCurve:
         )
 
 
+class Span(NamedTuple):
+    """Where one log is in a recording, and the mass that it moves beside that of the drive [kg]."""
+
+    begin: int
+    end: int
+    load: float = 0.0
+
+
 def friction_curve(
-    position: Array, force: Array, T_s: float, step: float, delay: float = 0.0
+    position: Array,
+    force: Array,
+    T_s: float,
+    step: float,
+    *,
+    delay: float = 0.0,
+    spans: Sequence[Span] = (),
 ) -> FrictionCurve | None:
     """Estimate the friction curve of a recording, None where the drive slides too little.
 
     Position [m] and force [N] are (n,), with this step of the position [m]; the force has about
-    this delay [s], which is fitted beside the rest.
+    this delay [s], which is fitted beside the rest. The spans are those of the logs; by default
+    it is a single one.
     """
+    spans = spans or (Span(0, len(position)),)
     if len(position) < 8 * curve_shown.ROWS:
         return None
     t = T_s * np.arange(len(position))
@@ -132,7 +149,7 @@ def friction_curve(
 
     def rows(first: int, share: float) -> list[_Rows]:
         each = (first, 2 * first)
-        return [_Rows(position, force, T_s, noise, q=q, share=share) for q in each]
+        return [_Rows(position, force, T_s, noise, spans, q=q, share=share) for q in each]
 
     first = 2
     while len(position) // first > ENOUGH:
@@ -237,13 +254,24 @@ class _Rows:
     """A recording behind a low-pass, every q-th sample of it; ``s`` is since the last reversal."""
 
     def __init__(
-        self, position: Array, force: Array, T_s: float, noise: float, *, q: int, share: float
+        self,
+        position: Array,
+        force: Array,
+        T_s: float,
+        noise: float,
+        spans: Sequence[Span],
+        *,
+        q: int,
+        share: float,
     ) -> None:
         self.T, self.cutoff = q * T_s, SHARE / (q * T_s)
         self.x = smoothed(means(position, q), self.T, self.cutoff)
         self.v = derivative(self.x, self.T)
         self.a = derivative(self.v, self.T)
         self.force = smoothed(means(force, q), self.T, self.cutoff)
+        self.logs = [slice(-(-one.begin // q), one.end // q) for one in spans]
+        for log, one in zip(self.logs, spans, strict=True):
+            self.force[log] -= one.load * self.a[log]
         own = noise * 2.0 * np.pi * self.cutoff * np.sqrt(2.0 * self.cutoff * T_s)
         self.top, noisy = float(np.quantile(np.abs(self.v), 0.99)), NOISY * own
         self.slowest = max(noisy, share * self.top)
@@ -253,6 +281,10 @@ class _Rows:
         self.ahead = np.sign(self.v)[last]
         self.path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self.x)))])
         turned = np.append(False, np.diff(self.ahead) != 0.0)
+        begins = [log.start for log in self.logs]
+        turned[begins] = True
+        first = np.searchsorted(begins, np.arange(len(self.path)), side="right") - 1
+        self.since = self.path - self.path[begins][first]  # since the log began
         self.s = self.path - np.maximum.accumulate(np.where(turned, self.path, 0.0))
 
     def used(self, distance: float, guard: float) -> NDArray[np.intp]:
@@ -261,9 +293,12 @@ class _Rows:
         speed = pd.Series(np.abs(self.v), path)
         before = speed.rolling("1s")  # of travel
         steady = (before.min() * STEADY > speed) & (before.max() < STEADY * speed)
-        good = self.slides & steady.to_numpy() & (self.path > distance * np.ptp(self.x))
+        good = self.slides & steady.to_numpy() & (self.since > distance * np.ptp(self.x))
         edge = int(4.0 / self.cutoff / self.T)
-        good[:edge] = good[len(good) - edge :] = False
+        inside = np.zeros(len(good), dtype=bool)
+        for log in self.logs:
+            inside[log.start + edge : max(log.stop - edge, 0)] = True
+        good &= inside
         rows = int(guard / self.cutoff / self.T)
         near = np.convolve(~good, np.ones(2 * rows + 1), "same") > 0.5
         return np.flatnonzero(~near)

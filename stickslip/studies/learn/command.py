@@ -29,7 +29,7 @@ from stickslip.commandline.log_options import (
     add_log_options,
     add_rig_option,
     description_of,
-    log_of,
+    logs_given,
     rig_of,
 )
 from stickslip.commandline.progress import TerminalProgress, add_live_option
@@ -62,7 +62,7 @@ FIGURES = {
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    add_log_argument(parser)
+    add_log_argument(parser, several=True)
     add_rig_option(parser, "instead of a log: the drive of this file runs one experiment")
     add_options(parser, {"--out DIR": "folder for results and report"}, type=Path)
     criterion = parser.add_argument(
@@ -115,18 +115,24 @@ def run(options: argparse.Namespace) -> Answer:
     """Check the log, learn, print the parameters, and write the results."""
     description = description_of(options)
     if options.rig is None:
-        options.log = log_of(options)
+        options.log = logs_given(options)
     elif options.check or options.log or options.log_option or description != type(description)():
         raise UsageError("--rig: expected no log, no description of one, and no --check")
     if options.compensator != "auto":
         require_parts(options.compensator)
     if options.check:
         from stickslip.logs import raise_errors, read_and_check
+        from stickslip.logs.sets import logs_of
 
-        findings = read_and_check(options.log, description)[1]
-        TerminalProgress().findings(findings)
-        raise_errors(options.log, findings)
-        return Answer({"findings": [str(finding) for finding in findings]})
+        every = []
+        for log in logs_of(options.log, description):
+            if len(options.log) > 1 or log.path not in options.log:
+                print(f"{log.path}:")
+            findings = read_and_check(log.path, log.description)[1]
+            TerminalProgress().findings(findings)
+            raise_errors(log.path, findings)
+            every += findings
+        return Answer({"findings": [str(finding) for finding in every]})
     from stickslip.studies.learn.folder import FILES
     from stickslip.trial.candidates import law_of
 

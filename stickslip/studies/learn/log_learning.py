@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stickslip import cosim
+from stickslip.errors import UsageError
 from stickslip.evaluation.tracking import (
     LearnedDrive,
     Tracking,
@@ -37,7 +38,9 @@ from stickslip.logs import (
     read_and_check,
     samples_late,
 )
+from stickslip.logs.joined import join
 from stickslip.logs.plausibility import implausible_mass
+from stickslip.logs.sets import Log, logs_of
 from stickslip.loops.drive_loop import DriveLoop
 from stickslip.loops.family_cost import FamilyCost
 from stickslip.loops.other_gains import try_other_gains
@@ -47,12 +50,14 @@ from stickslip.servo.axis import ControlError
 from stickslip.servo.observer import masses_between
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
 from stickslip.studies.learn.recorded import read_rig
-from stickslip.thresholds import control_match
+from stickslip.thresholds import control_match, log_content
 from stickslip.trial.candidates import law_of
 from stickslip.trial.compensator_trial import loops_of_log, try_compensator
 from stickslip.trial.guards import bench_of
 from stickslip.trial.observed import BOTH, FEEDFORWARD
 
+Source = Path | str | Log | Rig
+"""What is learned from."""
 SETTLING = 0.02
 """Share of a log that does not count where it begins in motion: the compensator has to start."""
 
@@ -138,6 +143,7 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
         return learned
     loop, estimation = learned.loops.compensated, learned.estimation
     kind, recording = reading.controller.kind, estimation.recording
+    recording = recording.log(recording.pieces[0])
     command, has_command = "the log's own command", True
     if recording.velocity_command is None and recording.position_command is None:
         trapezoid, has_command = learned.trial.command, False
@@ -203,17 +209,19 @@ def _at_rest(recording: Recording, t: np.ndarray, v_cmd: np.ndarray) -> Recordin
 
 
 def learn(
-    source: Path | str | Rig,
+    source: Source | Sequence[Source],
     description: Description | None = None,
     *,
     progress: Progress = SILENT,
     **settings: Any,
 ) -> LearnedFromRecording:
-    """Learn a drive from a log of it, or on a rig.
+    """Learn a drive from a log of it, or several, or on a rig.
 
     Parameters
     ----------
-    source : CSV, Parquet or MAT file, or a rig, which then runs one experiment
+    source : CSV, Parquet or MAT file, or a rig, which then runs one experiment; or several files,
+        folders, tables of logs (see ``logs_of``), or ``Log`` objects, each with a description of
+        its own. The compensator is tried in the loop of the first log.
     description : of its columns and of the controller; by default the columns are detected
     progress : is told of stages, findings and generations
     settings : fields of ``LearnSettings``, such as ``law``, ``seed`` and ``compensator``
@@ -233,24 +241,88 @@ def learn(
     with threadpool_limits(limits=1, user_api="blas"):
         if isinstance(source, Rig):
             progress.stage("recording the drive")
-            path, reading = Path(source.name), read_rig(source, chosen.limits)
-            findings = check_recording(reading.recording, reading.controller, reading.force_limit)
+            reading = read_rig(source, chosen.limits)
+            found = check_recording(reading.recording, reading.controller, reading.force_limit)
+            raise_errors(source.name, found)
+            reading = _aligned(reading)
+            checked = [Checked(reading, (*found, *check_rig(reading)))]
         else:
             progress.stage("reading the log")
-            path = Path(source)
-            reading, findings = read_and_check(path, description or Description())
-        raise_errors(path, findings)
+            checked = _read(source, description or Description())
+        findings = _of_all(checked)
         progress.findings(findings)
-        recording = aligned(reading.recording, samples_late(reading.recording))
-        reading = replace(reading, recording=recording)
-        if isinstance(source, Rig):
-            found = tuple(check_rig(reading))
-            progress.findings(found)
-            findings = (*findings, *found)
-        gains, design = reading.controller.parameters(), partial(loops_of_log, reading)
+        reading, controllers = checked[0].reading, [one.gains for one in checked]
         learned = learn_recording(
-            recording, gains, design, findings, settings=chosen, progress=progress
+            _joined(checked),
+            controllers[0] if all(controllers) else None,
+            partial(loops_of_log, reading),
+            findings,
+            settings=chosen,
+            progress=progress,
         )
         progress.stage("trying the compensator")
         learned = with_other_gains(with_trial(reading, learned, chosen), chosen)
         return with_tracking(reading, learned)
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A log as it was read."""
+
+    reading: Reading
+    findings: tuple[Finding, ...]  # of that and of its checks
+    load: float = 0.0  # that the drive moved beside its own mass [kg]
+
+    @property
+    def gains(self) -> Mapping[str, float] | None:
+        """Of its controller's FMU; None where that is not known."""
+        return self.reading.controller.parameters()
+
+
+def _read(source: Source | Sequence[Source], description: Description) -> list[Checked]:
+    """Return the logs of files, folders and tables, read, checked and with forces in time."""
+    several = [source] if isinstance(source, Path | str | Log) else source
+    logs = [
+        log
+        for one in several
+        for log in ([one] if isinstance(one, Log) else logs_of([Path(one)], description))
+    ]
+    learned = [log for log in logs if not log.validates]
+    if not learned:
+        raise UsageError("expected a log to learn from; got none")
+    share = min(1.0, log_content.TOGETHER / len(learned))
+    checked = []
+    for log in learned:
+        reading, findings = read_and_check(log.path, log.description, share)
+        raise_errors(log.path, findings)
+        checked.append(Checked(_aligned(reading), findings, log.load))
+    return checked
+
+
+def _aligned(reading: Reading) -> Reading:
+    recording = reading.recording
+    return replace(reading, recording=aligned(recording, samples_late(recording)))
+
+
+def _of_all(checked: Sequence[Checked]) -> tuple[Finding, ...]:
+    """Return the findings on each log; what one hides, another may show."""
+    if len(checked) == 1:
+        return checked[0].findings
+    hidden = [{name for one in log.findings for name in one.hides} for log in checked]
+    everywhere = set.intersection(*hidden)
+    return tuple(
+        replace(
+            one,
+            what=f"{log.reading.recording.source}: {one.what}",
+            hides=tuple(name for name in one.hides if name in everywhere),
+        )
+        for log in checked
+        for one in log.findings
+    )
+
+
+def _joined(checked: Sequence[Checked]) -> Recording:
+    recordings = [one.reading.recording for one in checked]
+    if len(checked) == 1 and not checked[0].load:
+        return recordings[0]
+    return join(recordings, [one.gains for one in checked], [one.load for one in checked])

@@ -1,0 +1,129 @@
+"""Sets of logs of one drive: files, folders, and tables that say what differs from log to log."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from stickslip.errors import RecordingError, UsageError
+from stickslip.logs.description import GAINS, Description, load_description
+from stickslip.logs.formats import SUFFIXES
+
+TEXT = (".csv", ".txt", ".tsv", ".dat", ".log")
+COLUMNS = ("log", "config", "load", "controller", "gains", "kind", "use")
+"""Columns of a table: ``use`` is learn or validate, ``kind`` is for the reader."""
+LONGEST = 1 << 20  # of a table [bytes]
+
+
+@dataclass(frozen=True)
+class Log:
+    """One log of a set."""
+
+    path: Path
+    description: Description
+    load: float = 0.0  # mass that the drive moved beside its own [kg], or moment of inertia
+    validates: bool = False  # whether it is predicted, not learned
+
+
+def logs_of(paths: Sequence[Path], description: Description) -> list[Log]:
+    """Return the logs of files, folders and tables.
+
+    A folder stands for all logs in it, in the order of their names. A table is a CSV file whose
+    first column is headed ``log``; its paths are relative to the table. What it does not say
+    follows from the description.
+
+    Raises UsageError when a folder has no log, or a table does not suit, or OSError when a file is
+    not there.
+    """
+    return [log for path in paths for log in _logs(path, description)]
+
+
+def _logs(path: Path, description: Description) -> Iterator[Log]:
+    if path.is_dir():
+        table = path / "runs.csv"
+        if table.is_file() and _is_table(table):
+            yield from _of_table(table, description)
+            return
+        known = {*TEXT, *SUFFIXES}
+        found = sorted(one for one in path.iterdir() if one.suffix.lower() in known)
+        if not found:
+            expected = ", ".join(sorted(known))
+            raise UsageError(f"{path}: no log in this folder; expected files of {expected}")
+        yield from (Log(one, description) for one in found)
+    elif _is_table(path):
+        yield from _of_table(path, description)
+    else:
+        yield Log(path, description)
+
+
+def _is_table(path: Path) -> bool:
+    with path.open("rb") as file:
+        first = re.split(rb"[,;\t\r\n]", file.read(64).removeprefix(b"\xef\xbb\xbf"))[0]
+    return first.strip().strip(b'"').lower() == b"log"
+
+
+def _of_table(path: Path, description: Description) -> Iterator[Log]:
+    if path.stat().st_size > LONGEST:
+        raise RecordingError(f"{path}: a table of logs of more than {LONGEST} bytes")
+    try:
+        lines = path.read_text("utf-8-sig").splitlines()
+        delimiter = max(",;\t", key=lines[0].count)
+        rows = list(csv.DictReader(lines, delimiter=delimiter, strict=True))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise RecordingError(f"{path}: no table of logs: {error}") from None
+    if not rows:
+        raise RecordingError(f"{path}: a table of logs without a row")
+    unknown = [name for name in rows[0] if name not in COLUMNS]
+    if unknown:
+        raise RecordingError(
+            f"{path}: column '{unknown[0]}': expected some of {', '.join(COLUMNS)}"
+        )
+    for number, row in enumerate(rows, 2):
+        at = f"{path}: line {number}"
+        if None in row.values() or None in row:
+            raise RecordingError(f"{at}: expected {len(rows[0])} values, as the header has names")
+        yield _row(path, {name: value.strip() for name, value in row.items()}, description, at=at)
+
+
+def _row(path: Path, row: dict[str, str], description: Description, *, at: str) -> Log:
+    log = path.parent / row["log"]
+    if not row["log"] or not log.is_file():
+        raise RecordingError(f"{at}: log '{row['log']}': no such file beside the table")
+    own = load_description(path.parent / row["config"]) if row.get("config") else description
+    if controller := row.get("controller"):
+        own = replace(own, controller=controller, gains=_gains(row.get("gains", ""), at))  # type: ignore[arg-type]
+    elif gains := row.get("gains"):
+        own = replace(own, gains={**own.gains, **_gains(gains, at)})
+    if (use := row.get("use") or "learn") not in ("learn", "validate"):
+        raise RecordingError(f"{at}: use '{use}': expected learn or validate")
+    return Log(log, own, _load(row.get("load", ""), at), validates=use == "validate")
+
+
+def _gains(text: str, at: str) -> dict[str, float]:
+    found = {}
+    for word in text.split():
+        name, _, value = word.partition("=")
+        try:
+            if name not in GAINS:
+                raise ValueError
+            found[name] = float(value)
+        except ValueError:
+            raise RecordingError(
+                f"{at}: gains '{word}': expected NAME=VALUE in SI units, with a name of "
+                f"{', '.join(GAINS)}"
+            ) from None
+    return found
+
+
+def _load(text: str, at: str) -> float:
+    if not text:
+        return 0.0
+    try:
+        return float(text)
+    except ValueError:
+        raise RecordingError(
+            f"{at}: load '{text}': expected a mass [kg] or moment of inertia [kg m^2] as a number"
+        ) from None
