@@ -39,6 +39,8 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
     if "position" in signals and reading.timed:
         signals[RATE] = motion.v
     speed = "velocity" if "velocity" in signals else RATE
+    held = {"position", "force"} <= set(signals)
+    held = held and _likeness(signals["position"], signals["force"], LATE)[1] >= log_unit.IMAGE
     for a, b, most, late in (
         (RATE, "velocity", log_unit.EQUALS, FILTERED),
         ("position", "position_command", log_unit.FOLLOWS, LATE),
@@ -52,6 +54,8 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
             yield _unrelated(b, a, figure)
         ratio, high, low = _likeness(signals[a], signals[b], late)
         if high >= log_unit.IMAGE:
+            # Friction holds a drive before break-away as a spring does, whatever the command.
+            most = math.inf if held and b.endswith("_command") else most
             yield from _contradiction(reading, a, b, (ratio, high), most=most)
         elif low <= -log_unit.SURE_IMAGE and high < log_unit.IMAGE / 2:
             yield from _contradiction(reading, a, b, (-ratio, -low), most=most)

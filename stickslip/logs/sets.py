@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import csv
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from stickslip.errors import RecordingError, UsageError
+from stickslip.errors import UsageError
 from stickslip.logs.description import GAINS, Description, load_description
 from stickslip.logs.formats import SUFFIXES
+from stickslip.logs.listing import read_listing
 
 TEXT = (".csv", ".txt", ".tsv", ".dat", ".log")
 COLUMNS = ("log", "config", "load", "controller", "gains", "kind", "use")
 """Columns of a table: ``use`` is learn or validate, ``kind`` is for the reader."""
-LONGEST = 1 << 20  # of a table [bytes]
 
 
 @dataclass(frozen=True)
@@ -66,39 +66,24 @@ def _is_table(path: Path) -> bool:
 
 
 def _of_table(path: Path, description: Description) -> Iterator[Log]:
-    if path.stat().st_size > LONGEST:
-        raise RecordingError(f"{path}: a table of logs of more than {LONGEST} bytes")
-    try:
-        lines = path.read_text("utf-8-sig").splitlines()
-        delimiter = max(",;\t", key=lines[0].count)
-        rows = list(csv.DictReader(lines, delimiter=delimiter, strict=True))
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise RecordingError(f"{path}: no table of logs: {error}") from None
+    rows = read_listing(path, COLUMNS)
     if not rows:
-        raise RecordingError(f"{path}: a table of logs without a row")
-    unknown = [name for name in rows[0] if name not in COLUMNS]
-    if unknown:
-        raise RecordingError(
-            f"{path}: column '{unknown[0]}': expected some of {', '.join(COLUMNS)}"
-        )
-    for number, row in enumerate(rows, 2):
-        at = f"{path}: line {number}"
-        if None in row.values() or None in row:
-            raise RecordingError(f"{at}: expected {len(rows[0])} values, as the header has names")
-        yield _row(path, {name: value.strip() for name, value in row.items()}, description, at=at)
+        raise UsageError(f"{path}: a table of logs without a row")
+    for number, row in rows:
+        yield _row(path, row, description, at=f"{path}: row {number}")
 
 
 def _row(path: Path, row: dict[str, str], description: Description, *, at: str) -> Log:
     log = path.parent / row["log"]
     if not row["log"] or not log.is_file():
-        raise RecordingError(f"{at}: log '{row['log']}': no such file beside the table")
+        raise UsageError(f"{at}: log '{row['log']}': no such file beside the table")
     own = load_description(path.parent / row["config"]) if row.get("config") else description
     if controller := row.get("controller"):
         own = replace(own, controller=controller, gains=_gains(row.get("gains", ""), at))  # type: ignore[arg-type]
     elif gains := row.get("gains"):
         own = replace(own, gains={**own.gains, **_gains(gains, at)})
     if (use := row.get("use") or "learn") not in ("learn", "validate"):
-        raise RecordingError(f"{at}: use '{use}': expected learn or validate")
+        raise UsageError(f"{at}: use '{use}': expected learn or validate")
     return Log(log, own, _load(row.get("load", ""), at), validates=use == "validate")
 
 
@@ -106,24 +91,27 @@ def _gains(text: str, at: str) -> dict[str, float]:
     found = {}
     for word in text.split():
         name, _, value = word.partition("=")
-        try:
-            if name not in GAINS:
-                raise ValueError
-            found[name] = float(value)
-        except ValueError:
-            raise RecordingError(
+        if name not in GAINS or (number := _number(value)) is None:
+            raise UsageError(
                 f"{at}: gains '{word}': expected NAME=VALUE in SI units, with a name of "
                 f"{', '.join(GAINS)}"
-            ) from None
+            )
+        found[name] = number
     return found
 
 
 def _load(text: str, at: str) -> float:
-    if not text:
-        return 0.0
-    try:
-        return float(text)
-    except ValueError:
-        raise RecordingError(
+    load = _number(text or "0")
+    if load is None:
+        raise UsageError(
             f"{at}: load '{text}': expected a mass [kg] or moment of inertia [kg m^2] as a number"
-        ) from None
+        )
+    return load
+
+
+def _number(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None

@@ -81,6 +81,7 @@ class ControllerCheck:
     gains: Mapping[str, float]
     form: str = OWN  # how that differs from the FMU's own; empty if it does not
     factor: float = 1.0  # of the logged force over the commanded one, where only it differs; else 1
+    source: str = ""  # the log of that factor, if there are several
 
 
 def check_controllers(
@@ -107,8 +108,10 @@ def check_controllers(
         sizes = np.array([_slow(part - part.mean(), recording.T_s) for part in parts])
         errors = sizes * [check.error for check in checks]
         error = float(np.linalg.norm(errors) / (np.linalg.norm(sizes) or 1.0))
-    factor = max((check.factor for check in checks), key=lambda factor: abs(np.log(abs(factor))))
-    together = replace(checks[0], force=force, error=error, factor=factor)
+    one, worst = max(pairs, key=lambda pair: abs(math.log(abs(pair[1].factor) or 1e-300)))
+    together = replace(
+        checks[0], force=force, error=error, factor=worst.factor, source=f"{one.source}: "
+    )
     return replace(recording, segments=segments), together
 
 

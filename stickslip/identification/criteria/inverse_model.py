@@ -71,7 +71,7 @@ class InverseModel(Criterion):
     ----------
     fmus, recording, cutoff, law, q : as given
     t, T_s, position, force, motion : of the n rows
-    used : which of the rows count
+    used, logs : which of the rows count, and which are those of each log
     moves : (n,) where the drive is not at rest, nor near it within the memory of the low-pass
     slides : (n,) where friction follows from the motion; everywhere for a law with presliding
     """
@@ -114,11 +114,12 @@ class InverseModel(Criterion):
 
     def _used(self) -> slice | NDArray[np.intp]:
         """Return the rows that count: not those in which a log begins or ends."""
-        rows = []
+        self.logs, rows = [], []
         for one in self.recording.pieces:
             begin, end = -(-one.begin // self.q), one.end // self.q
             edge = min(int(EDGE / self.cutoff / self.T_s) + 1, (end - begin) // 10)
             rows.append(slice(begin + edge, end - edge))
+            self.logs.append(slice(begin, end))
             if one.load:
                 self.force[begin:end] -= one.load * self.motion.a[begin:end]
         if len(rows) == 1:

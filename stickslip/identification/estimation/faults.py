@@ -63,6 +63,7 @@ def found_faults(
         yield Finding("warning", what, figure, advice, spoils="intervals")
     if check is not None and check.factor != 1.0:
         what = "the logged force is out of scale with the force that the controller commands"
+        what = check.source + what
         figure = f"{check.factor:.3g} times as large"
         advice = f"give <scale force={1.0 / check.factor:.3g}>, or correct its unit or the gains"
         yield Finding("warning", what, figure, advice, spoils="values")

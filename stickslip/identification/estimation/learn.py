@@ -25,6 +25,7 @@ from stickslip.identification.criteria.motion import (
     measured_force,
     recording_scale,
 )
+from stickslip.identification.estimation.agreement import contradictions
 from stickslip.identification.estimation.estimation import Estimation, FittedLaw, Searches, restored
 from stickslip.identification.estimation.faults import (
     change_of_friction,
@@ -159,6 +160,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
             *start.findings,
             *found_faults(best, criterion, check, model_error, change=change),
             *held_out.findings,
+            *(contradictions(inverse, found) if recording.segments else ()),
         )
         if any(fault.spoils for fault in faults):
             known = {name: unreliable(one) for name, one in known.items()}

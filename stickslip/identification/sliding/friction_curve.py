@@ -147,9 +147,9 @@ def friction_curve(
     force = np.interp(t - delay, t, force) if delay else force
     noise = position_noise(position, step)
 
-    def rows(first: int, share: float) -> list[_Rows]:
+    def rows(first: int, share: float) -> list[Rows]:
         each = (first, 2 * first)
-        return [_Rows(position, force, T_s, noise, spans, q=q, share=share) for q in each]
+        return [Rows(position, force, T_s, noise, spans, q=q, share=share) for q in each]
 
     first = 2
     while len(position) // first > ENOUGH:
@@ -236,7 +236,7 @@ class _Estimated:
 
 
 def _estimated(
-    rows: list[_Rows], distances: tuple[float, float], span: tuple[float, float], knots: int
+    rows: list[Rows], distances: tuple[float, float], span: tuple[float, float], knots: int
 ) -> _Estimated | None:
     """Return the estimates of both low-passes, distances and guards; None without one of them."""
     speeds = rows[-1].speeds(distances[-1], GUARDS[-1], span)
@@ -250,7 +250,7 @@ def _estimated(
     return _Estimated(speeds, *map(np.array, zip(*estimates, strict=True)))
 
 
-class _Rows:
+class Rows:
     """A recording behind a low-pass, every q-th sample of it; ``s`` is since the last reversal."""
 
     def __init__(
@@ -329,21 +329,21 @@ class _Rows:
         steps = np.log(distance * travel * np.geomspace(1.0, 10.0, STEPS))
         along = (self.x - self.x.min()) / travel
         waves = np.cos(np.pi * along[:, np.newaxis] * np.arange(1, HARMONICS + 1))
-        over_speed = _hats(np.log(speed), places)
-        start = _hats(np.log(np.maximum(self.s, 1e-3 * distance * travel)), steps)[:, :-1]
+        over_speed = hats(np.log(speed), places)
+        start = hats(np.log(np.maximum(self.s, 1e-3 * distance * travel)), steps)[:, :-1]
         time = np.linspace(-1.0, 1.0, len(self.x))[:, np.newaxis]
         drift = np.hstack([time, time**2 - 1.0 / 3.0])
         rate = np.gradient(self.force)
-        fixed = np.column_stack([self.a, self.v, self._low(ahead)[:, 0], np.ones_like(rate), rate])[
+        fixed = np.column_stack([self.a, self.v, self.low(ahead)[:, 0], np.ones_like(rate), rate])[
             used
         ]
         groups = {
             "ripple": waves,
-            "guide": self._low(ahead * waves),
-            "curve": self._low(ahead * over_speed),
+            "guide": self.low(ahead * waves),
+            "curve": self.low(ahead * over_speed),
             "asymmetry": over_speed,
-            "start": self._low(ahead * start),
-            "drift": self._low(ahead * drift),
+            "start": self.low(ahead * start),
+            "drift": self.low(ahead * drift),
         }
         groups = {name: size * group[used] for name, group in groups.items()}
         classes = 3 * _class(speed[used], 4) + _class(self.s[used], 3)
@@ -353,7 +353,8 @@ class _Rows:
             *_varying(found, groups),
         )
 
-    def _low(self, columns: Array) -> Array:
+    def low(self, columns: Array) -> Array:
+        """Return columns (n, k) behind the low-pass."""
         return smoothed(columns.T, self.T, self.cutoff).T
 
 
@@ -364,10 +365,10 @@ def _quantities(
     weights = np.zeros((3 + len(speeds), len(found.coefficients)))
     for row, name in enumerate(("m", "b", "F_0")):
         weights[row, FIXED.index(name)] = 1.0
-    weights[2, found.places["asymmetry"]] = size * _hats(np.log([typical]), knots)[0]
+    weights[2, found.places["asymmetry"]] = size * hats(np.log([typical]), knots)[0]
     weights[3:, FIXED.index("F_c")] = 1.0
     weights[3:, FIXED.index("b")] = speeds
-    weights[3:, found.places["curve"]] = size * _hats(np.log(speeds), knots)
+    weights[3:, found.places["curve"]] = size * hats(np.log(speeds), knots)
     return weights @ found.coefficients, weights @ found.covariance @ weights.T
 
 
@@ -382,7 +383,7 @@ def _varying(found: Regression, groups: Mapping[str, Array]) -> tuple[Array, Arr
     return np.array(forces), np.array(errors)
 
 
-def _hats(z: Array, knots: Array) -> Array:
+def hats(z: Array, knots: Array) -> Array:
     """Return piecewise linear functions (n, k) of z (n,), each 1 at one knot and 0 at others."""
     return np.column_stack([np.interp(z, knots, one) for one in np.eye(len(knots))])
 

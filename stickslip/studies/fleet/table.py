@@ -1,18 +1,15 @@
 """The drives of a fleet, and the table that lists them: a CSV with a row for each."""
 
-import csv
-import io
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip import models
 from stickslip.commandline.assignments import drive_changes
 from stickslip.errors import UsageError
-from stickslip.fmi.files import MOST_TEXT, read_limited
-from stickslip.fmi.messages import suggestion
+from stickslip.logs.listing import read_listing
 from stickslip.papers.lugre.reproduction import drive_truth
 from stickslip.servo.systems import Changes
 
@@ -51,24 +48,13 @@ def read_fleet(path: Path) -> list[Drive]:
     drive, not of the table. Raises UsageError when it cannot be read; names row and column, counted
     as a spreadsheet does.
     """
-    header, *rows = _rows(path)
-    names = [cell.strip() for cell in header]
-    for name in names:
-        if name not in COLUMNS:
-            expected = f"expected {', '.join(COLUMNS)}, got '{name}'{suggestion(name, COLUMNS)}"
-            raise UsageError(f"{path}: row 1: {expected}")
-        if names.count(name) > 1:
-            raise UsageError(f"{path}: column '{name}' is there twice")
+    rows = read_listing(path, COLUMNS)
+    names = rows[0][1] if rows else COLUMNS
     if "name" not in names or not {"log", "set"} & set(names):
         got = ", ".join(names)
         raise UsageError(f"{path}: expected columns name and log, or name and set, got {got}")
     drives: dict[str, Drive] = {}
-    for number, cells in enumerate(rows, start=2):
-        if not any(cell.strip() for cell in cells):
-            continue
-        if len(cells) != len(names):
-            raise UsageError(f"{path}: row {number}: expected {len(names)} cells, got {len(cells)}")
-        row = {name: cell.strip() for name, cell in zip(names, cells, strict=True)}
+    for number, row in rows:
         try:
             drive = _drive(path.parent, row)
         except ValueError as error:
@@ -82,19 +68,6 @@ def read_fleet(path: Path) -> list[Drive]:
     if not drives:
         raise UsageError(f"{path}: expected a row for each drive, got none")
     return list(drives.values())
-
-
-def _rows(path: Path) -> Sequence[list[str]]:
-    try:
-        text = read_limited(path, MOST_TEXT).decode("utf-8-sig")
-        rows = list(csv.reader(io.StringIO(text, newline=""), strict=True))
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read ({error.strerror})") from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise UsageError(f"{path}: not a CSV file in UTF-8 ({error})") from None
-    if not rows or not any(rows[0]):
-        raise UsageError(f"{path}: expected columns {', '.join(COLUMNS)} in the first row")
-    return rows
 
 
 def _drive(folder: Path, cells: dict[str, str]) -> Drive:

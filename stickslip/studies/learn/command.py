@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
     from stickslip.logs import Description
     from stickslip.studies.learn.folder import Written
     from stickslip.studies.learn.learned import LearnedFromRecording
+    from stickslip.studies.learn.predicted_logs import PredictedLog
 
 
 CRITERIA: dict[str, CriterionName] = {
@@ -65,6 +67,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_log_argument(parser, several=True)
     add_rig_option(parser, "instead of a log: the drive of this file runs one experiment")
     add_options(parser, {"--out DIR": "folder for results and report"}, type=Path)
+    held_out = {"--validate LOG": "logs whose force is predicted, but not learned from"}
+    add_options(parser, held_out, type=Path, **SEVERAL)
     criterion = parser.add_argument(
         "--criterion",
         choices=sorted(CRITERIA),
@@ -157,6 +161,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             rig or options.log,
             description,
             progress=progress,
+            validate=options.validate or (),
             law=options.law,
             criterion=CRITERIA[options.criterion],
             seed=options.seed,
@@ -168,7 +173,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             limits=limits,
             fixed_gains=options.fixed_gains or options.force,
         )
-        print_estimation(learned.estimation)
+        print_estimation(learned.estimation, learned.predicted)
         _print_trial(learned)
         for warning in learned.warnings:
             warn(warning)
@@ -230,7 +235,7 @@ def _print_written(written: Written, folder: Path) -> None:
     print(f"all results are in {folder}; open report.html first")
 
 
-def print_estimation(estimation: Estimation) -> None:
+def print_estimation(estimation: Estimation, predicted: Sequence[PredictedLog] = ()) -> None:
     """Print criterion, parameters with intervals, and relative errors."""
     from stickslip.studies.learn import tables
 
@@ -241,6 +246,9 @@ def print_estimation(estimation: Estimation) -> None:
         print(f"{fault}; no parameter is reported as identifiable" if fault.spoils else fault)
     print("\nforce error where the law was not fitted")
     print(tables.laws(estimation).text())
+    if predicted:
+        print("\nforce error of logs that were not learned from")
+        print(tables.predicted_logs(predicted, rotary=estimation.recording.rotary).text())
     if estimation.choice:
         print(f"law: {estimation.choice.reason}")
     print()

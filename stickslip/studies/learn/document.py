@@ -49,6 +49,10 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         "seed": learned.seed,
         "spread_over_searches": estimation.spread(),
     }
+    if learned.predicted:
+        document["predicted_logs"] = tables.predicted_logs(
+            learned.predicted, rotary=rotary
+        ).records()
     if estimation.friction_curve is not None:
         document["friction_curve"] = curve_document(estimation.friction_curve, rotary=rotary)
     if loop is not None:

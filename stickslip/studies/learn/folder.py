@@ -11,6 +11,7 @@ from stickslip.presentation.page import Section, picture_files
 from stickslip.servo.systems import Compensator, deployed
 from stickslip.storage import staged
 from stickslip.storage.writing import write_json, write_tables
+from stickslip.studies.learn import tables
 from stickslip.studies.learn.document import log_document
 from stickslip.studies.learn.learned import LearnedFromRecording
 from stickslip.studies.learn.page import FILES as REPORT
@@ -105,9 +106,23 @@ def write_learned(
             opening.append(tracking_section(shown.tracking, motion, shown.run))
         tried = [compensation(shown.trial.compared)] if shown.trial and shown.benefit else []
         write_estimation_report(  # last: its page names the files beside it
-            learned.estimation, learned.findings, staging, tried, opening=opening, forced=force
+            learned.estimation,
+            learned.findings,
+            staging,
+            _others(learned) + tried,
+            opening=opening,
+            forced=force,
         )
     return written
+
+
+def _others(learned: LearnedFromRecording) -> list[Section]:
+    """Return the section on logs that were not learned from, if there are any."""
+    table = tables.predicted_logs(
+        learned.predicted, rotary=learned.estimation.recording.rotary
+    ).html("Root mean square of measured minus predicted force; nothing is fitted to these logs")
+    title = "Logs that were not learned from"
+    return [Section(title, "{{ table }}", table=table)] if learned.predicted else []
 
 
 def deployed_feedforward(learned: LearnedFromRecording) -> Compensator:

@@ -19,6 +19,7 @@ from stickslip.identification.estimation import Estimation, LearnSettings, Task,
 from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.identification.selection import choose, predictions
+from stickslip.identification.sliding.log_offsets import with_log_offsets
 from stickslip.logs import Finding, Recording
 from stickslip.loops.other_gains import OtherGains
 from stickslip.output import SILENT, Progress
@@ -26,6 +27,7 @@ from stickslip.servo.axis import ControlError
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.studies.learn import tables
+from stickslip.studies.learn.predicted_logs import PredictedLog
 from stickslip.trial.candidates import AUTO
 from stickslip.trial.compensator_trial import Loops, SimulatedTrial
 from stickslip.trial.guards import Benefit
@@ -78,6 +80,7 @@ class LearnedFromRecording(Learned):
     tracking: Tracking | None = None
     asked: str = AUTO  # the compensator to be written, see ``candidates``
     other_gains: OtherGains | None = None  # of the controller, with what is written
+    predicted: tuple[PredictedLog, ...] = ()  # logs that were not learned from
 
     def table(self) -> pd.DataFrame:
         """Return a row for each parameter in SI units, with its 95 % interval."""
@@ -258,6 +261,8 @@ def learn_recording(
 
     Raises IdentificationError when the recording does not show a drive that slides.
     """
+    recording, differing = with_log_offsets(recording)
+    findings = (*findings, *differing)
     faults = tuple(finding for finding in findings if finding.spoils)
     choice = None
     if settings.law == AUTO:

@@ -49,6 +49,7 @@ from stickslip.rigs.contract import Rig
 from stickslip.servo.axis import ControlError
 from stickslip.servo.observer import masses_between
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
+from stickslip.studies.learn.predicted_logs import predicted_logs
 from stickslip.studies.learn.recorded import read_rig
 from stickslip.thresholds import control_match, log_content
 from stickslip.trial.candidates import law_of
@@ -56,8 +57,6 @@ from stickslip.trial.compensator_trial import loops_of_log, try_compensator
 from stickslip.trial.guards import bench_of
 from stickslip.trial.observed import BOTH, FEEDFORWARD
 
-Source = Path | str | Log | Rig
-"""What is learned from."""
 SETTLING = 0.02
 """Share of a log that does not count where it begins in motion: the compensator has to start."""
 
@@ -209,9 +208,10 @@ def _at_rest(recording: Recording, t: np.ndarray, v_cmd: np.ndarray) -> Recordin
 
 
 def learn(
-    source: Source | Sequence[Source],
+    source: Path | str | Log | Rig | Sequence[Path | str | Log],
     description: Description | None = None,
     *,
+    validate: Sequence[Path | str | Log] = (),
     progress: Progress = SILENT,
     **settings: Any,
 ) -> LearnedFromRecording:
@@ -223,6 +223,7 @@ def learn(
         folders, tables of logs (see ``logs_of``), or ``Log`` objects, each with a description of
         its own. The compensator is tried in the loop of the first log.
     description : of its columns and of the controller; by default the columns are detected
+    validate : logs whose force is predicted, but not learned from
     progress : is told of stages, findings and generations
     settings : fields of ``LearnSettings``, such as ``law``, ``seed`` and ``compensator``
 
@@ -245,10 +246,16 @@ def learn(
             found = check_recording(reading.recording, reading.controller, reading.force_limit)
             raise_errors(source.name, found)
             reading = _aligned(reading)
-            checked = [Checked(reading, (*found, *check_rig(reading)))]
+            checked, others = [Checked(reading, (*found, *check_rig(reading)))], []
         else:
             progress.stage("reading the log")
-            checked = _read(source, description or Description())
+            logs = _logs(source, description or Description())
+            share = min(1.0, log_content.TOGETHER / max(len(logs), 1))
+            checked = [_read(log, share) for log in logs if not log.validates]
+            others = [log for log in logs if log.validates]
+            others += _logs(validate, description or Description())
+            if not checked:
+                raise UsageError("expected a log to learn from; got none")
         findings = _of_all(checked)
         progress.findings(findings)
         reading, controllers = checked[0].reading, [one.gains for one in checked]
@@ -260,6 +267,9 @@ def learn(
             settings=chosen,
             progress=progress,
         )
+        held_out = [_read(log).reading.recording for log in others]
+        predicted = predicted_logs(learned.estimation, held_out, chosen.workers)
+        learned = replace(learned, predicted=tuple(predicted))
         progress.stage("trying the compensator")
         learned = with_other_gains(with_trial(reading, learned, chosen), chosen)
         return with_tracking(reading, learned)
@@ -279,24 +289,23 @@ class Checked:
         return self.reading.controller.parameters()
 
 
-def _read(source: Source | Sequence[Source], description: Description) -> list[Checked]:
-    """Return the logs of files, folders and tables, read, checked and with forces in time."""
+def _logs(
+    source: Path | str | Log | Sequence[Path | str | Log], description: Description
+) -> list[Log]:
+    """Return the logs of files, folders and tables."""
     several = [source] if isinstance(source, Path | str | Log) else source
-    logs = [
+    return [
         log
         for one in several
         for log in ([one] if isinstance(one, Log) else logs_of([Path(one)], description))
     ]
-    learned = [log for log in logs if not log.validates]
-    if not learned:
-        raise UsageError("expected a log to learn from; got none")
-    share = min(1.0, log_content.TOGETHER / len(learned))
-    checked = []
-    for log in learned:
-        reading, findings = read_and_check(log.path, log.description, share)
-        raise_errors(log.path, findings)
-        checked.append(Checked(_aligned(reading), findings, log.load))
-    return checked
+
+
+def _read(log: Log, share: float = 1.0) -> Checked:
+    """Return a log, read, checked and with its force in time."""
+    reading, findings = read_and_check(log.path, log.description, share)
+    raise_errors(log.path, findings)
+    return Checked(_aligned(reading), findings, log.load)
 
 
 def _aligned(reading: Reading) -> Reading:
@@ -305,7 +314,7 @@ def _aligned(reading: Reading) -> Reading:
 
 
 def _of_all(checked: Sequence[Checked]) -> tuple[Finding, ...]:
-    """Return the findings on each log; what one hides, another may show."""
+    """Return the findings on each log, of several only warnings; what one hides, another shows."""
     if len(checked) == 1:
         return checked[0].findings
     hidden = [{name for one in log.findings for name in one.hides} for log in checked]
@@ -318,6 +327,7 @@ def _of_all(checked: Sequence[Checked]) -> tuple[Finding, ...]:
         )
         for log in checked
         for one in log.findings
+        if one.severity != "note"
     )
 
 

@@ -35,6 +35,7 @@ from stickslip.presentation.scale import (
     velocity_scale,
 )
 from stickslip.presentation.table import Column, Row, Table, scaled, share, units
+from stickslip.studies.learn.predicted_logs import PredictedLog
 from stickslip.trial.benefit import MotionErrors, by_motion
 from stickslip.trial.candidates import CompensatorComparison
 from stickslip.trial.guards import Benefit
@@ -79,14 +80,7 @@ def parameters(estimation: Estimation) -> Table:
 
 def laws(estimation: Estimation) -> Table:
     """Return the force error of each law that was tried, where it was not fitted."""
-    unit = unit_of("F_c", rotary=estimation.recording.rotary)
-    force = partial(Column, digits=3, unit=unit)
-    columns = (
-        Column("law", "", "law", "Friction law"),
-        force("held_out_error", ".3g", f"error [{unit}]", f"Error where not fitted [{unit}]"),
-        share("relative", "Of the force", unit="1"),
-        force("explained", ".3g", "noise and steps explain", f"Explained [{unit}]"),
-    )
+    columns = _force_errors("held_out_error", rotary=estimation.recording.rotary)
     rows = [
         {
             "law": one.candidate.title,
@@ -97,6 +91,23 @@ def laws(estimation: Estimation) -> Table:
         for one in estimation.held_out.predictions
     ]
     return Table(columns, rows)
+
+
+def _force_errors(error: str, *, rotary: bool) -> tuple[Column, ...]:
+    unit = unit_of("F_c", rotary=rotary)
+    force = partial(Column, digits=3, unit=unit)
+    return (
+        Column("law", "", "law", "Friction law"),
+        force(error, ".3g", f"error [{unit}]", f"Error where not fitted [{unit}]"),
+        share("relative", "Of the force", unit="1"),
+        force("explained", ".3g", "noise and steps explain", f"Explained [{unit}]"),
+    )
+
+
+def predicted_logs(logs: Iterable[PredictedLog], *, rotary: bool) -> Table:
+    """Return the force error of logs that were not learned from."""
+    columns = (Column("source", "", "log", "Log"), *_force_errors("error", rotary=rotary))
+    return Table(columns, [vars(one) for one in logs])
 
 
 RATIOS = (

@@ -1,0 +1,62 @@
+"""Logs that were not learned from, and the force that the learned drive predicts of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.catalog.parameters import Values
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.motion import against_motion, recording_scale
+from stickslip.identification.criteria.runs import candidate_fmus
+from stickslip.identification.estimation import Estimation
+from stickslip.identification.selection.folds import encoder_error, explained
+from stickslip.identification.selection.prediction import Candidate
+from stickslip.logs import Recording
+
+
+@dataclass(frozen=True)
+class PredictedLog:
+    """The force of one log, predicted with the values of a law."""
+
+    source: str  # of the log
+    law: str  # display name
+    error: float  # root mean square of measured minus predicted force [N]
+    relative: float  # the same over that of the measured force
+    explained: float  # what noise and the steps of the encoder make of it [N]
+
+
+def predicted_logs(
+    estimation: Estimation, recordings: Iterable[Recording], workers: int = 1
+) -> Iterator[PredictedLog]:
+    """Yield what the learned law predicts of each log, and what Coulomb-viscous friction does.
+
+    All values are those of the logs that were learned from; nothing is fitted.
+    """
+    own = Candidate(estimation.law)
+    tried: dict[Candidate, Values] = {own: estimation.parameters}
+    for other in estimation.held_out.predictions:
+        if other.candidate.is_level:
+            tried[other.candidate] = other.parameters
+    for recording in recordings:
+        scale = recording_scale(recording)
+        scaled, _ = against_motion(scale.recording(recording))
+        for candidate, values in tried.items():
+            law, at = candidate.law, scale.values(values)
+            with (
+                candidate_fmus(law.name) as fmus,
+                InverseModel(fmus, scaled, workers=workers, law=law) as inverse,
+            ):
+                rest = inverse.residual(at)
+                force = inverse.measured(at)[inverse.used]
+                noise = explained(inverse, rest, encoder_error(inverse, at))
+            error = float(np.sqrt(np.mean(rest**2)))
+            yield PredictedLog(
+                recording.source,
+                candidate.title,
+                error / scale.force,
+                error / max(float(np.sqrt(np.mean(force**2))), 1e-300),
+                noise / scale.force,
+            )
