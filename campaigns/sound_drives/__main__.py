@@ -38,6 +38,8 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, metavar="N", help="number of the first")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("sound_drives"), metavar="DIR")
+    several = "a log for each kind of motion, learned together"
+    parser.add_argument("--several", action="store_true", help=several)
     parser.add_argument("--workers", type=int, default=1, help="drives at a time")
     parser.add_argument("--json", action="store_true", help="print rows as JSON")
     parser.add_argument("--logs-only", type=Path, metavar="DIR", help="write logs and truth")
@@ -53,23 +55,26 @@ def main() -> None:
     numbers = range(options.first, options.first + options.drives)
     if options.logs_only:
         for number in numbers:
-            drive = recorded(options.seed, number, folder)
+            drive = recorded(options, number, folder)
             print("stickslip", *learn_command(drive, folder), flush=True)
         return
     rows = list(measured(options, numbers, of_learn))
     print(summary(pd.DataFrame(rows)))
 
 
-def recorded(seed: int, number: int, folder: Path) -> Drive:
+def recorded(options: argparse.Namespace, number: int, folder: Path) -> Drive:
     """Return a drive whose log is in a folder."""
-    drive = draw(seed, number)
+    drive = draw(options.seed, number)
     path = folder / f"{drive.name}.json"
-    return Drive.read(path) if path.exists() else write_log(drive, folder)
+    if path.exists():
+        return Drive.read(path)
+    return write_log(drive, folder, several=options.several)
 
 
 def learn_command(drive: Drive, folder: Path) -> list[str]:
     """Return the arguments of ``stickslip`` that learn the log of a drive."""
-    log, out = folder / f"{drive.name}.csv", folder / f"{drive.name}.learned"
+    several, out = folder / drive.name, folder / f"{drive.name}.learned"
+    log = several if several.is_dir() else folder / f"{drive.name}.csv"
     return ["learn", str(log), *drive.learn, "--out", str(out)]
 
 
@@ -96,7 +101,7 @@ def measured(
 
 def learn_one(options: argparse.Namespace, number: int, of_learn: list[str]) -> dict[str, Any]:
     """Return the row of one drive."""
-    drive = recorded(options.seed, number, options.out)
+    drive = recorded(options, number, options.out)
     command = learn_command(drive, options.out)
     shutil.rmtree(command[-1], ignore_errors=True)
     messages = options.out / f"{drive.name}.err"
@@ -109,6 +114,7 @@ def learn_one(options: argparse.Namespace, number: int, of_learn: list[str]) -> 
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
     row = evaluated(drive, Path(command[-1]), messages.read_text())
+    shutil.rmtree(options.out / drive.name, ignore_errors=True)
     with contextlib.suppress(FileNotFoundError):
         (options.out / f"{drive.name}.csv").unlink()
     seconds, memory = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0

@@ -5,6 +5,7 @@ A rotary drive is a linear one behind a radius: read rad for m, N m for N, kg m2
 
 import json
 import math
+import shutil
 import subprocess
 import sys
 from dataclasses import asdict, dataclass, fields, replace
@@ -184,10 +185,28 @@ def _spectral_radius(p: dict[str, float], gain: float) -> float:
     return float(poles[-1] if p["K_x"] else poles[-2])  # no position loop: any position stays
 
 
-def write_log(drive: Drive, folder: Path, encoder_noise: float = ENCODER_NOISE) -> Drive:
-    """Record the planned experiment; write log and drive, and return it with its travel."""
+def write_log(
+    drive: Drive, folder: Path, encoder_noise: float = ENCODER_NOISE, *, several: bool = False
+) -> Drive:
+    """Record the planned experiment; write log and drive, and return it with its travel.
+
+    Several experiments, one for each kind of motion, become logs in a folder of their own.
+    """
+    commands = _planned(drive, folder, several=several)
+    low, high = np.inf, -np.inf
+    for k, (path, command) in enumerate(commands.items()):
+        x = _record(drive, path, command, encoder_noise, seed=drive.seed + 1000 * k)
+        low, high = min(low, x.min()), max(high, x.max())
+    drive = replace(drive, travel=(float(low), float(high)))
+    drive.write(folder / f"{drive.name}.json")
+    return drive
+
+
+def _record(
+    drive: Drive, path: Path, command: pd.DataFrame, encoder_noise: float, seed: int
+) -> np.ndarray:
+    """Write the log of a command, and return the true positions (n,)."""
     unit = "rad" if drive.rotary else "m"
-    command = _planned(drive, folder)
     v_cmd, x_cmd = command["velocity_command"], command["position_command"]
     found = simulator.run(
         drive.law,
@@ -195,7 +214,7 @@ def write_log(drive: Drive, folder: Path, encoder_noise: float = ENCODER_NOISE) 
         v_cmd.to_numpy(),
         x_cmd=x_cmd.to_numpy(),
         noise=(encoder_noise, drive.noise_F),
-        seed=drive.seed,
+        seed=seed,
     )
     log = {
         "time [s]": command["time"],
@@ -204,21 +223,30 @@ def write_log(drive: Drive, folder: Path, encoder_noise: float = ENCODER_NOISE) 
         f"velocity_command [{unit}/s]": v_cmd,
         f"position_command [{unit}]": x_cmd,
     }
-    path = folder / f"{drive.name}.csv"
     pd.DataFrame(log).to_csv(path, index=False, float_format="%.10g")
-    drive = replace(drive, travel=(float(found["x"].min()), float(found["x"].max())))
-    drive.write(path.with_suffix(".json"))
-    return drive
+    return np.asarray(found["x"])
 
 
-def _planned(drive: Drive, folder: Path) -> pd.DataFrame:
-    """Return the experiment that ``stickslip plan`` proposes for the limits of the drive."""
-    path = folder / f"{drive.name}.plan.csv"
+def _planned(drive: Drive, folder: Path, *, several: bool) -> dict[Path, pd.DataFrame]:
+    """Return what ``stickslip plan`` proposes for the limits of the drive, by its log's path."""
     limits = {name: getattr(drive, name) for name in ("stroke", "speed", "acceleration")}
     limits |= {"duration": DURATION, "rate": 1.0 / drive.parameters["T_s"]}
+    if several:
+        limits["duration"] = DURATION / 2.0
     options = [f"--{name}={value:.6g}" for name, value in limits.items()]
-    options += ["--motion", "rotary" if drive.rotary else "linear", "--out", str(path), "--force"]
+    options += ["--motion", "rotary" if drive.rotary else "linear", "--force"]
+    plan, found = folder / f"{drive.name}.plan", {}
+    options += ["--set", f"--out={plan}"] if several else [f"--out={plan / 'plan.csv'}"]
+    plan.mkdir(exist_ok=True)
     subprocess.run([STICKSLIP, "plan", "-q", *options], check=True)
-    command = pd.read_csv(path)
-    path.unlink()
-    return command.rename(columns=lambda name: name.partition(" ")[0])
+    logs = folder / drive.name
+    for path in sorted(plan.glob("*.csv")):
+        if path.name == "runs.csv":
+            logs.mkdir(exist_ok=True)
+            shutil.copy(path, logs)
+            continue
+        log = logs / f"{path.stem}_log.csv" if several else folder / f"{drive.name}.csv"
+        command = pd.read_csv(path)
+        found[log] = command.rename(columns=lambda name: name.partition(" ")[0])
+    shutil.rmtree(plan)
+    return found

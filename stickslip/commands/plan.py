@@ -17,7 +17,7 @@ from stickslip.fmi.files import atomic_write
 from stickslip.logs.recording import Motion
 from stickslip.logs.units import QUANTITIES, Unit, motion_of, parse_quantity, unit_named
 from stickslip.output import Answer
-from stickslip.planning import LINEAR, ROTARY, Limits, Stretch, arrange, plan
+from stickslip.planning import LINEAR, ROTARY, SET, Limits, Stretch, arrange, plan
 from stickslip.planning.shown import DataSheet, not_shown
 
 if TYPE_CHECKING:
@@ -66,6 +66,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(group, gain, **SEVERAL)
     out = {"--out FILE.csv": "file of the command (default plan.csv)"}
     add_options(parser, out, type=Path, default=Path("plan.csv"))
+    whole = {
+        "--set": "instead of one experiment, write one for each kind of motion, each of this "
+        "duration, and runs.csv, the table that learns their logs together; --out is a folder"
+    }
+    add_options(parser, whole, **FLAG)
     add_options(parser, {"--plot FILE.png": "also draw the command"}, type=Path)
     add_options(parser, {"--force": "overwrite files that exist"}, **FLAG)
     parser.set_defaults(run=run)
@@ -73,6 +78,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Write the command, and print when each part runs and how far it travels."""
+    if options.set:
+        return _write_set(options)
     for path, suffix in ((options.out, ".csv"), (options.plot, ".png")):
         if path and path.suffix.lower() != suffix:
             raise UsageError(f"{path}: expected a file name that ends in {suffix}")
@@ -91,6 +98,34 @@ def run(options: argparse.Namespace) -> Answer:
     print(*written, sep="\n")
     parts = [_part(table, one) for one in stretches]
     return Answer({"written": written, "parts": parts, "not_shown": missing})
+
+
+def _write_set(options: argparse.Namespace) -> Answer:
+    """Write an experiment for each kind of motion, and the table of the logs to be recorded."""
+    folder = options.out.with_suffix("")
+    if options.plot:
+        raise UsageError("--plot draws one experiment; expected no --set with it")
+    paths = {name: folder / f"{name}.csv" for name in SET}
+    table = folder / "runs.csv"
+    for path in (*paths.values(), table):
+        if path.exists() and not options.force:
+            raise UsageError(f"{path} exists; --force overwrites it, --out names another folder")
+    limits, length, sheet = _limits(options)
+    stretches: list[Stretch] = []
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, among in SET.items():
+        command, own = plan(limits, options.show, among), arrange(limits, options.show, among)
+        text = command.to_csv(index=False, float_format="%.12g", lineterminator="\n")
+        atomic_write(paths[name], text)
+        print(f"{name}, {paths[name]}:")
+        _print_parts(command, own, length)
+        stretches += own
+    missing = list(not_shown(sheet, limits, stretches, (length.name, length.factor)))
+    rows = [f"{name}_log.csv,{name},," for name in SET]
+    atomic_write(table, "\n".join(("log,kind,load,gains", *rows)) + "\n")
+    print(*missing, sep="\n")
+    print(f"record each, save its log under the name in {table}, and: stickslip learn {table}")
+    return Answer({"written": [*paths.values(), table], "not_shown": missing})
 
 
 def _limits(options: argparse.Namespace) -> tuple[Limits, Unit, DataSheet]:

@@ -84,7 +84,9 @@ def _without(inverse: InverseModel, found: Fit, others: list[int]) -> Values:
 def _differences(inverse: InverseModel, values: Values, k: int) -> Iterator[str]:
     """Yield by how much mass, friction and constant force of a log differ from values."""
     used = _rows(inverse, [k])
-    used = used[inverse.slides[used]]
+    used = used[inverse.moves[used]]
+    if len(used) < log_content.SLIDING:
+        return
     friction = smoothed(inverse.friction(values), inverse.T_s, inverse.cutoff)
     rigid = inverse.linear * [values["m"], values["b"], values["F_c"]]
     columns: dict[str, Array] = {"friction": friction + rigid[:, 1]}

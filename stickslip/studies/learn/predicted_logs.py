@@ -35,15 +35,18 @@ def predicted_logs(
 
     All values are those of the logs that were learned from; nothing is fitted.
     """
-    own = Candidate(estimation.law)
-    tried: dict[Candidate, Values] = {own: estimation.parameters}
-    for other in estimation.held_out.predictions:
-        if other.candidate.is_level:
-            tried[other.candidate] = other.parameters
+    tried: list[tuple[Candidate, Values]] = [
+        (Candidate(estimation.law), estimation.parameters),
+        *(
+            (o.candidate, o.parameters)
+            for o in estimation.held_out.predictions
+            if o.candidate.is_level
+        ),
+    ]
     for recording in recordings:
         scale = recording_scale(recording)
         scaled, _ = against_motion(scale.recording(recording))
-        for candidate, values in tried.items():
+        for candidate, values in tried:
             law, at = candidate.law, scale.values(values)
             with (
                 candidate_fmus(law.name) as fmus,
