@@ -235,7 +235,7 @@ def _planned(drive: Drive, folder: Path, *, several: bool) -> dict[Path, pd.Data
         limits["duration"] = DURATION / 2.0
     options = [f"--{name}={value:.6g}" for name, value in limits.items()]
     options += ["--motion", "rotary" if drive.rotary else "linear", "--force"]
-    plan, found = folder / f"{drive.name}.plan", {}
+    plan, found = folder / f"{drive.name}_plan", {}
     options += ["--set", f"--out={plan}"] if several else [f"--out={plan / 'plan.csv'}"]
     plan.mkdir(exist_ok=True)
     subprocess.run([STICKSLIP, "plan", "-q", *options], check=True)

@@ -102,7 +102,7 @@ def run(options: argparse.Namespace) -> Answer:
 
 def _write_set(options: argparse.Namespace) -> Answer:
     """Write an experiment for each kind of motion, and the table of the logs to be recorded."""
-    folder = options.out.with_suffix("")
+    folder = options.out.with_suffix("") if options.out.suffix == ".csv" else options.out
     if options.plot:
         raise UsageError("--plot draws one experiment; expected no --set with it")
     paths = {name: folder / f"{name}.csv" for name in SET}

@@ -109,14 +109,21 @@ class InverseModel(Criterion):
         # The velocity of row n + 1 is the one at the end of the step from t[n].
         self.inputs = {"v": np.append(self.motion.v[1:], self.motion.v[-1])}
         self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])
-        self.runs = Runs(self.specification, workers)
+        self._runs = [
+            Runs(friction_run(fmus, self.motion.v[log], self.T_s), workers) for log in self.logs
+        ]
+        self.runs = self._runs[0]
+        between = np.ones_like(self.moves)
+        for log in self.logs:
+            between[log] = False
+        self.slides &= ~between
         self._of_laws = Recent(self._frictions_of_laws)
 
     def _used(self) -> slice | NDArray[np.intp]:
         """Return the rows that count: not those in which a log begins or ends."""
         self.logs, rows = [], []
         for one in self.recording.pieces:
-            begin, end = -(-one.begin // self.q), one.end // self.q
+            begin, end = -(-one.begin // self.q), min(one.end // self.q, len(self.t))
             edge = min(int(EDGE / self.cutoff / self.T_s) + 1, (end - begin) // 10)
             rows.append(slice(begin + edge, end - edge))
             self.logs.append(slice(begin, end))
@@ -139,8 +146,17 @@ class InverseModel(Criterion):
 
     def _frictions_of_laws(self, laws: Sequence[tuple[tuple[str, float], ...]]) -> list[Array]:
         every = [{f"compensator.{name}": value for name, value in law} for law in laws]
-        runs = self.runs.results([Run(one, self.inputs) for one in every])
-        return [run["compensator.F_f"] for run in runs]
+        found = np.zeros((len(laws), len(self.t)))
+        for log, runs in zip(self.logs, self._runs, strict=True):  # each begins at rest
+            inputs = {name: signal[log] for name, signal in self.inputs.items()}
+            results = runs.results([Run(one, inputs) for one in every])
+            found[:, log] = [run["compensator.F_f"] for run in results]
+        return list(found)
+
+    def close(self) -> None:
+        """Free the FMUs."""
+        for runs in self._runs:
+            runs.close()
 
     def predicted(self, values: Values) -> Array:
         """Return the force (n,) [N] that the values predict for the motion, low-passed."""

@@ -1,0 +1,126 @@
+"""Several logs of one drive: what they have in common, and what one of them contradicts."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.known_loop import KnownLoop
+from stickslip.identification.estimation.agreement import contradictions
+from stickslip.identification.fitting.search import best_fit
+from stickslip.identification.fitting.start import begin
+from stickslip.identification.sliding.log_offsets import with_log_offsets
+from stickslip.logs import Recording
+from stickslip.logs.joined import join
+from stickslip.planning import SET, Limits, plan
+from tests.stickslip.identification import drives
+
+TRUTH = {"m": 5.557, "b": 6.6135, "F_c": 5.999}
+EVEN = {"uneven": 0.0}
+
+
+def recorded(kind, **changes):
+    """Return the log of a kind of motion, of the paper's stage or one that differs."""
+    command = plan(Limits(duration=5.0), (), SET[kind])
+    run = drives.run("lugre", command["velocity_command"].to_numpy(), **{**EVEN, **changes})
+    noise = 0.02 * np.random.default_rng(len(kind)).standard_normal(len(run["t"]))
+    return Recording(
+        run["t"],
+        run["position"],
+        run["applied"] + noise,
+        velocity_command=run["v_cmd"],
+        encoder_step=4e-7,
+        source=f"{kind}.csv",
+    )
+
+
+def joined(*logs, loads=None, gains=None):
+    return join(logs, gains or [drives.GAINS] * len(logs), loads or [0.0] * len(logs))
+
+
+def fitted(fmus, recording):
+    with InverseModel(fmus, recording) as inverse:
+        start = begin(inverse, recording)
+        found = best_fit(inverse.over(start.space), start, start.line)
+        return found, [*contradictions(inverse, found)]
+
+
+@pytest.fixture(scope="module")
+def logs():
+    return {kind: recorded(kind) for kind in SET}
+
+
+def test_logs_of_other_motions_show_together_what_one_alone_does_not(candidates, logs):
+    found, contradicted = fitted(candidates, joined(logs["creep"], logs["sliding"]))
+    alone, _ = fitted(candidates, logs["sliding"])
+    assert not contradicted
+    for name in ("m", "F_c", "F_s"):
+        assert found.parameters[name] == pytest.approx(drives.STAGE[name], rel=0.02), name
+    assert found.errors()["F_s"] < 0.5 * alone.errors()["F_s"]
+
+
+@pytest.mark.parametrize("share", [0.6, 1.5])
+def test_a_log_whose_force_is_out_of_scale_is_named_with_its_factor(candidates, logs, share):
+    wrong = replace(logs["creep"], force=share * logs["creep"].force)
+    others = recorded("sliding"), replace(recorded("sliding", m=5.557), source="again.csv")
+    _, (finding,) = fitted(candidates, joined(others[0], wrong, others[1]))
+    assert finding.what == "creep.csv contradicts the other 2 logs"
+    assert finding.spoils == "values"
+    factor = float(finding.figure.partition("its friction is ")[2].split()[0])
+    assert factor == pytest.approx(share, rel=0.05)
+
+
+def test_the_load_of_a_log_is_not_the_mass_of_the_drive(candidates, logs):
+    heavy = recorded("sliding", m=TRUTH["m"] + 3.0)
+    found, contradicted = fitted(
+        candidates, joined(logs["sliding"], replace(heavy, source="heavy.csv"), loads=[0.0, 3.0])
+    )
+    assert not contradicted
+    assert found.parameters["m"] == pytest.approx(TRUTH["m"], rel=0.01)
+    _, contradicted = fitted(candidates, joined(logs["sliding"], heavy))
+    assert contradicted
+
+
+def test_another_constant_force_of_a_log_is_taken_out_of_it(logs):
+    pulled = replace(logs["sliding"], force=logs["sliding"].force + 2.0, source="pulled.csv")
+    whole, (finding,) = with_log_offsets(joined(logs["sliding"], pulled))
+    first, second = (whole.log(one).known_force for one in whole.segments)
+    assert np.all(first == 0.0)
+    assert second == pytest.approx(np.full(len(second), 2.0), abs=0.15)
+    assert "pulled.csv" in finding.figure
+    same = joined(logs["sliding"], replace(logs["sliding"], source="again.csv"))
+    assert with_log_offsets(same) == (same, ())
+
+
+def test_each_log_runs_with_its_own_gains_and_load(candidates):
+    stiff = {**drives.GAINS, "K_p": 3000.0}
+    one, other = recorded("sliding"), recorded("sliding", K_p=3000.0, m=TRUTH["m"] + 2.0)
+    whole = joined(one, other, gains=[drives.GAINS, stiff], loads=[0.0, 2.0])
+    values = {**drives.STAGE, "F_0": 0.0, "delay": 0.0, "delta": 2.0}
+    names = (*TRUTH, "F_s", "v_s", "sigma_0", "sigma_1", "delta", "F_0", "delay")
+    with KnownLoop(candidates, whole, drives.GAINS) as loop:
+        found = loop.run({name: values[name] for name in names})["candidate.x"]
+    for segment in whole.segments:
+        log = slice(segment.begin, segment.end)
+        assert found[log] == pytest.approx(whole.position[log], abs=2e-5)
+
+
+@pytest.mark.thorough
+def test_a_set_is_learned_from_its_table(tmp_path, logs):
+    rows = ["log,kind,use"]
+    for kind, log in logs.items():
+        recorded_log = {"t": log.t, "position": log.position, "v_cmd": log.velocity_command}
+        drives.write_log(tmp_path / f"{kind}.csv", recorded_log, force=log.force)
+        rows.append(f"{kind}.csv,{kind},{'validate' if kind == 'presliding' else 'learn'}")
+    (tmp_path / "runs.csv").write_text("\n".join(rows) + "\n")
+    known = ss.Description(controller="PI", gains=drives.GAINS)
+    learned = ss.learn(tmp_path, known, law="lugre")
+    for name, truth in TRUTH.items():
+        one = learned.estimation.known[name]
+        assert one.low <= truth <= one.high, name
+    own = next(one for one in learned.predicted if one.law == "LuGre")
+    static = next(one for one in learned.predicted if one.law == "Coulomb-viscous")
+    assert own.source == "presliding.csv"
+    assert own.error < static.error
