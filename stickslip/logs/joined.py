@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -67,18 +68,15 @@ def join(
             pieces[name].append(log.arrays[name])
         segments.append(Segment(n, n + len(log.t), log.source, gains[k], loads[k]))
         n += len(log.t)
+    signals: dict[str, Any] = {
+        name: np.concatenate(pieces[name]) if name in names else None for name in first.arrays
+    }
+    several = f"{first.source} and {len(logs) - 1} others"
     return replace(
         first,
-        t=T_s * np.arange(n),
-        **{
-            name: np.concatenate(pieces[name]) if name in names else None
-            for name in first.arrays
-            if name != "t"
-        },
+        **signals | {"t": T_s * np.arange(n)},
         encoder_step=max(one.encoder_step for one in logs),
-        source=" and ".join(one.source for one in logs)
-        if len(logs) < 3
-        else f"{first.source} and {len(logs) - 1} others",
+        source=" and ".join(one.source for one in logs) if len(logs) < 3 else several,
         segments=tuple(segments),
     )
 
@@ -106,10 +104,9 @@ def _sampled(log: Recording, T_s: float) -> Recording:
     if abs(log.T_s / T_s - 1.0) < 1e-6:
         return log
     t = T_s * np.arange(int(log.t[-1] / T_s) + 1)
-    signals = {
-        name: np.interp(
-            t, log.t, signal if name == "position" else smoothed(signal, log.T_s, BAND / T_s)
-        )
+    signals: dict[str, Any] = {
+        name: signal if name == "position" else smoothed(signal, log.T_s, BAND / T_s)
         for name, signal in log.arrays.items()
     }
-    return replace(log, **signals | {"t": t})  # type: ignore[arg-type]
+    signals = {name: np.interp(t, log.t, signal) for name, signal in signals.items()}
+    return replace(log, **signals | {"t": t})

@@ -55,8 +55,8 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
         ratio, high, low = _likeness(signals[a], signals[b], late)
         if high >= log_unit.IMAGE:
             # Friction holds a drive before break-away as a spring does, whatever the command.
-            most = math.inf if held and b.endswith("_command") else most
-            yield from _contradiction(reading, a, b, (ratio, high), most=most)
+            sure = math.inf if held and b.endswith("_command") else most
+            yield from _contradiction(reading, a, b, (ratio, high), most=sure)
         elif low <= -log_unit.SURE_IMAGE and high < log_unit.IMAGE / 2:
             yield from _contradiction(reading, a, b, (-ratio, -low), most=most)
     share = _shared(recording, signals["force"], motion) if "force" in signals else 1.0

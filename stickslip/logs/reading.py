@@ -105,7 +105,8 @@ def read_recording(
     findings += [*done, *_integrated(given, signals)]
     if strict:
         raise_errors(table.path, findings)
-    recording = Recording(t, **even, encoder_step=step, motion=motion, source=Path(path).name)
+    name = Path(path).name
+    recording = Recording(t, **even, encoder_step=step, motion=motion, source=name, segments=())
     gains = {name: table.value(value, f"gain {name}") for name, value in given.gains.items()}
     for name, value in gains.items():
         if value < 0:

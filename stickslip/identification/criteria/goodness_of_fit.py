@@ -13,7 +13,7 @@ from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import Scale, measured_force, position_of
-from stickslip.identification.criteria.runs import Diverged
+from stickslip.identification.criteria.runs import Diverged, Rows
 from stickslip.servo.measurement import Array
 
 LOOP = ("position", "velocity", "closed_loop_force")
@@ -37,7 +37,7 @@ class GoodnessOfFit:
     simulated: Array | None  # (n,) position of the closed loop [m]; None in the same cases
     velocity_recorded: Array  # (n,) of the recorded motion, low-passed [m/s]
     delay: float  # of the force, with which the inverse model is nearest to it [s]
-    used: slice  # samples without the ends that the low-pass spoils
+    used: Rows  # samples without the ends that the low-pass spoils
 
     def errors(self) -> dict[str, float]:
         """Return the relative errors by name."""

@@ -15,7 +15,6 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from stickslip import cosim
@@ -31,7 +30,7 @@ from stickslip.identification.criteria.motion import (
     smooth_motion,
     velocity_noise,
 )
-from stickslip.identification.criteria.runs import Criterion, Recent, Runs
+from stickslip.identification.criteria.runs import Criterion, Recent, Rows, Runs, together
 from stickslip.logs import Recording
 from stickslip.models import Law
 from stickslip.servo.lanes import Run
@@ -119,7 +118,7 @@ class InverseModel(Criterion):
         self.slides &= ~between
         self._of_laws = Recent(self._frictions_of_laws)
 
-    def _used(self) -> slice | NDArray[np.intp]:
+    def _used(self) -> Rows:
         """Return the rows that count: not those in which a log begins or ends."""
         self.logs, rows = [], []
         for one in self.recording.pieces:
@@ -129,12 +128,10 @@ class InverseModel(Criterion):
             self.logs.append(slice(begin, end))
             if one.load:
                 self.force[begin:end] -= one.load * self.motion.a[begin:end]
-        if len(rows) == 1:
-            return rows[0]
-        return np.concatenate([np.arange(one.start, one.stop) for one in rows])
+        return together(rows)
 
     @property
-    def samples_used(self) -> slice | NDArray[np.intp]:
+    def samples_used(self) -> Rows:
         """Which samples of the recording the rows that count are made of."""
         if isinstance(self.used, slice):
             return slice(self.used.start * self.q, self.used.stop * self.q)

@@ -17,7 +17,14 @@ from scipy.signal import lfilter
 from stickslip import cosim
 from stickslip.catalog.parameters import ParameterSpace, Values, friction_law
 from stickslip.identification.criteria.motion import measured_force, position_noise, position_of
-from stickslip.identification.criteria.runs import Closing, Criterion, Recent, Runs, require_bounded
+from stickslip.identification.criteria.runs import (
+    Closing,
+    Criterion,
+    Recent,
+    Runs,
+    require_bounded,
+    together,
+)
 from stickslip.logs import Recording
 from stickslip.models import Law
 from stickslip.servo.lanes import Run
@@ -70,6 +77,8 @@ STATES: dict[str, Callable[[float, Values], float]] = {
 
 
 NOTHING: Mapping[str, float] = {}
+Signals = cosim.Result | Mapping[str, Array]
+"""What a run recorded (n,), by name."""
 
 
 class Point(NamedTuple):
@@ -112,11 +121,11 @@ class KnownLoop(Closing):
         further: Mapping[str, float] = NOTHING,  # of this run only, as ``candidate.noise_x``
         feedforward: Array | float = 0.0,  # (n,) force of a compensator from each sample on [N]
         offset: float = 0.0,  # by which the drive, and so the encoder's steps, are displaced [m]
-    ) -> Mapping[str, Array]:
+    ) -> Signals:
         """Run the experiment with these values in the drive; return signals (n,) by name."""
         return self.results([Point(values, further, feedforward, offset)])[0]
 
-    def results(self, points: Sequence[Point]) -> list[Mapping[str, Array]]:
+    def results(self, points: Sequence[Point]) -> list[Signals]:
         """Return what ``run`` does of each point; they are run side by side."""
         found = [one.runs.results([one.arguments(*at) for at in points]) for one in self._logs]
         if len(self._logs) == 1:
@@ -140,7 +149,7 @@ class KnownLoop(Closing):
         values: Values,
         further: Mapping[str, float] = NOTHING,
         feedforward: Array | float = 0.0,
-    ) -> Mapping[str, Array]:
+    ) -> Signals:
         """Do what ``run`` does; raise Diverged when the drive runs away from its command."""
         result = self.run(values, further, feedforward)
         require_bounded(result["candidate.v"], self._speed)
@@ -276,9 +285,7 @@ class OutputError(Criterion):
         self.noise = position_noise(self.position, self.step)
         self.whitening = np.ones(1)
         self._logs = [_behind_start(one.begin, one.end) for one in recording.pieces]
-        self.used = np.concatenate([np.arange(one.start, one.stop) for one in self._logs])
-        if len(self._logs) == 1:
-            self.used = self._logs[0]
+        self.used = together(self._logs)
 
     def raw(self, values: Values) -> Array:
         """Return measured minus simulated position (n,) [m]."""

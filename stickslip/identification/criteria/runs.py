@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Generic, Self, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import ParameterSpace, Values
@@ -126,6 +127,15 @@ class Runs(Closing):
             self._threads.shutdown(cancel_futures=True)
         for simulation in self._all:
             simulation.close()
+
+
+Rows = slice | NDArray[np.intp]
+"""Which rows count."""
+
+
+def together(logs: Sequence[slice]) -> Rows:
+    """Return the rows of several logs; of a single one they need no copy."""
+    return logs[0] if len(logs) == 1 else np.concatenate([np.r_[one] for one in logs])
 
 
 class Criterion(Closing):

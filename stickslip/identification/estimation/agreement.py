@@ -44,15 +44,14 @@ def contradictions(inverse: InverseModel, found: Fit) -> Iterator[Finding]:
             return
         left.remove(k)
         whole = _squares(inverse, values)
-        rest = [logs[j].source for j in left]
-        others = rest[0] if len(rest) == 1 else f"the other {len(rest)} logs"
+        rest = f"the other {len(left)} logs" if len(left) > 1 else logs[left[0]].source
         differs = [*_differences(inverse, values, k)]
         figure = f"these are explained {np.sqrt(gain):.3g} times as well without it"
         if differs:
             figure += "; with their values, its " + ", its ".join(differs)
         yield Finding(
             "warning",
-            f"{logs[k].source} contradicts {others}",
+            f"{logs[k].source} contradicts {rest}",
             figure,
             "learn without it, or correct its force, units, load or gains",
             spoils="values",

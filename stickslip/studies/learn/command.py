@@ -42,7 +42,7 @@ from stickslip.thresholds import harm
 
 if TYPE_CHECKING:
     from stickslip.identification.estimation import CriterionName, Estimation
-    from stickslip.logs import Description
+    from stickslip.logs import Description, Finding
     from stickslip.studies.learn.folder import Written
     from stickslip.studies.learn.learned import LearnedFromRecording
     from stickslip.studies.learn.predicted_logs import PredictedLog
@@ -128,7 +128,7 @@ def run(options: argparse.Namespace) -> Answer:
         from stickslip.logs import raise_errors, read_and_check
         from stickslip.logs.sets import logs_of
 
-        every = []
+        every: list[Finding] = []
         for log in logs_of(options.log, description):
             if len(options.log) > 1 or log.path not in options.log:
                 print(f"{log.path}:")
