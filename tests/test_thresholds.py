@@ -2,7 +2,7 @@
 
 import re
 import sys
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -21,7 +21,7 @@ from stickslip.identification import estimation
 from stickslip.identification.criteria import controller_check, inverse_model
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.runs import Diverged, require_bounded
-from stickslip.identification.estimation import LearnSettings
+from stickslip.identification.estimation import LearnSettings, agreement
 from stickslip.identification.estimation import task as estimation_task
 from stickslip.identification.fitting import bootstrap, identifiability, search, start
 from stickslip.identification.fitting.identifiability import (
@@ -32,12 +32,12 @@ from stickslip.identification.fitting.identifiability import (
 )
 from stickslip.identification.fitting.start import Start
 from stickslip.identification.selection import choice, choose, folds, prediction
-from stickslip.identification.sliding import friction_curve
+from stickslip.identification.sliding import friction_curve, log_offsets
+from stickslip.identification.sliding.regression import Regression
 from stickslip.identification.sliding.stribeck import Rise
 from stickslip.identification.stages import friction_map
 from stickslip.identification.stages.inertia import _evaluated, measure_inertia
 from stickslip.logs import (
-    Controller,
     Recording,
     checks,
     force_path,
@@ -51,6 +51,7 @@ from stickslip.logs import (
 from stickslip.logs import reading as log_reading
 from stickslip.logs.checked import shortened
 from stickslip.logs.excitation import Excitation, TurnAround, is_one_way
+from stickslip.logs.joined import join
 from stickslip.loops.family_cost import FamilyCost
 from stickslip.loops.other_gains import OtherGains
 from stickslip.planning import LINEAR, Limits, arrange
@@ -61,6 +62,7 @@ from stickslip.rigs.contract import Command, Log
 from stickslip.rigs.limits import RigLimits
 from stickslip.servo import observer
 from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet
+from stickslip.servo.measurement import smoothed
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.studies.learn import log_learning
 from stickslip.studies.tune.on_rig import RigTest
@@ -341,8 +343,8 @@ def curve():
     estimate = np.ones(4), np.eye(4), np.array([9.0, 0.0, 0.0]), np.ones(3)
     x = np.sin(np.linspace(0.0, 30.0, 4000))
     with (
-        patch.object(friction_curve._Rows, "estimate", lambda *_: estimate),
-        patch.object(friction_curve._Rows, "speeds", lambda *_: np.ones(1)),
+        patch.object(friction_curve.Rows, "estimate", lambda *_: estimate),
+        patch.object(friction_curve.Rows, "speeds", lambda *_: np.ones(1)),
     ):
         found = friction_curve.friction_curve(x, x, T_S, 1e-6)
     return found and set(found.varying)
@@ -421,6 +423,55 @@ def seen(rise):
     fitted.covariance = np.eye(len(SPACE.names))
     with patch.object(prediction, "identifiability", lambda *_: namespace(identifiability="")):
         return "v_s" in prediction._shown(fitted)
+
+
+def contradicts(gain):
+    """Return whether a log does without which the squares of the other are divided by a gain."""
+    squares = iter(([gain, gain], [1.0, gain], [1.0, gain], [1.0, 1.0]))
+    inverse = namespace(recording=namespace(segments=[namespace(source=one) for one in "ab"]))
+    with patch.multiple(
+        agreement,
+        _squares=lambda *_: next(squares),
+        _without=lambda *_: {},
+        _differences=lambda *_: iter(()),
+    ):
+        return bool(list(agreement.contradictions(inverse, namespace(parameters={}))))
+
+
+def differs(share):
+    """Return whether it is said that the friction of a log is larger by a share."""
+    v = np.sin(np.linspace(0.0, 60.0, 2000))
+    inverse = namespace(
+        t=v,
+        used=slice(0, 2000),
+        logs=[slice(0, 2000)],
+        moves=v != 9.0,
+        T_s=T_S,
+        cutoff=200.0,
+        motion=namespace(v=v),
+        linear=np.column_stack([0.0 * v, 0.0 * v, np.ones_like(v)]),
+        friction=lambda _: np.sign(v),
+        measured=lambda _: (1.0 + share) * smoothed(np.sign(v), T_S, 200.0),
+    )
+    values = {"m": 1.0, "b": 0.0, "F_c": 1.0, "F_0": 0.0}
+    return any("friction" in one for one in agreement._differences(inverse, values, 0))
+
+
+def is_own_offset(errors):
+    """Return whether a constant force of a log that is so many standard errors counts."""
+    both = join([rigid_drive(), rigid_drive()], [None, None], [0.0, 0.0])
+    found = Regression(np.array([3.0, 20.0, 4.0, 0.0, 1.0]), np.eye(5) / errors**2, {})
+    with patch.object(log_offsets, "regress", lambda *_: found):
+        return log_offsets.with_log_offsets(both)[0] is not both
+
+
+def share_of_each(logs):
+    """Return which share of the longest stretch each of several logs may take."""
+    shares = []
+    reads = patch.object(log_learning, "_read", lambda *of, **_: shares.append(of[1]))
+    with reads, suppress(AttributeError):  # nothing was read
+        log_learning._read_all([None] * logs)
+    return shares[0]
 
 
 def fits(noise):
@@ -575,7 +626,7 @@ def is_cut(samples, T_s):
 
 def is_short(duration, samples):
     t = np.linspace(0.0, duration, samples)
-    return bool(list(checks._signals(Recording(t, np.sin(t), np.sin(t)), Controller())))
+    return bool(list(checks._duration(Recording(t))))
 
 
 def is_short_travel(steps):
@@ -994,6 +1045,10 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "log_content.DURATION": (lambda: is_short(1.5, 9000), False, True),
     "log_content.SAMPLES": (lambda: is_short(9.0, 700), False, True),
     "log_content.LONGEST": (lambda: is_cut(450_000, T_s=1e-4), True, False),
+    "log_content.TOGETHER": (lambda: share_of_each(8), 0.25, 0.5),
+    "agreement.CONTRADICTS": (lambda: contradicts(3.0), True, False),
+    "agreement.DIFFERS": (lambda: differs(0.07), True, False),
+    "agreement.CERTAIN": (lambda: is_own_offset(6.0), True, False),
     "log_content.MOST": (lambda: is_cut(150_000, T_s=1e-3), True, False),
     "log_content.TRAVEL": (lambda: is_short_travel(150), False, True),
     "log_content.MOVING": (lambda: shows(moving=0.15), 0, 1),

@@ -64,16 +64,17 @@ def _most_telling(motion: Array, length: int, *, is_position: bool) -> int:
 
 
 def read_and_check(
-    path: Path, description: Description, share: float = 1.0
+    path: Path, description: Description, share: float = 1.0, *, alone: bool = True
 ) -> tuple[Reading, tuple[Finding, ...]]:
     """Read a log and return the stretch of it that shows most, with findings, errors included.
 
-    The share is that of the longest stretch which one of several logs may take.
+    The share is that of the longest stretch which one of several logs may take; of such a log,
+    which is not ``alone``, it is not told what it shows of the drive.
 
     Raises RecordingError, UsageError when it cannot be read.
     """
     reading = read_recording(path, description, strict=False)
     recording, cut = shortened(reading.recording, share)
     reading = replace(reading, recording=recording)
-    checks = check_recording(recording, reading.controller, reading.force_limit)
+    checks = check_recording(recording, reading.controller, reading.force_limit, alone=alone)
     return reading, (*reading.findings, *cut, *check_units(reading), *checks)

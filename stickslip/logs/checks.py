@@ -139,9 +139,16 @@ ONE_WAY = "F_c and the constant force cannot be told apart"
 
 
 def check_recording(
-    recording: Recording, controller: Controller | None = None, force_limit: float | None = None
+    recording: Recording,
+    controller: Controller | None = None,
+    force_limit: float | None = None,
+    *,
+    alone: bool = True,
 ) -> tuple[Finding, ...]:
-    """Return the findings on a recording made with a controller under a force limit [N]."""
+    """Return the findings on a recording made with a controller under a force limit [N].
+
+    Of one of several logs, which is not ``alone``, they do not tell what it shows of the drive.
+    """
     controller = controller or Controller()
     if force_limit is None and np.isfinite(controller.u_max):
         force_limit = controller.u_max
@@ -156,7 +163,7 @@ def check_recording(
         *saturation(recording, force_limit),
         *_quantisation(recording, shown),
         *_delays(recording, sure, late),
-        *_visibility(recording, shown),
+        *((*_duration(recording), *_visibility(recording, shown)) if alone else ()),
     )
 
 
@@ -189,10 +196,6 @@ def _signals(recording: Recording, controller: Controller) -> Iterator[Finding]:
     if controller.needs and getattr(recording, controller.needs) is None:
         what = f"a {controller.kind} controller, but no {controller.needs}"
         yield Finding("error", what, advice=f"give <column {controller.needs}=NAME>")
-    duration = float(recording.t[-1])
-    if duration < log_content.DURATION or len(recording.t) < log_content.SAMPLES:
-        figure = f"{duration:.3g} s, {len(recording.t)} samples"
-        yield Finding("warning", "the recording is short", figure, "log 10 s or more")
 
 
 def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:
@@ -238,6 +241,18 @@ def _delayed(name: str, other: str, delay: Delay, T_s: float, taken_out: int = 0
     if not delay.known(T_s):
         return Finding("note", f"the delay of {name} relative to {other} is not determined", figure)
     return Finding("note", f"{name} is {way} relative to {other}", figure)
+
+
+def visibility(recording: Recording) -> tuple[Finding, ...]:
+    """Return what several logs show of the drive together."""
+    return (*_duration(recording), *_visibility(recording, excitation(recording)))
+
+
+def _duration(recording: Recording) -> Iterator[Finding]:
+    duration = float(recording.t[-1])
+    if duration < log_content.DURATION or len(recording.t) < log_content.SAMPLES:
+        figure = f"{duration:.3g} s, {len(recording.t)} samples"
+        yield Finding("warning", "the recording is short", figure, "log 10 s or more")
 
 
 def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:

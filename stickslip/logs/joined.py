@@ -66,7 +66,7 @@ def join(
             n += len(next(iter(way.values())))
         for name in names:
             pieces[name].append(log.arrays[name])
-        segments.append(Segment(n, n + len(log.t), log.source, gains[k], loads[k]))
+        segments.append(Segment(n, n + len(log.t), log.source, gains=gains[k], load=loads[k]))
         n += len(log.t)
     signals: dict[str, Any] = {
         name: np.concatenate(pieces[name]) if name in names else None for name in first.arrays

@@ -45,7 +45,14 @@ def kinematics(recording: Recording, cutoff: float = CUTOFF) -> Kinematics:
     # frequency; differentiated and cut off it has this standard deviation.
     noise = 2 * np.pi * recording.encoder_step * np.sqrt(cutoff**3 * T_s / 18)
     floor = max(3 * float(noise), 1e-4 * float(np.max(np.abs(v))))
-    return Kinematics(x, v, a, derivative(a, T_s), cutoff=cutoff, floor=floor)
+    motion = Kinematics(x, v, a, derivative(a, T_s), cutoff=cutoff, floor=floor)
+    if recording.segments:  # what is between logs is no motion of the drive
+        between = np.ones(len(v), dtype=bool)
+        for log in recording.segments:
+            between[log.begin : log.end] = False
+        for signal in (motion.v, motion.a, motion.jerk):
+            signal[between] = 0.0
+    return motion
 
 
 def sliding(motion: Kinematics, T_s: float, share: float = 0.1) -> NDArray[np.bool_]:

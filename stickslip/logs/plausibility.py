@@ -39,8 +39,9 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
     if "position" in signals and reading.timed:
         signals[RATE] = motion.v
     speed = "velocity" if "velocity" in signals else RATE
-    held = {"position", "force"} <= set(signals)
-    held = held and _likeness(signals["position"], signals["force"], LATE)[1] >= log_unit.IMAGE
+    held = {"position", "force"} <= set(signals) and _is_spring(
+        signals["position"], signals["force"]
+    )
     for a, b, most, late in (
         (RATE, "velocity", log_unit.EQUALS, FILTERED),
         ("position", "position_command", log_unit.FOLLOWS, LATE),
@@ -59,7 +60,8 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
             yield from _contradiction(reading, a, b, (ratio, high), most=sure)
         elif low <= -log_unit.SURE_IMAGE and high < log_unit.IMAGE / 2:
             yield from _contradiction(reading, a, b, (-ratio, -low), most=most)
-    share = _shared(recording, signals["force"], motion) if "force" in signals else 1.0
+    moves = "force" in signals and not held
+    share = _shared(recording, signals["force"], motion) if moves else 1.0
     if share < log_unit.SHARED:
         figure = f"{share:.1%} of it is like inertia, viscous and Coulomb friction of that motion"
         figure += f"; expected at least {log_unit.SHARED:.0%}"
@@ -71,6 +73,12 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
             figure = f"{recording.T_s:.4g} s and {T_s:.4g} s, a factor of {described_ratio(ratio)}"
             advice = "the gain T_s is in s; a unit of the log's time is set by <unit time=ms>"
             yield Finding("error", what, figure, advice)
+
+
+def _is_spring(position: Array, force: Array) -> bool:
+    """Tell whether a force (n,) [N] is an image of the position, as before break-away."""
+    moves = np.ptp(position) and np.ptp(force)
+    return bool(moves and np.corrcoef(position, force)[0, 1] >= log_unit.SURE_IMAGE)
 
 
 def _unrelated(b: str, a: str, figure: str) -> Finding:

@@ -149,7 +149,7 @@ def friction_curve(
 
     def rows(first: int, share: float) -> list[Rows]:
         each = (first, 2 * first)
-        return [Rows(position, force, T_s, noise, spans, q=q, share=share) for q in each]
+        return [Rows(position, force, T_s, noise, spans=spans, q=q, share=share) for q in each]
 
     first = 2
     while len(position) // first > ENOUGH:
@@ -259,8 +259,8 @@ class Rows:
         force: Array,
         T_s: float,
         noise: float,
-        spans: Sequence[Span],
         *,
+        spans: Sequence[Span],
         q: int,
         share: float,
     ) -> None:

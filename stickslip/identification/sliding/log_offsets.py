@@ -1,6 +1,6 @@
 """The constant force of each log, where several logs of a drive differ in it.
 
-A sensor that was zeroed anew, or another tilt of the axis, shows as a constant beside the friction
+A sensor that was zeroed again, or another tilt of the axis, shows as a constant beside the friction
 that all logs have in common. It is told from sliding in both directions.
 """
 
@@ -38,7 +38,7 @@ def with_log_offsets(recording: Recording) -> tuple[Recording, tuple[Finding, ..
     q = max(2, len(position) // ENOUGH + 1)
     spans = [Span(one.begin, one.end, one.load) for one in recording.segments]
     noise = position_noise(position, recording.encoder_step)
-    rows = Rows(position, force, T_s, noise, spans, q=q, share=SLOWEST)
+    rows = Rows(position, force, T_s, noise, spans=spans, q=q, share=SLOWEST)
     used = rows.used(DISTANCES[0], GUARDS[0])
     ahead = rows.ahead[used]
     belongs = np.zeros((len(rows.x), len(spans)))

@@ -12,7 +12,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stickslip import cosim
-from stickslip.errors import UsageError
+from stickslip.errors import RecordingError, UsageError
 from stickslip.evaluation.tracking import (
     LearnedDrive,
     Tracking,
@@ -38,6 +38,7 @@ from stickslip.logs import (
     read_and_check,
     samples_late,
 )
+from stickslip.logs.checks import visibility
 from stickslip.logs.joined import join
 from stickslip.logs.plausibility import implausible_mass
 from stickslip.logs.sets import Log, logs_of
@@ -250,17 +251,15 @@ def learn(
         else:
             progress.stage("reading the log")
             logs = _logs(source, description or Description())
-            share = min(1.0, log_content.TOGETHER / max(len(logs), 1))
-            checked = [_read(log, share) for log in logs if not log.validates]
+            checked = _read_all([log for log in logs if not log.validates])
             others = [log for log in logs if log.validates]
             others += _logs(validate, description or Description())
-            if not checked:
-                raise UsageError("expected a log to learn from; got none")
-        findings = _of_all(checked)
+        recording = _joined(checked)
+        findings = _of_all(checked, recording)
         progress.findings(findings)
         reading, controllers = checked[0].reading, [one.gains for one in checked]
         learned = learn_recording(
-            _joined(checked),
+            recording,
             controllers[0] if all(controllers) else None,
             partial(loops_of_log, reading),
             findings,
@@ -301,9 +300,27 @@ def _logs(
     ]
 
 
-def _read(log: Log, share: float = 1.0) -> Checked:
+def _read_all(logs: Sequence[Log]) -> list[Checked]:
+    """Return the logs; of several, those that cannot be read are left out with a warning."""
+    if not logs:
+        raise UsageError("expected a log to learn from; got none")
+    share = min(1.0, log_content.TOGETHER / len(logs))
+    checked, refused = [], []
+    for log in logs:
+        try:
+            checked.append(_read(log, share, alone=len(logs) == 1))
+        except RecordingError as error:
+            refused.append(error)
+    if 2 * len(refused) > len(logs) or len(checked) < min(len(logs), 2):
+        raise refused[0]
+    left_out = [Finding("warning", "a log is left out", str(error)) for error in refused]
+    checked[0] = replace(checked[0], findings=(*checked[0].findings, *left_out))
+    return checked
+
+
+def _read(log: Log, share: float = 1.0, *, alone: bool = True) -> Checked:
     """Return a log, read, checked and with its force in time."""
-    reading, findings = read_and_check(log.path, log.description, share)
+    reading, findings = read_and_check(log.path, log.description, share, alone=alone)
     raise_errors(log.path, findings)
     return Checked(_aligned(reading), findings, log.load)
 
@@ -313,22 +330,22 @@ def _aligned(reading: Reading) -> Reading:
     return replace(reading, recording=aligned(recording, samples_late(recording)))
 
 
-def _of_all(checked: Sequence[Checked]) -> tuple[Finding, ...]:
-    """Return the findings on each log, of several only warnings; what one hides, another shows."""
+def _of_all(checked: Sequence[Checked], recording: Recording) -> tuple[Finding, ...]:
+    """Return the findings: of several logs warnings, each once, and what they show together."""
     if len(checked) == 1:
         return checked[0].findings
-    hidden = [{name for one in log.findings for name in one.hides} for log in checked]
-    everywhere = set.intersection(*hidden)
-    return tuple(
-        replace(
-            one,
-            what=f"{log.reading.recording.source}: {one.what}",
-            hides=tuple(name for name in one.hides if name in everywhere),
-        )
-        for log in checked
-        for one in log.findings
-        if one.severity != "note"
-    )
+    alike: dict[str, list[tuple[str, Finding]]] = {}
+    for log in checked:
+        for one in log.findings:
+            if one.severity != "note":
+                alike.setdefault(one.what, []).append((log.reading.recording.source, one))
+    found = []
+    for several in alike.values():
+        source, first = several[0]
+        if len(several) > 1:
+            source = f"{len(several)} of {len(checked)} logs, such as {source}"
+        found.append(replace(first, what=f"{source}: {first.what}"))
+    return (*found, *visibility(recording))
 
 
 def _joined(checked: Sequence[Checked]) -> Recording:

@@ -59,7 +59,7 @@ def predicted_logs(
             yield PredictedLog(
                 recording.source,
                 candidate.title,
-                error / scale.force,
-                error / max(float(np.sqrt(np.mean(force**2))), 1e-300),
-                noise / scale.force,
+                error=error / scale.force,
+                relative=error / max(float(np.sqrt(np.mean(force**2))), 1e-300),
+                explained=noise / scale.force,
             )
