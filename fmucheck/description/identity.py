@@ -8,9 +8,8 @@ from stickslip.fmi.description.attributes import flag
 from stickslip.fmucheck.description.model import (
     Attributes,
     Description,
+    Entry,
     Interface,
-    TypeDefinition,
-    Unit,
     Variable,
     number,
     repeated,
@@ -102,7 +101,7 @@ def undefined_unit(description: Description) -> Claims:
 @error("2.2.2", "2.4.3", "define it under the variable's unit")
 def undefined_display_unit(description: Description) -> Claims:
     """A display unit is not defined under the unit it belongs to, or there is no unit."""
-    known = {u.name: {d.get("name") for d in u.display} for u in description.units}
+    known = {u.name: {d.get("name") for d in u.parts["DisplayUnit"]} for u in description.units}
     for place, given, inherited in _with_units(description):
         shown, unit = given.get("displayUnit"), given.get("unit") or inherited.get("unit")
         if shown is None or (unit and unit not in known):
@@ -119,15 +118,15 @@ def duplicate_unit(description: Description) -> Claims:
     for name, _ in repeated([unit.name for unit in description.units]):
         yield f"unit {name}", "is defined more than once"
     for unit in description.units:
-        for name, _ in repeated([d.get("name", "") for d in unit.display]):
+        for name, _ in repeated(d.get("name", "") for d in unit.parts["DisplayUnit"]):
             yield unit.place, f"display unit {name} is defined more than once"
 
 
 @error("2.2.2", "2.4.3", "write a factor other than 0", "units")
-def bad_unit_factor(unit: Unit) -> Iterator[str]:
+def bad_unit_factor(unit: Entry) -> Iterator[str]:
     """The factor of a unit is 0, or factor or offset are not finite."""
-    each = [("BaseUnit", unit.base)] if unit.base is not None else []
-    each += [(f"DisplayUnit {display.get('name')}", display) for display in unit.display]
+    each = [("BaseUnit", base) for base in unit.parts["BaseUnit"]]
+    each += [(f"DisplayUnit {one.get('name')}", one) for one in unit.parts["DisplayUnit"]]
     for name, given in each:
         factor, offset = number(given.get("factor", "1")), number(given.get("offset", "0"))
         if factor == 0.0 or not all(math.isfinite(n) for n in (factor, offset) if n is not None):
@@ -135,9 +134,9 @@ def bad_unit_factor(unit: Unit) -> Iterator[str]:
 
 
 @error(None, "2.4.3", "drop offset or inverse", "units")
-def inverse_with_offset(unit: Unit) -> Iterator[str]:
+def inverse_with_offset(unit: Entry) -> Iterator[str]:
     """An inverse display unit has an offset."""
-    for each in unit.display:
+    for each in unit.parts["DisplayUnit"]:
         if flag(each, "inverse") and number(each.get("offset", "0")) != 0:
             yield f"DisplayUnit {each.get('name')} is inverse and has an offset"
 
@@ -145,7 +144,7 @@ def inverse_with_offset(unit: Unit) -> Iterator[str]:
 @note("2.2.2", "2.4.3", "give the exponents of the SI units")
 def unit_without_base(description: Description) -> Claims:
     """A unit has no BaseUnit, so that importers can neither convert nor compare it."""
-    bare = [unit for unit in description.units if unit.base is None]
+    bare = [unit for unit in description.units if not unit.parts["BaseUnit"]]
     if bare:
         yield bare[0].place, f"no BaseUnit; {len(bare)} such units"
 
@@ -174,10 +173,10 @@ def undefined_type(v: Variable) -> Iterator[str]:
 
 
 @error("2.2.3", "2.4.4", "give each item its own name and value", "types")
-def duplicate_item(each: TypeDefinition) -> Iterator[str]:
+def duplicate_item(each: Entry) -> Iterator[str]:
     """Two items of an enumeration share a name or a value."""
-    for what, column in (("name", 0), ("value", 1)):
-        for text, _ in repeated([item[column] for item in each.items]):
+    for what in ("name", "value"):
+        for text, _ in repeated(item.get(what, "") for item in each.parts["Item"]):
             yield f"several items have the {what} {text}"
 
 

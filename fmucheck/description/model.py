@@ -7,12 +7,12 @@ sent to the child process.
 
 import math
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from stickslip.fmi.description.attributes import flag
 from stickslip.fmi.description.variables import FLOATS, INITIALS, default_variability
@@ -76,52 +76,21 @@ def _attributes(element: Element) -> Attributes:
 
 
 class Entry:
-    """An element; in FMI 2.0, kind and attributes of a variable are those of the one inside."""
+    """An element; in FMI 2.0 a variable or type has kind, attributes and parts of the one inside.
 
-    what = ""
+    ``parts`` are the attributes of the elements in it by their tags.
+    """
 
-    def __init__(self, element: Element, inner: Element | None = None) -> None:
-        inner = element if inner is None else inner
+    def __init__(self, element: Element, what: str = "", version: int = 3) -> None:
+        inside = _inside(element) if version == 2 else ()
+        inner = next((each for each in inside if each.tag != "Annotations"), element)
         self.name: str = element.get("name", "")
-        self.line: int = element.sourceline or 0
-        self.kind = str(inner.tag)
+        self.kind = str(inner.tag).removesuffix("Type")
         self.given = _attributes(inner)
-
-    @property
-    def place(self) -> str:
-        """Where it is."""
-        return f"{self.what} {self.name} (line {self.line})"
-
-
-class TypeDefinition(Entry):
-    """A type that variables can declare; ``items`` are names and values of an enumeration."""
-
-    what = "type"
-
-    def __init__(self, element: Element, version: int) -> None:
-        inner = next(iter(_inside(element)), element) if version == 2 else element
-        super().__init__(element, inner)
-        self.kind = self.kind.removesuffix("Type")
-        self.items = [(i.get("name", ""), i.get("value", "")) for i in inner.iterfind("Item")]
-
-
-class Unit(Entry):
-    """A unit with its display units; ``base`` and ``display`` hold their attributes."""
-
-    what = "unit"
-
-    def __init__(self, element: Element) -> None:
-        super().__init__(element)
-        base = element.find("BaseUnit")
-        self.base = None if base is None else _attributes(base)
-        self.display = [_attributes(each) for each in element.iterfind("DisplayUnit")]
-
-
-class Dimension(NamedTuple):
-    """One dimension of an array: a fixed length or the reference of the variable that holds it."""
-
-    start: int | None
-    reference: int | None
+        self.place = f"{what or self.kind} {self.name}".rstrip() + f" (line {element.sourceline})"
+        self.parts = defaultdict[str, list[Attributes]](list)
+        for part in _inside(inner):
+            self.parts[part.tag].append(_attributes(part))
 
 
 class Variable(Entry):
@@ -129,44 +98,34 @@ class Variable(Entry):
 
     ``index`` is its place in ModelVariables, from 1; ``initial`` is in force, and may be a default;
     ``start`` is as written, one for each element; ``derivative`` is the index (FMI 2.0) or value
-    reference (FMI 3.0) of the state; ``aliases`` are the attributes of each Alias.
+    reference (FMI 3.0) of the state; ``dimensions`` are pairs of a fixed length and the reference
+    of the variable that holds it.
     """
 
-    what = "variable"
-
-    def __init__(
-        self, element: Element, index: int, version: int, types: dict[str, TypeDefinition]
-    ) -> None:
-        inner = element
-        if version == 2:
-            inner = next((e for e in _inside(element) if e.tag != "Annotations"), element)
-        super().__init__(element, inner)
+    def __init__(self, element: Element, index: int, version: int, types: dict[str, Entry]) -> None:
+        super().__init__(element, "variable", version)
         given = self.given = _attributes(element) | self.given
         self.index, self.version = index, version
-        self.name = given.get("name", "")
         self.reference = whole(given.get("valueReference"))
         self.causality = given.get("causality", "local")
         default = default_variability(version, self.kind, self.causality)
         self.variability = given.get("variability") or default
         allowed = INITIALS.get((self.causality, self.variability), ())
         self.initial = given.get("initial") or (allowed[0] if allowed else None)
-        self.start = self._start(element, version)
+        text = given.get("start")
+        if version == 3 and self.kind in ("String", "Binary"):
+            texts = [each.get("value", "") for each in self.parts["Start"]] or None
+        else:
+            texts = None if text is None else [text] if version == 2 else text.split()
+        self.start = None if texts is None else tuple(texts)
         self.derivative = whole(given.get("derivative"))
         self.previous = whole(given.get("previous"))
         clocks = given.get("clocks")
         self.clocks = None if clocks is None else tuple(whole(c) or 0 for c in clocks.split())
-        lengths = [(d.get("start"), d.get("valueReference")) for d in element.iterfind("Dimension")]
-        self.dimensions = [Dimension(whole(start), whole(key)) for start, key in lengths]
-        self.aliases = [_attributes(alias) for alias in element.iterfind("Alias")]
+        lengths = self.parts["Dimension"]
+        self.dimensions = [(whole(d.get("start")), whole(d.get("valueReference"))) for d in lengths]
+        self.aliases = self.parts["Alias"]
         self.type = types.get(given.get("declaredType", ""))
-
-    def _start(self, element: Element, version: int) -> tuple[str, ...] | None:
-        if version == 3 and self.kind in ("String", "Binary"):
-            return tuple(each.get("value", "") for each in element.iterfind("Start")) or None
-        text = self.given.get("start")
-        if text is None:
-            return None
-        return (text,) if version == 2 else tuple(text.split())
 
     def get(self, attribute: str) -> str | None:
         """Return an attribute, of the declared type where the variable has none itself."""
@@ -185,19 +144,19 @@ class Variable(Entry):
     @property
     def items(self) -> set[int]:
         """The values of its enumeration."""
-        texts = [value for _, value in self.type.items] if self.type else []
+        texts = [item.get("value") for item in self.type.parts["Item"]] if self.type else []
         return {int(n) for n in (number(text, "Enumeration") for text in texts) if n is not None}
 
 
-class Unknown(Entry):
+class Unknown:
     """An entry of ModelStructure; dependencies that do not exist are ``None``."""
 
     def __init__(
         self, element: Element, group: str, variable: Variable, description: "Description"
     ) -> None:
-        super().__init__(element)
         self.group, self.variable = group, variable
-        depends, kinds = self.given.get("dependencies"), self.given.get("dependenciesKind")
+        self.place = f"ModelStructure, {group} {variable.name} (line {element.sourceline})"
+        depends, kinds = element.get("dependencies"), element.get("dependenciesKind")
         self.dependencies = (
             None
             if depends is None
@@ -205,33 +164,19 @@ class Unknown(Entry):
         )
         self.kinds = None if kinds is None else kinds.split()
 
-    @property
-    def place(self) -> str:
-        """Where it is."""
-        return f"ModelStructure, {self.group} {self.variable.name} (line {self.line})"
-
 
 class Interface(Entry):
     """ModelExchange, CoSimulation or ScheduledExecution; ``sources`` are those that it lists."""
 
     def __init__(self, element: Element) -> None:
         super().__init__(element)
+        self.identifier = self.given.get("modelIdentifier", "")
         self.sources = [file.get("name", "") for file in element.iterfind("SourceFiles/File")]
-
-    @property
-    def identifier(self) -> str:
-        """The name of the binary."""
-        return self.given.get("modelIdentifier", "")
 
     def flag(self, name: str) -> bool:
         """Return a capability; FMI 2.0 and 3.0 spell some differently."""
         low = name.casefold().rstrip("s")
         return any(flag(self.given, k) for k in self.given if k.casefold().rstrip("s") == low)
-
-    @property
-    def place(self) -> str:
-        """Where it is."""
-        return f"{self.kind} (line {self.line})"
 
 
 class Description:
@@ -246,13 +191,14 @@ class Description:
         self.version = version
         self.root = _attributes(root)
         self.interfaces = [Interface(each) for each in _inside(root) if each.tag in _INTERFACES]
-        self.units = [Unit(each) for each in _inside(root.find("UnitDefinitions"))]
-        self.types = [TypeDefinition(one, version) for one in _inside(root.find("TypeDefinitions"))]
+        self.units = [Entry(each, "unit") for each in _inside(root.find("UnitDefinitions"))]
+        types = _inside(root.find("TypeDefinitions"))
+        self.types = [Entry(each, "type", version) for each in types]
         self.categories = [each.get("name", "") for each in _inside(root.find("LogCategories"))]
         self.experiment = None if experiment is None else _attributes(experiment)
-        types = {each.name: each for each in self.types}
+        named = {each.name: each for each in self.types}
         found = enumerate(_inside(root.find("ModelVariables")), 1)
-        self.variables = [Variable(each, index, version, types) for index, each in found]
+        self.variables = [Variable(each, index, version, named) for index, each in found]
         self.unknowns, self.dangling = list[Unknown](), list[tuple[str, str]]()
         for child in _inside(root.find("ModelStructure")):
             group = _GROUPS.get(child.tag, child.tag) if version == 2 else child.tag
@@ -307,17 +253,17 @@ class Description:
         """Return a number of the default experiment."""
         return number((self.experiment or {}).get(name))
 
-    def length(self, dimension: Dimension) -> int | None:
+    def length(self, fixed: int | None, reference: int | None) -> int | None:
         """Return the initial length of a dimension, ``None`` when it is unknown."""
-        if dimension.start is not None:
-            return dimension.start
-        source = self.variable(dimension.reference)
+        if fixed is not None:
+            return fixed
+        source = self.variable(reference)
         starts = source.start_numbers if source else []
         return int(starts[0]) if starts else None
 
     def size(self, variable: Variable) -> int | None:
         """Return how many elements a variable has at first, 1 for a scalar."""
-        lengths = [self.length(each) for each in variable.dimensions]
+        lengths = [self.length(*each) for each in variable.dimensions]
         known = [n for n in lengths if n is not None]
         return math.prod(known) if len(known) == len(lengths) else None
 

@@ -273,10 +273,10 @@ _MOST = 10**8  # elements
 def bad_dimension(description: Description) -> Claims:
     """A dimension has no length, two lengths, length 0, or makes an array too large for memory."""
     for v in description.variables:
-        for d in v.dimensions:
-            if (d.start is None) == (d.reference is None):
+        for fixed, reference in v.dimensions:
+            if (fixed is None) == (reference is None):
                 yield v.place, "a Dimension needs either start or valueReference"
-            elif description.length(d) == 0:
+            elif description.length(fixed, reference) == 0:
                 yield v.place, "a dimension has length 0"
         if (elements := description.size(v)) is not None and elements > _MOST:
             yield v.place, f"the array has {elements} elements"
@@ -286,12 +286,12 @@ def bad_dimension(description: Description) -> Claims:
 def bad_dimension_reference(description: Description) -> Claims:
     """A dimension refers to something other than a constant or structural parameter of UInt64."""
     for v in description.variables:
-        for d in v.dimensions:
-            if d.reference is None:
+        for _, reference in v.dimensions:
+            if reference is None:
                 continue
-            source = description.variable(d.reference)
+            source = description.variable(reference)
             if source is None:
-                yield v.place, f"a Dimension refers to {d.reference}, which does not exist"
+                yield v.place, f"a Dimension refers to {reference}, which does not exist"
             elif source.kind != "UInt64" or not (
                 source.causality == "structuralParameter" or source.variability == "constant"
             ):
