@@ -394,6 +394,13 @@ def law(error):
     return choose([plain, predicted("gms", error, shown=())]).chosen.candidate.law.name
 
 
+def with_least_error(error):
+    """Return the standard error of a stiffness of 1 that a fit gives another one."""
+    return identifiability.least_errors({"sigma_0": error}, {"sigma_0": 1.0}, ["sigma_0"])[
+        "sigma_0"
+    ]
+
+
 def stiffness(error):
     """Return the upper end of the interval of sigma_0 beside another law with ten times as much."""
     chosen, other = (
@@ -1028,6 +1035,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "identifiable.WELL": (lambda: level(0.08), "weakly identifiable", "identifiable"),
     "identifiable.WEAKLY": (lambda: level(0.4), NOT_IDENTIFIABLE, "weakly identifiable"),
     "identifiable.PRIOR_DOMINATED": (lambda: is_prior(0.7), True, False),
+    "identifiable.PRESLIDING": (lambda: with_least_error(0.03), 0.03, 0.04),
     "identifiable.SOFTEST": (lambda: taken("sigma_0", 4e5), 2e5, 4e5),
     "identifiable.BEYOND": (lambda: taken("F_s", 12.0), 8.0, 12.0),
     "stage.TRAVEL": (lambda: "200 encoder steps" in inertia(3e-5, 1.0), False, True),

@@ -8,6 +8,8 @@ WEAKLY = Threshold(0.3)
 """The same above which it is not, and the compensator takes the value with the weakest force."""
 PRIOR_DOMINATED = Threshold(0.5)
 """Standard error as a share of the prior's, above which a parameter is not identifiable."""
+PRESLIDING = Threshold(0.02, "decision 141: -4, -2, +3 and +4 % on sets of four drives")
+"""Least relative standard error of stiffness and damping, where the force decides."""
 SOFTEST = Threshold(0.5, "decision 62: 0.01 of the stiffness leaves 3.5 times the error")
 """Share of a fitted stiffness or damping below which the compensator does not take it."""
 BEYOND = Threshold(1.25)

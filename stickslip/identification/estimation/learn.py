@@ -56,6 +56,7 @@ from stickslip.identification.fitting.identifiability import (
     conservative,
     identifiability,
     largest_friction,
+    least_errors,
     of_sliding,
     profiles,
     unreliable,
@@ -139,6 +140,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
             best, degrees = corrected.fit, RUNS - 1
         else:
             best, errors = _inverse_model(task, inverse, found, start, sliding=sliding)
+            errors |= least_errors(errors, best.parameters, presliding(law))
             degrees = BLOCKS - len(found.q)
             table = profiles(best, inverse.map, errors)
         names = start.space.friction if inverse.measures_friction else start.space.reported

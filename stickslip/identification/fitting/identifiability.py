@@ -97,6 +97,16 @@ def among_laws(
     return found
 
 
+def least_errors(
+    errors: Mapping[str, float], values: Values, names: Iterable[str]
+) -> dict[str, float]:
+    """Return the standard errors of what shows before break-away, where the force decides.
+
+    Low-pass and sampling bias it, however much of it a log has.
+    """
+    return {name: max(errors[name], identifiable.PRESLIDING * values[name]) for name in names}
+
+
 def _classified(
     name: str, interval: Interval, space: ParameterSpace, *, shown: bool = True
 ) -> Identifiability:
