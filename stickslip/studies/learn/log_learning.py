@@ -270,7 +270,8 @@ def learn(
         predicted = predicted_logs(learned.estimation, held_out, chosen.workers)
         learned = replace(learned, predicted=tuple(predicted))
         progress.stage("trying the compensator")
-        learned = with_other_gains(with_trial(reading, learned, chosen), chosen)
+        tried = with_trial(replace(reading, recording=recording), learned, chosen)
+        learned = with_other_gains(tried, chosen)
         return with_tracking(reading, learned)
 
 
