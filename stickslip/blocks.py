@@ -13,6 +13,7 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial, update_wrapper
 from hashlib import sha256
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -48,8 +49,12 @@ def linear(system: Any, **options: Any) -> cosim.Fmu:
     from stickslip.models import export_lti  # late, for those who add FMUs only
 
     with temporary_folder() as folder:
-        written = export_lti(system, folder, **options)
-        content = written.read_bytes()
+        return kept(export_lti(system, folder, **options))
+
+
+def kept(written: Path) -> cosim.Fmu:
+    """Return an FMU as a component, from a copy among the built files that stays."""
+    content = written.read_bytes()
     path = cache_directory() / "blocks" / sha256(content).hexdigest()[:16] / written.name
     return cosim.Fmu(path if path.exists() else atomic_write(path, content))
 

@@ -4,10 +4,12 @@ import argparse
 import itertools
 import os
 from pathlib import Path
+from typing import Any
 
 from stickslip import models
-from stickslip.commandline import FLAG, add_options, complete_with
+from stickslip.commandline import FLAG, add_options, complete_with, warn
 from stickslip.commandline.platforms import add_platform_option, parse_platforms
+from stickslip.errors import UsageError
 from stickslip.fmi.process import Threads
 from stickslip.output import Answer
 
@@ -21,6 +23,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fmi", choices=["2", "3", "both"], default="both")
     laws = ", ".join(models.law_names())
     add_options(parser, {"--law NAME": f"friction law of the models that contain one: {laws}"})
+    add_options(parser, {"--of NAME": "a published drive, see docs/drives.md; builds drive"})
     add_platform_option(parser)
     terminals = "FMI 2.0 without terminals, of which FMI Library says FATAL"
     add_options(parser, {"--no-terminals": terminals}, **FLAG)
@@ -35,8 +38,11 @@ def run(options: argparse.Namespace) -> Answer:
     names = options.models or [
         name for name in models.model_names() if not options.law or models.load_model(name).law
     ]
+    given: dict[str, Any] = {"law": options.law}
+    if options.of:
+        given, names = _published(options), ["drive"]
     for name in names:
-        models.load_model(name, options.law)  # an unknown name must not leave half of the files
+        models.load_model(name, given["law"])  # an unknown name must not leave half of the files
     folders = {v: options.out / f"fmi{v}" if len(versions) > 1 else options.out for v in versions}
 
     def build(job: tuple[str, models.FmiVersion]) -> Path:
@@ -46,8 +52,8 @@ def run(options: argparse.Namespace) -> Answer:
             folders[version],
             fmi=version,
             platforms=platforms,
-            law=options.law,
             terminals=version == 3 or not options.no_terminals,
+            **given,
         )
 
     written = []
@@ -56,3 +62,19 @@ def run(options: argparse.Namespace) -> Answer:
             print(path)
             written.append(path)
     return Answer({"written": written})
+
+
+def _published(options: argparse.Namespace) -> dict[str, Any]:
+    """Return law, motion and start values of the drive of ``--of``."""
+    from stickslip.drives.published import drive  # late: loads what runs systems
+
+    one = drive(options.of)
+    if options.law or options.models not in ([], ["drive"]):
+        raise UsageError(
+            f"--of {options.of}: expected the model drive and no --law, for the law is"
+            f" {one.law.name}; got {' '.join(options.models)} {options.law or ''}".rstrip()
+        )
+    if F_0 := one.values.get("F_0"):
+        force = f"{F_0:g} {one.unit('F_0')}"
+        warn(f"{one.name}: F_0 = {force} is left out: the FMU has no constant force")
+    return {"law": one.law.name, "rotary": one.rotary, "start": one.start}

@@ -1,0 +1,1 @@
+"""Drives by their parameters: published ones, and what simulators of robots take of them."""
