@@ -24,6 +24,7 @@ from stickslip.cosim.control import linearise as linearise
 from stickslip.cosim.control import measure_response as measure_response
 from stickslip.drives.published import drive as drive
 from stickslip.drives.published import drive_names as drive_names
+from stickslip.drives.robots import export_drive as export_drive
 from stickslip.fmi.errors import Fault as Fault
 from stickslip.fmucheck import check as check
 from stickslip.identification.estimation import LearnSettings as LearnSettings

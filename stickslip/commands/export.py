@@ -1,4 +1,4 @@
-"""``stickslip export``: the tuned compensator, an observer, a linear system or a whole loop."""
+"""``stickslip export``: the tuned compensator, an observer, a drive, a linear system or a loop."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from stickslip.commandline import FLAG, add_options, written
+from stickslip.commandline import FLAG, add_options, complete_with, warn, written
 from stickslip.commandline.assignments import add_set_option, split_assignments
 from stickslip.commandline.platforms import add_fmu_options, fmu_options
 from stickslip.commands.export_compensator import add_compensators
@@ -18,10 +18,10 @@ from stickslip.output import Answer
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare what the command exports."""
     exports = parser.add_subparsers(
-        dest="what", metavar="compensator|observer|components|lti|rig|FILE.ssp", required=True
+        dest="what", metavar="compensator|observer|components|drive|lti|rig|FILE.ssp", required=True
     )
     exports.choices = exports._name_parser_map = _Parsers()  # noqa: SLF001 - no public way
-    for add in (add_compensators, add_lti, add_rig, add_system):
+    for add in (add_compensators, add_drive, add_lti, add_rig, add_system):
         add(exports)
 
 
@@ -34,6 +34,38 @@ class _Parsers(dict[str, argparse.ArgumentParser]):
 
     def __missing__(self, name: str) -> argparse.ArgumentParser:
         return self[SYSTEM]
+
+
+def add_drive(exports: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = exports.add_parser("drive", help="the drive for MuJoCo (MJCF) or as URDF")
+    drives = parser.add_mutually_exclusive_group(required=True)
+    add_options(drives, {"--parameters FILE.json": "a learned.json"}, type=Path)
+    of = drives.add_argument("--of", metavar="NAME", help="a published drive, see docs/drives.md")
+    complete_with(of, drive_names)
+    parser.add_argument("--as", dest="form", choices=["mjcf", "urdf"], default="mjcf")
+    out = {"--out DIR": "folder to write into (default .)"}
+    add_options(parser, out, type=Path, default=Path())
+    parser.set_defaults(run=export_drive)
+
+
+def drive_names() -> list[str]:
+    """Return the names of the published drives."""
+    from stickslip.drives.published import drive_names  # late: loads what runs systems
+
+    return drive_names()
+
+
+def export_drive(options: argparse.Namespace) -> Answer:
+    """Write DIR/drive.xml or .urdf, print its path, and warn of what the format leaves out."""
+    from stickslip.drives import published, robots
+
+    learned, of = options.parameters, options.of
+    drive = published.drive(of) if of else published.Drive.learned(learned)
+    path = robots.export_drive(drive, options.out, options.form)
+    for sentence in robots.robot_model(drive, options.form).lost:
+        warn(f"{path}: {sentence}")
+    return written(path)
 
 
 def add_lti(exports: argparse._SubParsersAction[Any]) -> None:

@@ -48,9 +48,10 @@ def test_what_is_shown_has_units_and_says_what_is_assumed():
 def test_a_name_that_is_not_known_suggests_near_ones(tmp_path, capsys):
     with pytest.raises(UsageError, match="no published drive 'emp'; did you mean 'emps'"):
         ss.drive("emp")
-    assert main(["build", "drive", "--of", "../emps", "--out", str(tmp_path / "new")]) == 1
-    assert capsys.readouterr().err.count("\n") == 1
-    assert not (tmp_path / "new").exists()
+    for words in (["build", "drive"], ["export", "drive"]):
+        assert main([*words, "--of", "../emps", "--out", str(tmp_path / "new")]) == 1
+        assert capsys.readouterr().err.count("\n") == 1
+        assert not (tmp_path / "new").exists()
 
 
 def test_build_writes_the_drive_and_says_what_is_left_out(tmp_path, capsys):

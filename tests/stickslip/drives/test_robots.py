@@ -1,0 +1,131 @@
+"""Drives in MuJoCo go where the drive FMU goes, and files say what the formats leave out."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.cli import main
+from stickslip.drives.published import Drive
+from stickslip.drives.robots import robot_model
+
+ROOT = Path(__file__).parents[3]
+LEARNED = ROOT / "results" / "paper" / "learned.json"
+T = 1e-3
+"""Step [s] over which forces are held."""
+
+
+@pytest.fixture
+def mujoco():
+    return pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+
+
+def in_mujoco(mujoco, path, force):
+    """Return the positions (n,) of a model at the times of the forces (n,)."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data, steps = mujoco.MjData(model), round(T / model.opt.timestep)
+    assert steps * model.opt.timestep == pytest.approx(T)
+    x = []
+    for data.ctrl[0] in force:
+        x.append(data.qpos[0])
+        for _ in range(steps):
+            mujoco.mj_step(model, data)
+    return np.array(x)
+
+
+def changed(name, **values):
+    one = ss.drive(name)
+    return replace(one, values={**one.values, **values})
+
+
+@pytest.mark.parametrize(
+    ("one", "tolerance"),
+    [
+        pytest.param(changed("stage", delta=2.0), 0.002, id="LuGre, exponent 2"),
+        pytest.param(ss.drive("stage"), 0.01, id="LuGre, exponent 1"),
+        pytest.param(Drive.learned(LEARNED), 0.01, id="learned"),
+        pytest.param(replace(ss.drive("canudas-1995"), rotary=True), 0.002, id="rotary"),
+        pytest.param(ss.drive("emps"), 0.005, id="Coulomb and a constant force"),
+        pytest.param(ss.drive("puma560-1"), 0.005, id="Coulomb, rotary"),
+    ],
+)
+def test_mujoco_goes_where_the_drive_goes(tmp_path, mujoco, one, tolerance):
+    """Within a share of the travel: slow through break-away, fast, in steps, and below it."""
+    path, t = ss.export_drive(one, tmp_path), np.arange(0.0, 2.0, T)
+    F_s, F_0 = one.values["F_s"], one.values.get("F_0", 0.0)
+    slow, fast = 1.05 * np.sin(np.pi * t), 2.0 * np.sin(2.0 * np.pi * t)
+    for shape in (slow, fast, 1.3 * np.sign(fast), 0.3 * fast):
+        force = F_s * shape
+        run = ss.simulate(one.system(), stop=t[-1], step=T, inputs={"u": force})
+        x = run["drive.x"]
+        travel = max(np.ptp(x), 1e-3 * F_s / one.values["b"])  # [m], also where it rests
+        assert np.abs(in_mujoco(mujoco, path, force + F_0) - x).max() <= tolerance * travel
+
+
+def test_a_law_with_static_friction_and_no_presliding_gets_stiff_bristles(tmp_path, mujoco):
+    """It breaks away where the law does; with Coulomb friction alone it would be wrong by half."""
+    one, t = ss.drive("mx-64"), np.arange(0.0, 2.0, T)
+    force = 2.0 * one.values["F_s"] * np.sin(2.0 * np.pi * t)
+    x = ss.simulate(one.system(), stop=t[-1], step=T, inputs={"u": force})["drive.x"]
+    found = in_mujoco(mujoco, ss.export_drive(one, tmp_path), force)
+    assert np.abs(found - x).max() <= 0.03 * np.ptp(x)
+    resting = in_mujoco(mujoco, tmp_path / "mx-64.xml", np.full(500, 0.95 * one.values["F_s"]))
+    assert np.abs(resting).max() < 1e-3
+    assert np.ptp(resting[250:]) < 1e-9
+
+
+def test_dahl_is_mujocos_lugre_and_other_laws_say_what_is_left_out():
+    stage = ss.drive("stage")
+    friction = {name: stage.values[name] for name in ("m", "b", "F_c", "F_s", "v_s", "sigma_0")}
+    said = {}
+    for law in ("dahl", "gms", "elasto_plastic", "armstrong"):
+        one = replace(stage, law=ss.models.load_law(law), values={**friction, "delta": 2.0})
+        said[law] = " ".join(robot_model(one, "mjcf").lost)
+    assert said["dahl"] == ""
+    assert "of GMS friction, C, alpha, kappa are left out" in said["gms"]
+    assert "z_ba" in said["elasto_plastic"]
+    assert "bristles, which yield by" in said["armstrong"]
+    dahl = replace(stage, law=ss.models.load_law("dahl"), values={**friction, "i": 0.5})
+    assert robot_model(dahl, "mjcf").lost == ("of Dahl friction, i are left out",)
+
+
+@pytest.mark.parametrize(("name", "joint"), [("emps", "slide"), ("erob80-50", "hinge")])
+def test_urdf_has_damping_friction_and_inertia(tmp_path, mujoco, name, joint):
+    one = ss.drive(name)
+    path = ss.export_drive(one, tmp_path, "urdf")
+    model = mujoco.MjModel.from_xml_path(str(path))
+    found = [model.dof_damping[0], model.dof_frictionloss[0], model.dof_M0[0]]
+    assert found == pytest.approx([one.values[key] for key in ("b", "F_c", "m")])
+    assert model.jnt_type[0] == getattr(mujoco.mjtJoint, f"mjJNT_{joint.upper()}")
+    assert "limits of the joint are placeholders" in path.read_text()
+
+
+def test_the_command_writes_the_learned_values_and_warns(tmp_path, capsys):
+    command = ["export", "drive", "--parameters", str(LEARNED), "--out", str(tmp_path)]
+    assert main(command) == 0
+    output = capsys.readouterr()
+    assert output.out == f"{tmp_path / 'drive.xml'}\n"
+    assert "the exponent 2, not 1" in output.err
+    lugre = re.search('lugre="([^"]+)"', (tmp_path / "drive.xml").read_text())[1]
+    known = json.loads(LEARNED.read_text())["parameters"]
+    order = ("sigma_0", "sigma_1", "F_c", "F_s")
+    assert [float(x) for x in lugre.split()[:4]] == pytest.approx(
+        [known[name]["value"] for name in order]
+    )
+
+
+def test_a_file_without_mass_is_refused_in_one_line_and_nothing_is_written(tmp_path, capsys):
+    document = json.loads(LEARNED.read_text())
+    (tmp_path / "learned.json").write_text(json.dumps({"parameters": document["parameters"]}))
+    path, out = str(tmp_path / "learned.json"), tmp_path / "new"
+    for form in ("mjcf", "urdf"):
+        command = ["export", "drive", "--parameters", path, "--as", form, "--out", str(out)]
+        assert main(command) == 1
+        error = capsys.readouterr().err
+        assert "m = 0 kg, expected a value above 0" in error
+        assert error.count("\n") == 1
+        assert not out.exists()
