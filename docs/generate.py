@@ -10,6 +10,7 @@ import re
 import sys
 import textwrap
 from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ import stickslip
 from stickslip import cli, thresholds
 from stickslip.fmucheck import rules
 from stickslip.logs import read_recording
+from stickslip.presentation import style
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
@@ -32,7 +34,7 @@ HEADINGS = {
     "Models and friction laws": ("models", "laws"),
     "Velocity loops and frequency responses": ("servo", "cosim.control", "presentation"),
     "Learning": ("logs", "planning", "identification", "studies.learn", "learned"),
-    "Drives": ("rigs",),
+    "Drives": ("rigs", "drives"),
     "Comparison and checks": ("studies.arena", "fmucheck", "fmi"),
 }
 """The packages whose public names stand under each heading; the longest name counts."""
@@ -44,6 +46,7 @@ def write(folder: Path) -> None:
     pages: dict[str, str | bytes] = {"api.rst": _api(), "cli.rst": _commands()}
     pages |= {"check-rules.inc": rules.table(), "hostile-cases.inc": _hostile()}
     pages["thresholds.inc"] = _thresholds()
+    pages |= {"drives.inc": _drives(), "drives.png": _friction_curves()}
     for path in sorted((ROOT / "notebooks").glob("*.ipynb")):
         pages[f"{path.stem}.png"] = _picture(path)
     spec = find_spec("sphinx-mathjax-offline")
@@ -162,6 +165,37 @@ def _thresholds() -> str:
             lines.append(f"| {' | '.join(cells)} |")
         lines.append("")
     return "\n".join(lines)
+
+
+def _drives() -> str:
+    """Return the published drives with their parameters."""
+    lines: list[str] = []
+    for name in stickslip.drive_names():
+        title, *rows = str(stickslip.drive(name)).splitlines()
+        shown = [row if row.startswith("  ") else textwrap.fill(row, 100) for row in rows]
+        lines += [f"## `{name}`", "", f"{_plain(title)}.", "", "```text", *shown, "```", ""]
+    return "\n".join(lines)
+
+
+def _friction_curves() -> bytes:
+    """Return a picture of the steady friction of the published drives."""
+    v, labels = np.logspace(-5, 1, 400), dict[tuple[float, ...], list[str]]()
+    for name in stickslip.drive_names():
+        values = {"delta": 1.0} | {**stickslip.drive(name).values}  # noqa: PD011 - of no table
+        rise, scale = values["F_s"] / values["F_c"] - 1.0, values["F_c"] / values["b"]
+        shape = (rise, scale / values["v_s"], values["delta"]) if rise else (0.0, 1.0, 1.0)
+        labels.setdefault(shape, []).append(name)
+    content = BytesIO()
+    with style.house_style():
+        figure = style.new_figure(120.0, 80.0)
+        axes = figure.subplots()
+        for (rise, scale, delta), names in labels.items():
+            curve = 1.0 + rise * np.exp(-((v * scale) ** delta)) + v
+            axes.loglog(v, curve, label=textwrap.fill(", ".join(names), 24))
+        axes.set(xlabel=r"speed relative to $F_c / b$", ylabel=r"friction relative to $F_c$")
+        axes.legend()
+        figure.savefig(content, format="png", dpi=200)
+    return content.getvalue()
 
 
 def _samples(folder: Path) -> None:

@@ -21,9 +21,10 @@ from stickslip.fmi.messages import suggestion
 
 SAME = {"delta": 2.0, "i": 1.0, "v_d": 0.0}
 """Values with which LuGre and Dahl's law are those of MuJoCo."""
-# Time step of a MuJoCo model, to one digit, as a share of two times of presliding.
-STIFF = 0.05  # of sqrt(m / sigma_0)
-DAMPED = 0.2  # of m / sigma_1; MuJoCo's Euler steps are unstable above 2
+# Time step of a MuJoCo model, to one digit, as a share of times of presliding. Its Euler steps are
+# explicit in the bristles: they diverge above 2 m / sigma_1, and above sigma_1 / sigma_0 they ring.
+STIFF, LIGHT = 0.05, 0.005  # of sqrt(m / sigma_0), where damping asks for less
+DAMPED = 0.2  # of m / sigma_1, and of (sigma_1 + b) / sigma_0
 LONGEST = 1e-3  # [s]
 SHORT = 1e-4  # [s], of a law without bristles whose static friction needs them
 
@@ -149,7 +150,8 @@ def _friction(drive: Drive, values: dict[str, float]) -> tuple[dict[str, object]
             f"v_s is {v_s:g}, not {values['v_s']:g} {drive.unit('v_s')}: the Stribeck curve has the"
             f" exponent 2, not {delta:g}, and the same mean over the logarithm of speed"
         )
-    step = min(LONGEST, STIFF * math.sqrt(m / sigma_0))
+    radian, damping = math.sqrt(m / sigma_0), DAMPED * (sigma_1 + values["b"]) / sigma_0
+    step = min(LONGEST, STIFF * radian, max(LIGHT * radian, damping))
     step = float(f"{min(step, DAMPED * m / sigma_1) if sigma_1 else step:.0e}")
     lugre = " ".join(f"{x:.9g}" for x in (sigma_0, sigma_1, F_c, F_s, v_s))
     return {"loss": "", "lugre": f' lugre="{lugre}"', "step": step}, lost
