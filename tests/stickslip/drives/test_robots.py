@@ -46,6 +46,8 @@ def changed(name, **values):
     ("one", "tolerance"),
     [
         pytest.param(changed("stage", delta=2.0), 0.002, id="LuGre, exponent 2"),
+        pytest.param(changed("stage", delta=2.0, sigma_1=91.0), 0.015, id="little damping"),
+        pytest.param(changed("stage", delta=2.0, sigma_1=5.7e4), 0.005, id="much damping"),
         pytest.param(ss.drive("stage"), 0.01, id="LuGre, exponent 1"),
         pytest.param(Drive.learned(LEARNED), 0.01, id="learned"),
         pytest.param(replace(ss.drive("canudas-1995"), rotary=True), 0.002, id="rotary"),
@@ -91,6 +93,9 @@ def test_dahl_is_mujocos_lugre_and_other_laws_say_what_is_left_out():
     assert "bristles, which yield by" in said["armstrong"]
     dahl = replace(stage, law=ss.models.load_law("dahl"), values={**friction, "i": 0.5})
     assert robot_model(dahl, "mjcf").lost == ("of Dahl friction, i are left out",)
+    late = robot_model(changed("stage", delta=2.0, b=-0.1, delay=1e-3), "mjcf")
+    assert late.lost == ("b = -0.1 N.s/m is written as 0", "the delay of 0.001 s is left out")
+    assert 'damping="0"' in late.text
 
 
 @pytest.mark.parametrize(("name", "joint"), [("emps", "slide"), ("erob80-50", "hinge")])
