@@ -116,11 +116,11 @@ def test_a_set_is_learned_from_its_table(tmp_path, logs):
         rows.append(f"{kind}.csv,{kind},{'validate' if kind == 'presliding' else 'learn'}")
     (tmp_path / "runs.csv").write_text("\n".join(rows) + "\n")
     known = ss.Description(controller="PI", gains=drives.GAINS)
-    learned = ss.learn(tmp_path, known, law="lugre")
+    learned = ss.learn(tmp_path, known)
     for name, truth in TRUTH.items():
         one = learned.estimation.known[name]
         assert one.low <= truth <= one.high, name
-    own = next(one for one in learned.predicted if one.law == "LuGre")
+    own = next(one for one in learned.predicted if one.law == learned.estimation.law.title)
     static = next(one for one in learned.predicted if one.law == "Coulomb-viscous")
     assert own.source == "presliding.csv"
     assert own.error < static.error
