@@ -317,6 +317,10 @@ class Bench:
             shutil.copytree(self.folder_of(own), self.folder_of(name))
             models.build_fmu("drive", self.folder_of(name), law=name)
 
+    def feed_of(self, chain: Sequence[Compensator]) -> Feed:
+        """Return what gives the velocity: the command, where no feedforward hands on another."""
+        return self.feed if any(one.name == FEEDFORWARD for one in chain) else "command"
+
     @property
     def laws(self) -> tuple[str, ...]:
         """Names of the laws of the drives, that of the feedforward first."""
@@ -512,7 +516,8 @@ class LoopRuns(ExitStack):
         """Return the loop with drives of a law, prepared once."""
         if law not in self._runs:
             bench, T_s = self._bench, self._loop.T_s
-            system = build_loop(bench.folder_of(law), self._loop, self._chain, bench.feed)
+            feed = bench.feed_of(self._chain)
+            system = build_loop(bench.folder_of(law), self._loop, self._chain, feed)
             stop = (bench.samples - 1) * T_s
             whole = cosim.Specification(system, step=T_s, stop=stop, record=self._record)
             self._runs[law] = self.enter_context(Runs(whole, bench.workers))
