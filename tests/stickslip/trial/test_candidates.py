@@ -58,6 +58,24 @@ def compared():
         yield lambda **asked: compare(bench, own, FRICTION, MASSES, **asked)
 
 
+def test_an_observer_alone_is_tried_with_the_command_as_its_reference():
+    """What the nominal loop gives, no block hands to it."""
+    values = {name: FRICTION[name] for name in ("F_s", "F_c", "v_s", "sigma_0", "sigma_1")}
+    observer = Compensator("observer", "lugre_observer", {"k_e": 1.0, **values})
+    alone = Variant("alone", (observer,))
+    behind = Variant("behind", (*feedforward(FRICTION).chain, observer))
+    drives = [Drive("friction as fitted", LAW.name, {**FRICTION, "m": AXIS.m, "b": AXIS.b})]
+    command = replace(VALIDATION, height=0.2, slope=5 * VALIDATION.slope)
+    errors = {}
+    for feed in ("nominal", "command"):
+        with bench_of(LAW, LOOP, FRICTION, drives, command, Datasheet(1e4), feed=feed) as bench:
+            for one in (alone, behind):
+                (benefit,) = bench.benefits([one], shares=(1.0,))
+                errors[one.name, feed] = [row.compensated for row in benefit.rows]
+    assert errors["alone", "nominal"] == errors["alone", "command"]
+    assert errors["behind", "nominal"] != errors["behind", "command"]
+
+
 def test_the_best_is_chosen_and_robust(compared):
     found = compared()
     rows = {row.name: row for row in found.rows}
