@@ -35,8 +35,7 @@ def logs_of(paths: Sequence[Path], description: Description) -> list[Log]:
     first column is headed ``log``; its paths are relative to the table. What it does not say
     follows from the description.
 
-    Raises UsageError when a folder has no log, or a table does not suit, or OSError when a file is
-    not there.
+    Raises UsageError when a folder has no log, or a table does not suit.
     """
     return [log for path in paths for log in _logs(path, description)]
 
@@ -60,8 +59,12 @@ def _logs(path: Path, description: Description) -> Iterator[Log]:
 
 
 def _is_table(path: Path) -> bool:
-    with path.open("rb") as file:
-        first = re.split(rb"[,;\t\r\n]", file.read(64).removeprefix(b"\xef\xbb\xbf"))[0]
+    try:
+        with path.open("rb") as file:
+            begin = file.read(64).removeprefix(b"\xef\xbb\xbf")
+    except OSError:  # is told where the log is read
+        return False
+    first = re.split(rb"[,;\t\r\n]", begin)[0]
     return first.strip().strip(b'"').lower() == b"log"
 
 
