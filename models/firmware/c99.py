@@ -86,7 +86,7 @@ _ROLES: tuple[Role, ...] = ("input", "output", "parameter", "state", "memory")
 _STRUCTS = dict(zip(_ROLES, ("Inputs", "Outputs", "Parameters", "States", "Memory"), strict=True))
 _WHEN = {False: "Go h [s] ahead, h > 0", True: "Take a sample, once in each period T_s"}
 # with another form for 32 bits
-_ELEMENTARY = ("elementary_exp", "elementary_log", "elementary_sin")
+_ELEMENTARY = ("elementary_exp", "elementary_log", "elementary_sin", "nearest")
 _NUMBER = r"\b(?:\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+)"
 _INITIALISERS = """\
 #ifdef __cplusplus
@@ -149,7 +149,7 @@ def _source(model: Model) -> str:
     step = "sample" if model.sampled else "model_step"
     wanted = "model_start", step, "model_outputs"
     order = sorted(needed(found, wanted), key=lambda one: "static " in found[one])  # types first
-    # exp and log have another form for 32 bits, which needs less than that for 64 bits
+    # these have another form for 32 bits, which needs less than that for 64 bits
     used = [e for e in _ELEMENTARY if e in order]
     own = pieces([_NUMERICS.read_text(encoding="utf-8")])
     others = needed(found | dict.fromkeys(used, ""), wanted)

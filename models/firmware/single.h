@@ -1,5 +1,5 @@
-/* exp, log and sin of numerics/elementary.h for 32-bit floating point: relative error below 2e-7,
- * of sin below 2e-7 where it is 0. */
+/* What numerics/elementary.h has, for 32-bit floating point: relative error of exp, log and sin
+ * below 2e-7, of sin below 2e-7 where it is 0. */
 #include <stdint.h>
 
 /* 2^n for -126 <= n <= 127 */
@@ -57,3 +57,6 @@ static float elementary_sin(float x) {
     const float value = r + r * sum;
     return n % 2 != 0 ? -value : value;
 }
+
+/* Nearest whole number, |x| < 2^31. */
+static float nearest(float x) { return (float)(int)(x + (x < 0.0f ? -0.5f : 0.5f)); }

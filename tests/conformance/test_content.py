@@ -62,6 +62,7 @@ TOLERANCE = {
     "velocity_filter": {"v_hat": 1e-13, "d_hat": 1e-8},
     "nominal_loop": {"v_r": 1e-15},
     "static_feedforward": {"F": 1e-12},
+    "position_force": {"F": 1e-12},
     **{f"{name}_observer": {"F": 1e-8, "a_hat": 1e-8} for name in ("coulomb", "momentum")},
     "dob": {"F": 1e-8, "d_hat": 1e-8},
     "lugre_observer": {"F": 1e-8, "z_hat": 1e-14},

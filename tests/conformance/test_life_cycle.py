@@ -218,7 +218,7 @@ def test_only_tunable_parameters_change_during_a_run(some_fmu, slave):
             )
 
 
-ACTS_LATER = {("adaptive_scale", "rate")}
+ACTS_LATER = {("adaptive_scale", "rate"), ("drive", "pitch")}
 """Parameters without effect in this motion; tests/models has a test of each."""
 
 

@@ -493,6 +493,22 @@ def static_feedforward(p: Parameters) -> Columns:
     return {"time": t, "v": v, "F_in": F_in, "F": np.append(0.0, F_in[:-1] + force)}
 
 
+def force_of_position(p: Parameters, x: np.ndarray) -> np.ndarray:
+    """Return the force of position at places (n,)."""
+    turn, k = np.exp(1j * x), np.arange(1, 4)
+    waves = np.exp(2j * np.pi * np.outer(x / p["pitch"], k))
+    cogging = array(p, "cogging_c", 3) - 1j * array(p, "cogging_s", 3)
+    return p["F_0"] + np.real((p["g_c"] - 1j * p["g_s"]) * turn + waves @ cogging)
+
+
+def position_force(p: Parameters) -> Columns:
+    """Go to and fro over several pitches, with another compensator's force beside it."""
+    t, v = through_zero()
+    x, F_in = 0.1 + 2.0 * np.cumsum(v) * STEP / 0.03, 2.0 * np.cos(2 * np.pi * 3.0 * t)
+    force = F_in + force_of_position(p, x)
+    return {"time": t, "x": x, "F_in": F_in, "F": np.append(force[0], force[:-1])}
+
+
 def dob(p: Parameters) -> Columns:
     """Observe what velocity_filter does, with its known friction as another compensator's."""
     table = velocity_filter(p)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from stickslip import models
 from tests.cosim.single import one
@@ -135,6 +136,25 @@ def test_ripple_pushes_with_the_period_of_the_magnets(run):
     assert np.ptp(x) > 0.3
     assert abs(pushed - expected)[moving].max() < 0.05
     assert result["drive.F_m"][-1] == 20.0
+
+
+def test_an_arm_with_cogging_swings_as_scipy_says(run):
+    """m a + b v + F_pos(x) = u, with hardly any friction."""
+    m, b, pitch = 0.5, 0.1, 0.3
+    values = {"F_0": 0.5, "g_s": 8.0, "g_c": -3.0, "cogging_s[2]": 0.7, "cogging_c[1]": -1.1}
+
+    def rate(_: float, y: np.ndarray) -> list[float]:
+        x, v = y
+        held = 0.5 + 8.0 * np.sin(x) - 3.0 * np.cos(x)
+        held += 0.7 * np.sin(4 * np.pi * x / pitch) - 1.1 * np.cos(2 * np.pi * x / pitch)
+        return [v, (2.0 - b * v - held) / m]
+
+    small = {"F_c": 1e-9, "F_s": 1e-9, "sigma_0": 1e-3, "sigma_1": 0.0}
+    loop = {"current_loop": False, "dac": False, "encoder": False, "m": m, "b": b, "pitch": pitch}
+    found = run(2.0, stop=3.0, **small, **loop, **values)
+    swing = solve_ivp(rate, (0.0, 3.0), [0.0, 0.0], t_eval=found.time, rtol=1e-9, atol=1e-10)
+    np.testing.assert_allclose(found["drive.x"], swing.y[0], atol=2e-4)
+    assert np.ptp(swing.y[0]) > 1.0
 
 
 def test_noise_has_the_stated_deviation(run):

@@ -4,6 +4,7 @@
 
 #include "numerics/elementary.h"
 #include "numerics/noise.h"
+#include "numerics/position_force.h"
 #include "plants/motion.h"
 
 static const double TWO_PI = 6.283185307179586;
@@ -32,7 +33,10 @@ static bool is_rough(const Parameters *p) {
 
 double plant_ripple(double x, const Mass *mass) {
     const Parameters *p = mass->p;
-    return p->ripple_amplitude * elementary_sin(TWO_PI * x / p->ripple_period);
+    double F = 0.0;
+    if (p->ripple != 0.0)
+        F = p->ripple_amplitude * elementary_sin(TWO_PI * x / p->ripple_period);
+    return has_position_force(p) ? F - position_force(x, p) : F;
 }
 
 static double quantised(double value, double step) { return nearest(value / step) * step; }
@@ -53,7 +57,7 @@ bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const
         .per_m = 1.0 / p->m,
         .b = p->b,
         .level = level(t + 0.5 * h, p),
-        .ripples = p->ripple != 0.0,
+        .ripples = p->ripple != 0.0 || has_position_force(p),
         .rough = is_rough(p),
         .p = p,
     };

@@ -48,6 +48,7 @@ STARTS = {
     "coulomb_stribeck": {"F_s": 9.5, "delta": 0.7, "b": 3.0, "lead": 1e-4, "hold": 0.0},
     "coulomb_observer": {"k_a": 0.2, "a_0": 3.0, "measured": 1.0},
     "momentum_observer": {"mu": 1.5, "a_0": 3.0, "share": 0.8},
+    "position_force": {"g_c": 3.0, "pitch": 2e-3, "cogging_s[2]": 1.0, "cogging_c[1]": -2.0},
     "adaptive_scale": {"s_0": 1.3, "rate": 20.0, "b": 0.0},
     "lugre_observer": {"share_1": 0.3, "v_d": 5e-3, "k_e": 0.6},
     "observer": {"m": 2.0, "b": 30.0, "tau_i": 4e-4, "L_v": 300.0, "share": 0.8},
@@ -61,7 +62,8 @@ def signals(names: list[str]) -> dict[str, np.ndarray]:
     x = np.round(np.cumsum(v) * STEP / 4e-7) * 4e-7
     F = 8.0 * np.tanh(v / 1e-3) + 3.0 * np.gradient(v, STEP)
     found = {"v_cmd": v, "x_cmd": np.cumsum(v) * STEP, "a_cmd": np.gradient(v, STEP)}
-    found |= {"v": v, "v_r": v, "x_enc": x, "F_m": F, "F_in": 5.0 * np.tanh(v / 2e-3), "u": 2.0 * F}
+    found |= {"v": v, "v_r": v, "x": x, "x_enc": x}
+    found |= {"F_m": F, "F_in": 5.0 * np.tanh(v / 2e-3), "u": 2.0 * F}
     return {name: found[name] for name in names}
 
 

@@ -1,0 +1,17 @@
+#include "model.h"
+
+#include "numerics/position_force.h"
+
+void model_start(double t, States *x, Memory *w, const Inputs *u, const Parameters *p) {
+    *w = (Memory){.F_held = u->F_in + position_force(u->x, p)};
+}
+
+bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
+    w->F_held = u->F_in + position_force(u->x, p); /* [N] */
+    return w->F_held - w->F_held == 0.0;           /* finite */
+}
+
+void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, const Parameters *p,
+                   Outputs *y) {
+    y->F = w->F_held;
+}
