@@ -23,7 +23,7 @@ from typing import Any
 
 import pandas as pd
 
-from campaigns.sound_drives.drives import STICKSLIP, Drive, draw, write_log
+from campaigns.sound_drives.drives import AXES, STICKSLIP, Drive, draw, write_log
 from campaigns.sound_drives.evaluation import INTERVALS, MOTIONS, evaluated, tuned_ratios
 
 
@@ -37,6 +37,7 @@ def main() -> None:
     parser.add_argument("--drives", type=int, default=40, metavar="N")
     parser.add_argument("--first", type=int, default=0, metavar="N", help="number of the first")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--axis", choices=AXES, default=AXES[0], help="which force of position")
     parser.add_argument("--out", type=Path, default=Path("sound_drives"), metavar="DIR")
     several = "a log for each kind of motion, learned together"
     parser.add_argument("--several", action="store_true", help=several)
@@ -64,7 +65,7 @@ def main() -> None:
 
 def recorded(options: argparse.Namespace, number: int, folder: Path) -> Drive:
     """Return a drive whose log is in a folder."""
-    drive = draw(options.seed, number)
+    drive = draw(options.seed, number, options.axis)
     path = folder / f"{drive.name}.json"
     if path.exists():
         return Drive.read(path)

@@ -26,6 +26,8 @@ MARGIN = 2.0
 """Factor of the controller gains with which the loop is still stable, free and where it sticks."""
 DAMPING = {"lugre": (0.3, 1.2), "elasto_plastic": (0.3, 1.2), "gms": (0.1, 0.5)}
 """sigma_1 / (2 sqrt(sigma_0 m))."""
+AXES = ("horizontal", "vertical", "arm", "cogging")
+HEAVIEST = 5.0  # weight of a vertical axis or an arm, in F_c
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,7 @@ class Drive:
     acceleration: float  # [m/s2]
     stroke: float  # [m]
     bandwidth: float  # of the velocity loop [Hz]
+    axis: str = "horizontal"  # one of ``AXES``
     travel: tuple[float, float] = (0.0, 0.0)  # lowest and highest position of its log [m]
 
     @property
@@ -68,6 +71,17 @@ class Drive:
         return {name: self.parameters[name] for name in names}
 
     @property
+    def position_force(self) -> dict[str, float]:
+        """The force of position by name; F_0 has half of what friction forward has more."""
+        p = self.parameters
+        if self.axis == "cogging":
+            names = {"pitch": "pitch", "cogging_s[1]": "s_1", "cogging_c[1]": "c_1"}
+            names |= {"cogging_s[2]": "s_2", "cogging_c[2]": "c_2"}
+            return {name: p[own] for name, own in names.items()}
+        F_0 = {"F_0": p["F_0"] + p["asymmetry"] * p["F_c"]}
+        return F_0 if self.axis != "arm" else {"g_s": p["g_s"], "g_c": p["g_c"]}
+
+    @property
     def truth(self) -> dict[str, float]:
         """What the intervals should hold; friction is the mean over the travel of the log."""
         p = self.parameters
@@ -91,21 +105,45 @@ class Drive:
         return cls(**{one.name: values[one.name] for one in fields(cls)})
 
 
-def draw(seed: int, number: int) -> Drive:
+def draw(seed: int, number: int, axis: str = "horizontal") -> Drive:
     """Return the drive of this number; laws, kinds of motion and loops take turns."""
     rng = np.random.default_rng([seed, number])
     while True:
-        drive = _candidate(rng, number)
+        drive = _candidate(rng, number, axis)
         if _usable(drive):
-            return drive
+            return drive if axis == "horizontal" else _loaded(drive, rng)
 
 
-def _candidate(rng: np.random.Generator, number: int) -> Drive:
+def _loaded(drive: Drive, rng: np.random.Generator) -> Drive:
+    """Return a drive with the force of position of its axis, which its integral holds at first."""
+    p, F_c = dict(drive.parameters), drive.parameters["F_c"]
+    weight = HEAVIEST * F_c * np.exp(rng.uniform(np.log(0.1), 0.0))
+    first, second = F_c * rng.uniform(0.1, 1.0), rng.uniform(0.2, 0.6)
+    phases = 2.0 * math.pi * rng.uniform(size=2)
+    if drive.axis == "vertical":
+        p["F_0"] += math.copysign(weight, phases[0] - math.pi)
+    elif drive.axis == "arm":
+        p |= {"g_s": weight * math.sin(phases[0]), "g_c": weight * math.cos(phases[0])}
+    else:
+        p["pitch"] = min(p["period"] * rng.uniform(0.5, 2.0), drive.stroke / 2.5)
+        for k, size in ((1, first), (2, second * first)):
+            p |= {
+                f"s_{k}": size * math.sin(phases[k - 1]),
+                f"c_{k}": size * math.cos(phases[k - 1]),
+            }
+    p["held"] = sum(p.get(name, 0.0) for name in ("F_0", "g_c", "c_1", "c_2"))
+    p["u_max"] += weight if drive.axis != "cogging" else (1.0 + second) * first
+    return replace(drive, parameters={name: float(value) for name, value in p.items()})
+
+
+def _candidate(rng: np.random.Generator, number: int, axis: str) -> Drive:
     def log(low: float, high: float) -> float:
         return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
-    law, rotary = LAWS[number % len(LAWS)], number % 2 == 1
+    law, rotary = LAWS[number % len(LAWS)], number % 2 == 1 or axis == "arm"
     radius = log(5e-3, 3e-2) if rotary else 1.0
+    if axis == "arm":
+        radius = log(0.05, 0.2)
     m = log(2e-5, 2e-2) if rotary else log(0.3, 60.0)
     F_c = m * log(0.3, 3.0) / radius
     F_s = F_c * rng.uniform(1.05, 2.0)
@@ -150,8 +188,9 @@ def _candidate(rng: np.random.Generator, number: int) -> Drive:
         noise_F=F_c * log(2e-3, 2e-2),
         speed=speed,
         acceleration=acceleration,
-        stroke=log(0.05, 0.3) / radius,
+        stroke=rng.uniform(1.0, 3.0) if axis == "arm" else log(0.05, 0.3) / radius,
         bandwidth=bandwidth,
+        axis=axis,
     )
 
 
@@ -234,6 +273,8 @@ def _planned(drive: Drive, folder: Path, *, several: bool) -> dict[Path, pd.Data
     if several:
         limits["duration"] = DURATION / 2.0
     options = [f"--{name}={value:.6g}" for name, value in limits.items()]
+    if drive.axis == "arm":
+        options += ["--travel", f"{-0.5 * drive.stroke:.6g}", f"{0.5 * drive.stroke:.6g}"]
     options += ["--motion", "rotary" if drive.rotary else "linear", "--force"]
     plan, found = folder / f"{drive.name}_plan", {}
     options += ["--set", f"--out={plan}"] if several else [f"--out={plan / 'plan.csv'}"]

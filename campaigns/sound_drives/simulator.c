@@ -14,6 +14,9 @@ typedef struct {
     double asymmetry;              /* share by which friction is higher forward, lower backward */
     double uneven, period, origin; /* share, length and phase [m] of friction along the guide */
     double F_0;                    /* constant force against the motor */
+    double g_s, g_c;               /* an arm's weight: sine and cosine of x */
+    double pitch, s_1, c_1, s_2, c_2; /* cogging: two harmonics */
+    double held;                      /* force of the integral at the start */
     double K_p, K_i, K_x, velocity_feedforward, tau_f, T_s, u_max;
     double encoder, phase; /* step, and where in it the drive begins [1] */
 } Drive;
@@ -94,6 +97,13 @@ static double maxwell(const Drive *d, Contact *s, double v, double h, double g) 
         after += f;
     }
     return mean + d->sigma_1 * (after - before) / (d->sigma_0 * h);
+}
+
+/* force of position against the motor */
+static double position_force(const Drive *d, double x) {
+    double y = 2.0 * PI * x / d->pitch;
+    return d->F_0 + d->g_s * sin(x) + d->g_c * cos(x) + d->s_1 * sin(y) + d->c_1 * cos(y) +
+           d->s_2 * sin(2.0 * y) + d->c_2 * cos(2.0 * y);
 }
 
 static double friction(int law, const Drive *d, Contact *s, double x, double v, double h) {
@@ -177,7 +187,7 @@ record(int law, const Drive *d, int n, const double *v_cmd, const double *x_cmd,
        const double *noise_x, const double *noise_F, Begin begin, Added added, int substeps,
        double *x_enc, double *commanded, double *force, double *v_out, double *x_out) {
     Contact s = {0};
-    double x = 0.0, v = 0.0, integral = 0.0, estimate = 0.0, last = 0.0, limited = 0.0;
+    double x = 0.0, v = 0.0, integral = d->held, estimate = 0.0, last = 0.0, limited = 0.0;
     double weight = d->tau_f > 0.0 ? 1.0 - exp(-d->T_s / d->tau_f) : 1.0;
     for (int k = 0; k < n; ++k) {
         double shown = x;
@@ -204,7 +214,10 @@ record(int law, const Drive *d, int n, const double *v_cmd, const double *x_cmd,
         force[k] = limited + noise_F[k];
         v_out[k] = v;
         x_out[k] = x;
-        for (int j = 0; j < substeps; ++j)
-            substep(law, d, &s, &x, &v, d->T_s / substeps, limited - (law == NONE ? 0.0 : d->F_0));
+        for (int j = 0; j < substeps; ++j) {
+            double h = d->T_s / substeps;
+            double held = law == NONE ? 0.0 : position_force(d, x + 0.5 * h * v);
+            substep(law, d, &s, &x, &v, h, limited - held);
+        }
     }
 }

@@ -16,10 +16,17 @@ import numpy as np
 LAWS = ("none", "lugre", "dahl", "gms", "elasto_plastic", "coulomb_stribeck")
 PARAMETERS = (
     *("m", "b", "F_c", "F_s", "v_s", "delta", "sigma_0", "sigma_1"),
-    *("asymmetry", "uneven", "period", "origin", "F_0"),
+    *("asymmetry", "uneven", "period", "origin"),
+    *("F_0", "g_s", "g_c", "pitch", "s_1", "c_1", "s_2", "c_2", "held"),
     *("K_p", "K_i", "K_x", "velocity_feedforward", "tau_f", "T_s", "u_max", "encoder", "phase"),
 )
-DEFAULTS = {"delta": 1.0, "period": 1.0, "velocity_feedforward": 1.0, "u_max": math.inf}
+DEFAULTS = {
+    "delta": 1.0,
+    "period": 1.0,
+    "pitch": 1.0,
+    "velocity_feedforward": 1.0,
+    "u_max": math.inf,
+}
 SUBSTEP = 5e-5  # [s]
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "sound_drives"
 _Doubles = ctypes.POINTER(ctypes.c_double)
