@@ -274,7 +274,7 @@ def _planned(drive: Drive, folder: Path, *, several: bool) -> dict[Path, pd.Data
         limits["duration"] = DURATION / 2.0
     options = [f"--{name}={value:.6g}" for name, value in limits.items()]
     if drive.axis == "arm":
-        options += ["--travel", f"{-0.5 * drive.stroke:.6g}", f"{0.5 * drive.stroke:.6g}"]
+        options.append(f"--travel={0.5 * drive.stroke:.6g}")
     options += ["--motion", "rotary" if drive.rotary else "linear", "--force"]
     plan, found = folder / f"{drive.name}_plan", {}
     options += ["--set", f"--out={plan}"] if several else [f"--out={plan / 'plan.csv'}"]
