@@ -143,7 +143,7 @@ def _candidate(rng: np.random.Generator, number: int, axis: str) -> Drive:
     law, rotary = LAWS[number % len(LAWS)], number % 2 == 1 or axis == "arm"
     radius = log(5e-3, 3e-2) if rotary else 1.0
     if axis == "arm":
-        radius = log(0.05, 0.2)
+        radius = log(0.02, 0.1)
     m = log(2e-5, 2e-2) if rotary else log(0.3, 60.0)
     F_c = m * log(0.3, 3.0) / radius
     F_s = F_c * rng.uniform(1.05, 2.0)
@@ -275,6 +275,8 @@ def _planned(drive: Drive, folder: Path, *, several: bool) -> dict[Path, pd.Data
     options = [f"--{name}={value:.6g}" for name, value in limits.items()]
     if drive.axis == "arm":
         options.append(f"--travel={0.5 * drive.stroke:.6g}")
+    if drive.axis in ("arm", "cogging"):
+        options += ["--show", "position_force"]
     options += ["--motion", "rotary" if drive.rotary else "linear", "--force"]
     plan, found = folder / f"{drive.name}_plan", {}
     options += ["--set", f"--out={plan}"] if several else [f"--out={plan / 'plan.csv'}"]

@@ -9,7 +9,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.catalog.parameters import PAPER
 from stickslip.commandline import FLAG, SEVERAL, add_options, positive, warn
 from stickslip.commandline.assignments import split_assignments
 from stickslip.errors import UsageError
@@ -18,6 +17,7 @@ from stickslip.logs.recording import Motion
 from stickslip.logs.units import QUANTITIES, Unit, motion_of, parse_quantity, unit_named
 from stickslip.output import Answer
 from stickslip.planning import LINEAR, ROTARY, SET, Limits, Stretch, arrange, plan
+from stickslip.planning.experiment import SHOWN
 from stickslip.planning.shown import DataSheet, not_shown
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, {"--travel M": travel}, nargs="+")
     rate = {"--rate HZ": f"samples per second (default {LINEAR.rate:g})"}
     add_options(parser, rate, type=float)
-    show = f"give more time to these parameters: {', '.join(PAPER)}"
+    show = f"give more time to these parameters: {', '.join(SHOWN)} (gravity, cogging)"
     add_options(parser, {"--show PARAMETER": show}, **SEVERAL)
     group = parser.add_argument_group("the drive", "With these, it is printed what will not show.")
     for name, (_, unit, text) in _KNOWN.items():

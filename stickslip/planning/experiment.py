@@ -40,6 +40,9 @@ PARTS = (
     Part("sine sweep", ("m", "b", "F_c"), 5.5, parts.sweep),
 )
 """In the order in which they run: small moves first, from rest, before the bristles are bent."""
+WHOLE = Part("whole travel", ("position_force",), 1.5, parts.whole_travel)
+"""Last, where it is asked for."""
+SHOWN = (*PAPER, *WHOLE.shows)
 
 
 SET = {"presliding": PARTS[:1], "creep": PARTS[1:2], "sliding": PARTS[2:]}
@@ -73,7 +76,8 @@ def plan(
     Parameters
     ----------
     limits : what the drive may be asked to do
-    show : parameters to favour, by the paper's symbols; none or all: a little of everything
+    show : parameters to favour, by the paper's symbols, and ``position_force`` for gravity and
+        cogging, which the whole travel shows; none: a little of every parameter
     among : parts of which it consists
 
     Returns
@@ -112,8 +116,8 @@ def _laid_out(
     where it does, and back at the end.
     """
     for name in [show] if isinstance(show, str) else show:
-        if name not in PAPER or isinstance(show, str):
-            raise UsageError(f"cannot show {show!r}: expected a list of {', '.join(PAPER)}")
+        if name not in SHOWN or isinstance(show, str):
+            raise UsageError(f"cannot show {show!r}: expected a list of {', '.join(SHOWN)}")
     n = round(limits.duration * limits.rate)
     rest = max(1, round(REST * n))
     least = 0
@@ -144,12 +148,14 @@ def _laid_out(
 def _stretches(
     show: Collection[str], n: int, rest: int, among: Sequence[Part]
 ) -> tuple[Stretch, ...]:
-    weights = [part.weight * (FAVOUR if set(part.shows) & set(show) else 1.0) for part in among]
+    crosses = PARTS[-1] in among and set(WHOLE.shows) & set(show)
+    every = (*among, WHOLE) if crosses else among
+    weights = [part.weight * (FAVOUR if set(part.shows) & set(show) else 1.0) for part in every]
     edges = rest + (n - 2 * rest) * np.cumsum([0.0, *weights]) / sum(weights)
     edges = edges.round().astype(int)
     return tuple(
         Stretch(part, int(begin), int(end))
-        for part, begin, end in zip(among, edges[:-1], edges[1:], strict=True)
+        for part, begin, end in zip(every, edges[:-1], edges[1:], strict=True)
     )
 
 

@@ -199,6 +199,21 @@ def constant_speeds(limits: Limits, n: int) -> Array:
     return np.concatenate(pieces)
 
 
+CROSSING = 0.7  # mean speed over the whole travel, as a share of what is reached within it
+
+
+def whole_travel(limits: Limits, n: int) -> Array:
+    """Return runs over all of the travel and back."""
+    length = 0.95 * limits.room
+    once = 2.0 * length / (CROSSING * limits.reachable)  # [s]
+    pieces = []
+    for samples in _shares(n, max(1, math.floor(n / limits.rate / once))):
+        corners = ([0, 0.05, 0.45, 0.55, 0.95, 1], [0, 1, 1, -1, -1, 0])
+        run = partial(_polygon, limits, length * limits.rate / (0.45 * samples), corners)
+        pieces.append(_smooth(run, limits, samples))
+    return np.concatenate(pieces)
+
+
 def quick_ramps(limits: Limits, n: int) -> Array:
     """Return triangles of velocity, at nine tenths of the permitted acceleration."""
     a, top = 0.9 * limits.acceleration, limits.reachable

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from stickslip.catalog.parameters import PAPER
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.planning import LINEAR, ROTARY, Limits, arrange, plan
+from stickslip.planning.experiment import SHOWN
 
 
 def check_limits(limits: Limits, show=()) -> None:
@@ -37,7 +37,7 @@ def check_limits(limits: Limits, show=()) -> None:
     acceleration=st.floats(1e-2, 100),
     duration=st.floats(2, 30),
     rate=st.sampled_from([100.0, 333.3, 1000.0]),
-    show=st.lists(st.sampled_from(sorted(PAPER)), max_size=3),
+    show=st.lists(st.sampled_from(sorted(SHOWN)), max_size=3),
     jerk=st.one_of(st.just(np.inf), st.floats(0.1, 1e4)),
     share=st.one_of(st.none(), st.floats(0, 1)),
 )
@@ -80,6 +80,13 @@ def test_what_is_asked_for_gets_more_time(parameter, part):
         return lasts[part] / sum(lasts.values())
 
     assert share([parameter]) > 1.4 * share([])
+
+
+def test_an_arm_crosses_its_whole_travel_where_that_is_asked_for():
+    limits = Limits(stroke=3.0, speed=0.8, acceleration=20.0, rate=500.0, travel=(-0.7, 0.7))
+    whole, plain = (plan(limits, show)["position_command"] for show in (["position_force"], []))
+    assert np.ptp(plain) < 0.9 * np.ptp(whole)
+    assert np.ptp(whole) > 0.94 * 1.4
 
 
 @pytest.mark.parametrize(
