@@ -18,7 +18,9 @@ from stickslip.output import Answer
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare what the command exports."""
     exports = parser.add_subparsers(
-        dest="what", metavar="compensator|observer|components|drive|lti|rig|FILE.ssp", required=True
+        dest="what",
+        metavar="compensator|observer|position_force|components|drive|lti|rig|FILE.ssp",
+        required=True,
     )
     exports.choices = exports._name_parser_map = _Parsers()  # noqa: SLF001 - no public way
     for add in (add_compensators, add_drive, add_lti, add_rig, add_system):

@@ -39,6 +39,11 @@ def add_compensators(exports: argparse._SubParsersAction[Any]) -> None:
         force="export it even if learn refused it or the loop is not robust with it",
     )
     _add(
+        *(exports, "position_force", export_position_force, f"what holds gravity: {forms}"),
+        parameters="a learned.json with a force of position",
+        force="export it even if learn refused the values",
+    )
+    _add(
         *(exports, "components", export_components, f"compensators that learn: {forms}"),
         parameters="a learned.json or winner.json with components",
     )
@@ -187,6 +192,21 @@ def _peak(loop: VelocityLoop, observer: Compensator, speed: float) -> float:
         models.build_fmu(observer.model, folder)
         with ChainResponse(folder, loop, [observer], abs(speed)) as response:
             return response.of(loop, {}, friction=0.0).peak
+
+
+def export_position_force(options: argparse.Namespace) -> Answer:
+    """Write the block of gravity and cogging with its learned values and print the paths."""
+    from stickslip.learned.file import LearnedFile
+
+    learned = LearnedFile(options.parameters)
+    block = learned.position_force
+    if block is None:
+        raise UsageError(f"{options.parameters}: contains no force of position")
+    if "position_force.fmu" not in learned.written and not options.force:
+        refusal = learned.refusal or "learn did not write it"
+        raise HarmfulError(f"{options.parameters}: {refusal}; --force exports it anyway")
+    named = {"called": block.name, "rotary": learned.rotary}
+    return written(*write_as(options, block.model, start=block.values, **named))
 
 
 def export_components(options: argparse.Namespace) -> Answer:

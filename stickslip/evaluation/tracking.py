@@ -187,10 +187,12 @@ def simulate(
         further |= dict.fromkeys(("candidate.u_max", "controller.u_max"), scale.force * force_limit)
     law = friction_law(drive.law)
     friction = {name: value for name, value in values.items() if name in law.parameters}
+    # What the drive holds by its position acts without a compensator, and is cancelled with it.
+    held = 0.0 if scaled.known_force is None else scaled.known_force
     variants: dict[str, tuple[Mapping[str, float], Array | float]] = {
         NONE: (values, 0.0),
-        FEEDFORWARD: (values, force),
-        FRICTIONLESS: ({**values, **law.share(friction, NEGLIGIBLE)}, 0.0),
+        FEEDFORWARD: (values, force + held),
+        FRICTIONLESS: ({**values, **law.share(friction, NEGLIGIBLE)}, held),
     }
     with KnownLoop(fmus, scaled, scale.values(gains), encoder=True) as loop:
         runs = {name: loop.bounded(of, further, added) for name, (of, added) in variants.items()}

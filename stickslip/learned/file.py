@@ -30,6 +30,8 @@ from stickslip.cosim import SignalError, Simulation, Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
+from stickslip.identification.criteria.motion import position_of
+from stickslip.identification.sliding.position_force import block_parameters, varying
 from stickslip.learned.writing import (
     AXIS_KEYS,
     DATASHEET,
@@ -38,9 +40,11 @@ from stickslip.learned.writing import (
     LOOP_UNITS,
     OBSERVER_MODEL,
     OUTER_KEYS,
+    POSITION_FORCE,
     SCHEMA,
     TRAPEZOID,
 )
+from stickslip.logs import Recording
 from stickslip.models import Law, Model, StartValueError, UnknownLaw, UnknownModel, load_model
 from stickslip.models.export.units import motion_unit
 from stickslip.servo.axis import LOOP, Axis, Datasheet
@@ -259,6 +263,23 @@ class LearnedFile:
         return self._component("observer", entry, OBSERVER_MODEL)
 
     @property
+    def position_force(self) -> Compensator | None:
+        """The block that holds gravity and cogging; None where there are none."""
+        entry = self._entry(POSITION_FORCE)
+        if entry is None:
+            return None
+        values = block_parameters(entry)
+        with self._named(POSITION_FORCE, StartValueError):
+            load_model(POSITION_FORCE).with_start(values)
+        return Compensator(POSITION_FORCE, POSITION_FORCE, values)
+
+    def with_position_force(self, recording: Recording) -> Recording:
+        """Return a recording of the drive, with what it holds by its position."""
+        held = self.position_force
+        known = held and varying(held.values, position_of(recording))
+        return recording if known is None else dataclasses.replace(recording, known_force=known)
+
+    @property
     def observer_refusal(self) -> str:
         """Why the observer should not be exported; empty by default."""
         return str(self._observer.get("refusal") or "")
@@ -421,6 +442,8 @@ class LearnedFile:
     def _check_units(self, entry: str, stated: Mapping[str, Any]) -> None:
         """Raise where a value is not stated in the unit in which it is read."""
         units, old = dict(_UNITS.get(entry, {})), self.rotary and entry in _UNITS
+        if entry == POSITION_FORCE:
+            units = {one.name: one.unit or "1" for one in load_model(entry).variables}
         if entry == "parameters":
             known = (
                 name for name in stated if name in self.law.parameters or name in AXIS_KEYS[:2]

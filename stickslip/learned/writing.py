@@ -16,6 +16,7 @@ from stickslip.versions import installed_versions
 
 SCHEMA = 2  # Version of the keys that this module writes, and the latest that it reads
 OBSERVER_MODEL = "dob"  # Model of an observer without an entry for it
+POSITION_FORCE = "position_force"  # Key of the force of position, and the model that gives it
 PACKAGES = ("stickslip", "control", "fmpy", "numpy", "scipy", "ziglang")
 LOOP_UNITS = {
     "m": "kg",

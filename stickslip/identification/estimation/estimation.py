@@ -19,6 +19,7 @@ from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.start import Start
 from stickslip.identification.selection import Choice
 from stickslip.identification.sliding.friction_curve import FrictionCurve
+from stickslip.identification.sliding.position_force import PositionForce
 from stickslip.logs import Finding, Recording
 from stickslip.models import Law
 
@@ -90,6 +91,8 @@ class Estimation:
     remarks: tuple[str, ...] = ()  # changes made to the recording
     faults: tuple[Finding, ...] = ()  # of the task, or found: no parameter is identifiable
     choice: Choice | None = None  # of the law among all; None where the law was given
+    # known beside mass and friction: gravity and cogging, in SI units; None for none
+    position_force: PositionForce | None = None
 
     @property
     def fit(self) -> Fit:

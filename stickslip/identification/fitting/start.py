@@ -18,12 +18,8 @@ from stickslip.catalog.parameters import (
 from stickslip.errors import IdentificationError
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.motion import SI, Scale, measured_force, position_of
-from stickslip.identification.sliding.friction_curve import (
-    FrictionCurve,
-    Interval,
-    Span,
-    friction_curve,
-)
+from stickslip.identification.sliding.friction_curve import FrictionCurve, Interval, friction_curve
+from stickslip.identification.sliding.rows import Span
 from stickslip.logs import Finding, Recording
 from stickslip.servo.measurement import level
 from stickslip.thresholds import curve_shown, identifiable

@@ -15,46 +15,38 @@ between the eight show what is not known and are a part of the intervals.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
-from numpy.typing import NDArray
-from scipy.stats import t as student
 
-from stickslip.identification.criteria.motion import (
-    SHARE,
-    Scale,
-    means,
-    position_noise,
-    samples_per_row,
+from stickslip.identification.criteria.motion import Scale, position_noise
+from stickslip.identification.sliding.regression import Regression
+from stickslip.identification.sliding.rows import (
+    DISTANCES,
+    FIXED,
+    GUARDS,
+    KNOTS,
+    SLOWEST,
+    Rows,
+    Span,
+    first_samples,
+    hats,
+    shifted,
+    sizes,
+    together,
 )
-from stickslip.identification.sliding.regression import Regression, regress
 from stickslip.identification.sliding.stribeck import EXPONENTS, rise
-from stickslip.servo.measurement import Array, derivative, smoothed
+from stickslip.servo.measurement import Array
 from stickslip.thresholds import curve_shown
 
-NOISE = 1e-4  # largest variance of the acceleration by encoder noise, over that of the motion
-DISTANCES = (0.004, 0.02)  # travel from a reversal to sliding, as a share of the whole travel
-SLOWEST = 0.01  # speed from which on the drive slides, as a share of its top speed
-NOISY = 4.0  # the same in standard deviations of the velocity's noise
-STEADY = 4.0
-"""Largest ratio of speeds within such a distance: friction follows a change of speed over a path,
-so that it is not that of a steady speed while a drive sticks and slips."""
-NEAR = (0.001, 0.004)  # the same distances where the curve is to reach low speeds
-CREEPS = 0.002  # and the same speed there
+NEAR = (0.001, 0.004)  # distances as those of ``DISTANCES``, where the curve is to reach low speeds
+CREEPS = 0.002  # and the least speed there, as a share of the top speed
 CREEP_PERIOD = 1e-3  # least time from row to row there [s]: slips are short
 FINE = 20  # and the number of knots
-GUARDS = (0.32, 0.64)  # distances from rows that are not used, in periods of the cut-off
-HARMONICS, KNOTS, STEPS = 40, 10, 6  # bases along the guide, over speed, and since a reversal
-ENOUGH = 50_000  # rows, of which more make nothing sharper
 SPEEDS = 12
 SPAN = (0.03, 0.97)  # quantiles of the speeds between which the curve is given
-DEGREES = 40  # degrees of freedom of the variance within one regression
-FIXED = ("m", "b", "F_c", "F_0", "delay")
 VARYING = {
     "ripple": "the force varies along the guide",
     "guide": "friction varies along the guide",
@@ -117,14 +109,6 @@ class FrictionCurve:
         )
 
 
-class Span(NamedTuple):
-    """Where one log is in a recording, and the mass that it moves beside that of the drive [kg]."""
-
-    begin: int
-    end: int
-    load: float = 0.0
-
-
 def friction_curve(
     position: Array,
     force: Array,
@@ -143,24 +127,17 @@ def friction_curve(
     spans = spans or (Span(0, len(position)),)
     if len(position) < 8 * curve_shown.ROWS:
         return None
-    t = T_s * np.arange(len(position))
-    force = np.interp(t - delay, t, force) if delay else force
-    noise = position_noise(position, step)
+    force, noise = shifted(force, T_s, delay), position_noise(position, step)
 
-    def rows(first: int, share: float) -> list[Rows]:
+    def rows(first: int, share: float) -> list[_Rows]:
         each = (first, 2 * first)
-        return [Rows(position, force, T_s, noise, spans=spans, q=q, share=share) for q in each]
+        return [_Rows(position, force, T_s, noise, spans=spans, q=q, share=share) for q in each]
 
-    first = 2
-    while len(position) // first > ENOUGH:
-        first *= 2
-    first = samples_per_row(
-        position, T_s, noise, least=first, share=NOISE, rows=2.0 * curve_shown.ROWS
-    )
+    first = first_samples(position, T_s, noise)
     found = _estimated(rows(first, SLOWEST), DISTANCES, SPAN, KNOTS)
     if found is None:
         return None
-    value, error, width = _together(found.values, np.diagonal(found.covariances, axis1=1, axis2=2))
+    value, error, width = together(found.values, np.diagonal(found.covariances, axis1=1, axis2=2))
     mass, viscous, offset = (
         Interval(*map(float, (value[i], error[i], value[i] - width[i], value[i] + width[i])))
         for i in range(3)
@@ -200,7 +177,7 @@ def _rise(slow: _Estimated) -> dict[str, Interval]:
         if len(known) < len(found):
             continue
         logs = np.log([(one.F_s, one.v_s) for one in known])  # (8, 2, 3)
-        value, _, width = _together(logs[..., 0], ((logs[..., 2] - logs[..., 1]) / 3.92) ** 2)
+        value, _, width = together(logs[..., 0], ((logs[..., 2] - logs[..., 1]) / 3.92) ** 2)
         ends.append(np.exp([value, value - width, value + width]))
         deviances.append(sum(one.deviance for one in known))
     if not ends:
@@ -213,15 +190,6 @@ def _rise(slow: _Estimated) -> dict[str, Interval]:
         name: Interval(*map(float, (best[k], (high[k] - low[k]) / 4.0, low[k], high[k])))
         for k, name in enumerate(("F_s", "v_s"))
     }
-
-
-def _together(values: Array, variances: Array) -> tuple[Array, Array, Array]:
-    """Return mean (k,), standard error and half width of the 95 % interval of estimates (8, k)."""
-    within, between = variances.mean(axis=0), values.var(axis=0, ddof=1)
-    error = np.sqrt(within + between)
-    # Welch, Satterthwaite: the degrees of freedom of a sum of variances.
-    degrees = error**4 / (within**2 / DEGREES + between**2 / (len(values) - 1))
-    return values.mean(axis=0), error, student.ppf(0.975, degrees) * error
 
 
 @dataclass(frozen=True)
@@ -250,58 +218,8 @@ def _estimated(
     return _Estimated(speeds, *map(np.array, zip(*estimates, strict=True)))
 
 
-class Rows:
-    """A recording behind a low-pass, every q-th sample of it; ``s`` is since the last reversal."""
-
-    def __init__(
-        self,
-        position: Array,
-        force: Array,
-        T_s: float,
-        noise: float,
-        *,
-        spans: Sequence[Span],
-        q: int,
-        share: float,
-    ) -> None:
-        self.T, self.cutoff = q * T_s, SHARE / (q * T_s)
-        self.x = smoothed(means(position, q), self.T, self.cutoff)
-        self.v = derivative(self.x, self.T)
-        self.a = derivative(self.v, self.T)
-        self.force = smoothed(means(force, q), self.T, self.cutoff)
-        self.logs = [slice(-(-one.begin // q), one.end // q) for one in spans]
-        for log, one in zip(self.logs, spans, strict=True):
-            self.force[log] -= one.load * self.a[log]
-        own = noise * 2.0 * np.pi * self.cutoff * np.sqrt(2.0 * self.cutoff * T_s)
-        self.top, noisy = float(np.quantile(np.abs(self.v), 0.99)), NOISY * own
-        self.slowest = max(noisy, share * self.top)
-        self.slides = np.abs(self.v) > self.slowest
-        moves = np.abs(self.v) > max(noisy, SLOWEST * self.top)
-        last = np.maximum.accumulate(np.where(moves, np.arange(len(moves)), 0))
-        self.ahead = np.sign(self.v)[last]
-        self.path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self.x)))])
-        turned = np.append(False, np.diff(self.ahead) != 0.0)
-        begins = [log.start for log in self.logs]
-        turned[begins] = True
-        first = np.searchsorted(begins, np.arange(len(self.path)), side="right") - 1
-        self.since = self.path - self.path[begins][first]  # since the log began
-        self.s = self.path - np.maximum.accumulate(np.where(turned, self.path, 0.0))
-
-    def used(self, distance: float, guard: float) -> NDArray[np.intp]:
-        """Return the rows before which it slid evenly for this share of its travel."""
-        path = pd.to_timedelta(self.path / (distance * np.ptp(self.x)), unit="s")
-        speed = pd.Series(np.abs(self.v), path)
-        before = speed.rolling("1s")  # of travel
-        steady = (before.min() * STEADY > speed) & (before.max() < STEADY * speed)
-        good = self.slides & steady.to_numpy() & (self.since > distance * np.ptp(self.x))
-        edge = int(4.0 / self.cutoff / self.T)
-        inside = np.zeros(len(good), dtype=bool)
-        for log in self.logs:
-            inside[log.start + edge : max(log.stop - edge, 0)] = True
-        good &= inside
-        rows = int(guard / self.cutoff / self.T)
-        near = np.convolve(~good, np.ones(2 * rows + 1), "same") > 0.5
-        return np.flatnonzero(~near)
+class _Rows(Rows):
+    """Rows that give a curve."""
 
     def speeds(self, distance: float, guard: float, span: tuple[float, float]) -> Array | None:
         """Return the speeds (k,) of the curve, None with few rows."""
@@ -318,44 +236,15 @@ class Rows:
 
         Beside them: root mean squares of the forces of ``VARYING``, and their standard errors.
         """
-        used = self.used(distance, guard)
-        if len(used) < curve_shown.ROWS:
+        design = self.design(distance, guard, knots)
+        if design is None:
             return None
-        speed, ahead = np.maximum(np.abs(self.v), self.slowest), self.ahead[:, np.newaxis]
-        force = self.force[used]
-        size = float(np.median(np.abs(force - np.median(force))))
-        travel = float(np.ptp(self.x))
-        places = np.log(np.geomspace(max(self.slowest, speed[used].min()), self.top, knots))
-        steps = np.log(distance * travel * np.geomspace(1.0, 10.0, STEPS))
-        along = (self.x - self.x.min()) / travel
-        waves = np.cos(np.pi * along[:, np.newaxis] * np.arange(1, HARMONICS + 1))
-        over_speed = hats(np.log(speed), places)
-        start = hats(np.log(np.maximum(self.s, 1e-3 * distance * travel)), steps)[:, :-1]
-        time = np.linspace(-1.0, 1.0, len(self.x))[:, np.newaxis]
-        drift = np.hstack([time, time**2 - 1.0 / 3.0])
-        rate = np.gradient(self.force)
-        fixed = np.column_stack([self.a, self.v, self.low(ahead)[:, 0], np.ones_like(rate), rate])[
-            used
-        ]
-        groups = {
-            "ripple": waves,
-            "guide": self.low(ahead * waves),
-            "curve": self.low(ahead * over_speed),
-            "asymmetry": over_speed,
-            "start": self.low(ahead * start),
-            "drift": self.low(ahead * drift),
-        }
-        groups = {name: size * group[used] for name, group in groups.items()}
-        classes = 3 * _class(speed[used], 4) + _class(self.s[used], 3)
-        found = regress(force, fixed, groups, classes)
+        found = design.fitted()
+        typical = float(np.median(design.speed))
         return (
-            *_quantities(found, size, places, speeds, typical=float(np.median(speed[used]))),
-            *_varying(found, groups),
+            *_quantities(found, design.size, design.knots, speeds, typical=typical),
+            *sizes(found, design.groups, VARYING),
         )
-
-    def low(self, columns: Array) -> Array:
-        """Return columns (n, k) behind the low-pass."""
-        return smoothed(columns.T, self.T, self.cutoff).T
 
 
 def _quantities(
@@ -370,24 +259,3 @@ def _quantities(
     weights[3:, FIXED.index("b")] = speeds
     weights[3:, found.places["curve"]] = size * hats(np.log(speeds), knots)
     return weights @ found.coefficients, weights @ found.covariance @ weights.T
-
-
-def _varying(found: Regression, groups: Mapping[str, Array]) -> tuple[Array, Array]:
-    """Return root mean squares (j,) of the forces of ``VARYING``, and their standard errors."""
-    forces, errors = [], []
-    for name in VARYING:
-        x, place = groups[name], found.places[name]
-        forces.append(float(np.std(x @ found.coefficients[place])))
-        covariance = found.covariance[place, place]
-        errors.append(float(np.sqrt(np.mean(np.sum(x @ covariance * x, axis=1)))))
-    return np.array(forces), np.array(errors)
-
-
-def hats(z: Array, knots: Array) -> Array:
-    """Return piecewise linear functions (n, k) of z (n,), each 1 at one knot and 0 at others."""
-    return np.column_stack([np.interp(z, knots, one) for one in np.eye(len(knots))])
-
-
-def _class(z: Array, n: int) -> NDArray[np.intp]:
-    """Return in which of n classes of like size each value (k,) is."""
-    return np.asarray(np.digitize(z, np.quantile(z, np.arange(1, n) / n)))

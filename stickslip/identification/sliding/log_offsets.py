@@ -11,20 +11,19 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.identification.criteria.motion import measured_force, position_noise, position_of
-from stickslip.identification.sliding.friction_curve import (
+from stickslip.identification.sliding.regression import regress
+from stickslip.identification.sliding.rows import (
     DISTANCES,
     ENOUGH,
     GUARDS,
+    KNOTS,
     SLOWEST,
     Rows,
     Span,
     hats,
 )
-from stickslip.identification.sliding.regression import regress
 from stickslip.logs import Finding, Recording
 from stickslip.thresholds import agreement, curve_shown, log_content
-
-KNOTS = 10  # of friction over speed
 
 
 def with_log_offsets(recording: Recording) -> tuple[Recording, tuple[Finding, ...]]:

@@ -35,12 +35,17 @@ class Regression:
 
 
 def regress(
-    y: Array, fixed: Array, groups: Mapping[str, Array], classes: NDArray[np.intp]
+    y: Array,
+    fixed: Array,
+    groups: Mapping[str, Array],
+    classes: NDArray[np.intp],
+    least: Mapping[str, float] | None = None,
 ) -> Regression:
     """Fit y (n,) by fixed regressors (n, f) and groups of random ones (n, j).
 
     Groups are scaled such that a standard deviation of 1 of their coefficients is large. In each of
-    the classes (n,), from 0 on, the noise has a variance of its own.
+    the classes (n,), from 0 on, the noise has a variance of its own. ``least`` has the least
+    standard deviations of groups, from which on they are estimated.
     """
     x = np.column_stack([fixed, *groups.values()])
     edges = fixed.shape[1] + np.cumsum([0, *(group.shape[1] for group in groups.values())])
@@ -51,7 +56,8 @@ def regress(
     members = [classes == one for one in range(len(noise))]
     products = np.array([x[rows].T @ x[rows] for rows in members])
     moments = np.array([x[rows].T @ y[rows] for rows in members])
-    deviations = dict.fromkeys(groups, 0.03)
+    lowest = {name: max(DEVIATIONS[0], (least or {}).get(name, 0.0)) for name in groups}
+    deviations = dict.fromkeys(groups, 0.03) | dict(least or {})
     correlation = 3.0
     for pass_ in range(ROUNDS):
         prior = 1e-12 * scale**2 / np.mean(noise)
@@ -75,5 +81,5 @@ def regress(
         for name, place in places.items():
             effective = c[place].size - np.sum(np.diag(covariance)[place]) * prior[place.start]
             found = np.sqrt(np.sum(c[place] ** 2) / max(effective, 1e-3))
-            deviations[name] = float(np.clip(found, *DEVIATIONS))
+            deviations[name] = float(np.clip(found, lowest[name], DEVIATIONS[1]))
     return Regression(c, covariance, places)

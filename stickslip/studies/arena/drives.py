@@ -115,7 +115,7 @@ def learned_drive(path: Path) -> Drive:
     loop, sheet = learned.loop, learned.datasheet
     if loop is None:
         raise UsageError(f"{path}: contains no loop, in which compensators could be compared")
-    of_drive = {v.name for v in models.load_model("drive", learned.law.name).variables}
+    of_drive = {v.name for v in models.load_model("drive", learned.law.name).variables} - {"F_0"}
     parameters = {
         **{name: value for name, value in learned.drive.items() if name in of_drive},
         **axis_values(loop, sheet),

@@ -261,6 +261,9 @@ def print_estimation(estimation: Estimation, predicted: Sequence[PredictedLog] =
     force = unit_of("F_c", rotary=rotary)
     print(f"{'offset':8} {estimation.F_0:12.6g} {force:9} constant force against the motor")
     print(f"{'delay':8} {estimation.delay:12.6g} {'s':9} delay of the force beyond that of the log")
+    if estimation.position_force:
+        print("\nforce of position, beside mass and friction")
+        print(tables.position_force(estimation).text(), tables.HELD, sep="\n", end="\n\n")
     if (number := len(estimation.searches.table)) > 1:
         spread = [f"{name} {100 * value:.2g} %" for name, value in estimation.spread().items()]
         print(f"spread over {number} searches: {', '.join(spread)}")

@@ -55,6 +55,8 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         ).records()
     if estimation.friction_curve is not None:
         document["friction_curve"] = curve_document(estimation.friction_curve, rotary=rotary)
+    if estimation.position_force is not None:
+        document["position_force"] = tables.position_force(estimation).by_key()
     if loop is not None:
         document |= {
             "feed": "nominal",

@@ -21,7 +21,8 @@ from stickslip.studies.learn.page.tracking import tracking_section
 from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
 
 COMPENSATOR, OBSERVER_FMU = "compensator.fmu", "observer.fmu"
-FMUS = (COMPENSATOR, OBSERVER_FMU)
+POSITION_FMU = "position_force.fmu"
+FMUS = (COMPENSATOR, OBSERVER_FMU, POSITION_FMU)
 TABLE = "tracking_error.csv"  # Errors on the family of simulated drives
 FILES = ("learned.json", *FMUS, TABLE, *picture_files([TRACKING]), *REPORT)
 """What ``write_learned`` writes or removes."""
@@ -94,6 +95,9 @@ def write_learned(
         if COMPENSATOR in names:
             block = deployed_feedforward(shown)
             build_part(learned, block, "compensator", staging, refusal=learned.refusal)
+        held = learned.position_force
+        if held and (force or not learned.doubt):
+            build_part(learned, held, held.name, staging, refusal=learned.doubt)
         files = tuple(name for name in FMUS if (staging / name).exists())
         written = Written(learned, files, force)
         write_json(written.document(), staging / "learned.json")

@@ -15,11 +15,13 @@ import pandas as pd
 from stickslip.cosim.display import html_table
 from stickslip.evaluation.tracking import Tracking
 from stickslip.fmi.messages import escaped
+from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.estimation import Estimation, LearnSettings, Task, candidate_fmus
 from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.identification.selection import choose, predictions
 from stickslip.identification.sliding.log_offsets import with_log_offsets
+from stickslip.identification.sliding.position_force import block_parameters, find_position_force
 from stickslip.logs import Finding, Recording
 from stickslip.loops.other_gains import OtherGains
 from stickslip.output import SILENT, Progress
@@ -147,6 +149,13 @@ class LearnedFromRecording(Learned):
         return Compensator("compensator", model, self._shared(self.benefit), law=law)
 
     @property
+    def position_force(self) -> Compensator | None:
+        """The block that holds gravity and cogging; None for none."""
+        found = self.estimation.position_force
+        values = found and block_parameters(found.values)
+        return Compensator("position_force", "position_force", values) if values else None
+
+    @property
     def run(self) -> str:
         """What ``tracking`` ran, in words."""
         if self.trial is None or self.benefit is None:
@@ -174,7 +183,7 @@ class LearnedFromRecording(Learned):
         """Why the compensator should not be written; empty where there is no reason."""
         benefit = self.benefit
         return (
-            self._doubt
+            self.doubt
             or self._untried
             or (benefit.refusal if benefit and not benefit.acceptable else "")
         )
@@ -200,7 +209,7 @@ class LearnedFromRecording(Learned):
         chosen = self.trial.compared.chosen
         if chosen.designed is None:
             return "an observer does not reduce the mean tracking error"
-        return self._doubt or ("" if chosen.acceptable else self.trial.compared.sentence)
+        return self.doubt or ("" if chosen.acceptable else self.trial.compared.sentence)
 
     def writes(self, *, force: bool = False) -> Choice:
         """Return what is written: the choice without what is refused, unless it is forced.
@@ -217,7 +226,7 @@ class LearnedFromRecording(Learned):
         return FEEDFORWARD if feedforward else OBSERVER if observer else ""
 
     @property
-    def _doubt(self) -> str:
+    def doubt(self) -> str:
         """Why the estimated values should not be used."""
         if self.implausible:
             return self.implausible
@@ -264,7 +273,10 @@ def learn_recording(
     recording, differing = with_log_offsets(recording)
     findings = (*findings, *differing)
     faults = tuple(finding for finding in findings if finding.spoils)
-    choice = None
+    progress.stage("looking for a force of position")
+    position_force, choice = find_position_force(recording), None
+    if position_force is not None:
+        recording = replace(recording, known_force=position_force(position_of(recording)))
     if settings.law == AUTO:
         progress.stage("comparing friction laws")
         tried = predictions(recording, gains, workers=settings.workers)
@@ -272,7 +284,7 @@ def learn_recording(
         settings = replace(settings, law=choice.chosen.candidate.law.name)
     with candidate_fmus(settings.law) as fmus:
         task = Task(fmus, recording, gains, settings, faults=faults, choice=choice)
-        estimation = estimate(task, progress)
+        estimation = replace(estimate(task, progress), position_force=position_force)
     try:
         loops: Loops | ControlError = design(estimation)
     except ControlError as error:

@@ -18,6 +18,7 @@ from stickslip.evaluation.tracking import (
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.logs import Finding, Motion
+from stickslip.models import load_model
 from stickslip.presentation.markup import parts as markup
 from stickslip.presentation.quantity import (
     interval,
@@ -25,6 +26,7 @@ from stickslip.presentation.quantity import (
     number,
     size_or_dash,
     symbol,
+    unit,
     with_error,
 )
 from stickslip.presentation.scale import (
@@ -74,6 +76,43 @@ def parameters(estimation: Estimation) -> Table:
         {"parameter": name, "meaning": "", "unit": unit_of(name, rotary=recording.rotary)}
         | {column.name: getattr(known, column.name) for column in columns[3:]}
         for name, known in estimation.known.items()
+    ]
+    return Table(columns, rows)
+
+
+HELD = (
+    "position_force.fmu cancels it; compensators are compared on drives without it, as it is the "
+    "same with each of them and with none."
+)
+
+
+def position_force(estimation: Estimation) -> Table:
+    """Return the terms of the force of position that were found, with 95 % intervals."""
+    rotary, found = estimation.recording.rotary, estimation.position_force
+    block = load_model("position_force").of_motion(rotary=rotary)
+    variables = {one.name: one for one in block.variables}
+
+    def ends(row: Row) -> str:
+        return interval(row["low"], row["high"])
+
+    columns = (
+        Column("parameter", text="", head=""),
+        Column("meaning", head="", stored=False),
+        Column("unit", lambda row: unit(row["unit"]), head="Unit"),
+        Column(
+            "value",
+            text=".6g",
+            head="Learned",
+            cell=lambda row: with_error(row["value"], row["standard_error"]),
+        ),
+        Column("standard_error"),
+        Column("low", text=lambda row: f"[{row['low']:.5g},", head="95 % interval", cell=ends),
+        Column("high", text=lambda row: f"{row['high']:.5g}]"),
+    )
+    rows = [
+        {"parameter": name, "meaning": variables[name].description, "unit": variables[name].unit}
+        | vars(one)
+        for name, one in (found.terms if found else {}).items()
     ]
     return Table(columns, rows)
 

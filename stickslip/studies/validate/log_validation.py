@@ -52,6 +52,7 @@ def read_log(
     raise_errors(path, findings)
     on_findings(findings)
     recording = aligned(reading.recording, samples_late(reading.recording))
+    recording = learned.with_position_force(recording)
     kinds = [("linear", "rotary")[rotary] for rotary in (recording.rotary, learned.rotary)]
     if kinds[0] != kinds[1]:
         raise UsageError(

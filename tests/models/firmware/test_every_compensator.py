@@ -35,7 +35,8 @@ DEPLOYED = {
     "command_gms": ("command_feedforward", "gms", "command_feedforward"),
     "command_static": ("command_static", None, None),
 }
-CASES = {**FEEDFORWARDS, **DEPLOYED, "observer": OBSERVER, **OTHERS}
+POSITION = ("position_force", None, None)
+CASES = {**FEEDFORWARDS, **DEPLOYED, "observer": OBSERVER, **OTHERS, "position_force": POSITION}
 LOOP = loop_values(
     close_velocity_loop(Axis(5.0, 6.0, 1e-4), STEP, STEP, 4e3, 3e4, m_ff=5.0, K_x=40.0)
 )

@@ -60,6 +60,8 @@ MEANINGS = {
     "learned.json": "the same with criterion, relative errors, seed and versions",
     "compensator.fmu": "the tuned compensator, from the controller's commands to the force to add",
     "observer.fmu": "the disturbance observer, to be added after the compensator",
+    "position_force.fmu": "gravity and cogging, from the position to the force to add: after the "
+    "compensator and before the observer",
 }
 WINDOW = 0.05  # In which the largest value counts [s]
 USUAL = 0.9  # Share of the windows whose largest value is usual
@@ -107,6 +109,7 @@ def sections(
         errors=[(*one, "relative error") for one in _errors(estimation, ERRORS)],
         unit=force_scale(motion, 1.0).unit,
         LEVELS=LEVELS,
+        HELD=tables.HELD,
     )
     criterion = section(
         "How candidates were evaluated",
@@ -168,8 +171,9 @@ def use(estimation: Estimation, beside: Collection[str], *, forced: bool = False
             f"stickslip export compensator --parameters learned.json --as {form}{force}"
             for form in ("fmu", "st")
         ]
-    if "observer.fmu" in beside:
-        exports.append(f"stickslip export observer --parameters learned.json --as st{force}")
+    for part in ("observer", "position_force"):
+        if f"{part}.fmu" in beside:
+            exports.append(f"stickslip export {part} --parameters learned.json --as st{force}")
     if "compensator.fmu" in beside:
         exports.append("stickslip check compensator.fmu")
     files = {name: what for name, what in MEANINGS.items() if name in beside}

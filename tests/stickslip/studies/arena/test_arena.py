@@ -103,8 +103,7 @@ def test_every_law_and_every_compensator_competes_without_being_named():
     assert {*models.law_names()} <= {*parts}
     with_ports = {name for name in models.model_names() if models.load_model(name).ports}
     assert {part.model for part in parts.values()} - {""} == with_ports
-    # one adds nothing without a feedforward, the other compensates no friction
-    assert not {"adaptive_scale", "position_force"} & {*default_names()}
+    assert "adaptive_scale" not in default_names()  # adds nothing without a feedforward
     assert len(entrant("lugre+adaptive_scale").chain) == 2
     assert {drive.law for drive in default_drives()} == {*models.law_names()}
     for name in default_names():

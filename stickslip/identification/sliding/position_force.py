@@ -1,0 +1,444 @@
+"""The force that the motor holds at a position: a weight, that of an arm, and cogging.
+
+    F_pos(x) = F_0 + g_s sin x + g_c cos x + sum_k (a_k sin(2 pi k x / p) + b_k cos(2 pi k x / p))
+
+The terms are linear regressors beside those of ``rows``, in the same eight regressions, and so are
+the changes of pitch p. What of the force depends on the position without a direction, and on
+nothing else, tells which terms there are. Friction may vary along the guide with the same pitch, in
+a group of its own, and any other force of position stays in a group of waves. Friction that both
+varies along the guide and differs between the directions makes such waves, hence their least size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+from threadpoolctl import threadpool_limits
+
+from stickslip.identification.criteria.motion import measured_force, position_noise, position_of
+from stickslip.identification.selection.folds import folds, is_less, mean_squares
+from stickslip.identification.sliding.friction_curve import Interval
+from stickslip.identification.sliding.regression import Regression
+from stickslip.identification.sliding.rows import (
+    DISTANCES,
+    FIXED,
+    GUARDS,
+    SLOWEST,
+    Design,
+    Rows,
+    first_samples,
+    hats,
+    shifted,
+    sizes,
+    together,
+)
+from stickslip.logs import Recording
+from stickslip.servo.measurement import Array
+from stickslip.thresholds import curve_shown, position_force
+
+HARMONICS = 3  # of a pitch
+PERIODS = (1.5, 250)  # fewest and most periods of a pitch in the travel
+PLACES = 4096  # along the travel, for the search of a pitch
+FINER = 4  # frequencies that are tried, over those that the travel tells apart
+WAVES = 5e-4  # least standard deviation of waves along the travel, in the size of the force
+EVEN = 0.05
+"""The same, in what friction varies along the guide: as much as friction forward and backward may
+differ from its mean, that variation is a force of position."""
+BESIDE = (-3, -2, -1, 1, 2, 3)  # half-waves along the travel more than harmonics of a fine pitch
+ROUNDS = 6  # Gauss steps of the pitch
+SHIFTS = 3  # steps of the delay of the force
+CLOSE = 0.1  # such a step that needs no other, in standard errors
+EDGE = 65  # rows over which the low-pass mixes them
+
+
+@dataclass(frozen=True)
+class PositionForce:
+    """A force of position against the motor, by the parameters of the model of that name."""
+
+    terms: dict[str, Interval]  # those that are shown, F_0 with them
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Their values by name."""
+        return {name: one.value for name, one in self.terms.items()}
+
+    def __call__(self, x: Array) -> Array | None:
+        """Return what varies along positions (n,), without F_0 [N]; None where nothing does."""
+        return varying(self.values, x)
+
+
+def block_parameters(values: Mapping[str, float]) -> dict[str, float]:
+    """Return the parameters of the model for terms by name; 0 is what is not shown."""
+    every = _names(gravity=True, orders=range(1, HARMONICS + 1))
+    return dict.fromkeys(every[:-1], 0.0) | {"pitch": 1.0} | dict(values)
+
+
+def varying(values: Mapping[str, float], x: Array) -> Array | None:
+    """Return what of a force of position varies along x (n,) [N]; None where nothing does."""
+    every = block_parameters(values)
+    gravity = bool(every["g_s"] or every["g_c"])
+    orders = [
+        k for k in range(1, HARMONICS + 1) if every[f"cogging_s[{k}]"] or every[f"cogging_c[{k}]"]
+    ]
+    names = [name for name in _names(gravity=gravity, orders=orders) if name != "pitch"][1:]
+    columns = _columns(x, orders, every["pitch"], gravity=gravity)
+    return columns @ np.array([every[name] for name in names]) if names else None
+
+
+def _names(*, gravity: bool, orders: Sequence[int]) -> list[str]:
+    """Return the names of F_0 and the terms in the order of ``_columns``, the pitch last."""
+    names = ["F_0", *(("g_s", "g_c") if gravity else ())]
+    names += [f"cogging_{wave}[{k}]" for k in orders for wave in "sc"]
+    return [*names, "pitch"] if orders else names
+
+
+def _columns(x: Array, orders: Sequence[int], pitch: float, *, gravity: bool) -> Array:
+    """Return sine and cosine of an arm and of harmonics of a pitch at positions (n,)."""
+    turns = [x] if gravity else []
+    turns += [2.0 * np.pi * k * x / pitch for k in orders]
+    waves = [wave(turn) for turn in turns for wave in (np.sin, np.cos)]
+    return np.column_stack(waves) if waves else np.empty((len(x), 0))
+
+
+def find_position_force(recording: Recording) -> PositionForce | None:
+    """Return the force of position that a recording shows, None where it shows none.
+
+    The recording is in SI units: an arm's weight is that at an angle in rad.
+    """
+    if recording.force is None or len(recording.t) < 8 * curve_shown.ROWS:
+        return None
+    with threadpool_limits(limits=1, user_api="blas"):  # sums that are split round differently
+        return _found(_Log(recording), rotary=recording.rotary)
+
+
+def _found(log: _Log, *, rotary: bool) -> PositionForce | None:
+    if (rest := log.beside_friction()) is None:
+        return None
+    terms = rest.terms(rotary=rotary)
+    if terms is not None:
+        terms = log.refined(terms)
+    while terms is not None:
+        found = log.estimates(terms)
+        if found is None:
+            return None
+        kept = found.kept(rest.friction)
+        if kept == terms:
+            return found.force()
+        terms = log.refined(kept) if kept else None
+    if abs(rest.offset) < position_force.FALLS * rest.friction:
+        return None
+    found = log.estimates(_Terms())
+    return found.force() if found else None
+
+
+@dataclass(frozen=True)
+class _Terms:
+    """Terms with their coefficients, in the order of ``_columns``."""
+
+    gravity: bool = False
+    orders: tuple[int, ...] = ()  # harmonics of the pitch
+    pitch: float = 0.0  # [m]
+    coefficients: tuple[float, ...] = ()  # [N]
+
+    def columns(self, x: Array) -> Array:
+        """Return the terms at positions (n,), and behind them the change of all with the pitch."""
+        own = _columns(x, self.orders, self.pitch, gravity=self.gravity)
+        if not self.orders:
+            return own
+        first = 2 * self.gravity
+        change = np.zeros_like(x)
+        for k, order in enumerate(self.orders):
+            sine, cosine = own[:, first + 2 * k], own[:, first + 2 * k + 1]
+            a, b = self.coefficients[first + 2 * k : first + 2 * k + 2]
+            change += (b * sine - a * cosine) * order
+        return np.column_stack([own, change * 2.0 * np.pi * x / self.pitch**2])
+
+    def parts(self) -> dict[str, slice]:
+        """Return which columns are of the arm and of each harmonic."""
+        names = ["gravity"] if self.gravity else []
+        names += [str(k) for k in self.orders]
+        return {name: slice(2 * k, 2 * k + 2) for k, name in enumerate(names)}
+
+    def only(self, names: set[str]) -> _Terms | None:
+        """Return the terms of some names alone; None without any."""
+        kept = {name: part for name, part in self.parts().items() if name in names}
+        coefficients = (c for part in kept.values() for c in self.coefficients[part])
+        orders = tuple(k for k in self.orders if str(k) in names)
+        gravity = self.gravity and "gravity" in names
+        return (
+            replace(self, gravity=gravity, orders=orders, coefficients=tuple(coefficients))
+            if kept
+            else None
+        )
+
+
+@dataclass(frozen=True)
+class _Rest:
+    """What the rows of a recording show of a force of position, before its terms are known."""
+
+    x: Array  # (n,) [m]
+    force: Array  # (n,) that depends on the position alone, with noise [N]
+    friction: float  # mean [N]
+    offset: float  # F_0 [N]
+
+    def terms(self, *, rotary: bool) -> _Terms | None:
+        """Return the terms that explain it; each further one must explain much of what is left."""
+        orders, whole = tuple(range(1, HARMONICS + 1)), float(np.var(self.force))
+        tried = [_Terms(gravity=True)] if rotary else []
+        for gravity in (False, True)[: 1 + rotary]:
+            pitch = self.pitch(gravity=gravity)
+            tried += [_Terms(gravity, orders, pitch)] if pitch else []
+        best, least = None, whole
+        for one in tried:
+            left = self.left(one)[0]
+            if left < (position_force.SIMPLER * least if best else least):
+                best, least = one, left
+        if best is None or whole - least < (position_force.SHARE * self.friction) ** 2:
+            return None
+        return replace(best, coefficients=tuple(self.left(best)[1].tolist()))
+
+    def left(self, terms: _Terms) -> tuple[float, Array]:
+        """Return the mean square that terms leave [N^2], and their coefficients (k,)."""
+        x = _columns(self.x, terms.orders, terms.pitch, gravity=terms.gravity)
+        columns = np.column_stack([np.ones_like(self.x), x])
+        found = np.linalg.lstsq(columns, self.force, rcond=None)[0]
+        return float(np.mean((self.force - columns @ found) ** 2)), found[1:]
+
+    def pitch(self, *, gravity: bool) -> float | None:
+        """Return the pitch of which three harmonics explain most; None where none fits.
+
+        The strongest wave is the first, second or third harmonic.
+        """
+        travel = float(np.ptp(self.x))
+        strongest = self._strongest(gravity=gravity)
+        orders = tuple(range(1, HARMONICS + 1))
+
+        def left(pitch: float) -> float:
+            return self.left(_Terms(gravity, orders, pitch))[0]
+
+        able = [k * strongest for k in orders if k * strongest <= travel / PERIODS[0]]
+        if not able:
+            return None
+        pitch, least = able[0], left(able[0])
+        for longer in able[1:]:
+            if left(longer) < position_force.SIMPLER * least:
+                pitch, least = longer, left(longer)
+        ends = [1.0 / (1.0 / pitch + side / (FINER * travel)) for side in (1.0, -1.0)]
+        close = 1e-4 * pitch**2 / travel
+        found = minimize_scalar(left, bounds=ends, method="bounded", options={"xatol": close})
+        return float(found.x)
+
+    def _strongest(self, *, gravity: bool) -> float:
+        """Return the length of the wave that explains most, by least squares at each length."""
+        travel, n = float(np.ptp(self.x)), float(len(self.x))
+        arm = _Terms(gravity=gravity)
+        columns = np.column_stack([np.ones_like(self.x), arm.columns(self.x)])
+        rest = self.force - columns @ np.linalg.lstsq(columns, self.force, rcond=None)[0]
+        place = ((self.x - self.x.min()) / travel * PLACES).astype(int).clip(max=PLACES - 1)
+        of_force, of_ones = (
+            np.conj(np.fft.rfft(np.bincount(place, weights, PLACES), FINER * PLACES))
+            for weights in (rest, None)
+        )
+        j = np.arange(int(np.ceil(FINER * PERIODS[0])), FINER * PERIODS[1] + 1)
+        y, one, two = of_force[j], of_ones[j], of_ones[2 * j]
+        # Sums of squares and products of cosine and sine, about their means.
+        cc, ss = (0.5 * (n + sign * two.real) for sign in (1.0, -1.0))
+        cc, ss = cc - one.real**2 / n, ss - one.imag**2 / n
+        cs = 0.5 * two.imag - one.real * one.imag / n
+        gain = y.real**2 * ss - 2.0 * y.real * y.imag * cs + y.imag**2 * cc
+        singular = cc * ss - cs**2
+        gain = np.where(singular > 1e-9 * n**2, gain / np.maximum(singular, 1e-300), 0.0)
+        return float(FINER * travel / j[np.argmax(gain)])
+
+
+@dataclass(frozen=True)
+class _Estimates:
+    """The eight estimates of terms."""
+
+    terms: _Terms
+    values: Array  # (8, k) F_0, coefficients, and the change of the pitch where there is one
+    variances: Array  # (8, k)
+    sizes: dict[str, tuple[Array, Array]]  # by part: root mean squares (8,) and standard errors [N]
+    predicted: dict[str, bool]  # whether a part predicts what it was not fitted to
+
+    def kept(self, friction: float) -> _Terms | None:
+        """Return the terms that are shown."""
+        names = {
+            name
+            for name, (force, error) in self.sizes.items()
+            if force.mean() > position_force.SHARE * friction
+            and np.all(force > position_force.CERTAIN * error)
+            and self.predicted[name]
+        }
+        return self.terms.only(names)
+
+    def force(self) -> PositionForce:
+        """Return the terms with their intervals."""
+        value, error, width = together(self.values, self.variances)
+        names = _names(gravity=self.terms.gravity, orders=self.terms.orders)
+        if self.terms.orders:
+            value[-1] += self.terms.pitch
+        ends = zip(names, value, error, value - width, value + width, strict=True)
+        return PositionForce({name: Interval(*map(float, one)) for name, *one in ends})
+
+
+class _Log:
+    """A recording behind two low-passes."""
+
+    def __init__(self, recording: Recording) -> None:
+        self.position, force = position_of(recording), measured_force(recording)
+        noise = position_noise(self.position, recording.encoder_step)
+        first = first_samples(self.position, recording.T_s, noise)
+        delay = 0.0
+        for _ in range(SHIFTS):
+            own = shifted(force, recording.T_s, delay)
+            self.rows = [
+                Rows(self.position, own, recording.T_s, noise, q=q, share=SLOWEST)
+                for q in (first, 2 * first)
+            ]
+            self.plain = self.rows[0].design(DISTANCES[0], GUARDS[0])
+            if self.plain is None:
+                break
+            self.found = self.plain.fitted()
+            more = float(self.found.coefficients[FIXED.index("delay")]) * self.rows[0].T
+            if abs(more) < 0.5 * recording.T_s:
+                break
+            delay += more
+        self.guide = 0.0  # amplitude of what friction varies along the guide [N]
+        if self.plain is not None:
+            (rms,), _ = sizes(self.found, self.plain.groups, ["guide"])
+            self.guide = float(np.sqrt(2.0) * rms)
+
+    def beside_friction(self) -> _Rest | None:
+        """Return what is left of the force without mass and friction; None with few rows."""
+        design, rows = self.plain, self.rows[0]
+        if design is None:
+            return None
+        found, fixed = self.found, len(FIXED)
+        c = found.coefficients
+        rigid = design.fixed @ c[:fixed]
+        other = sum(
+            group @ c[found.places[name]]
+            for name, group in design.groups.items()
+            if name != "ripple"
+        )
+        m, F_0 = c[FIXED.index("m")], _offset(design) @ c
+        ahead = rows.ahead[design.used]
+        friction = float(np.mean(ahead * (rigid + other - m * rows.a[design.used] - F_0)))
+        return _Rest(rows.x[design.used], design.force - rigid - other, friction, float(F_0))
+
+    def refined(self, terms: _Terms) -> _Terms | None:
+        """Return terms with the coefficients and the pitch of the first regression."""
+        for _ in range(ROUNDS):
+            design = self._design(terms, self.rows[0], DISTANCES[0], GUARDS[0])
+            if design is None:
+                return None
+            found = self._fitted(design)
+            c = found.coefficients[len(FIXED) : design.fixed.shape[1]]
+            if not terms.orders:
+                return replace(terms, coefficients=tuple(c.tolist()))
+            terms = replace(terms, coefficients=tuple(c[:-1].tolist()))
+            k = design.fixed.shape[1] - 1
+            most = terms.pitch**2 / (FINER * np.ptp(self.position))
+            step = float(np.clip(c[-1], -most, most))
+            terms = replace(terms, pitch=terms.pitch + step)
+            if abs(step) < CLOSE * np.sqrt(found.covariance[k, k]):
+                break
+        return terms
+
+    def _fitted(self, design: Design) -> Regression:
+        least = max(WAVES, EVEN * self.guide / design.size)
+        return design.fitted(
+            {"ripple": least, **({"beside": least} if "beside" in design.groups else {})}
+        )
+
+    def estimates(self, terms: _Terms) -> _Estimates | None:
+        """Return the eight estimates of terms; None without one of them."""
+        values, variances, parts = [], [], []
+        predicted: dict[str, bool] = {}
+        for rows, distance, guard in product(self.rows, DISTANCES, GUARDS):
+            design = self._design(terms, rows, distance, guard)
+            if design is None:
+                return None
+            found = self._fitted(design)
+            own = slice(len(FIXED), design.fixed.shape[1])
+            offset = _offset(design)
+            c, covariance = found.coefficients, found.covariance
+            values.append([offset @ c, *c[own]])
+            variances.append([offset @ covariance @ offset, *np.diag(covariance)[own]])
+            if not predicted:
+                predicted = {
+                    name: _predicts(design, found, part) for name, part in terms.parts().items()
+                }
+            parts.append([_size(design, found, part) for part in terms.parts().values()])
+        by_part = np.transpose(parts, (1, 2, 0)) if terms.parts() else ()
+        return _Estimates(
+            terms,
+            np.array(values),
+            np.array(variances),
+            {name: (one[0], one[1]) for name, one in zip(terms.parts(), by_part, strict=True)},
+            predicted,
+        )
+
+    def _design(self, terms: _Terms, rows: Rows, distance: float, guard: float) -> Design | None:
+        """Return the regression on terms beside the rest."""
+        design = rows.design(distance, guard)
+        if design is None:
+            return None
+        used, size, groups = design.used, design.size, dict(design.groups)
+        own = [rows.of_samples(column)[used] for column in terms.columns(self.position).T]
+        waves = groups["ripple"].shape[1]
+        if terms.orders:
+            pitch, halves = _columns(rows.x, terms.orders, terms.pitch, gravity=False), set[int]()
+            groups["pitch"] = size * rows.low(rows.ahead[:, np.newaxis] * pitch)[used]
+            for order in terms.orders:
+                k = round(2.0 * order * np.ptp(rows.x) / terms.pitch)
+                halves |= {k + one for one in BESIDE if k + one > waves}
+            if halves:
+                groups["beside"] = size * rows.waves(np.array(sorted(halves)))[used]
+        return replace(design, fixed=np.column_stack([design.fixed, *own]), groups=groups)
+
+
+def _offset(design: Design) -> Array:
+    """Return the weights (k,) of the coefficients of a regression that give F_0.
+
+    It has half the difference of friction forward and backward at the usual speed, which an
+    asymmetry over speed is a part of.
+    """
+    count = [group.shape[1] for group in design.groups.values()]
+    weights = np.zeros(design.fixed.shape[1] + sum(count))
+    weights[FIXED.index("F_0")] = 1.0
+    place = list(design.groups).index("asymmetry")
+    begin = design.fixed.shape[1] + sum(count[:place])
+    typical = np.log([np.median(design.speed)])
+    weights[begin : begin + count[place]] = design.size * hats(typical, design.knots)[0]
+    return weights
+
+
+def _size(design: Design, found: Regression, part: slice) -> tuple[float, float]:
+    """Return the root mean square of a part of the terms about its mean, and its error [N]."""
+    place = slice(len(FIXED) + part.start, len(FIXED) + part.stop)
+    x = design.fixed[:, place] - design.fixed[:, place].mean(axis=0)
+    force = float(np.std(x @ found.coefficients[place]))
+    covariance = found.covariance[place, place]
+    return force, float(np.sqrt(np.mean(np.sum(x @ covariance * x, axis=1))))
+
+
+def _predicts(design: Design, found: Regression, part: slice) -> bool:
+    """Whether a part of the terms, fitted to some blocks, predicts the force in others."""
+    place = slice(len(FIXED) + part.start, len(FIXED) + part.stop)
+    x = np.column_stack([np.ones(len(design.force)), design.fixed[:, place]])
+    every = np.column_stack([design.fixed, *design.groups.values()])
+    rest = design.force - every @ found.coefficients
+    force = rest + design.fixed[:, place] @ found.coefficients[place]
+    without, left = np.empty_like(force), np.empty_like(force)
+    for fold in folds(len(force), EDGE):
+        fitted = np.linalg.lstsq(x[fold.fitted], force[fold.fitted], rcond=None)[0]
+        left[fold.held_out] = (force - x @ fitted)[fold.held_out]
+        without[fold.held_out] = (force - force[fold.fitted].mean())[fold.held_out]
+    whole = np.ones(len(force), dtype=bool)
+    return is_less(mean_squares(left, whole), mean_squares(without, whole))
