@@ -24,7 +24,7 @@ from typing import Any
 import pandas as pd
 
 from campaigns.sound_drives.drives import AXES, STICKSLIP, Drive, draw, write_log
-from campaigns.sound_drives.evaluation import INTERVALS, MOTIONS, evaluated, tuned_ratios
+from campaigns.sound_drives.evaluation import MOTIONS, evaluated, tuned_ratios
 
 
 def main() -> None:
@@ -144,8 +144,8 @@ def summary(rows: pd.DataFrame) -> str:
             held = written["held"].dropna()
             count = len(MOTIONS) * len(held)
             lines.append(f"ratios within those predicted: {held.sum():.0f} of {count}")
-    for name in INTERVALS:
-        found = rows.get(f"interval_{name}", pd.Series(dtype=str)).value_counts()
+    for column in [name for name in rows if name.startswith("interval_")]:
+        name, found = column.removeprefix("interval_"), rows[column].value_counts()
         hits, misses = found.get("hit", 0), found.get("miss", 0)
         lines.append(f"interval of {name} holds: {hits} of {hits + misses}")
     lines.append(f"processor time of learn: median {rows['cpu'].median():.0f} s")

@@ -131,7 +131,7 @@ def _loaded(drive: Drive, rng: np.random.Generator) -> Drive:
                 f"s_{k}": size * math.sin(phases[k - 1]),
                 f"c_{k}": size * math.cos(phases[k - 1]),
             }
-    p["held"] = sum(p.get(name, 0.0) for name in ("F_0", "g_c", "c_1", "c_2"))
+    p["motor"] = p["held"] = sum(p.get(name, 0.0) for name in ("F_0", "g_c", "c_1", "c_2"))
     p["u_max"] += weight if drive.axis != "cogging" else (1.0 + second) * first
     return replace(drive, parameters={name: float(value) for name, value in p.items()})
 

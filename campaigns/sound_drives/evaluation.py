@@ -26,8 +26,10 @@ LEVELS = (1.0, 0.7, 1.3)
 SEEDS = (1, 2, 3)
 REST = 0.1  # before and after each motion [s]
 INTERVALS = ("m", "b", "F_c", "F_s", "v_s", "sigma_0")
+AT_REST = {"motor": 0.0, "held": 0.0}  # of the loop without friction and force of position
 SIGNALS = {
     "compensator": {"v_cmd": "v_cmd", "x_cmd": "x_cmd", "a_cmd": "0.0"},
+    "position_force": {"x": "x_enc", "F_in": "F", "h": "1.0"},
     "observer": {"x_enc": "x_enc", "F_m": "F_m", "F_in": "F", "v_r": "v_r"},
 }
 """Inputs of what is exported as C, and what ``simulator.c`` or the glue gives them."""
@@ -75,7 +77,7 @@ def error(
     The seed sets noise, the phase of the encoder and the place on the guide.
     """
     driven = _driven(drive, v_cmd, level, seed, compensator=compensator)
-    linear = simulator.run("none", {**drive.parameters, "encoder": 0.0}, v_cmd)
+    linear = simulator.run("none", {**drive.parameters, "encoder": 0.0, **AT_REST}, v_cmd)
     return _rms(driven["v"] - linear["v"])
 
 
@@ -131,7 +133,9 @@ def _driven(
     p, rng = drive.parameters, np.random.default_rng([seed, drive.seed])
     friction = {name: level * p[name] for name in ("F_c", "F_s")}
     place = {"phase": rng.uniform(), "origin": p["period"] * rng.uniform()}
-    noise, values = (ENCODER_NOISE, drive.noise_F), {**p, **friction, **place}
+    # The integral holds at first what the block of the force of position does not.
+    held = {"held": p.get("held", 0.0) - (compensator.held if compensator else 0.0)}
+    noise, values = (ENCODER_NOISE, drive.noise_F), {**p, **friction, **place, **held}
     return simulator.run(drive.law, values, v_cmd, noise=noise, seed=seed, compensator=compensator)
 
 
@@ -150,7 +154,13 @@ def exported(learned: Path, names: Sequence[str], folder: Path) -> ctypes.CDLL:
         subprocess.run([STICKSLIP, "export", name, *options], check=True, capture_output=True)
     glue = folder / "glue.c"
     glue.write_text(_glue({name: (folder / f"{name}.h").read_text() for name in names}))
-    return simulator.compiled(folder / "added.so", glue, *(folder / f"{n}.c" for n in names))
+    library = simulator.compiled(folder / "added.so", glue, *(folder / f"{n}.c" for n in names))
+    library.held = 0.0  # force of position where the encoder shows 0 [N]
+    if "position_force" in names:
+        terms = json.loads(file.read_text(encoding="utf-8"))["position_force"]
+        at_0 = ("F_0", "g_c", *(f"cogging_c[{k}]" for k in (1, 2, 3)))
+        library.held = sum(one["value"] for name, one in terms.items() if name in at_0)
+    return library
 
 
 def _glue(headers: Mapping[str, str]) -> str:
@@ -160,8 +170,9 @@ def _glue(headers: Mapping[str, str]) -> str:
         inputs = re.search(rf"bool {name}_step\(\w+ \*c,([^)]*)\)", header)[1]
         given = [SIGNALS[name][one.split()[-1]] for one in inputs.split(",")]
         taken, force = ", ".join(given), "F_ff" if name == "compensator" else "F"
-        lines += [f'#include "{name}.h"', f"static {name.capitalize()} {name};"]
-        begin.append(f"    {name}_init(&{name}, {taken});")
+        type_ = "".join(word.capitalize() for word in name.split("_"))
+        lines += [f'#include "{name}.h"', f"static {type_} {name};"]
+        begin.append(f"    {name}_init(&{name}, {taken.removeprefix('1.0, ')});")
         step.append(f"    F = {name}_step(&{name}, {taken}) ? {name}.outputs.{force} : 0.0;")
         if name == "compensator":
             step.append("    v_r = compensator.outputs.v_r;")
@@ -201,7 +212,7 @@ def evaluated(drive: Drive, learned: Path, said: str = "") -> dict[str, Any]:
             by_level = {level: ratios(drive, level, compensator) for level in LEVELS}
         row |= _written(document, names) | _measured(by_level)
         row |= _predictions(drive, document, by_level[1.0])
-    return row | _intervals(document, drive.truth)
+    return row | _intervals(document, drive)
 
 
 def _written(document: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
@@ -247,8 +258,14 @@ def _predictions(
     return predicted | {"held": sum(held)}
 
 
-def _intervals(document: Mapping[str, Any], truth: Mapping[str, float]) -> dict[str, str]:
-    found = {}
+def _intervals(document: Mapping[str, Any], drive: Drive) -> dict[str, str]:
+    truth, shown = drive.truth, document.get("position_force", {})
+    found = {"spurious": " ".join(shown.keys() - {"F_0", *drive.position_force})}
+    held = drive.position_force if drive.axis != "horizontal" else {}
+    for name, value in held.items():
+        entry = shown.get(name) or (name == "F_0" and document["friction_curve"]["offset"])
+        hit = entry and entry["low"] <= value <= entry["high"]
+        found[f"interval_{name}"] = "hit" if hit else "miss" if entry else "not reported"
     for name in INTERVALS:
         entry = document.get("parameters", {}).get(name, {})
         found[f"interval_{name}"] = "not reported"

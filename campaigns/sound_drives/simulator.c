@@ -16,7 +16,7 @@ typedef struct {
     double F_0;                    /* constant force against the motor */
     double g_s, g_c;               /* an arm's weight: sine and cosine of x */
     double pitch, s_1, c_1, s_2, c_2; /* cogging: two harmonics */
-    double held;                      /* force of the integral at the start */
+    double motor, held;               /* force of motor and integral at the start */
     double K_p, K_i, K_x, velocity_feedforward, tau_f, T_s, u_max;
     double encoder, phase; /* step, and where in it the drive begins [1] */
 } Drive;
@@ -187,7 +187,7 @@ record(int law, const Drive *d, int n, const double *v_cmd, const double *x_cmd,
        const double *noise_x, const double *noise_F, Begin begin, Added added, int substeps,
        double *x_enc, double *commanded, double *force, double *v_out, double *x_out) {
     Contact s = {0};
-    double x = 0.0, v = 0.0, integral = d->held, estimate = 0.0, last = 0.0, limited = 0.0;
+    double x = 0.0, v = 0.0, integral = d->held, estimate = 0.0, last = 0.0, limited = d->motor;
     double weight = d->tau_f > 0.0 ? 1.0 - exp(-d->T_s / d->tau_f) : 1.0;
     for (int k = 0; k < n; ++k) {
         double shown = x;
