@@ -343,8 +343,8 @@ def curve():
     estimate = np.ones(4), np.eye(4), np.array([9.0, 0.0, 0.0]), np.ones(3)
     x = np.sin(np.linspace(0.0, 30.0, 4000))
     with (
-        patch.object(friction_curve.Rows, "estimate", lambda *_: estimate),
-        patch.object(friction_curve.Rows, "speeds", lambda *_: np.ones(1)),
+        patch.object(friction_curve._Rows, "estimate", lambda *_: estimate),
+        patch.object(friction_curve._Rows, "speeds", lambda *_: np.ones(1)),
     ):
         found = friction_curve.friction_curve(x, x, T_S, 1e-6)
     return found and set(found.varying)

@@ -276,7 +276,7 @@ class LearnedFile:
     def with_position_force(self, recording: Recording) -> Recording:
         """Return a recording of the drive, with what it holds by its position."""
         held = self.position_force
-        known = held and varying(held.values, position_of(recording))
+        known = varying(held.values, position_of(recording)) if held else None
         return recording if known is None else dataclasses.replace(recording, known_force=known)
 
     @property

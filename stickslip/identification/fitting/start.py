@@ -19,7 +19,7 @@ from stickslip.errors import IdentificationError
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.motion import SI, Scale, measured_force, position_of
 from stickslip.identification.sliding.friction_curve import FrictionCurve, Interval, friction_curve
-from stickslip.identification.sliding.rows import Span
+from stickslip.identification.sliding.rows import Span, spans_of
 from stickslip.logs import Finding, Recording
 from stickslip.servo.measurement import level
 from stickslip.thresholds import curve_shown, identifiable
@@ -200,8 +200,8 @@ def _curve(model: InverseModel, recording: Recording, delay: float) -> FrictionC
     if model.measures_friction:
         return None
     signals = (position_of(recording).tobytes(), measured_force(recording).tobytes())
-    spans = tuple(Span(one.begin, one.end, one.load) for one in recording.segments)
-    return _curve_of(*signals, recording.T_s, recording.encoder_step, delay=delay, spans=spans)
+    step, spans = recording.encoder_step, spans_of(recording)
+    return _curve_of(*signals, recording.T_s, step, delay=delay, spans=spans)
 
 
 @lru_cache(1)  # every law that is compared asks for that of the same signals

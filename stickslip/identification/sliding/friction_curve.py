@@ -204,7 +204,7 @@ class _Estimated:
 
 
 def _estimated(
-    rows: list[Rows], distances: tuple[float, float], span: tuple[float, float], knots: int
+    rows: list[_Rows], distances: tuple[float, float], span: tuple[float, float], knots: int
 ) -> _Estimated | None:
     """Return the estimates of both low-passes, distances and guards; None without one of them."""
     speeds = rows[-1].speeds(distances[-1], GUARDS[-1], span)

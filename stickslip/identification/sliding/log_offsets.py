@@ -19,8 +19,8 @@ from stickslip.identification.sliding.rows import (
     KNOTS,
     SLOWEST,
     Rows,
-    Span,
     hats,
+    spans_of,
 )
 from stickslip.logs import Finding, Recording
 from stickslip.thresholds import agreement, curve_shown, log_content
@@ -35,15 +35,12 @@ def with_log_offsets(recording: Recording) -> tuple[Recording, tuple[Finding, ..
         return recording, ()
     position, force, T_s = position_of(recording), measured_force(recording), recording.T_s
     q = max(2, len(position) // ENOUGH + 1)
-    spans = [Span(one.begin, one.end, one.load) for one in recording.segments]
+    spans = spans_of(recording)
     noise = position_noise(position, recording.encoder_step)
     rows = Rows(position, force, T_s, noise, spans=spans, q=q, share=SLOWEST)
     used = rows.used(DISTANCES[0], GUARDS[0])
     ahead = rows.ahead[used]
-    belongs = np.zeros((len(rows.x), len(spans)))
-    for k, log in enumerate(rows.logs):
-        belongs[log, k] = 1.0
-    of = belongs[used]
+    of = rows.belongs[used]
     count = of.sum(axis=0)
     forward = (of * (ahead[:, np.newaxis] > 0.0)).sum(axis=0)
     both = np.minimum(forward, count - forward) > log_content.ONE_WAY * count

@@ -34,6 +34,7 @@ from stickslip.identification.sliding.rows import (
     hats,
     shifted,
     sizes,
+    spans_of,
     together,
 )
 from stickslip.logs import Recording
@@ -182,7 +183,7 @@ class _Rest:
 
     x: Array  # (n,) [m]
     force: Array  # (n,) that depends on the position alone, with noise [N]
-    friction: float  # mean [N]
+    friction: float  # mean, without its viscous part [N]
     offset: float  # F_0 [N]
 
     def terms(self, *, rotary: bool) -> _Terms | None:
@@ -206,7 +207,7 @@ class _Rest:
         x = _columns(self.x, terms.orders, terms.pitch, gravity=terms.gravity)
         columns = np.column_stack([np.ones_like(self.x), x])
         found = np.linalg.lstsq(columns, self.force, rcond=None)[0]
-        return float(np.mean((self.force - columns @ found) ** 2)), found[1:]
+        return float(np.mean((self.force - columns @ found) ** 2)), np.asarray(found[1:], float)
 
     def pitch(self, *, gravity: bool) -> float | None:
         """Return the pitch of which three harmonics explain most; None where none fits.
@@ -227,7 +228,8 @@ class _Rest:
         for longer in able[1:]:
             if left(longer) < position_force.SIMPLER * least:
                 pitch, least = longer, left(longer)
-        ends = [1.0 / (1.0 / pitch + side / (FINER * travel)) for side in (1.0, -1.0)]
+        side = 1.0 / (FINER * travel)
+        ends = 1.0 / (1.0 / pitch + side), 1.0 / (1.0 / pitch - side)
         close = 1e-4 * pitch**2 / travel
         found = minimize_scalar(left, bounds=ends, method="bounded", options={"xatol": close})
         return float(found.x)
@@ -297,7 +299,12 @@ class _Log:
         for _ in range(SHIFTS):
             own = shifted(force, recording.T_s, delay)
             self.rows = [
-                Rows(self.position, own, recording.T_s, noise, q=q, share=SLOWEST)
+                Rows(
+                    *(self.position, own, recording.T_s, noise),
+                    spans=spans_of(recording),
+                    q=q,
+                    share=SLOWEST,
+                )
                 for q in (first, 2 * first)
             ]
             self.plain = self.rows[0].design(DISTANCES[0], GUARDS[0])
@@ -326,10 +333,12 @@ class _Log:
             for name, group in design.groups.items()
             if name != "ripple"
         )
-        m, F_0 = c[FIXED.index("m")], _offset(design) @ c
+        m, b = (c[FIXED.index(name)] for name in ("m", "b"))
+        F_0 = float(_offset(design) @ c)
         ahead = rows.ahead[design.used]
-        friction = float(np.mean(ahead * (rigid + other - m * rows.a[design.used] - F_0)))
-        return _Rest(rows.x[design.used], design.force - rigid - other, friction, float(F_0))
+        moving = m * rows.a[design.used] + b * rows.v[design.used]
+        friction = float(np.mean(ahead * (rigid + other - moving - F_0)))
+        return _Rest(rows.x[design.used], design.force - rigid - other, friction, F_0)
 
     def refined(self, terms: _Terms) -> _Terms | None:
         """Return terms with the coefficients and the pitch of the first regression."""
@@ -376,12 +385,9 @@ class _Log:
                 }
             parts.append([_size(design, found, part) for part in terms.parts().values()])
         by_part = np.transpose(parts, (1, 2, 0)) if terms.parts() else ()
+        sizes = {name: (one[0], one[1]) for name, one in zip(terms.parts(), by_part, strict=True)}
         return _Estimates(
-            terms,
-            np.array(values),
-            np.array(variances),
-            {name: (one[0], one[1]) for name, one in zip(terms.parts(), by_part, strict=True)},
-            predicted,
+            terms, np.array(values), np.array(variances), sizes=sizes, predicted=predicted
         )
 
     def _design(self, terms: _Terms, rows: Rows, distance: float, guard: float) -> Design | None:

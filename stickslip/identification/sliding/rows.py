@@ -13,6 +13,7 @@ from scipy.stats import t as student
 
 from stickslip.identification.criteria.motion import SHARE, means, samples_per_row
 from stickslip.identification.sliding.regression import Regression, regress
+from stickslip.logs import Recording
 from stickslip.servo.measurement import Array, derivative, smoothed
 from stickslip.thresholds import curve_shown
 
@@ -61,7 +62,7 @@ class Design:
 
     def fitted(self, least: Mapping[str, float] | None = None) -> Regression:
         """Return the regression, see ``regress``."""
-        return regress(self.force, self.fixed, self.groups, self.classes, least)
+        return regress(self.force, self.fixed, self.groups, self.classes, least=least)
 
 
 class Span(NamedTuple):
@@ -70,6 +71,11 @@ class Span(NamedTuple):
     begin: int
     end: int
     load: float = 0.0
+
+
+def spans_of(recording: Recording) -> tuple[Span, ...]:
+    """Return those of the logs that a recording joins; none where it is a single one."""
+    return tuple(Span(one.begin, one.end, one.load) for one in recording.segments)
 
 
 class Rows:
@@ -141,7 +147,7 @@ class Rows:
         travel = float(np.ptp(self.x))
         places = np.log(np.geomspace(max(self.slowest, speed[used].min()), self.top, knots))
         steps = np.log(distance * travel * np.geomspace(1.0, 10.0, STEPS))
-        waves = self.waves(np.arange(1, HARMONICS + 1))
+        waves = self.waves(np.arange(1.0, HARMONICS + 1))
         over_speed = hats(np.log(speed), places)
         start = hats(np.log(np.maximum(self.s, 1e-3 * distance * travel)), steps)[:, :-1]
         time = np.linspace(-1.0, 1.0, len(self.x))[:, np.newaxis]
@@ -156,21 +162,31 @@ class Rows:
             "start": self.low(ahead * start),
             "drift": self.low(ahead * drift),
         }
+        if len(self.logs) > 1:  # each may have a constant force of its own
+            groups["logs"] = self.belongs
         return Design(
-            used,
-            force,
-            np.column_stack(fixed)[used],
-            {name: size * group[used] for name, group in groups.items()},
-            3 * _class(speed[used], 4) + _class(self.s[used], 3),
-            size,
-            places,
-            speed[used],
+            used=used,
+            force=force,
+            fixed=np.column_stack(fixed)[used],
+            groups={name: size * group[used] for name, group in groups.items()},
+            classes=3 * _class(speed[used], 4) + _class(self.s[used], 3),
+            size=size,
+            knots=places,
+            speed=speed[used],
         )
+
+    @property
+    def belongs(self) -> Array:
+        """To which log a row belongs, (n, logs) of 0 and 1."""
+        found = np.zeros((len(self.x), len(self.logs)))
+        for k, log in enumerate(self.logs):
+            found[log, k] = 1.0
+        return found
 
     def waves(self, k: Array) -> Array:
         """Return cosines with k half-waves along the travel, (n, len(k))."""
         along = (self.x - self.x.min()) / float(np.ptp(self.x))
-        return np.cos(np.pi * along[:, np.newaxis] * k)
+        return np.asarray(np.cos(np.pi * along[:, np.newaxis] * k))
 
     def low(self, columns: Array) -> Array:
         """Return columns (n, k) behind the low-pass."""

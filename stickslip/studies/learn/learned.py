@@ -270,13 +270,13 @@ def learn_recording(
 
     Raises IdentificationError when the recording does not show a drive that slides.
     """
-    recording, differing = with_log_offsets(recording)
-    findings = (*findings, *differing)
-    faults = tuple(finding for finding in findings if finding.spoils)
     progress.stage("looking for a force of position")
     position_force, choice = find_position_force(recording), None
     if position_force is not None:
         recording = replace(recording, known_force=position_force(position_of(recording)))
+    recording, differing = with_log_offsets(recording)
+    findings = (*findings, *differing)
+    faults = tuple(finding for finding in findings if finding.spoils)
     if settings.law == AUTO:
         progress.stage("comparing friction laws")
         tried = predictions(recording, gains, workers=settings.workers)

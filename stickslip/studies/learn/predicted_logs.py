@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stickslip.catalog.parameters import Values
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.motion import against_motion, recording_scale
+from stickslip.identification.criteria.motion import against_motion, position_of, recording_scale
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.selection.folds import encoder_error, explained
@@ -44,6 +44,9 @@ def predicted_logs(
         ),
     ]
     for recording in recordings:
+        if estimation.position_force is not None:
+            held = estimation.position_force(position_of(recording))
+            recording = replace(recording, known_force=held)
         scale = recording_scale(recording)
         scaled, _ = against_motion(scale.recording(recording))
         for candidate, values in tried:
