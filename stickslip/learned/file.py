@@ -275,8 +275,9 @@ class LearnedFile:
 
     def with_position_force(self, recording: Recording) -> Recording:
         """Return a recording of the drive, with what it holds by its position."""
-        held = self.position_force
-        known = varying(held.values, position_of(recording)) if held else None
+        held, t, x = self.position_force, recording.t, position_of(recording)
+        later = self._values("delay", {"delay": self.document.get("delay", {"value": 0.0})})
+        known = varying(held.values, np.interp(t + later["delay"], t, x)) if held else None
         return recording if known is None else dataclasses.replace(recording, known_force=known)
 
     @property

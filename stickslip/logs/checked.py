@@ -1,5 +1,6 @@
 """A log, read, cut where it is long, and checked."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -64,17 +65,24 @@ def _most_telling(motion: Array, length: int, *, is_position: bool) -> int:
 
 
 def read_and_check(
-    path: Path, description: Description, share: float = 1.0, *, alone: bool = True
+    path: Path,
+    description: Description,
+    share: float = 1.0,
+    *,
+    alone: bool = True,
+    known: Callable[[Recording], Recording] = lambda recording: recording,
 ) -> tuple[Reading, tuple[Finding, ...]]:
     """Read a log and return the stretch of it that shows most, with findings, errors included.
 
     The share is that of the longest stretch which one of several logs may take; of such a log,
-    which is not ``alone``, it is not told what it shows of the drive.
+    which is not ``alone``, it is not told what it shows of the drive. ``known`` adds the force that
+    neither mass nor friction takes, before the stretch is checked.
 
     Raises RecordingError, UsageError when it cannot be read.
     """
     reading = read_recording(path, description, strict=False)
     recording, cut = shortened(reading.recording, share)
+    recording = known(recording)
     reading = replace(reading, recording=recording)
     checks = check_recording(recording, reading.controller, reading.force_limit, alone=alone)
     return reading, (*reading.findings, *cut, *check_units(reading), *checks)

@@ -128,7 +128,7 @@ def _turn_around(
     if recording.friction is not None:
         friction = smoothed(recording.friction, recording.T_s, motion.cutoff)
     elif recording.force is not None and fit.any():
-        force = smoothed(recording.force, recording.T_s, motion.cutoff)
+        force = smoothed(recording.moving(recording.force), recording.T_s, motion.cutoff)
         friction = force - fit[0] * motion.a - fit[1] * motion.v - fit[3]
     else:
         return None

@@ -39,7 +39,10 @@ def _before_limit(recording: Recording, force: Array) -> Finding | None:
         return None
     limits = np.quantile(np.abs(force), LEVELS)
     clipped = (
-        smoothed(np.clip(force, -at, at), recording.T_s, motion.cutoff)[drive.used] for at in limits
+        smoothed(recording.moving(np.clip(force, -at, at)), recording.T_s, motion.cutoff)[
+            drive.used
+        ]
+        for at in limits
     )
     rests = [left(drive.columns, one) for one in clipped]
     best = int(np.argmin(rests))

@@ -79,7 +79,8 @@ def rigid(recording: Recording, motion: Kinematics) -> RigidDrive | None:
     if recording.force is None or used.sum() < log_content.SLIDING:
         return None
     columns = rigid_columns(motion, recording.T_s)[used]
-    return RigidDrive(used, columns, smoothed(recording.force, recording.T_s, motion.cutoff))
+    force = recording.moving(recording.force)
+    return RigidDrive(used, columns, smoothed(force, recording.T_s, motion.cutoff))
 
 
 def rigid_columns(motion: Kinematics, T_s: float) -> Array:

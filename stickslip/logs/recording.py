@@ -76,6 +76,10 @@ class Recording:
         """Whether the drive is rotary."""
         return self.motion == "rotary"
 
+    def moving(self, force: Array) -> Array:
+        """Return what of a force (n,) of the motor [N] moves the mass against friction."""
+        return force if self.known_force is None else force - self.known_force
+
     @property
     def controller_inputs(self) -> dict[str, Array]:
         """What the controller received (n,), by inputs of its FMU: v_cmd, x_cmd and F_ff."""

@@ -112,7 +112,7 @@ def measured_force(recording: Recording) -> Array:
     """
     for signal in (recording.force, recording.friction, recording.force_command):
         if signal is not None:
-            return signal if recording.known_force is None else signal - recording.known_force
+            return recording.moving(signal)
     raise UsageError(
         f"{recording.source}: no force; log the motor's force or current, or give the controller "
         "whose command it was"

@@ -13,13 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 from threadpoolctl import threadpool_limits
 
-from stickslip.identification.criteria.motion import measured_force, position_noise, position_of
+from stickslip.identification.criteria.motion import position_noise, position_of
 from stickslip.identification.selection.folds import folds, is_less, mean_squares
 from stickslip.identification.sliding.friction_curve import Interval
 from stickslip.identification.sliding.regression import Regression
@@ -30,6 +31,7 @@ from stickslip.identification.sliding.rows import (
     SLOWEST,
     Design,
     Rows,
+    Span,
     first_samples,
     hats,
     shifted,
@@ -61,6 +63,7 @@ class PositionForce:
     """A force of position against the motor, by the parameters of the model of that name."""
 
     terms: dict[str, Interval]  # those that are shown, F_0 with them
+    delay: float  # after which the motion shows the force of the log [s]
 
     @property
     def values(self) -> dict[str, float]:
@@ -105,6 +108,13 @@ def _columns(x: Array, orders: Sequence[int], pitch: float, *, gravity: bool) ->
     return np.column_stack(waves) if waves else np.empty((len(x), 0))
 
 
+def with_position_force(recording: Recording, found: PositionForce | None = None) -> Recording:
+    """Return a recording whose force of position is known: one found before, or what it shows."""
+    found, t, x = found or find_position_force(recording), recording.t, position_of(recording)
+    known = found(np.interp(t + found.delay, t, x)) if found else None
+    return replace(recording, known_force=known)
+
+
 def find_position_force(recording: Recording) -> PositionForce | None:
     """Return the force of position that a recording shows, None where it shows none.
 
@@ -112,12 +122,28 @@ def find_position_force(recording: Recording) -> PositionForce | None:
     """
     if recording.force is None or len(recording.t) < 8 * curve_shown.ROWS:
         return None
+    signals = (position_of(recording).tobytes(), recording.force.tobytes())
+    step, spans = recording.encoder_step, spans_of(recording)
+    return _found(*signals, recording.T_s, step, rotary=recording.rotary, spans=spans)
+
+
+@lru_cache(1)  # checks and learning ask for that of the same signals
+def _found(
+    position: bytes,
+    force: bytes,
+    T_s: float,
+    step: float,
+    *,
+    rotary: bool,
+    spans: tuple[Span, ...],
+) -> PositionForce | None:
     with threadpool_limits(limits=1, user_api="blas"):  # sums that are split round differently
-        return _found(_Log(recording), rotary=recording.rotary)
+        log = _Log(np.frombuffer(position), np.frombuffer(force), T_s, step, spans=spans)
+        return _shown(log, rotary=rotary)
 
 
-def _found(log: _Log, *, rotary: bool) -> PositionForce | None:
-    if (rest := log.beside_friction()) is None:
+def _shown(log: _Log, *, rotary: bool) -> PositionForce | None:
+    if (rest := log.beside_friction()) is None or not rest.friction > 0.0:
         return None
     terms = rest.terms(rotary=rotary)
     if terms is not None:
@@ -266,6 +292,7 @@ class _Estimates:
     variances: Array  # (8, k)
     sizes: dict[str, tuple[Array, Array]]  # by part: root mean squares (8,) and standard errors [N]
     predicted: dict[str, bool]  # whether a part predicts what it was not fitted to
+    delay: float  # [s]
 
     def kept(self, friction: float) -> _Terms | None:
         """Return the terms that are shown."""
@@ -285,26 +312,23 @@ class _Estimates:
         if self.terms.orders:
             value[-1] += self.terms.pitch
         ends = zip(names, value, error, value - width, value + width, strict=True)
-        return PositionForce({name: Interval(*map(float, one)) for name, *one in ends})
+        terms = {name: Interval(*map(float, one)) for name, *one in ends}
+        return PositionForce(terms, self.delay)
 
 
 class _Log:
     """A recording behind two low-passes."""
 
-    def __init__(self, recording: Recording) -> None:
-        self.position, force = position_of(recording), measured_force(recording)
-        noise = position_noise(self.position, recording.encoder_step)
-        first = first_samples(self.position, recording.T_s, noise)
-        delay = 0.0
+    def __init__(
+        self, position: Array, force: Array, T_s: float, step: float, *, spans: tuple[Span, ...]
+    ) -> None:
+        self.position, noise = position, position_noise(position, step)
+        first = first_samples(position, T_s, noise)
+        self.delay = 0.0
         for _ in range(SHIFTS):
-            own = shifted(force, recording.T_s, delay)
+            own = shifted(force, T_s, self.delay)
             self.rows = [
-                Rows(
-                    *(self.position, own, recording.T_s, noise),
-                    spans=spans_of(recording),
-                    q=q,
-                    share=SLOWEST,
-                )
+                Rows(position, own, T_s, noise, spans=spans, q=q, share=SLOWEST)
                 for q in (first, 2 * first)
             ]
             self.plain = self.rows[0].design(DISTANCES[0], GUARDS[0])
@@ -312,9 +336,9 @@ class _Log:
                 break
             self.found = self.plain.fitted()
             more = float(self.found.coefficients[FIXED.index("delay")]) * self.rows[0].T
-            if abs(more) < 0.5 * recording.T_s:
+            if abs(more) < 0.5 * T_s:
                 break
-            delay += more
+            self.delay += more
         self.guide = 0.0  # amplitude of what friction varies along the guide [N]
         if self.plain is not None:
             (rms,), _ = sizes(self.found, self.plain.groups, ["guide"])
@@ -367,7 +391,7 @@ class _Log:
 
     def estimates(self, terms: _Terms) -> _Estimates | None:
         """Return the eight estimates of terms; None without one of them."""
-        values, variances, parts = [], [], []
+        values, variances, parts, delays = [], [], [], []
         predicted: dict[str, bool] = {}
         for rows, distance, guard in product(self.rows, DISTANCES, GUARDS):
             design = self._design(terms, rows, distance, guard)
@@ -378,6 +402,7 @@ class _Log:
             offset = _offset(design)
             c, covariance = found.coefficients, found.covariance
             values.append([offset @ c, *c[own]])
+            delays.append(c[FIXED.index("delay")] * rows.T)
             variances.append([offset @ covariance @ offset, *np.diag(covariance)[own]])
             if not predicted:
                 predicted = {
@@ -387,7 +412,12 @@ class _Log:
         by_part = np.transpose(parts, (1, 2, 0)) if terms.parts() else ()
         sizes = {name: (one[0], one[1]) for name, one in zip(terms.parts(), by_part, strict=True)}
         return _Estimates(
-            terms, np.array(values), np.array(variances), sizes=sizes, predicted=predicted
+            terms,
+            np.array(values),
+            np.array(variances),
+            sizes=sizes,
+            predicted=predicted,
+            delay=self.delay + float(np.mean(delays)),
         )
 
     def _design(self, terms: _Terms, rows: Rows, distance: float, guard: float) -> Design | None:

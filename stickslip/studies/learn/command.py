@@ -125,6 +125,7 @@ def run(options: argparse.Namespace) -> Answer:
     if options.compensator != "auto":
         require_parts(options.compensator)
     if options.check:
+        from stickslip.identification.sliding.position_force import with_position_force
         from stickslip.logs import raise_errors, read_and_check
         from stickslip.logs.sets import logs_of
 
@@ -132,7 +133,7 @@ def run(options: argparse.Namespace) -> Answer:
         for log in logs_of(options.log, description):
             if len(options.log) > 1 or log.path not in options.log:
                 print(f"{log.path}:")
-            findings = read_and_check(log.path, log.description)[1]
+            findings = read_and_check(log.path, log.description, known=with_position_force)[1]
             TerminalProgress().findings(findings)
             raise_errors(log.path, findings)
             every += findings

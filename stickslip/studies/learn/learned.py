@@ -15,13 +15,16 @@ import pandas as pd
 from stickslip.cosim.display import html_table
 from stickslip.evaluation.tracking import Tracking
 from stickslip.fmi.messages import escaped
-from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.estimation import Estimation, LearnSettings, Task, candidate_fmus
 from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.identification.selection import choose, predictions
 from stickslip.identification.sliding.log_offsets import with_log_offsets
-from stickslip.identification.sliding.position_force import block_parameters, find_position_force
+from stickslip.identification.sliding.position_force import (
+    block_parameters,
+    find_position_force,
+    with_position_force,
+)
 from stickslip.logs import Finding, Recording
 from stickslip.loops.other_gains import OtherGains
 from stickslip.output import SILENT, Progress
@@ -270,10 +273,8 @@ def learn_recording(
 
     Raises IdentificationError when the recording does not show a drive that slides.
     """
-    progress.stage("looking for a force of position")
     position_force, choice = find_position_force(recording), None
-    if position_force is not None:
-        recording = replace(recording, known_force=position_force(position_of(recording)))
+    recording = with_position_force(recording)
     recording, differing = with_log_offsets(recording)
     findings = (*findings, *differing)
     faults = tuple(finding for finding in findings if finding.spoils)

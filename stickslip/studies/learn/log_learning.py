@@ -27,6 +27,7 @@ from stickslip.identification.criteria.known_loop import is_running
 from stickslip.identification.criteria.motion import against_motion, recording_scale
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.estimation import LearnSettings
+from stickslip.identification.sliding.position_force import with_position_force
 from stickslip.logs import (
     Description,
     Finding,
@@ -244,6 +245,7 @@ def learn(
         if isinstance(source, Rig):
             progress.stage("recording the drive")
             reading = read_rig(source, chosen.limits)
+            reading = replace(reading, recording=with_position_force(reading.recording))
             found = check_recording(reading.recording, reading.controller, reading.force_limit)
             raise_errors(source.name, found)
             reading = _aligned(reading)
@@ -321,7 +323,11 @@ def _read_all(logs: Sequence[Log]) -> list[Checked]:
 
 def _read(log: Log, share: float = 1.0, *, alone: bool = True) -> Checked:
     """Return a log, read, checked and with its force in time."""
-    reading, findings = read_and_check(log.path, log.description, share, alone=alone)
+    reading, findings = read_and_check(
+        *(log.path, log.description, share),
+        alone=alone,
+        known=with_position_force if alone else lambda recording: recording,
+    )
     raise_errors(log.path, findings)
     return Checked(_aligned(reading), findings, log.load)
 

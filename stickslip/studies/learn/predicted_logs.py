@@ -9,11 +9,12 @@ import numpy as np
 
 from stickslip.catalog.parameters import Values
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.motion import against_motion, position_of, recording_scale
+from stickslip.identification.criteria.motion import against_motion, recording_scale
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.selection.folds import encoder_error, explained
 from stickslip.identification.selection.prediction import Candidate
+from stickslip.identification.sliding.position_force import with_position_force
 from stickslip.logs import Recording
 
 
@@ -44,9 +45,9 @@ def predicted_logs(
         ),
     ]
     for recording in recordings:
+        recording = replace(recording, known_force=None)
         if estimation.position_force is not None:
-            held = estimation.position_force(position_of(recording))
-            recording = replace(recording, known_force=held)
+            recording = with_position_force(recording, estimation.position_force)
         scale = recording_scale(recording)
         scaled, _ = against_motion(scale.recording(recording))
         for candidate, values in tried:

@@ -48,11 +48,10 @@ def read_log(
 
     Raises RecordingError, UsageError when it cannot be read, or is of another kind of drive.
     """
-    reading, findings = read_and_check(path, description)
+    reading, findings = read_and_check(path, description, known=learned.with_position_force)
     raise_errors(path, findings)
     on_findings(findings)
     recording = aligned(reading.recording, samples_late(reading.recording))
-    recording = learned.with_position_force(recording)
     kinds = [("linear", "rotary")[rotary] for rotary in (recording.rotary, learned.rotary)]
     if kinds[0] != kinds[1]:
         raise UsageError(

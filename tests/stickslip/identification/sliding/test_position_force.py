@@ -1,0 +1,136 @@
+"""The force that a motor holds at a position, found beside friction, on motions simulated here."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from stickslip.catalog.parameters import PAPER
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.known_loop import KnownLoop
+from stickslip.identification.criteria.motion import Scale
+from stickslip.identification.criteria.runs import candidate_fmus
+from stickslip.identification.sliding.position_force import (
+    PositionForce,
+    block_parameters,
+    find_position_force,
+    varying,
+)
+from stickslip.logs import Recording
+
+T_S = 5e-4
+M, B, F_C = 3.0, 20.0, 4.0
+STEP = 4e-7
+T = np.arange(40_000) * T_S
+COGGING = {"pitch": 0.0083, "cogging_s[1]": 1.1, "cogging_c[1]": -0.6, "cogging_s[2]": 0.4}
+"""Of F_c, as far as it is a force."""
+
+
+def log(x: np.ndarray, force: np.ndarray, seed: int = 0, motion: str = "linear") -> Recording:
+    """Return a recording of a motion and a force, with steps and noise."""
+    rng = np.random.default_rng(seed)
+    shown = STEP * np.round((x + 1e-7 * rng.standard_normal(len(x))) / STEP)
+    noisy = force + 0.05 * rng.standard_normal(len(x))
+    return Recording(np.arange(len(x)) * T_S, shown, noisy, encoder_step=STEP, motion=motion)
+
+
+def moved(
+    held: dict[str, float], *, guide: float = 0.0, asymmetry: float = 0.0, F_0: float = 0.0
+) -> Recording:
+    """Return sines whose amplitude and frequency vary, with a force of position in F_c."""
+    phase = 2.0 * np.pi * (0.15 * T + 0.5 * (2.0 / 20.0) * T**2)
+    x = 0.012 * np.sin(phase) + 0.004 * np.sin(2.0 * np.pi * 0.11 * T)
+    v = np.gradient(x, T_S)
+    turns = np.where(np.diff(np.sign(v), prepend=0.0), np.arange(len(v)), 0)
+    since = np.abs(x - x[np.maximum.accumulate(turns)])  # friction turns over 20 um
+    friction = F_C * (1.0 + guide * np.sin(2.0 * np.pi * x / 0.004) + asymmetry * np.sign(v))
+    friction *= np.sign(v) * (1.0 - 2.0 * np.exp(-since / 2e-5))
+    force = M * np.gradient(v, T_S) + B * v + friction + F_0
+    known = varying({n: one * (F_C if n != "pitch" else 1.0) for n, one in held.items()}, x)
+    return log(x, force if known is None else force + known)
+
+
+def holds(found: PositionForce | None, truth: dict[str, float]) -> bool:
+    """Return whether the intervals hold what is true, of all that is shown."""
+    assert found is not None
+    return all(one.low <= truth.get(n, 0.0) <= one.high for n, one in found.terms.items())
+
+
+def test_cogging_is_found_with_its_pitch_and_its_two_harmonics() -> None:
+    found = find_position_force(moved(COGGING, guide=0.05, F_0=0.3))
+    truth = {name: one * (F_C if name != "pitch" else 1.0) for name, one in COGGING.items()}
+    assert holds(found, truth | {"F_0": 0.3})
+    assert set(found.terms) == {"F_0", "cogging_c[2]", *COGGING}
+    widths = {name: one.high - one.low for name, one in found.terms.items()}
+    assert widths.pop("pitch") < 1e-3 * COGGING["pitch"]
+    assert max(widths.values()) < 0.05 * F_C
+
+
+@pytest.mark.parametrize(
+    "imperfection", [{}, {"guide": 0.1, "asymmetry": 0.05}, {"F_0": 0.9 * F_C}], ids=str
+)
+def test_friction_that_varies_along_the_guide_or_by_direction_is_none(imperfection) -> None:
+    assert find_position_force(moved({}, **imperfection)) is None
+
+
+def test_a_weight_that_friction_does_not_hold_is_shown_and_nothing_varies() -> None:
+    found = find_position_force(moved({}, F_0=-1.2 * F_C))
+    assert set(found.terms) == {"F_0"}
+    assert holds(found, {"F_0": -1.2 * F_C})
+    assert found(np.zeros(3)) is None
+    assert block_parameters(found.values)["F_0"] == found.terms["F_0"].value
+
+
+@pytest.fixture(scope="module")
+def swung() -> Recording:
+    """Return the log of an arm that scipy has solved."""
+    t = np.arange(10_000) * T_S
+    command = 0.2 + 1.1 * np.sin(2.0 * np.pi * 0.35 * t) + 0.15 * np.sin(2.0 * np.pi * 1.3 * t)
+    speed, y, rows, forces = np.gradient(command, T_S), np.array([0.2, 0.0]), [], []
+    for x_cmd, v_cmd in zip(command, speed, strict=True):
+        rows.append(y)
+        forces.append(300.0 * (x_cmd - y[0]) + 40.0 * (v_cmd - y[1]))
+        held = forces[-1]
+
+        def rate(_: float, y: np.ndarray, held: float = held) -> list[float]:
+            x, v = y
+            weight = 6.0 * np.sin(x) - 2.5 * np.cos(x) + 0.4
+            return [v, (held - 0.4 * v - 1.5 * np.tanh(v / 2e-3) - weight) / 0.3]
+
+        y = solve_ivp(rate, (0.0, T_S), y, "LSODA", rtol=1e-7, atol=1e-9).y[:, -1]
+    return log(np.array(rows)[:, 0], np.array(forces), motion="rotary")
+
+
+def test_the_weight_of_an_arm_is_found_at_its_angle(swung) -> None:
+    found = find_position_force(swung)
+    assert set(found.terms) == {"F_0", "g_s", "g_c"}
+    assert holds(found, {"F_0": 0.4, "g_s": 6.0, "g_c": -2.5})
+    assert found.terms["g_s"].high - found.terms["g_s"].low < 0.3
+    x = np.linspace(-1.0, 1.0, 9)
+    np.testing.assert_allclose(found(x), 6.0 * np.sin(x) - 2.5 * np.cos(x), atol=0.1)
+
+
+def test_what_is_known_is_no_friction_whatever_the_units() -> None:
+    """A drive with cogging and known_force leaves what the same drive leaves without it."""
+    values = {**PAPER, "F_0": 0.0, "delay": 1e-7, "delta": 1.0}
+    t = np.arange(4000) * T_S
+    command = 0.02 * np.sin(2.0 * np.pi * 0.7 * t)
+    place = {"velocity_command": np.gradient(command, T_S), "position_command": command}
+    gains = {"K_p": 3000.0, "K_i": 3e4, "K_x": 30.0, "tau_f": T_S, "T_s": T_S}
+    recording = Recording(t, command, encoder_step=1e-9, **place)
+    scale = Scale(10.0, 10.0)
+    with candidate_fmus() as fmus:
+        with KnownLoop(fmus, recording, gains) as loop:
+            plain = loop.run(values)
+        x = plain["candidate.x"]
+        held = varying({"cogging_s[1]": 3.0, "cogging_c[2]": 1.0, "pitch": 0.013}, x)
+        left, paths = [], []
+        for known in (None, held):
+            force = np.append(plain["candidate.F_m"][1:], 0.0) + (0.0 if known is None else known)
+            own = Recording(t, x, force, encoder_step=1e-9, known_force=known, **place)
+            with InverseModel(fmus, scale.recording(own)) as model:
+                left.append(model.residual(scale.values(values)))
+            with KnownLoop(fmus, own, gains) as loop:
+                again = loop.run(values, feedforward=0.0 if known is None else known)
+                paths.append(again["candidate.x"])
+    np.testing.assert_allclose(left[1], left[0], atol=1e-9)
+    np.testing.assert_allclose(paths[1], paths[0], atol=1e-12)
