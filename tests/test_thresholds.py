@@ -32,7 +32,7 @@ from stickslip.identification.fitting.identifiability import (
 )
 from stickslip.identification.fitting.start import Start
 from stickslip.identification.selection import choice, choose, folds, prediction
-from stickslip.identification.sliding import friction_curve, log_offsets
+from stickslip.identification.sliding import friction_curve, log_offsets, position_force
 from stickslip.identification.sliding.regression import Regression
 from stickslip.identification.sliding.stribeck import Rise
 from stickslip.identification.stages import friction_map
@@ -348,6 +348,32 @@ def curve():
     ):
         found = friction_curve.friction_curve(x, x, T_S, 1e-6)
     return found and set(found.varying)
+
+
+def holds(force=1.0, error=0.01):
+    """Return whether an arm's weight is shown, with friction of 1 N."""
+    terms, eight = position_force._Terms(gravity=True, coefficients=(1.0, 1.0)), np.ones(8)
+    shown = {"gravity": (force * eight, error * eight)}
+    found = position_force._Estimates(terms, eight, eight, shown, {"gravity": True}, 0.0)
+    return found.kept(1.0) is not None
+
+
+def has_cogging(left):
+    """Return whether an arm has cogging, without which it leaves a share of the force."""
+
+    def rest(_, terms):
+        return (left if terms.orders else 1.0), np.ones(8)
+
+    x = np.linspace(0.0, 1.0, 99)
+    with patch.multiple(position_force._Rest, left=rest, pitch=lambda *_, **__: 0.1):
+        return bool(position_force._Rest(x, 9.0 * x, 1.0, 0.0).terms(rotary=True).orders)
+
+
+def falls(weight):
+    """Return whether an axis has a weight, over friction."""
+    rest = namespace(friction=1.0, offset=weight, terms=lambda **_: None)
+    log = namespace(beside_friction=lambda: rest, estimates=lambda _: namespace(force=lambda: 1))
+    return position_force._shown(log, rotary=False) is not None
 
 
 def static_friction(deviance):
@@ -1005,6 +1031,10 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "row_rate.NOISE": (lambda: samples_per_row(2000.0, 6e-3), 2, 1),
     "curve_shown.ROWS": (curve, {"ripple"}, None),
     "curve_shown.CERTAIN": (curve, {"ripple"}, set()),
+    "position_force.SHARE": (lambda: holds(0.015, 1e-4), True, False),
+    "position_force.CERTAIN": (lambda: holds(0.09), True, False),
+    "position_force.SIMPLER/2": (lambda: has_cogging(0.5), True, False),
+    "position_force.FALLS": (lambda: falls(1.5), True, False),
     "curve_shown.EXPONENT": (lambda: static_friction(6.0), 1, 2),
     "curve_shown.BENT": (lambda: gives_rise(4.0), False, True),
     "curve_shown.VARIES": (lambda: not_explained(varying=0.007), True, False),

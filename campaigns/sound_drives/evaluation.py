@@ -218,6 +218,7 @@ def evaluated(drive: Drive, learned: Path, said: str = "") -> dict[str, Any]:
 def _written(document: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
     compared = document.get("compared", {})
     chosen = compared.get("chosen", document.get("compensation", names[0]))
+    chosen = names[0] if len(names) == 1 and chosen == "none" else chosen
     shares = {one["compensator"]: one.get("share") for one in compared.get("compensators", ())}
     share = shares.get(chosen) or 1.0
     return {"written": chosen, "share": round(share, 3), "why": ""}

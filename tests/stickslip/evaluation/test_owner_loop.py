@@ -1,5 +1,7 @@
 """The loop of a log, simulated: against the trial's system of FMUs, and the linear loop."""
 
+from dataclasses import replace
+
 import control
 import numpy as np
 import pytest
@@ -89,3 +91,15 @@ def test_the_command_of_velocity_is_the_derivative_of_that_of_position():
     assert commanded_position(recording) is position
     with pytest.raises(UsageError, match="no command; log the velocity or position command"):
         commanded_velocity(Recording(T, position))
+
+
+def test_a_force_of_position_acts_without_a_compensator_and_is_cancelled_with_it(loop, runs):
+    known = 4.0 * np.sin(2.0 * np.pi * np.cumsum(COMMAND) * LOOP.T_s / 0.004)
+    recording = Recording(T, np.zeros_like(T), velocity_command=COMMAND, encoder_step=STEP)
+    held = replace(recording, known_force=known)
+    with candidate_fmus() as fmus:
+        drive = LearnedDrive("lugre", VALUES, COMPENSATOR, loop)
+        found = simulate(fmus, held, gains_of(loop), drive)
+    for name in (FEEDFORWARD, FRICTIONLESS):
+        np.testing.assert_allclose(found[name].velocity, runs[name].velocity, atol=1e-9)
+    assert np.std(found[NONE].velocity - runs[NONE].velocity) > 1e-4
