@@ -275,10 +275,12 @@ class LearnedFile:
 
     def with_position_force(self, recording: Recording) -> Recording:
         """Return a recording of the drive, with what it holds by its position."""
-        held, t, x = self.position_force, recording.t, position_of(recording)
-        later = self._values("delay", {"delay": self.document.get("delay", {"value": 0.0})})
-        known = varying(held.values, np.interp(t + later["delay"], t, x)) if held else None
-        return recording if known is None else dataclasses.replace(recording, known_force=known)
+        if (held := self.position_force) is None:
+            return recording
+        entry = self.document.get("delay", {"value": 0.0})
+        later = recording.t + self._values("delay", {"delay": entry})["delay"]
+        x = np.interp(later, recording.t, position_of(recording))
+        return dataclasses.replace(recording, known_force=varying(held.values, x))
 
     @property
     def observer_refusal(self) -> str:

@@ -55,6 +55,7 @@ BESIDE = (-3, -2, -1, 1, 2, 3)  # half-waves along the travel more than harmonic
 ROUNDS = 6  # Gauss steps of the pitch
 SHIFTS = 3  # steps of the delay of the force
 CLOSE = 0.1  # such a step that needs no other, in standard errors
+BOTH = 0.5  # share of the travel that each direction has to cover
 EDGE = 65  # rows over which the low-pass mixes them
 
 
@@ -233,7 +234,7 @@ class _Rest:
         x = _columns(self.x, terms.orders, terms.pitch, gravity=terms.gravity)
         columns = np.column_stack([np.ones_like(self.x), x])
         found = np.linalg.lstsq(columns, self.force, rcond=None)[0]
-        return float(np.mean((self.force - columns @ found) ** 2)), np.asarray(found[1:], float)
+        return float(np.mean((self.force - columns @ found) ** 2)), np.asarray(found[1:])
 
     def pitch(self, *, gravity: bool) -> float | None:
         """Return the pitch of which three harmonics explain most; None where none fits.
@@ -254,10 +255,11 @@ class _Rest:
         for longer in able[1:]:
             if left(longer) < position_force.SIMPLER * least:
                 pitch, least = longer, left(longer)
-        side = 1.0 / (FINER * travel)
-        ends = 1.0 / (1.0 / pitch + side), 1.0 / (1.0 / pitch - side)
+        near, far = (1.0 / (1.0 / pitch + side / (FINER * travel)) for side in (1.0, -1.0))
         close = 1e-4 * pitch**2 / travel
-        found = minimize_scalar(left, bounds=ends, method="bounded", options={"xatol": close})
+        found = minimize_scalar(
+            left, bounds=(near, far), method="bounded", options={"xatol": close}
+        )
         return float(found.x)
 
     def _strongest(self, *, gravity: bool) -> float:
@@ -345,9 +347,9 @@ class _Log:
             self.guide = float(np.sqrt(2.0) * rms)
 
     def beside_friction(self) -> _Rest | None:
-        """Return what is left of the force without mass and friction; None with few rows."""
+        """Return what is left of the force without mass and friction; None with too few rows."""
         design, rows = self.plain, self.rows[0]
-        if design is None:
+        if design is None or not self._both_ways(design):
             return None
         found, fixed = self.found, len(FIXED)
         c = found.coefficients
@@ -363,6 +365,12 @@ class _Log:
         moving = m * rows.a[design.used] + b * rows.v[design.used]
         friction = float(np.mean(ahead * (rigid + other - moving - F_0)))
         return _Rest(rows.x[design.used], design.force - rigid - other, friction, F_0)
+
+    def _both_ways(self, design: Design) -> bool:
+        """Whether it slides both ways where it does: else friction may be a force of position."""
+        x, ahead = self.rows[0].x[design.used], self.rows[0].ahead[design.used]
+        ways = (x[ahead > 0.0], x[ahead < 0.0])
+        return all(one.size and np.ptp(one) > BOTH * np.ptp(x) for one in ways)
 
     def refined(self, terms: _Terms) -> _Terms | None:
         """Return terms with the coefficients and the pitch of the first regression."""
@@ -435,7 +443,7 @@ class _Log:
                 k = round(2.0 * order * np.ptp(rows.x) / terms.pitch)
                 halves |= {k + one for one in BESIDE if k + one > waves}
             if halves:
-                groups["beside"] = size * rows.waves(np.array(sorted(halves)))[used]
+                groups["beside"] = size * rows.waves(sorted(halves))[used]
         return replace(design, fixed=np.column_stack([design.fixed, *own]), groups=groups)
 
 

@@ -147,7 +147,7 @@ class Rows:
         travel = float(np.ptp(self.x))
         places = np.log(np.geomspace(max(self.slowest, speed[used].min()), self.top, knots))
         steps = np.log(distance * travel * np.geomspace(1.0, 10.0, STEPS))
-        waves = self.waves(np.arange(1.0, HARMONICS + 1))
+        waves = self.waves(range(1, HARMONICS + 1))
         over_speed = hats(np.log(speed), places)
         start = hats(np.log(np.maximum(self.s, 1e-3 * distance * travel)), steps)[:, :-1]
         time = np.linspace(-1.0, 1.0, len(self.x))[:, np.newaxis]
@@ -183,10 +183,10 @@ class Rows:
             found[log, k] = 1.0
         return found
 
-    def waves(self, k: Array) -> Array:
-        """Return cosines with k half-waves along the travel, (n, len(k))."""
+    def waves(self, count: Iterable[int]) -> Array:
+        """Return cosines with so many half-waves along the travel (n, len(count))."""
         along = (self.x - self.x.min()) / float(np.ptp(self.x))
-        return np.asarray(np.cos(np.pi * along[:, np.newaxis] * k))
+        return np.asarray(np.cos(np.pi * along[:, np.newaxis] * np.fromiter(count, int)))
 
     def low(self, columns: Array) -> Array:
         """Return columns (n, k) behind the low-pass."""

@@ -47,7 +47,8 @@ class Written:
     def sentences(self) -> tuple[str, ...]:
         """What is written and why, or refused, a line each."""
         one = self.learned
-        could, parts = file_names(one.writes(force=True)), one.writes(force=self.forced)
+        could = (*file_names(one.writes(force=True)), POSITION_FMU)
+        parts = one.writes(force=self.forced)
         found = [f"written: {parts or 'no compensation'}"]
         if one.trial:
             compared = one.trial.compared
@@ -57,6 +58,7 @@ class Written:
             found[0] += compared.sentence
         refusals = {OBSERVER_FMU: one.observer_refusal} if one.choice in (OBSERVER, BOTH) else {}
         refusals |= {COMPENSATOR: one.refusal} if one.choice != OBSERVER else {}
+        refusals |= {POSITION_FMU: one.doubt} if one.position_force else {}
         for name, why in refusals.items():
             how = "" if self.forced or name not in could else " (--force writes it)"
             fate = "written, as --force asks for" if name in self.files else "not written"

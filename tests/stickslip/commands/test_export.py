@@ -15,12 +15,14 @@ from stickslip.errors import UsageError
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.writing import loop_document, validation_document
+from stickslip.logs import Recording
 from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import Compensator, build_fmus, build_loop
 from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.storage.codec import encode
+from tests.cosim.single import exposed
 
 
 @pytest.fixture(scope="module")
@@ -230,6 +232,47 @@ def test_what_learn_refused_or_never_designed_is_refused_in_a_line(export):
     assert "observer: model 'drive' is not a compensator" in export("observer", **broken)[2]
     broken["observer"]["model"] = "absent"
     assert "observer: " in export("observer", **broken)[2]
+
+
+HELD = {
+    "F_0": {"value": 3.0, "unit": "N.m"},
+    "g_s": {"value": -2.0, "unit": "N.m"},
+    "cogging_c[2]": {"value": 0.7, "unit": "N.m"},
+    "pitch": {"value": 0.3, "unit": "rad"},
+}
+
+
+def test_a_force_of_position_is_exported_and_is_that_of_a_closed_form(export, tmp_path):
+    entries = {"motion": "rotary", "position_force": HELD}
+    entries["written"] = {"files": ["position_force.fmu"]}
+    for form in ("fmu", "c", "st"):
+        status, out, error = export("position_force", "--as", form, **entries)
+        assert (status, error) == (0, "")
+        assert str(tmp_path / f"position_force.{form}") in out.split()
+    x = np.linspace(-2.0, 2.0, 41)
+    system = exposed(tmp_path / "position_force.fmu", name="block")
+    with system.prepare(step=5e-4, stop=0.02) as simulation:
+        found = simulation.run(inputs={"x": x, "F_in": 5.0})["block.F"][1:]
+    expected = 8.0 - 2.0 * np.sin(x) + 0.7 * np.cos(4.0 * np.pi * x / 0.3)
+    np.testing.assert_allclose(found, expected[:-1], rtol=1e-12)
+    recording = Recording(5e-4 * np.arange(41), x, motion="rotary")
+    known = LearnedFile(tmp_path / "learned.json").with_position_force(recording).known_force
+    np.testing.assert_allclose(known, expected - 8.0, atol=1e-12)
+
+
+def test_a_force_of_position_that_is_not_sound_is_refused_in_a_line(export):
+    assert "contains no force of position" in export("position_force")[2]
+    found = {"motion": "rotary", "position_force": HELD, "refusal": "the mass is not plausible"}
+    refusal = export("position_force", **found)[2]
+    assert "the mass is not plausible; --force exports it anyway" in refusal
+    wrong = {"pitch": {"value": -1.0}}
+    assert "pitch = -1 m is outside" in export("position_force", position_force=wrong)[2]
+    assert (
+        "has no parameter h_1"
+        in export("position_force", position_force={"h_1": wrong["pitch"]})[2]
+    )
+    metres = {"motion": "rotary", "position_force": {"g_s": {"value": 1.0, "unit": "N"}}}
+    assert "position_force: g_s is in 'N'; expected N.m" in export("position_force", **metres)[2]
 
 
 @pytest.mark.parametrize("name", LOOPS)

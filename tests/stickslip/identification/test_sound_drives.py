@@ -12,6 +12,7 @@ from stickslip.servo.velocity_loop import close_velocity_loop
 STAGE = {"m": 5.557, "b": 6.6135, "F_c": 5.999, "F_s": 8.999, "v_s": 5.5697e-4, "T_s": 5e-4}
 BRISTLES = {"sigma_0": 3.9162e5, "sigma_1": 4424.8}
 UNEVEN = {"uneven": 0.1, "period": 3e-4, "origin": 1e-4, "F_0": 0.3, "asymmetry": 0.05}
+HELD = {"g_s": 40.0, "g_c": 0.5, "pitch": 2e-4, "s_1": 0.6, "c_1": -0.4, "s_2": 0.3, "c_2": 0.2}
 
 
 def lugre(_, y, p, u):
@@ -21,12 +22,16 @@ def lugre(_, y, p, u):
     g *= 1.0 + p["uneven"] * np.sin(2.0 * np.pi * (x - p["origin"]) / p["period"])
     dz = v - p["sigma_0"] * abs(v) * z / (g * (1.0 + p["asymmetry"] * np.sign(v)))
     friction = p["sigma_0"] * z + p["sigma_1"] * dz
-    return [v, (u - p["F_0"] - p["b"] * v - friction) / p["m"], dz]
+    y = 2.0 * np.pi * x / p["pitch"]
+    held = p["F_0"] + p["g_s"] * np.sin(x) + p["g_c"] * np.cos(x)
+    held += p["s_1"] * np.sin(y) + p["c_1"] * np.cos(y)
+    held += p["s_2"] * np.sin(2.0 * y) + p["c_2"] * np.cos(2.0 * y)
+    return [v, (u - held - p["b"] * v - friction) / p["m"], dz]
 
 
 @pytest.mark.parametrize("delta", [1.0, 2.0])
 def test_lugre_friction_is_that_of_a_stiff_solver(delta):
-    p = {**STAGE, **BRISTLES, **UNEVEN, "delta": delta}
+    p = {**STAGE, **BRISTLES, **UNEVEN, **HELD, "delta": delta}
     t = np.arange(400) * p["T_s"]
     force = 12.0 * np.sin(2.0 * np.pi * 8.0 * t)
     found = simulator.run("lugre", p, 0.0 * t, F_ff=force)

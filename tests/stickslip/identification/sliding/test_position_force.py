@@ -4,18 +4,25 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from stickslip import cosim
 from stickslip.catalog.parameters import PAPER
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import Scale
 from stickslip.identification.criteria.runs import candidate_fmus
+from stickslip.identification.estimation import Estimation, LearnSettings
 from stickslip.identification.sliding.position_force import (
     PositionForce,
     block_parameters,
     find_position_force,
     varying,
 )
+from stickslip.learned.file import LearnedFile
 from stickslip.logs import Recording
+from stickslip.servo.axis import ControlError
+from stickslip.studies.learn.folder import write_learned
+from stickslip.studies.learn.learned import learn_recording
+from stickslip.trial.compensator_trial import Loops
 
 T_S = 5e-4
 M, B, F_C = 3.0, 20.0, 4.0
@@ -134,3 +141,24 @@ def test_what_is_known_is_no_friction_whatever_the_units() -> None:
                 paths.append(again["candidate.x"])
     np.testing.assert_allclose(left[1], left[0], atol=1e-9)
     np.testing.assert_allclose(paths[1], paths[0], atol=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("without_pictures")
+def test_learn_gives_the_drive_without_it_and_writes_its_block(tmp_path) -> None:
+    def design(_: Estimation) -> Loops:
+        raise ControlError("there is no loop")
+
+    settings = LearnSettings(law="coulomb_stribeck", criterion="inverse model")
+    learned = learn_recording(moved(COGGING, F_0=1.5 * F_C), None, design, (), settings)
+    known, found = learned.estimation.known, learned.estimation.position_force
+    assert known["m"].low <= M <= known["m"].high
+    assert known["F_c"].value == pytest.approx(F_C, rel=0.02)
+    write_learned(learned, tmp_path)
+    again = LearnedFile(tmp_path / "learned.json")
+    assert "position_force.fmu" in again.written
+    assert again.position_force.values == block_parameters(found.values)
+    start = cosim.Fmu(tmp_path / "position_force.fmu").variables
+    assert {n: start[n].start for n in found.terms} == found.values
+    assert start["cogging_s[3]"].start == 0.0
+    assert "Force of position" in (tmp_path / "report.html").read_text(encoding="utf-8")
