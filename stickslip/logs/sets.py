@@ -59,10 +59,12 @@ def _logs(path: Path, description: Description) -> Iterator[Log]:
 
 
 def _is_table(path: Path) -> bool:
+    if not path.is_file():  # what it is, or that it is not there, is told where it is read
+        return False
     try:
         with path.open("rb") as file:
             begin = file.read(64).removeprefix(b"\xef\xbb\xbf")
-    except OSError:  # is told where the log is read
+    except OSError:
         return False
     first = re.split(rb"[,;\t\r\n]", begin)[0]
     return first.strip().strip(b'"').lower() == b"log"
