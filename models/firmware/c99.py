@@ -150,7 +150,7 @@ def _source(model: Model) -> str:
     wanted = "model_start", step, "model_outputs"
     order = sorted(needed(found, wanted), key=lambda one: "static " in found[one])  # types first
     # these have another form for 32 bits, which needs less than that for 64 bits
-    used = [e for e in _ELEMENTARY if e in order]
+    used = [e for e in _ELEMENTARY if e in needed(found | dict.fromkeys(_ELEMENTARY, ""), wanted)]
     own = pieces([_NUMERICS.read_text(encoding="utf-8")])
     others = needed(found | dict.fromkeys(used, ""), wanted)
     elementary = needed(own, used)

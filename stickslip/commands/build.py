@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip import models
-from stickslip.commandline import FLAG, add_options, complete_with, warn
+from stickslip.commandline import FLAG, add_options, complete_with
 from stickslip.commandline.platforms import add_platform_option, parse_platforms
 from stickslip.errors import UsageError
 from stickslip.fmi.process import Threads
@@ -74,7 +74,4 @@ def _published(options: argparse.Namespace) -> dict[str, Any]:
             f"--of {options.of}: expected the model drive and no --law, for the law is"
             f" {one.law.name}; got {' '.join(options.models)} {options.law or ''}".rstrip()
         )
-    if F_0 := one.values.get("F_0"):
-        force = f"{F_0:g} {one.unit('F_0')}"
-        warn(f"{one.name}: F_0 = {force} is left out: the FMU has no constant force")
     return {"law": one.law.name, "rotary": one.rotary, "start": one.start}

@@ -70,10 +70,7 @@ class Drive:
 
     @property
     def start(self) -> dict[str, float]:
-        """Start values of its FMU, in which amplifier and encoder are ideal where not published.
-
-        The drive FMU has no constant force: F_0 is left out.
-        """
+        """Start values of its FMU, in which amplifier and encoder are ideal where not published."""
         known = {one.name for one in models.load_model("drive", self.law.name).variables}
         ideal = {"dac": False, "encoder": "encoder_step" in self.values, "current_loop": False}
         given = {name: value for name, value in self.values.items() if name in known}

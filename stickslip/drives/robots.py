@@ -8,12 +8,14 @@ bristles as stiff as a short step allows, and Coulomb friction alone as friction
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from stickslip.catalog.parameters import friction_law
 from stickslip.drives.published import Drive
 from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write
@@ -133,7 +135,7 @@ def _friction(drive: Drive, values: dict[str, float]) -> tuple[dict[str, object]
     """Return friction and time step of a MuJoCo model, and what it leaves out."""
     F_c, m = values["F_c"], values["m"]
     F_s, v_s, delta = values.get("F_s", F_c), values.get("v_s", 1.0), values.get("delta", 2.0)
-    lost = _left_out(drive, values, ("F_s", "F_c", "v_s", "delta", "sigma_0", "sigma_1"))
+    lost = _left_out(drive, values, friction_law("lugre").parameters)
     bristles = "sigma_0" in drive.law.parameters
     if not bristles and F_s == F_c:
         loss = f' frictionloss="{F_c:.9g}" solreffriction="{2 * LONGEST:g} 1"'
@@ -157,7 +159,7 @@ def _friction(drive: Drive, values: dict[str, float]) -> tuple[dict[str, object]
     return {"loss": "", "lugre": f' lugre="{lugre}"', "step": step}, lost
 
 
-def _left_out(drive: Drive, values: dict[str, float], used: tuple[str, ...]) -> list[str]:
+def _left_out(drive: Drive, values: dict[str, float], used: Collection[str]) -> list[str]:
     """Return a sentence on parameters of the law that are not used but have an effect."""
     level = values.get("F_s") == values["F_c"]
     names = [

@@ -77,8 +77,9 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
 
 def _is_spring(position: Array, force: Array) -> bool:
     """Tell whether a force (n,) [N] is an image of the position, as before break-away."""
-    moves = np.ptp(position) and np.ptp(force)
-    return bool(moves and np.corrcoef(position, force)[0, 1] >= log_unit.SURE_IMAGE)
+    place, held = position - position.mean(), force - force.mean()
+    sizes = float(np.linalg.norm(place)) * float(np.linalg.norm(held))
+    return sizes > 0.0 and float(place @ held) >= log_unit.SURE_IMAGE * sizes
 
 
 def _unrelated(b: str, a: str, figure: str) -> Finding:

@@ -32,6 +32,8 @@ def test_exp_and_log_in_float_are_within_two_bits():
         f"EXPORT float probe_{name}(float x) {{ return elementary_{name}(x); }}"
         for name in ("exp", "log", "sin")
     )
+    source += "\nEXPORT int probe_nearest(float x);\n"
+    source += "EXPORT int probe_nearest(float x) { return (int)nearest(x); }"
     header = Path(models.__file__).with_name("firmware") / "single.h"
     files = {"probe.c": source, "single.h": header.read_text()}
     library = ctypes.CDLL(str(toolchain.shared_library("single", files)))
@@ -46,6 +48,8 @@ def test_exp_and_log_in_float_are_within_two_bits():
         found = [function(ctypes.c_float(value)) for value in x]
         np.testing.assert_allclose(found, getattr(np, name)(x.astype(float)), rtol=2e-7, atol=near)
     assert library.probe_exp(ctypes.c_float(-88.0)) == 0.0
+    nearest = [library.probe_nearest(ctypes.c_float(x)) for x in (-2.6, -2.4, 0.2, 1e6)]
+    assert nearest == [-3, -2, 0, 1_000_000]
 
 
 def test_c_includes_what_freestanding_targets_have(exported):

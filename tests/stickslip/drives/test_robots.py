@@ -58,14 +58,14 @@ def changed(name, **values):
 def test_mujoco_goes_where_the_drive_goes(tmp_path, mujoco, one, tolerance):
     """Within a share of the travel: slow through break-away, fast, in steps, and below it."""
     path, t = ss.export_drive(one, tmp_path), np.arange(0.0, 2.0, T)
-    F_s, F_0 = one.values["F_s"], one.values.get("F_0", 0.0)
+    F_s = one.values["F_s"]
     slow, fast = 1.05 * np.sin(np.pi * t), 2.0 * np.sin(2.0 * np.pi * t)
     for shape in (slow, fast, 1.3 * np.sign(fast), 0.3 * fast):
         force = F_s * shape
         run = ss.simulate(one.system(), stop=t[-1], step=T, inputs={"u": force})
         x = run["drive.x"]
         travel = max(np.ptp(x), 1e-3 * F_s / one.values["b"])  # [m], also where it rests
-        assert np.abs(in_mujoco(mujoco, path, force + F_0) - x).max() <= tolerance * travel
+        assert np.abs(in_mujoco(mujoco, path, force) - x).max() <= tolerance * travel
 
 
 def test_a_law_with_static_friction_and_no_presliding_gets_stiff_bristles(tmp_path, mujoco):

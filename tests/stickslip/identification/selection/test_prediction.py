@@ -42,10 +42,10 @@ def test_gains_of_a_controller_that_was_running_before_are_believed(monkeypatch)
     given = {"K_p": 1700.0, "F_held": 3.0, "F_fading": 0.1}
     asked = []
 
-    def check(_, __, gains):
+    def check(_, recording, gains):
         asked.append(dict(gains))
-        return ControllerCheck(np.zeros(1), 0.0, 0, given)
+        return recording, ControllerCheck(np.zeros(1), 0.0, 0, given)
 
-    monkeypatch.setattr(prediction, "check_controller", check)
-    assert prediction._believed(None, given) == given
+    monkeypatch.setattr(prediction, "check_controllers", check)
+    assert prediction._believed(None, given) == (None, given)
     assert asked == [{"K_p": 1700.0}]
