@@ -373,6 +373,7 @@ def falls(weight):
     """Return whether an axis has a weight, over friction."""
     rest = namespace(friction=1.0, offset=weight, terms=lambda **_: None)
     log = namespace(beside_friction=lambda: rest, estimates=lambda _: namespace(force=lambda: 1))
+    log.aligned = lambda _: (log, None)
     return position_force._shown(log, rotary=False) is not None
 
 

@@ -146,17 +146,15 @@ def _found(
 def _shown(log: _Log, *, rotary: bool) -> PositionForce | None:
     if (rest := log.beside_friction()) is None or not rest.friction > 0.0:
         return None
-    terms = rest.terms(rotary=rotary)
-    if terms is not None:
-        terms = log.refined(terms)
+    log, terms = log.aligned(rest.terms(rotary=rotary))
     while terms is not None:
         found = log.estimates(terms)
         if found is None:
             return None
-        kept = found.kept(rest.friction)
-        if kept == terms:
+        if (kept := found.kept(rest.friction)) == terms:
             return found.force()
-        terms = log.refined(kept) if kept else None
+        refined = log.refined(kept) if kept else None
+        terms = refined and refined[0]
     if abs(rest.offset) < position_force.FALLS * rest.friction:
         return None
     found = log.estimates(_Terms())
@@ -322,36 +320,31 @@ class _Log:
     """A recording behind two low-passes."""
 
     def __init__(
-        self, position: Array, force: Array, T_s: float, step: float, *, spans: tuple[Span, ...]
+        self,
+        position: Array,
+        force: Array,
+        T_s: float,
+        step: float,
+        *,
+        spans: tuple[Span, ...],
+        delay: float = 0.0,  # of the force, which is taken out [s]
     ) -> None:
-        self.position, noise = position, position_noise(position, step)
-        first = first_samples(position, T_s, noise)
-        self.delay = 0.0
-        for _ in range(SHIFTS):
-            own = shifted(force, T_s, self.delay)
-            self.rows = [
-                Rows(position, own, T_s, noise, spans=spans, q=q, share=SLOWEST)
-                for q in (first, 2 * first)
-            ]
-            self.plain = self.rows[0].design(DISTANCES[0], GUARDS[0])
-            if self.plain is None:
-                break
-            self.found = self.plain.fitted()
-            more = float(self.found.coefficients[FIXED.index("delay")]) * self.rows[0].T
-            if abs(more) < 0.5 * T_s:
-                break
-            self.delay += more
+        self.position, self.force, self.T_s, self.step = position, force, T_s, step
+        self.spans, self.delay, noise = spans, delay, position_noise(position, step)
+        first, own = first_samples(position, T_s, noise), shifted(force, T_s, delay)
+        self.rows = [
+            Rows(position, own, T_s, noise, spans=spans, q=q, share=SLOWEST)
+            for q in (first, 2 * first)
+        ]
+        self.plain = self.rows[0].design(DISTANCES[0], GUARDS[0])
+        self.found = self.plain.fitted() if self.plain else None
         self.guide = 0.0  # amplitude of what friction varies along the guide [N]
-        if self.plain is not None:
-            (rms,), _ = sizes(self.found, self.plain.groups, ["guide"])
-            self.guide = float(np.sqrt(2.0) * rms)
 
     def beside_friction(self) -> _Rest | None:
         """Return what is left of the force without mass and friction; None with too few rows."""
-        design, rows = self.plain, self.rows[0]
-        if design is None or not self._both_ways(design):
+        design, found, rows, fixed = self.plain, self.found, self.rows[0], len(FIXED)
+        if design is None or found is None or not self._both_ways(design):
             return None
-        found, fixed = self.found, len(FIXED)
         c = found.coefficients
         rigid = design.fixed @ c[:fixed]
         other = sum(
@@ -372,16 +365,34 @@ class _Log:
         ways = (x[ahead > 0.0], x[ahead < 0.0])
         return all(one.size and np.ptp(one) > BOTH * np.ptp(x) for one in ways)
 
-    def refined(self, terms: _Terms) -> _Terms | None:
-        """Return terms with the coefficients and the pitch of the first regression."""
+    def aligned(self, terms: _Terms | None) -> tuple[_Log, _Terms | None]:
+        """Return the log with the force at its instant, as terms show it, and these refined."""
+        log = self
+        for _ in range(SHIFTS):
+            refined = log.refined(terms) if terms else None
+            if refined is None:
+                return log, None
+            terms, late = refined
+            if abs(late) < 0.5 * self.T_s:
+                break
+            signals = (self.position, self.force, self.T_s, self.step)
+            log = _Log(*signals, spans=self.spans, delay=log.delay + late)
+        return log, terms
+
+    def refined(self, terms: _Terms) -> tuple[_Terms, float] | None:
+        """Return terms with coefficients and pitch of the first regression, and its delay [s]."""
         for _ in range(ROUNDS):
             design = self._design(terms, self.rows[0], DISTANCES[0], GUARDS[0])
             if design is None:
                 return None
             found = self._fitted(design)
+            names = [name for name in ("guide", "pitch") if name in design.groups]
+            varies, _ = sizes(found, design.groups, names)
+            self.guide = float(np.sqrt(2.0) * np.linalg.norm(varies))
             c = found.coefficients[len(FIXED) : design.fixed.shape[1]]
+            late = float(found.coefficients[FIXED.index("delay")]) * self.rows[0].T
             if not terms.orders:
-                return replace(terms, coefficients=tuple(c.tolist()))
+                return replace(terms, coefficients=tuple(c.tolist())), late
             terms = replace(terms, coefficients=tuple(c[:-1].tolist()))
             k = design.fixed.shape[1] - 1
             most = terms.pitch**2 / (FINER * np.ptp(self.position))
@@ -389,13 +400,11 @@ class _Log:
             terms = replace(terms, pitch=terms.pitch + step)
             if abs(step) < CLOSE * np.sqrt(found.covariance[k, k]):
                 break
-        return terms
+        return terms, late
 
     def _fitted(self, design: Design) -> Regression:
         least = max(WAVES, EVEN * self.guide / design.size)
-        return design.fitted(
-            {"ripple": least, **({"beside": least} if "beside" in design.groups else {})}
-        )
+        return design.fitted(dict.fromkeys({"ripple", "beside"} & design.groups.keys(), least))
 
     def estimates(self, terms: _Terms) -> _Estimates | None:
         """Return the eight estimates of terms; None without one of them."""
