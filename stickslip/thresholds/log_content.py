@@ -12,7 +12,7 @@ LONGEST = Threshold(30, "plans last 20 s", unit="s")
 """Duration above which only the stretch that shows most of the drive is learned from."""
 MOST = Threshold(100_000, unit="samples")
 """The same in samples; a stretch has the larger of both."""
-TOGETHER = Threshold(2, "decision 141: CPU of three logs of 20 s")
+TOGETHER = Threshold(2, "decision 141: three logs of 10 s take 56 s of CPU, one of 20 s 43 s")
 """The same for several logs together, over that for one."""
 TRAVEL = Threshold(100, unit="encoder steps")
 """Travel below which there is a warning that the encoder is coarse."""
