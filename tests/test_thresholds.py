@@ -234,7 +234,7 @@ def criterion(error):
     """Return how a log is fitted whose controller commands the force with this error."""
     task = namespace(
         settings=namespace(criterion="auto", law="lugre"),
-        recording=namespace(friction=None, force=True),
+        recording=namespace(friction=None, force=True, friction_factor=None),
     )
     return estimation_task.choose(task, checked(error))[0]
 

@@ -26,7 +26,8 @@ MARGIN = 2.0
 """Factor of the controller gains with which the loop is still stable, free and where it sticks."""
 DAMPING = {"lugre": (0.3, 1.2), "elasto_plastic": (0.3, 1.2), "gms": (0.1, 0.5)}
 """sigma_1 / (2 sqrt(sigma_0 m))."""
-AXES = ("horizontal", "vertical", "arm", "cogging")
+AXES = ("horizontal", "vertical", "arm", "geared", "cogging")
+ARMS = ("arm", "geared")
 HEAVIEST = 5.0  # weight of a vertical axis or an arm, in F_c
 
 
@@ -79,7 +80,10 @@ class Drive:
             names |= {"cogging_s[2]": "s_2", "cogging_c[2]": "c_2"}
             return {name: p[own] for name, own in names.items()}
         F_0 = {"F_0": p["F_0"] + p["asymmetry"] * p["F_c"]}
-        return F_0 if self.axis != "arm" else {"g_s": p["g_s"], "g_c": p["g_c"]}
+        if self.axis not in ARMS:
+            return F_0
+        names = ("g_s", "g_c", *(("mu_g",) if self.axis == "geared" else ()))
+        return {name: p[name] for name in names}
 
     @property
     def truth(self) -> dict[str, float]:
@@ -122,8 +126,10 @@ def _loaded(drive: Drive, rng: np.random.Generator) -> Drive:
     phases = 2.0 * math.pi * rng.uniform(size=2)
     if drive.axis == "vertical":
         p["F_0"] += math.copysign(weight, phases[0] - math.pi)
-    elif drive.axis == "arm":
+    elif drive.axis in ARMS:
         p |= {"g_s": weight * math.sin(phases[0]), "g_c": weight * math.cos(phases[0])}
+        if drive.axis == "geared":
+            p["mu_g"] = float(np.exp(rng.uniform(np.log(0.05), np.log(0.3))))
     else:
         p["pitch"] = min(p["period"] * rng.uniform(0.5, 2.0), drive.stroke / 2.5)
         for k, size in ((1, first), (2, second * first)):
@@ -140,9 +146,9 @@ def _candidate(rng: np.random.Generator, number: int, axis: str) -> Drive:
     def log(low: float, high: float) -> float:
         return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
-    law, rotary = LAWS[number % len(LAWS)], number % 2 == 1 or axis == "arm"
+    law, rotary = LAWS[number % len(LAWS)], number % 2 == 1 or axis in ARMS
     radius = log(5e-3, 3e-2) if rotary else 1.0
-    if axis == "arm":
+    if axis in ARMS:
         radius = log(0.02, 0.1)
     m = log(2e-5, 2e-2) if rotary else log(0.3, 60.0)
     F_c = m * log(0.3, 3.0) / radius
@@ -188,7 +194,7 @@ def _candidate(rng: np.random.Generator, number: int, axis: str) -> Drive:
         noise_F=F_c * log(2e-3, 2e-2),
         speed=speed,
         acceleration=acceleration,
-        stroke=rng.uniform(1.0, 3.0) if axis == "arm" else log(0.05, 0.3) / radius,
+        stroke=rng.uniform(1.0, 3.0) if axis in ARMS else log(0.05, 0.3) / radius,
         bandwidth=bandwidth,
         axis=axis,
     )
@@ -273,9 +279,9 @@ def _planned(drive: Drive, folder: Path, *, several: bool) -> dict[Path, pd.Data
     if several:
         limits["duration"] = DURATION / 2.0
     options = [f"--{name}={value:.6g}" for name, value in limits.items()]
-    if drive.axis == "arm":
+    if drive.axis in ARMS:
         options.append(f"--travel={0.5 * drive.stroke:.6g}")
-    if drive.axis in ("arm", "cogging"):
+    if drive.axis in (*ARMS, "cogging"):
         options += ["--show", "position_force"]
     options += ["--motion", "rotary" if drive.rotary else "linear", "--force"]
     plan, found = folder / f"{drive.name}_plan", {}

@@ -25,6 +25,7 @@ LEVELS = (1.0, 0.7, 1.3)
 """F_c and F_s of the drive, relative to those at the log."""
 SEEDS = (1, 2, 3)
 REST = 0.1  # before and after each motion [s]
+SETTLING = 1.0  # of observer and integral before it, where the axis holds a force of position [s]
 INTERVALS = ("m", "b", "F_c", "F_s", "v_s", "sigma_0")
 AT_REST = {"motor": 0.0, "held": 0.0}  # of the loop without friction and force of position
 SIGNALS = {
@@ -76,9 +77,11 @@ def error(
 
     The seed sets noise, the phase of the encoder and the place on the guide.
     """
+    first = 0 if drive.axis == "horizontal" else round(SETTLING / drive.parameters["T_s"])
+    v_cmd = np.concatenate([np.zeros(first), v_cmd])
     driven = _driven(drive, v_cmd, level, seed, compensator=compensator)
     linear = simulator.run("none", {**drive.parameters, "encoder": 0.0, **AT_REST}, v_cmd)
-    return _rms(driven["v"] - linear["v"])
+    return _rms((driven["v"] - linear["v"])[first:])
 
 
 def tuned_ratios(drive: Drive, learned: Path, tuned: Path) -> dict[str, Any]:
@@ -261,7 +264,7 @@ def _predictions(
 
 def _intervals(document: Mapping[str, Any], drive: Drive) -> dict[str, str]:
     truth, shown = drive.truth, document.get("position_force", {})
-    found = {"spurious": " ".join(shown.keys() - {"F_0", *drive.position_force})}
+    found = {"spurious": " ".join(shown.keys() - {"F_0", "F_c", *drive.position_force})}
     held = drive.position_force if drive.axis != "horizontal" else {}
     for name, value in held.items():
         entry = shown.get(name) or (name == "F_0" and document["friction_curve"]["offset"])

@@ -14,7 +14,7 @@ typedef struct {
     double asymmetry;              /* share by which friction is higher forward, lower backward */
     double uneven, period, origin; /* share, length and phase [m] of friction along the guide */
     double F_0;                    /* constant force against the motor */
-    double g_s, g_c;               /* an arm's weight: sine and cosine of x */
+    double g_s, g_c, mu_g;         /* an arm's weight: sine and cosine of x; friction over it */
     double pitch, s_1, c_1, s_2, c_2; /* cogging: two harmonics */
     double motor, held;               /* force of motor and integral at the start */
     double K_p, K_i, K_x, velocity_feedforward, tau_f, T_s, u_max;
@@ -38,6 +38,7 @@ static double level(int law, const Drive *d, double x, double v) {
     double g = d->F_c;
     if (law != DAHL)
         g += (d->F_s - d->F_c) * exp(-pow(fabs(v) / d->v_s, d->delta));
+    g *= 1.0 + d->mu_g * fabs(d->g_s * sin(x) + d->g_c * cos(x)) / d->F_c;
     g *= 1.0 + d->uneven * sin(2.0 * PI * (x - d->origin) / d->period);
     return g * (1.0 + d->asymmetry * ((v > 0.0) - (v < 0.0)));
 }

@@ -17,7 +17,7 @@ LAWS = ("none", "lugre", "dahl", "gms", "elasto_plastic", "coulomb_stribeck")
 PARAMETERS = (
     *("m", "b", "F_c", "F_s", "v_s", "delta", "sigma_0", "sigma_1"),
     *("asymmetry", "uneven", "period", "origin"),
-    *("F_0", "g_s", "g_c", "pitch", "s_1", "c_1", "s_2", "c_2", "motor", "held"),
+    *("F_0", "g_s", "g_c", "mu_g", "pitch", "s_1", "c_1", "s_2", "c_2", "motor", "held"),
     *("K_p", "K_i", "K_x", "velocity_feedforward", "tau_f", "T_s", "u_max", "encoder", "phase"),
 )
 DEFAULTS = {

@@ -31,7 +31,11 @@ from stickslip.errors import UsageError
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
 from stickslip.identification.criteria.motion import position_of
-from stickslip.identification.sliding.position_force import block_parameters, varying
+from stickslip.identification.sliding.position_force import (
+    block_parameters,
+    friction_factor,
+    varying,
+)
 from stickslip.learned.writing import (
     AXIS_KEYS,
     DATASHEET,
@@ -280,7 +284,11 @@ class LearnedFile:
         entry = self.document.get("delay", {"value": 0.0})
         later = recording.t + self._values("delay", {"delay": entry})["delay"]
         x = np.interp(later, recording.t, position_of(recording))
-        return dataclasses.replace(recording, known_force=varying(held.values, x))
+        both = {
+            "known_force": varying(held.values, x),
+            "friction_factor": friction_factor(held.values, x),
+        }
+        return dataclasses.replace(recording, **both)
 
     @property
     def observer_refusal(self) -> str:

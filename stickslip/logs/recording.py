@@ -45,6 +45,8 @@ class Recording:
     added_velocity: Array | None = None
     # (n,) of the motor's force, what neither mass nor friction takes: gravity, cogging [N]
     known_force: Array | None = None
+    # (n,) by what the weight that the drive holds multiplies its friction [1]
+    friction_factor: Array | None = None
     encoder_step: float = 0.0  # resolution of the position [m]; 0 when none shows
     motion: Motion = "linear"  # linear or rotary
     source: str = "recording"  # where it comes from, as displayed

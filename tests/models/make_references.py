@@ -505,7 +505,8 @@ def position_force(p: Parameters) -> Columns:
     """Go to and fro over several pitches, with another compensator's force beside it."""
     t, v = through_zero()
     x, F_in = 0.1 + 2.0 * np.cumsum(v) * STEP / 0.03, 2.0 * np.cos(2 * np.pi * 3.0 * t)
-    force = F_in + force_of_position(p, x)
+    weight = np.abs(p["g_s"] * np.sin(x) + p["g_c"] * np.cos(x))
+    force = F_in * (1.0 + p["mu_g"] * weight / p["F_c"]) + force_of_position(p, x)
     return {"time": t, "x": x, "F_in": F_in, "F": np.append(force[0], force[:-1])}
 
 

@@ -34,6 +34,7 @@ CASES = [
     ("static_feedforward", {"v_t": 1e-12, "lead": 4e-3}),
     ("position_force", {"F_0": 30.0, "g_s": -2.0, "g_c": 4.0, "cogging_s[1]": 0.0}),
     ("position_force", {"pitch": 0.003, "cogging_c[1]": 0.7, "cogging_s[2]": 3.0}),
+    ("position_force", {"g_s": 3.0, "g_c": 2.0, "mu_g": 0.2, "F_c": 1.5}),
     ("position_force", {"pitch": 3e-7, "cogging_s[3]": -1.5, "cogging_c[3]": 2.0}),
     *(("velocity_controller", change) for change in CONTROLLERS),
     ("nominal_loop", {"D": 2.0}),

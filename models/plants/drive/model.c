@@ -9,11 +9,10 @@
 
 static const double TWO_PI = 6.283185307179586;
 
-/* Factor by which friction has fallen at time t as the guide gets warm, and risen with its load. */
+/* Factor by which friction has fallen at time t as the guide gets warm. */
 static double level(double t, const Parameters *p) {
     const double cold = elementary_exp(t > 0.0 ? -t / p->drift_time : 0.0);
-    const double load = p->load < 0.0 ? -p->load : p->load;
-    return (1.0 - p->drift * (1.0 - cold)) * (1.0 + p->mu * load / p->F_c);
+    return 1.0 - p->drift * (1.0 - cold);
 }
 
 double plant_roughness(double x, double v, const Mass *mass) {
@@ -23,12 +22,14 @@ double plant_roughness(double x, double v, const Mass *mass) {
         factor += v < 0.0 ? -p->asymmetry : p->asymmetry;
     if (p->position_dependent != 0.0)
         factor *= 1.0 + p->position_amplitude * elementary_sin(TWO_PI * x / p->position_period);
-    return factor * mass->level;
+    const double load = p->load < 0.0 ? -p->load : p->load;
+    const double more = p->mu * load + friction_of_weight(x, p);
+    return factor * (mass->level * (1.0 + more / p->F_c));
 }
 
 static bool is_rough(const Parameters *p) {
     return p->asymmetric != 0.0 || p->position_dependent != 0.0 || p->drift != 0.0 ||
-           p->load != 0.0;
+           p->load != 0.0 || p->mu_g != 0.0;
 }
 
 double plant_ripple(double x, const Mass *mass) {

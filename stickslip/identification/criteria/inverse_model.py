@@ -1,8 +1,9 @@
 """The inverse model: the force that the recorded motion implies against the measured one.
 
-    F(t - delay) = m a + b v + F_f(v) + F_0
+    F(t - delay) = m a + b v + s F_f(v) + F_0
 
-F_f comes from the compensator FMU, driven by the recorded velocity; all terms are low-passed alike.
+F_f comes from the compensator FMU, driven by the recorded velocity; s is 1, or by what a weight
+that the drive holds multiplies friction; all terms are low-passed alike.
 They are compared in rows, means of q samples: friction changes slower than a fast log is sampled,
 and encoder noise that outweighs the acceleration would hide the mass.
 Where friction itself was measured, it stands alone: F = F_f(v) + F_0.
@@ -98,6 +99,8 @@ class InverseModel(Criterion):
         self.t, self.position = means(recording.t, self.q), means(position, self.q)
         self.force = smoothed(means(measured_force(recording), self.q), self.T_s, self.cutoff)
         self.motion: SmoothMotion = smooth_motion(self.position, self.T_s, self.cutoff)
+        factor = recording.friction_factor
+        self.factor = np.ones_like(self.t) if factor is None else means(factor, self.q)
         self.used = self._used()
         self.specification = friction_run(fmus, self.motion.v, self.T_s)
         self.law = law or friction_law()
@@ -147,7 +150,7 @@ class InverseModel(Criterion):
         for log, runs in zip(self.logs, self._runs, strict=True):  # each begins at rest
             inputs = {name: signal[log] for name, signal in self.inputs.items()}
             results = runs.results([Run(one, inputs) for one in every])
-            found[:, log] = [run["compensator.F_f"] for run in results]
+            found[:, log] = [run["compensator.F_f"] * self.factor[log] for run in results]
         return list(found)
 
     def close(self) -> None:
@@ -164,6 +167,7 @@ class InverseModel(Criterion):
         friction = self.friction(values)
         if not self.slides.all():
             most = values["F_s" if self.law.steady == "stribeck" else "F_c"]
+            most = most * self.factor
             held = np.clip(self.measured(values) - rigid, -most, most)
             friction = np.where(self.slides, friction, held)
         return np.asarray(rigid + smoothed(friction, self.T_s, self.cutoff))
@@ -199,6 +203,7 @@ class ForceCost:
 
     def __init__(self, model: InverseModel, delay: float) -> None:  # of the force [s]
         self.T_s, self.cutoff, self.slides = model.T_s, model.cutoff, model.slides
+        self.factor = model.factor
         force = np.interp(model.t - delay, model.t, model.force)
         self.target = np.where(self.slides, force, 0.0)
         columns = model.linear[:, 2:] if model.measures_friction else model.linear
@@ -206,7 +211,7 @@ class ForceCost:
 
     def __call__(self, result: cosim.Result) -> float:
         """Return the cost of a run that recorded ``compensator.F_f``."""
-        return self.of_friction(result["compensator.F_f"])
+        return self.of_friction(result["compensator.F_f"] * self.factor)
 
     def of_friction(self, friction: Array) -> float:
         """Return the cost of a friction (n,) [N] along the motion."""

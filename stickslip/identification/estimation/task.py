@@ -103,6 +103,11 @@ def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
             f"the law {law.title} switches, so that a simulated loop does not follow small changes "
             "of its parameters smoothly"
         )
+    if task.recording.friction_factor is not None:
+        return (
+            inverse,
+            "friction grows with the weight of the arm, which the loop does not simulate",
+        )
     if check is None:
         return inverse, "the controller is not known, so the loop cannot be run again"
     if np.isnan(check.error):

@@ -85,6 +85,7 @@ def surrogate_loop(inverse: InverseModel, values: Values) -> KnownLoop:
     led = replace(recording, position_command=path, velocity_command=derivative(path, T_s))
     # The motion shows what was added; without its known force the loop begins balanced.
     led = replace(led, added_force=None, added_velocity=None, known_force=None)
+    led = replace(led, friction_factor=None)
     gains = _gains(values, T_s)
     return KnownLoop(inverse.fmus, led, gains, encoder=True, workers=inverse.runs.workers)
 
@@ -131,6 +132,7 @@ def resimulated(
             position=run["candidate.x_enc"],
             force=np.interp(late, recording.t, run["candidate.F_m"]) + values["F_0"],
             known_force=None,  # the drive had none
+            friction_factor=None,
         )
         with InverseModel(inverse.fmus, again, inverse.cutoff, law=law, q=q) as copy:
             residuals.append(copy.residual(values))

@@ -201,15 +201,24 @@ def _curve(model: InverseModel, recording: Recording, delay: float) -> FrictionC
         return None
     signals = (position_of(recording).tobytes(), measured_force(recording).tobytes())
     step, spans = recording.encoder_step, spans_of(recording)
-    return _curve_of(*signals, recording.T_s, step, delay=delay, spans=spans)
+    factor = None if recording.friction_factor is None else recording.friction_factor.tobytes()
+    return _curve_of(*signals, recording.T_s, step, delay=delay, spans=spans, factor=factor)
 
 
 @lru_cache(1)  # every law that is compared asks for that of the same signals
 def _curve_of(
-    position: bytes, force: bytes, T_s: float, step: float, delay: float, spans: tuple[Span, ...]
+    position: bytes,
+    force: bytes,
+    T_s: float,
+    step: float,
+    *,
+    delay: float,
+    spans: tuple[Span, ...],
+    factor: bytes | None,
 ) -> FrictionCurve | None:
     signals = np.frombuffer(position), np.frombuffer(force)
-    return friction_curve(*signals, T_s, step, delay=delay, spans=spans)
+    factors = None if factor is None else np.frombuffer(factor)
+    return friction_curve(*signals, T_s, step, delay=delay, spans=spans, factor=factors)
 
 
 def _massless(m: float, error: float, figure: str) -> tuple[Finding, ...]:

@@ -117,12 +117,13 @@ def friction_curve(
     *,
     delay: float = 0.0,
     spans: Sequence[Span] = (),
+    factor: Array | None = None,
 ) -> FrictionCurve | None:
     """Estimate the friction curve of a recording, None where the drive slides too little.
 
     Position [m] and force [N] are (n,), with this step of the position [m]; the force has about
     this delay [s], which is fitted beside the rest. The spans are those of the logs; by default
-    it is a single one.
+    it is a single one. Friction is that where its factor (n,) is 1.
     """
     spans = spans or (Span(0, len(position)),)
     if len(position) < 8 * curve_shown.ROWS:
@@ -131,7 +132,8 @@ def friction_curve(
 
     def rows(first: int, share: float) -> list[_Rows]:
         each = (first, 2 * first)
-        return [_Rows(position, force, T_s, noise, spans=spans, q=q, share=share) for q in each]
+        how = {"spans": spans, "share": share, "factor": factor}
+        return [_Rows(position, force, T_s, noise, q=q, **how) for q in each]
 
     first = first_samples(position, T_s, noise)
     found = _estimated(rows(first, SLOWEST), DISTANCES, SPAN, KNOTS)

@@ -3,10 +3,12 @@
     F_pos(x) = F_0 + g_s sin x + g_c cos x + sum_k (a_k sin(2 pi k x / p) + b_k cos(2 pi k x / p))
 
 The terms are linear regressors beside those of ``rows``, in the same eight regressions, and so are
-the changes of pitch p. What of the force depends on the position without a direction, and on
-nothing else, tells which terms there are. Friction may vary along the guide with the same pitch, in
-a group of its own, and any other force of position stays in a group of waves. Friction that both
-varies along the guide and differs between the directions makes such waves, hence their least size.
+the changes of pitch p. The weight of an arm loads gears and bearings: friction is
+(1 + mu_g |g_s sin x + g_c cos x| / F_c) times that without it. What of the force depends on the
+position without a direction, and on nothing else, tells which other terms there are. Friction may
+vary along the guide with the same pitch, in a group of its own, and any other force of position
+stays in a group of waves. Friction that both varies along the guide and differs between the
+directions makes such waves, hence their least size.
 """
 
 from __future__ import annotations
@@ -54,6 +56,7 @@ differ from its mean, that variation is a force of position."""
 BESIDE = (-3, -2, -1, 1, 2, 3)  # half-waves along the travel more than harmonics of a fine pitch
 ROUNDS = 6  # Gauss steps of the pitch
 SHIFTS = 3  # steps of the delay of the force
+NEAR = 1e-3  # relative change of a weight from which on friction over it is regressed again
 CLOSE = 0.1  # such a step that needs no other, in standard errors
 BOTH = 0.5  # share of the travel that each direction has to cover
 EDGE = 65  # rows over which the low-pass mixes them
@@ -75,11 +78,23 @@ class PositionForce:
         """Return what varies along positions (n,), without F_0 [N]; None where nothing does."""
         return varying(self.values, x)
 
+    def factor(self, x: Array) -> Array | None:
+        """Return by what the weight multiplies friction at positions (n,); None for 1."""
+        return friction_factor(self.values, x)
+
 
 def block_parameters(values: Mapping[str, float]) -> dict[str, float]:
     """Return the parameters of the model for terms by name; 0 is what is not shown."""
-    every = _names(gravity=True, orders=range(1, HARMONICS + 1))
-    return dict.fromkeys(every[:-1], 0.0) | {"pitch": 1.0} | dict(values)
+    every = _names(gravity=True, loads=True, orders=range(1, HARMONICS + 1))
+    return dict.fromkeys(every, 0.0) | {"pitch": 1.0, "F_c": 1.0} | dict(values)
+
+
+def friction_factor(values: Mapping[str, float], x: Array) -> Array | None:
+    """Return by what a weight multiplies friction at x (n,); None for 1."""
+    if not values.get("mu_g"):
+        return None
+    weight = values["g_s"] * np.sin(x) + values["g_c"] * np.cos(x)
+    return np.asarray(1.0 + values["mu_g"] * np.abs(weight) / values["F_c"])
 
 
 def varying(values: Mapping[str, float], x: Array) -> Array | None:
@@ -89,14 +104,18 @@ def varying(values: Mapping[str, float], x: Array) -> Array | None:
     orders = [
         k for k in range(1, HARMONICS + 1) if every[f"cogging_s[{k}]"] or every[f"cogging_c[{k}]"]
     ]
-    names = [name for name in _names(gravity=gravity, orders=orders) if name != "pitch"][1:]
+    names = _names(gravity=gravity, loads=False, orders=orders)
+    names = [name for name in names if name not in ("F_0", "pitch")]
     columns = _columns(x, orders, every["pitch"], gravity=gravity)
     return columns @ np.array([every[name] for name in names]) if names else None
 
 
-def _names(*, gravity: bool, orders: Sequence[int]) -> list[str]:
-    """Return the names of F_0 and the terms in the order of ``_columns``, the pitch last."""
-    names = ["F_0", *(("g_s", "g_c") if gravity else ())]
+def _names(*, gravity: bool, loads: bool, orders: Sequence[int]) -> list[str]:
+    """Return the names of F_0 and the terms in the order of ``_columns``, the pitch last.
+
+    Behind those of the weight are those of the friction over it.
+    """
+    names = ["F_0", *(("g_s", "g_c") if gravity else ()), *(("mu_g", "F_c") if loads else ())]
     names += [f"cogging_{wave}[{k}]" for k in orders for wave in "sc"]
     return [*names, "pitch"] if orders else names
 
@@ -112,8 +131,10 @@ def _columns(x: Array, orders: Sequence[int], pitch: float, *, gravity: bool) ->
 def with_position_force(recording: Recording, found: PositionForce | None = None) -> Recording:
     """Return a recording whose force of position is known: one found before, or what it shows."""
     found, t, x = found or find_position_force(recording), recording.t, position_of(recording)
-    known = found(np.interp(t + found.delay, t, x)) if found else None
-    return replace(recording, known_force=known)
+    if found is None:
+        return replace(recording, known_force=None, friction_factor=None)
+    x = np.interp(t + found.delay, t, x)
+    return replace(recording, known_force=found(x), friction_factor=found.factor(x))
 
 
 def find_position_force(recording: Recording) -> PositionForce | None:
@@ -169,36 +190,43 @@ class _Terms:
     orders: tuple[int, ...] = ()  # harmonics of the pitch
     pitch: float = 0.0  # [m]
     coefficients: tuple[float, ...] = ()  # [N]
+    loads: bool = False  # whether friction grows with the weight
 
     def columns(self, x: Array) -> Array:
         """Return the terms at positions (n,), and behind them the change of all with the pitch."""
         own = _columns(x, self.orders, self.pitch, gravity=self.gravity)
         if not self.orders:
             return own
-        first = 2 * self.gravity
         change = np.zeros_like(x)
         for k, order in enumerate(self.orders):
-            sine, cosine = own[:, first + 2 * k], own[:, first + 2 * k + 1]
-            a, b = self.coefficients[first + 2 * k : first + 2 * k + 2]
+            first = 2 * self.gravity + 2 * k
+            sine, cosine = own[:, first], own[:, first + 1]
+            a, b = self.coefficients[self.parts()[str(order)]]
             change += (b * sine - a * cosine) * order
         return np.column_stack([own, change * 2.0 * np.pi * x / self.pitch**2])
 
+    def weight(self, x: Array) -> Array:
+        """Return the size of the arm's weight at positions (n,) [N]."""
+        return np.abs(_columns(x, (), 1.0, gravity=True) @ np.array(self.coefficients[:2]))
+
     def parts(self) -> dict[str, slice]:
-        """Return which columns are of the arm and of each harmonic."""
-        names = ["gravity"] if self.gravity else []
-        names += [str(k) for k in self.orders]
-        return {name: slice(2 * k, 2 * k + 2) for k, name in enumerate(names)}
+        """Return which coefficients are of the arm, of friction over it, and of each harmonic."""
+        sizes = {"gravity": 2 * self.gravity, "load": 1 * self.loads}
+        sizes |= dict.fromkeys(map(str, self.orders), 2)
+        ends = np.cumsum(list(sizes.values())).tolist()
+        every = zip(sizes, ends, sizes.values(), strict=True)
+        return {name: slice(end - size, end) for name, end, size in every if size}
 
     def only(self, names: set[str]) -> _Terms | None:
         """Return the terms of some names alone; None without any."""
+        if "gravity" not in names:
+            names = names - {"load"}
         kept = {name: part for name, part in self.parts().items() if name in names}
         coefficients = (c for part in kept.values() for c in self.coefficients[part])
         orders = tuple(k for k in self.orders if str(k) in names)
-        gravity = self.gravity and "gravity" in names
+        what = {"gravity": "gravity" in kept, "loads": "load" in kept}
         return (
-            replace(self, gravity=gravity, orders=orders, coefficients=tuple(coefficients))
-            if kept
-            else None
+            replace(self, **what, orders=orders, coefficients=tuple(coefficients)) if kept else None
         )
 
 
@@ -217,7 +245,7 @@ class _Rest:
         tried = [_Terms(gravity=True)] if rotary else []
         for gravity in (False, True)[: 1 + rotary]:
             pitch = self.pitch(gravity=gravity)
-            tried += [_Terms(gravity, orders, pitch)] if pitch else []
+            tried += [_Terms(gravity, orders=orders, pitch=pitch)] if pitch else []
         best, least = None, whole
         for one in tried:
             left = self.left(one)[0]
@@ -225,7 +253,10 @@ class _Rest:
                 best, least = one, left
         if best is None or whole - least < (position_force.SHARE * self.friction) ** 2:
             return None
-        return replace(best, coefficients=tuple(self.left(best)[1].tolist()))
+        found = self.left(best)[1].tolist()
+        if best.gravity:
+            return replace(best, loads=True, coefficients=(*found[:2], 0.0, *found[2:]))
+        return replace(best, coefficients=tuple(found))
 
     def left(self, terms: _Terms) -> tuple[float, Array]:
         """Return the mean square that terms leave [N^2], and their coefficients (k,)."""
@@ -244,7 +275,7 @@ class _Rest:
         orders = tuple(range(1, HARMONICS + 1))
 
         def left(pitch: float) -> float:
-            return self.left(_Terms(gravity, orders, pitch))[0]
+            return self.left(_Terms(gravity, orders=orders, pitch=pitch))[0]
 
         able = [k * strongest for k in orders if k * strongest <= travel / PERIODS[0]]
         if not able:
@@ -288,7 +319,9 @@ class _Estimates:
     """The eight estimates of terms."""
 
     terms: _Terms
-    values: Array  # (8, k) F_0, coefficients, and the change of the pitch where there is one
+    # (8, k) F_0, coefficients, Coulomb friction behind that of friction over the weight, and the
+    # change of the pitch, where there is one
+    values: Array
     variances: Array  # (8, k)
     sizes: dict[str, tuple[Array, Array]]  # by part: root mean squares (8,) and standard errors [N]
     predicted: dict[str, bool]  # whether a part predicts what it was not fitted to
@@ -308,7 +341,8 @@ class _Estimates:
     def force(self) -> PositionForce:
         """Return the terms with their intervals."""
         value, error, width = together(self.values, self.variances)
-        names = _names(gravity=self.terms.gravity, orders=self.terms.orders)
+        terms = self.terms
+        names = _names(gravity=terms.gravity, loads=terms.loads, orders=terms.orders)
         if self.terms.orders:
             value[-1] += self.terms.pitch
         ends = zip(names, value, error, value - width, value + width, strict=True)
@@ -392,7 +426,10 @@ class _Log:
             c = found.coefficients[len(FIXED) : design.fixed.shape[1]]
             late = float(found.coefficients[FIXED.index("delay")]) * self.rows[0].T
             if not terms.orders:
-                return replace(terms, coefficients=tuple(c.tolist())), late
+                weight, terms = terms, replace(terms, coefficients=tuple(c.tolist()))
+                if terms.loads and not _is_near(weight, terms):
+                    continue
+                return terms, late
             terms = replace(terms, coefficients=tuple(c[:-1].tolist()))
             k = design.fixed.shape[1] - 1
             most = terms.pitch**2 / (FINER * np.ptp(self.position))
@@ -418,9 +455,16 @@ class _Log:
             own = slice(len(FIXED), design.fixed.shape[1])
             offset = _offset(design)
             c, covariance = found.coefficients, found.covariance
-            values.append([offset @ c, *c[own]])
+            row, variance = [offset @ c, *c[own]], [offset @ covariance @ offset]
+            variance += np.diag(covariance)[own].tolist()
+            if terms.loads:
+                mean = float(terms.weight(rows.x)[design.used].mean())
+                level = _without_weight(design, mean)
+                row.insert(4, level @ c)
+                variance.insert(4, level @ covariance @ level)
+            values.append(row)
+            variances.append(variance)
             delays.append(c[FIXED.index("delay")] * rows.T)
-            variances.append([offset @ covariance @ offset, *np.diag(covariance)[own]])
             if not predicted:
                 predicted = {
                     name: _predicts(design, found, part) for name, part in terms.parts().items()
@@ -444,6 +488,10 @@ class _Log:
             return None
         used, size, groups = design.used, design.size, dict(design.groups)
         own = [rows.of_samples(column)[used] for column in terms.columns(self.position).T]
+        if terms.loads:
+            weight = terms.weight(rows.x)
+            over = rows.ahead * (weight - weight[used].mean())  # beside that of the mean weight
+            own.insert(2, rows.low(over[:, np.newaxis])[used, 0])
         waves = groups["ripple"].shape[1]
         if terms.orders:
             pitch, halves = _columns(rows.x, terms.orders, terms.pitch, gravity=False), set[int]()
@@ -456,19 +504,37 @@ class _Log:
         return replace(design, fixed=np.column_stack([design.fixed, *own]), groups=groups)
 
 
+def _is_near(one: _Terms, other: _Terms) -> bool:
+    """Whether the weights of arms are alike, as friction over them needs it."""
+    before, now = (np.array(terms.coefficients[:2]) for terms in (one, other))
+    return bool(np.linalg.norm(now - before) < NEAR * np.linalg.norm(now))
+
+
 def _offset(design: Design) -> Array:
     """Return the weights (k,) of the coefficients of a regression that give F_0.
 
     It has half the difference of friction forward and backward at the usual speed, which an
     asymmetry over speed is a part of.
     """
-    count = [group.shape[1] for group in design.groups.values()]
+    return _usual(design, "F_0", "asymmetry")
+
+
+def _usual(design: Design, name: str, group: str) -> Array:
+    """Return the weights (k,) that give a coefficient with a group over speed, at the usual one."""
+    count = [one.shape[1] for one in design.groups.values()]
     weights = np.zeros(design.fixed.shape[1] + sum(count))
-    weights[FIXED.index("F_0")] = 1.0
-    place = list(design.groups).index("asymmetry")
+    weights[FIXED.index(name)] = 1.0
+    place = list(design.groups).index(group)
     begin = design.fixed.shape[1] + sum(count[:place])
     typical = np.log([np.median(design.speed)])
     weights[begin : begin + count[place]] = design.size * hats(typical, design.knots)[0]
+    return weights
+
+
+def _without_weight(design: Design, weight: float) -> Array:
+    """Return the weights (k,) that give Coulomb friction without a mean weight [N] of the arm."""
+    weights = _usual(design, "F_c", "curve")
+    weights[len(FIXED) + 2] = -weight
     return weights
 
 

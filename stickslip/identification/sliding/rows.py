@@ -91,12 +91,14 @@ class Rows:
         q: int,
         share: float,
         spans: Sequence[Span] = (),  # of the logs; by default it is a single one
+        factor: Array | None = None,  # (n,) of friction; by default 1
     ) -> None:
         self.q, self.T, self.cutoff = q, q * T_s, SHARE / (q * T_s)
         self.x = self.of_samples(position)
         self.v = derivative(self.x, self.T)
         self.a = derivative(self.v, self.T)
         self.force = self.of_samples(force)
+        self.factor = np.ones_like(self.x) if factor is None else self.of_samples(factor)
         spans = spans or (Span(0, len(position)),)
         self.logs = [slice(-(-one.begin // q), one.end // q) for one in spans]
         for log, one in zip(self.logs, spans, strict=True):
@@ -141,7 +143,8 @@ class Rows:
         used = self.used(distance, guard)
         if len(used) < curve_shown.ROWS:
             return None
-        speed, ahead = np.maximum(np.abs(self.v), self.slowest), self.ahead[:, np.newaxis]
+        speed = np.maximum(np.abs(self.v), self.slowest)
+        ahead = (self.ahead * self.factor)[:, np.newaxis]
         force = self.force[used]
         size = float(np.median(np.abs(force - np.median(force))))
         travel = float(np.ptp(self.x))

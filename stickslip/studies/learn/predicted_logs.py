@@ -45,7 +45,7 @@ def predicted_logs(
         ),
     ]
     for recording in recordings:
-        recording = replace(recording, known_force=None)
+        recording = replace(recording, known_force=None, friction_factor=None)
         if estimation.position_force is not None:
             recording = with_position_force(recording, estimation.position_force)
         scale = recording_scale(recording)

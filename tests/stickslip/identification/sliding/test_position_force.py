@@ -1,5 +1,7 @@
 """The force that a motor holds at a position, found beside friction, on motions simulated here."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -15,6 +17,7 @@ from stickslip.identification.sliding.position_force import (
     PositionForce,
     block_parameters,
     find_position_force,
+    friction_factor,
     varying,
 )
 from stickslip.learned.file import LearnedFile
@@ -87,9 +90,8 @@ def test_a_weight_that_friction_does_not_hold_is_shown_and_nothing_varies() -> N
     assert block_parameters(found.values)["F_0"] == found.terms["F_0"].value
 
 
-@pytest.fixture(scope="module")
-def swung() -> Recording:
-    """Return the log of an arm that scipy has solved."""
+def swing(mu_g: float = 0.0) -> Recording:
+    """Return the log of an arm that scipy has solved, whose weight adds to friction."""
     t = np.arange(10_000) * T_S
     command = 0.2 + 1.1 * np.sin(2.0 * np.pi * 0.35 * t) + 0.15 * np.sin(2.0 * np.pi * 1.3 * t)
     speed, y, rows, forces = np.gradient(command, T_S), np.array([0.2, 0.0]), [], []
@@ -101,19 +103,51 @@ def swung() -> Recording:
         def rate(_: float, y: np.ndarray, held: float = held) -> list[float]:
             x, v = y
             weight = 6.0 * np.sin(x) - 2.5 * np.cos(x) + 0.4
-            return [v, (held - 0.4 * v - 1.5 * np.tanh(v / 2e-3) - weight) / 0.3]
+            friction = (1.5 + mu_g * abs(weight - 0.4)) * np.tanh(v / 2e-3)
+            return [v, (held - 0.4 * v - friction - weight) / 0.3]
 
         y = solve_ivp(rate, (0.0, T_S), y, "LSODA", rtol=1e-7, atol=1e-9).y[:, -1]
     return log(np.array(rows)[:, 0], np.array(forces), motion="rotary")
 
 
-def test_the_weight_of_an_arm_is_found_at_its_angle(swung) -> None:
-    found = find_position_force(swung)
+def test_the_weight_of_an_arm_is_found_at_its_angle() -> None:
+    found = find_position_force(swing())
     assert set(found.terms) == {"F_0", "g_s", "g_c"}
     assert holds(found, {"F_0": 0.4, "g_s": 6.0, "g_c": -2.5})
     assert found.terms["g_s"].high - found.terms["g_s"].low < 0.3
     x = np.linspace(-1.0, 1.0, 9)
     np.testing.assert_allclose(found(x), 6.0 * np.sin(x) - 2.5 * np.cos(x), atol=0.1)
+
+
+def test_friction_that_grows_with_the_weight_of_the_arm_is_told_from_the_rest() -> None:
+    found = find_position_force(swing(mu_g=0.15))
+    assert holds(found, {"F_0": 0.4, "g_s": 6.0, "g_c": -2.5, "mu_g": 0.15, "F_c": 1.5})
+    assert {"mu_g", "F_c"} < set(found.terms)
+    assert found.terms["mu_g"].high - found.terms["mu_g"].low < 0.06
+    x = np.linspace(-1.0, 1.0, 9)
+    weight = np.abs(6.0 * np.sin(x) - 2.5 * np.cos(x))
+    np.testing.assert_allclose(found.factor(x), 1.0 + 0.1 * weight, rtol=0.05)
+
+
+def test_the_drive_and_the_inverse_model_have_the_same_friction_under_a_weight() -> None:
+    values = {**PAPER, "F_0": 0.0, "delay": 1e-7, "delta": 1.0}
+    held = {"g_s": 60.0, "g_c": 20.0, "mu_g": 0.2, "F_c": values["F_c"]}
+    t = np.arange(6000) * T_S
+    command = 0.4 * np.sin(2.0 * np.pi * 0.5 * t)
+    place = {"velocity_command": np.gradient(command, T_S), "position_command": command}
+    gains = {"K_p": 3000.0, "K_i": 3e4, "K_x": 30.0, "tau_f": T_S, "T_s": T_S}
+    recording = Recording(t, command, encoder_step=1e-9, **place)
+    further = {f"candidate.{name}": held[name] for name in ("g_s", "g_c", "mu_g")}
+    with candidate_fmus() as fmus:
+        with KnownLoop(fmus, recording, gains) as loop:
+            run = loop.run(values, further)
+        x, force = run["candidate.x"], np.append(run["candidate.F_m"][1:], 0.0)
+        moved = replace(recording, position=x, force=force, known_force=varying(held, x))
+        left = []
+        for factor in (friction_factor(held, x), None):
+            with InverseModel(fmus, replace(moved, friction_factor=factor)) as model:
+                left.append(np.median(np.abs(model.residual(values))))
+    assert left[0] < 0.05 * left[1]
 
 
 def test_what_is_known_is_no_friction_whatever_the_units() -> None:
