@@ -517,6 +517,12 @@ def fits(noise):
     ]
 
 
+def exponent(noise):
+    """Return the mean square of the exponent that is taken of a law without presliding."""
+    rigid = namespace(law=friction_law("coulomb_stribeck"))
+    return search.select(fits(noise), estimation_learn._sure(rigid)).fit.noise
+
+
 def flat(noise):
     """Return whether a rise towards rest is left out, at the cost of a larger mean square."""
     found = namespace(errors=dict, space=SPACE, noise=1.0, q=np.ones(len(SPACE.names)))
@@ -1049,6 +1055,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "law_choice.RISE_WORTH": (lambda: flat(1.5), False, True),
     "law_choice.ALIKE": (lambda: stiffness(1.5), 1.2, 10.0),
     "law_choice.EXPONENT/2": (lambda: search.select(fits(0.9)).fit.noise, 0.9, 1.0),
+    "law_choice.EXPONENT_BIASED/2": (lambda: exponent(0.7), 0.7, 1.0),
     "misfit.NOTED": (lambda: choice.is_mismatch(unexplained(0.25, 0.1)), True, False),
     "misfit.SPOILED": (lambda: warning(unexplained(0.3, 0.1)).spoils, "intervals", ""),
     "misfit.SMALLEST": (lambda: choice.is_mismatch(unexplained(0.2, 0.1)), True, False),

@@ -238,11 +238,7 @@ def _search(
         values = solve_linear(inverse, start, algorithm.best.values)
         found = best_fit(inverse, start, values, compared)
         found = found if start.rise else without_stribeck(inverse, found)
-        # Coarse encoder steps, and slips shorter than the low-pass, bias the curve more than its
-        # exponent does.
-        is_biased = coarse(inverse, task.recording) or not presliding(inverse.law)
-        sure = 0.0 if is_biased else law_choice.EXPONENT
-        selection = select(variants(inverse, found), sure)
+        selection = select(variants(inverse, found), _sure(inverse))
         found = replace(selection.fit, covariance=selection.fit.covariance + selection.ambiguity)
         fits.append(found)
         algorithms.append(algorithm)
@@ -256,6 +252,13 @@ def _search(
         )
     best = int(np.argmin([found.noise for found in fits]))
     return fits[best], Searches(pd.DataFrame(rows), algorithms[best])
+
+
+def _sure(inverse: InverseModel) -> float:
+    """Return the ratio of mean squares below which an exponent of the Stribeck curve is sure."""
+    # Slips shorter than the low-pass, and coarse encoder steps, bias the curve, too.
+    is_biased = not presliding(inverse.law) or coarse(inverse, inverse.recording)
+    return law_choice.EXPONENT_BIASED if is_biased else law_choice.EXPONENT
 
 
 def _output_error(
