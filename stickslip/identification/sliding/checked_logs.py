@@ -1,0 +1,88 @@
+"""Logs of one drive, each checked with the force of position that all of them show together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from stickslip.errors import RecordingError
+from stickslip.identification.sliding.position_force import (
+    find_position_force,
+    with_position_force,
+)
+from stickslip.logs import Finding, Reading, Recording, raise_errors, read_stretch, with_checks
+from stickslip.logs.joined import join
+from stickslip.logs.sets import Log
+from stickslip.thresholds import log_content
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A log as it was read."""
+
+    reading: Reading
+    findings: tuple[Finding, ...]  # of that and of its checks
+    load: float = 0.0  # that the drive moved beside its own mass [kg]
+
+    @property
+    def gains(self) -> Mapping[str, float] | None:
+        """Of its controller's FMU; None where that is not known."""
+        return self.reading.controller.parameters()
+
+    @property
+    def fault(self) -> Finding | None:
+        """The first fault of the log that spoils what is learned from it."""
+        return next((one for one in self.findings if one.spoils), None)
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A log from which nothing can be learned."""
+
+    error: RecordingError
+    findings: tuple[Finding, ...] = ()
+
+
+def check_logs(logs: Sequence[Log], *, alone: bool | None = None) -> Iterator[Checked | Refused]:
+    """Yield each log, read and checked.
+
+    Of one of several logs, which is not ``alone``, it is not told what it shows of the drive.
+    """
+    share = min(1.0, log_content.TOGETHER / len(logs))
+    read = [_read(log, share) for log in logs]
+    sound = [one for one in read if isinstance(one, Checked)]
+    found = find_position_force(joined(sound)) if sound else None
+    for log, one in zip(logs, read, strict=True):
+        if isinstance(one, Checked):
+            reading = one.reading
+            if found is not None:
+                recording = with_position_force(reading.recording, found)
+                reading = replace(reading, recording=recording)
+            own = len(logs) == 1 if alone is None else alone
+            yield _sound(log, reading, with_checks(reading, one.findings, alone=own))
+        else:
+            yield one
+
+
+def _read(log: Log, share: float) -> Checked | Refused:
+    try:
+        reading, findings = read_stretch(log.path, log.description, share)
+    except RecordingError as error:
+        return Refused(error)
+    return _sound(log, reading, findings)
+
+
+def _sound(log: Log, reading: Reading, findings: tuple[Finding, ...]) -> Checked | Refused:
+    try:
+        raise_errors(log.path, findings)
+    except RecordingError as error:
+        return Refused(error, findings)
+    return Checked(reading, findings, log.load)
+
+
+def joined(checked: Sequence[Checked]) -> Recording:
+    """Return logs as one recording."""
+    recordings = [one.reading.recording for one in checked]
+    if len(checked) == 1 and not checked[0].load:
+        return recordings[0]
+    return join(recordings, [one.gains for one in checked], [one.load for one in checked])
