@@ -30,6 +30,12 @@ class Checked:
         return self.reading.controller.parameters()
 
     @property
+    def kind(self) -> tuple[str, bool, bool]:
+        """Its motion, and whether it lacks force and position: that of logs that are joined."""
+        recording = self.reading.recording
+        return recording.motion, recording.force is None, recording.position is None
+
+    @property
     def fault(self) -> Finding | None:
         """The first fault of the log that spoils what is learned from it."""
         return next((one for one in self.findings if one.spoils), None)
@@ -51,7 +57,9 @@ def check_logs(logs: Sequence[Log], *, alone: bool | None = None) -> Iterator[Ch
     share = min(1.0, log_content.TOGETHER / len(logs))
     read = [_read(log, share) for log in logs]
     sound = [one for one in read if isinstance(one, Checked)]
-    found = find_position_force(joined(sound)) if sound else None
+    kinds = [one.kind for one in sound]
+    alike = [one for one in sound if one.kind == max(kinds, key=kinds.count)]
+    found = find_position_force(joined(alike)) if alike else None
     for log, one in zip(logs, read, strict=True):
         if isinstance(one, Checked):
             reading = one.reading
