@@ -54,6 +54,7 @@ def test_a_faulty_log_is_left_out_of_a_set(tmp_path):
     assert "1 of 4 logs left out" in unreadable.what
     assert "none.csv" in unreadable.figure
     assert "cut.csv: warning: the force in the log is cut off" in faulty.figure
-    assert not (unreadable.spoils or faulty.spoils)
+    assert not unreadable.spoils
+    assert not faulty.spoils
     kept, left_out = _read_all([logs[0], logs[2]])  # no two logs without a fault
     assert (len(kept), left_out) == (2, ())
