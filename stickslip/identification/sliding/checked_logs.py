@@ -10,7 +10,7 @@ from stickslip.identification.sliding.position_force import (
     find_position_force,
     with_position_force,
 )
-from stickslip.logs import Finding, Reading, Recording, raise_errors, read_stretch, with_checks
+from stickslip.logs import Finding, Reading, Recording, read_stretch, with_checks
 from stickslip.logs.joined import join
 from stickslip.logs.sets import Log
 from stickslip.thresholds import log_content
@@ -56,36 +56,34 @@ def check_logs(logs: Sequence[Log], *, alone: bool | None = None) -> Iterator[Ch
     """
     share = min(1.0, log_content.TOGETHER / len(logs))
     read = [_read(log, share) for log in logs]
-    sound = [one for one in read if isinstance(one, Checked)]
+    sound = [one for one in read if isinstance(one, Checked) and not _errors(one.findings)]
     kinds = [one.kind for one in sound]
     alike = [one for one in sound if one.kind == max(kinds, key=kinds.count)]
     found = find_position_force(joined(alike)) if alike else None
+    own = len(logs) == 1 if alone is None else alone
     for log, one in zip(logs, read, strict=True):
-        if isinstance(one, Checked):
-            reading = one.reading
-            if found is not None:
-                recording = with_position_force(reading.recording, found)
-                reading = replace(reading, recording=recording)
-            own = len(logs) == 1 if alone is None else alone
-            yield _sound(log, reading, with_checks(reading, one.findings, alone=own))
-        else:
+        if isinstance(one, Refused):
             yield one
+            continue
+        reading = one.reading
+        if found is not None:
+            reading = replace(reading, recording=with_position_force(reading.recording, found))
+        findings = with_checks(reading, one.findings, alone=own)
+        if errors := _errors(findings):
+            yield Refused(RecordingError(f"{log.path}: {errors[0]}"), findings)
+        else:
+            yield replace(one, reading=reading, findings=findings)
 
 
 def _read(log: Log, share: float) -> Checked | Refused:
     try:
-        reading, findings = read_stretch(log.path, log.description, share)
+        return Checked(*read_stretch(log.path, log.description, share), log.load)
     except RecordingError as error:
         return Refused(error)
-    return _sound(log, reading, findings)
 
 
-def _sound(log: Log, reading: Reading, findings: tuple[Finding, ...]) -> Checked | Refused:
-    try:
-        raise_errors(log.path, findings)
-    except RecordingError as error:
-        return Refused(error, findings)
-    return Checked(reading, findings, log.load)
+def _errors(findings: tuple[Finding, ...]) -> list[Finding]:
+    return [one for one in findings if one.severity == "error"]
 
 
 def joined(checked: Sequence[Checked]) -> Recording:

@@ -245,6 +245,8 @@ def learn(
     chosen = replace(asked, law=law_of(asked.compensator, asked.law, asked.absent))
     # Threads of linear algebra would wait for those of other work on the same cores.
     with threadpool_limits(limits=1, user_api="blas"):
+        others: list[Log] = []
+        left_out: tuple[Finding, ...] = ()
         if isinstance(source, Rig):
             progress.stage("recording the drive")
             reading = read_rig(source, chosen.limits)
@@ -252,8 +254,7 @@ def learn(
             found = check_recording(reading.recording, reading.controller, reading.force_limit)
             raise_errors(source.name, found)
             reading = _aligned(reading)
-            checked, left_out = [Checked(reading, (*found, *check_rig(reading)))], ()
-            others: list[Log] = []
+            checked = [Checked(reading, (*found, *check_rig(reading)))]
         else:
             progress.stage("reading the log")
             logs = _logs(source, description or Description())
