@@ -32,7 +32,12 @@ from stickslip.identification.fitting.identifiability import (
 )
 from stickslip.identification.fitting.start import Start
 from stickslip.identification.selection import choice, choose, folds, prediction
-from stickslip.identification.sliding import friction_curve, log_offsets, position_force
+from stickslip.identification.sliding import (
+    checked_logs,
+    friction_curve,
+    log_offsets,
+    position_force,
+)
 from stickslip.identification.sliding.regression import Regression
 from stickslip.identification.sliding.stribeck import Rise
 from stickslip.identification.stages import friction_map
@@ -502,9 +507,9 @@ def is_own_offset(errors):
 def share_of_each(logs):
     """Return which share of the longest stretch each of several logs may take."""
     shares = []
-    reads = patch.object(log_learning, "_read", lambda *of, **_: shares.append(of[1]))
+    reads = patch.object(checked_logs, "_read", lambda *of: shares.append(of[1]))
     with reads, suppress(AttributeError):  # nothing was read
-        log_learning._read_all([None] * logs)
+        [*checked_logs.check_logs([None] * logs)]
     return shares[0]
 
 

@@ -1,6 +1,6 @@
 """Logs of drives: read, checked, put on an even grid."""
 
-from stickslip.logs.checked import read_and_check
+from stickslip.logs.checked import read_and_check, read_stretch, with_checks
 from stickslip.logs.checks import check_recording
 from stickslip.logs.description import Column, Controller, Description, load_description
 from stickslip.logs.motion import aligned, samples_late
@@ -21,5 +21,7 @@ __all__ = [
     "raise_errors",
     "read_and_check",
     "read_recording",
+    "read_stretch",
     "samples_late",
+    "with_checks",
 ]

@@ -67,22 +67,42 @@ def _most_telling(motion: Array, length: int, *, is_position: bool) -> int:
 def read_and_check(
     path: Path,
     description: Description,
-    share: float = 1.0,
     *,
-    alone: bool = True,
     known: Callable[[Recording], Recording] = lambda recording: recording,
 ) -> tuple[Reading, tuple[Finding, ...]]:
     """Read a log and return the stretch of it that shows most, with findings, errors included.
 
-    The share is that of the longest stretch which one of several logs may take; of such a log,
-    which is not ``alone``, it is not told what it shows of the drive. ``known`` adds the force that
-    neither mass nor friction takes, before the stretch is checked.
+    ``known`` adds the force that neither mass nor friction takes, before the stretch is checked.
+
+    Raises RecordingError, UsageError when it cannot be read.
+    """
+    reading, findings = read_stretch(path, description)
+    reading = replace(reading, recording=known(reading.recording))
+    return reading, with_checks(reading, findings)
+
+
+def read_stretch(
+    path: Path, description: Description, share: float = 1.0
+) -> tuple[Reading, tuple[Finding, ...]]:
+    """Read a log and return the stretch of it that shows most, with the findings of reading.
+
+    The share is that of the longest stretch which one of several logs may take.
 
     Raises RecordingError, UsageError when it cannot be read.
     """
     reading = read_recording(path, description, strict=False)
     recording, cut = shortened(reading.recording, share)
-    recording = known(recording)
-    reading = replace(reading, recording=recording)
-    checks = check_recording(recording, reading.controller, reading.force_limit, alone=alone)
-    return reading, (*reading.findings, *cut, *check_units(reading), *checks)
+    return replace(reading, recording=recording), (*reading.findings, *cut)
+
+
+def with_checks(
+    reading: Reading, findings: tuple[Finding, ...], *, alone: bool = True
+) -> tuple[Finding, ...]:
+    """Return the findings of reading a log, and those of checking it.
+
+    Of one of several logs, which is not ``alone``, they do not tell what it shows of the drive.
+    """
+    checks = check_recording(
+        reading.recording, reading.controller, reading.force_limit, alone=alone
+    )
+    return (*findings, *check_units(reading), *checks)

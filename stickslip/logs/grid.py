@@ -215,8 +215,9 @@ def even_grid(
         methods.setdefault(method, []).append(role)
         result[role] = interpolated(t[known], signal[known], grid, method)
     if methods:
-        how = "; ".join(f"{', '.join(names)} {method}" for method, names in methods.items())
-        figure = f"{len(grid) - len(t)} rows missing; {how}"
+        how = [f"{', '.join(names)} {method}" for method, names in methods.items()]
+        missing = [f"{len(grid) - len(t)} rows missing"] if len(grid) > len(t) else []
+        figure = "; ".join([*missing, *how])
         findings.append(Finding("note", "interpolated between the logged samples", figure))
     return np.arange(count + 1) * T_s, result, findings
 

@@ -60,8 +60,10 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
             yield from _contradiction(reading, a, b, (ratio, high), most=sure)
         elif low <= -log_unit.SURE_IMAGE and high < log_unit.IMAGE / 2:
             yield from _contradiction(reading, a, b, (-ratio, -low), most=most)
-    moves = "force" in signals and not held
-    share = _shared(recording, signals["force"], motion) if moves else 1.0
+    share = 1.0
+    if "force" in signals and (force := recording.force) is not None and not held:
+        force = smoothed(recording.moving(force), recording.T_s, motion.cutoff)
+        share = _shared(recording, force, motion)
     if share < log_unit.SHARED:
         figure = f"{share:.1%} of it is like inertia, viscous and Coulomb friction of that motion"
         figure += f"; expected at least {log_unit.SHARED:.0%}"

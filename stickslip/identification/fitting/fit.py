@@ -14,6 +14,7 @@ STEP = 1e-3  # of a coordinate, for differences
 BLOCKS = 100  # number of blocks of a recording whose sums of scores are taken to be independent
 ROUNDS = 30
 ROUNDED = 1e-15  # relative size of an eigenvalue that is none, as of numpy.linalg.pinv
+BLIND = 10.0  # standard error of a coordinate that nothing depends on
 XTOL, FTOL = 1e-6, 1e-7
 ROUGH = 1e-4  # relative change of the sum of squares at which a fit ends that another one continues
 SAME = 1e-4  # relative difference of mean squares below which two minima are the same
@@ -175,12 +176,19 @@ def _deviation(residual: Array) -> float:
 def inverse_information(jacobian: Array, variance: float, space: ParameterSpace) -> Array:
     """Return (J'J / variance + prior information)^-1, (k, k), without what has no information.
 
-    An eigenvalue that rounding makes negative counts by its size: its variance is large.
+    An eigenvalue that rounding makes negative counts by its size: its variance is large. So is that
+    of a coordinate that nothing depends on.
     """
     information = jacobian.T @ jacobian / variance + np.diag(_prior_information(space))
     values, vectors = np.linalg.eigh(information)
     some = np.abs(values) > ROUNDED * np.abs(values).max(initial=0.0)
-    return np.asarray(vectors[:, some] / np.abs(values[some]) @ vectors[:, some].T, dtype=float)
+    return _with_blind(vectors[:, some] / np.abs(values[some]) @ vectors[:, some].T, information)
+
+
+def _with_blind(covariance: Array, information: Array) -> Array:
+    """Return a covariance (k, k) in which coordinates without information are not known."""
+    blind = np.diag(np.where(np.diag(information) == 0.0, BLIND**2, 0.0))
+    return np.asarray(covariance + blind, dtype=float)
 
 
 def covariance(jacobian: Array, residual: Array, space: ParameterSpace) -> Array:
@@ -194,7 +202,7 @@ def covariance(jacobian: Array, residual: Array, space: ParameterSpace) -> Array
     blocks = np.array([block.sum(axis=0) for block in np.array_split(scores, BLOCKS)])
     factor = BLOCKS / (BLOCKS - jacobian.shape[1])
     information = factor * blocks.T @ blocks + np.diag(_prior_information(space))
-    return np.asarray(inverse @ information @ inverse)
+    return _with_blind(inverse @ information @ inverse, information)
 
 
 def _prior_information(space: ParameterSpace) -> Array:

@@ -35,7 +35,7 @@ from stickslip.commandline.log_options import (
 )
 from stickslip.commandline.progress import TerminalProgress, add_live_option
 from stickslip.compensators.names import part_names, require_parts
-from stickslip.errors import UsageError
+from stickslip.errors import RecordingError, UsageError
 from stickslip.output import Answer
 from stickslip.storage import reserved
 from stickslip.thresholds import harm
@@ -125,18 +125,23 @@ def run(options: argparse.Namespace) -> Answer:
     if options.compensator != "auto":
         require_parts(options.compensator)
     if options.check:
-        from stickslip.identification.sliding.position_force import with_position_force
-        from stickslip.logs import raise_errors, read_and_check
+        from stickslip.identification.sliding.checked_logs import Refused, check_logs
         from stickslip.logs.sets import logs_of
 
         every: list[Finding] = []
-        for log in logs_of(options.log, description):
+        refused: list[RecordingError] = []
+        logs = logs_of(options.log, description)
+        for log, one in zip(logs, check_logs(logs, alone=True), strict=True):
             if len(options.log) > 1 or log.path not in options.log:
                 print(f"{log.path}:")
-            findings = read_and_check(log.path, log.description, known=with_position_force)[1]
-            TerminalProgress().findings(findings)
-            raise_errors(log.path, findings)
-            every += findings
+            TerminalProgress().findings(one.findings)
+            every += one.findings
+            if isinstance(one, Refused):
+                refused.append(one.error)
+                if not one.findings and len(logs) > 1:
+                    print(f"error: {one.error}")
+        if refused:
+            raise refused[0]
         return Answer({"findings": [str(finding) for finding in every]})
     from stickslip.studies.learn.folder import FILES
     from stickslip.trial.candidates import law_of

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stickslip import cosim
-from stickslip.errors import RecordingError, UsageError
+from stickslip.errors import UsageError
 from stickslip.evaluation.tracking import (
     LearnedDrive,
     Tracking,
@@ -27,7 +27,11 @@ from stickslip.identification.criteria.known_loop import is_running
 from stickslip.identification.criteria.motion import against_motion, recording_scale
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.estimation import LearnSettings
-from stickslip.identification.sliding.position_force import with_position_force
+from stickslip.identification.sliding.checked_logs import Checked, Refused, check_logs, joined
+from stickslip.identification.sliding.position_force import (
+    PositionForce,
+    with_position_force,
+)
 from stickslip.logs import (
     Description,
     Finding,
@@ -40,7 +44,6 @@ from stickslip.logs import (
     samples_late,
 )
 from stickslip.logs.checks import visibility
-from stickslip.logs.joined import join
 from stickslip.logs.plausibility import implausible_mass
 from stickslip.logs.sets import Log, logs_of
 from stickslip.loops.drive_loop import DriveLoop
@@ -53,7 +56,7 @@ from stickslip.servo.observer import masses_between
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
 from stickslip.studies.learn.predicted_logs import predicted_logs
 from stickslip.studies.learn.recorded import read_rig
-from stickslip.thresholds import control_match, log_content
+from stickslip.thresholds import control_match
 from stickslip.trial.candidates import law_of
 from stickslip.trial.compensator_trial import loops_of_log, try_compensator
 from stickslip.trial.guards import bench_of
@@ -242,6 +245,8 @@ def learn(
     chosen = replace(asked, law=law_of(asked.compensator, asked.law, asked.absent))
     # Threads of linear algebra would wait for those of other work on the same cores.
     with threadpool_limits(limits=1, user_api="blas"):
+        others: list[Log] = []
+        left_out: tuple[Finding, ...] = ()
         if isinstance(source, Rig):
             progress.stage("recording the drive")
             reading = read_rig(source, chosen.limits)
@@ -249,15 +254,15 @@ def learn(
             found = check_recording(reading.recording, reading.controller, reading.force_limit)
             raise_errors(source.name, found)
             reading = _aligned(reading)
-            checked, others = [Checked(reading, (*found, *check_rig(reading)))], []
+            checked = [Checked(reading, (*found, *check_rig(reading)))]
         else:
             progress.stage("reading the log")
             logs = _logs(source, description or Description())
-            checked = _read_all([log for log in logs if not log.validates])
+            checked, left_out = _read_all([log for log in logs if not log.validates])
             others = [log for log in logs if log.validates]
             others += _logs(validate, description or Description())
-        recording = _joined(checked)
-        findings = _of_all(checked, recording)
+        recording = joined(checked)
+        findings = (*left_out, *_of_all(checked, recording))
         progress.findings(findings)
         reading, controllers = checked[0].reading, [one.gains for one in checked]
         learned = learn_recording(
@@ -268,27 +273,13 @@ def learn(
             settings=chosen,
             progress=progress,
         )
-        held_out = [_read(log).reading.recording for log in others]
+        held_out = [_held_out(log, learned.estimation.position_force) for log in others]
         predicted = predicted_logs(learned.estimation, held_out, chosen.workers)
         learned = replace(learned, predicted=tuple(predicted))
         progress.stage("trying the compensator")
         tried = with_trial(replace(reading, recording=recording), learned, chosen)
         learned = with_other_gains(tried, chosen)
         return with_tracking(reading, learned)
-
-
-@dataclass(frozen=True)
-class Checked:
-    """A log as it was read."""
-
-    reading: Reading
-    findings: tuple[Finding, ...]  # of that and of its checks
-    load: float = 0.0  # that the drive moved beside its own mass [kg]
-
-    @property
-    def gains(self) -> Mapping[str, float] | None:
-        """Of its controller's FMU; None where that is not known."""
-        return self.reading.controller.parameters()
 
 
 def _logs(
@@ -303,33 +294,41 @@ def _logs(
     ]
 
 
-def _read_all(logs: Sequence[Log]) -> list[Checked]:
-    """Return the logs; of several, those that cannot be read are left out with a warning."""
+def _read_all(logs: Sequence[Log]) -> tuple[list[Checked], tuple[Finding, ...]]:
+    """Return the logs with their force in time, and warnings of those that are left out.
+
+    Of several logs, those that cannot be read or have a fault are left out where most have none.
+    """
     if not logs:
         raise UsageError("expected a log to learn from; got none")
-    share = min(1.0, log_content.TOGETHER / len(logs))
-    checked, refused = [], []
-    for log in logs:
-        try:
-            checked.append(_read(log, share, alone=len(logs) == 1))
-        except RecordingError as error:
-            refused.append(error)
+    read = [*check_logs(logs)]
+    refused = [one for one in read if isinstance(one, Refused)]
+    checked = [one for one in read if isinstance(one, Checked)]
     if 2 * len(refused) > len(logs) or len(checked) < min(len(logs), 2):
-        raise refused[0]
-    left_out = [Finding("warning", "a log is left out", str(error)) for error in refused]
-    checked[0] = replace(checked[0], findings=(*checked[0].findings, *left_out))
-    return checked
-
-
-def _read(log: Log, share: float = 1.0, *, alone: bool = True) -> Checked:
-    """Return a log, read, checked and with its force in time."""
-    reading, findings = read_and_check(
-        *(log.path, log.description, share),
-        alone=alone,
-        known=with_position_force if alone else lambda recording: recording,
+        raise refused[0].error
+    left_out: dict[str, list[str]] = {"": [str(one.error) for one in refused]} if refused else {}
+    sound = [one for one in checked if one.fault is None]
+    if len(sound) >= max(2.0, 0.5 * len(logs)):
+        for one in checked:
+            if one.fault is not None:
+                reason = f"{one.reading.recording.source}: {one.fault}"
+                left_out.setdefault(one.fault.what, []).append(reason)
+        checked = sound
+    return [replace(one, reading=_aligned(one.reading)) for one in checked], tuple(
+        Finding("warning", f"{len(some)} of {len(logs)} logs left out", f"the first is {some[0]}")
+        for some in left_out.values()
     )
+
+
+def _held_out(log: Log, force: PositionForce | None) -> Recording:
+    """Return a log that is only predicted, checked with the force of position that was learned."""
+
+    def known(recording: Recording) -> Recording:
+        return recording if force is None else with_position_force(recording, force)
+
+    reading, findings = read_and_check(log.path, log.description, known=known)
     raise_errors(log.path, findings)
-    return Checked(_aligned(reading), findings, log.load)
+    return _aligned(reading).recording
 
 
 def _aligned(reading: Reading) -> Reading:
@@ -341,22 +340,15 @@ def _of_all(checked: Sequence[Checked], recording: Recording) -> tuple[Finding, 
     """Return the findings: of several logs warnings, each once, and what they show together."""
     if len(checked) == 1:
         return checked[0].findings
-    alike: dict[str, list[tuple[str, Finding]]] = {}
+    alike: dict[str, dict[str, Finding]] = {}
     for log in checked:
         for one in log.findings:
             if one.severity != "note":
-                alike.setdefault(one.what, []).append((log.reading.recording.source, one))
+                alike.setdefault(one.what, {}).setdefault(log.reading.recording.source, one)
     found = []
     for several in alike.values():
-        source, first = several[0]
+        source, first = next(iter(several.items()))
         if len(several) > 1:
             source = f"{len(several)} of {len(checked)} logs, such as {source}"
         found.append(replace(first, what=f"{source}: {first.what}"))
     return (*found, *visibility(recording))
-
-
-def _joined(checked: Sequence[Checked]) -> Recording:
-    recordings = [one.reading.recording for one in checked]
-    if len(checked) == 1 and not checked[0].load:
-        return recordings[0]
-    return join(recordings, [one.gains for one in checked], [one.load for one in checked])

@@ -62,6 +62,18 @@ def test_what_has_no_information_but_rounding_has_a_large_variance(space, monkey
     np.testing.assert_allclose(variance[1:], np.diag(told), rtol=1e-9)
 
 
+def test_what_nothing_depends_on_is_not_certain(space, monkeypatch):
+    monkeypatch.setattr(fitting, "_prior_information", lambda _: np.zeros(K))
+    rng = np.random.default_rng(0)
+    jacobian, rest = rng.standard_normal((500, K)), rng.standard_normal(500)
+    jacobian[:, 0] = 0.0
+    for found in (inverse_information(jacobian, 1.0, space), covariance(jacobian, rest, space)):
+        deviations = np.sqrt(np.diag(found))
+        assert deviations[0] > 5.0  # the factor of a value is e to this power
+        assert np.all(deviations[1:] < 0.2)
+        assert not np.any(found[0, 1:])
+
+
 def test_it_finds_what_linear_least_squares_finds(space):
     rng = np.random.default_rng(0)
     truth = rng.uniform(0.1, 1.0, K)
