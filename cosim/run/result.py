@@ -38,6 +38,7 @@ class Result:
     Attributes
     ----------
     time : (n,) float64, s; n is n_steps + 1 unless the record says otherwise
+    points : how many points in time the values are of: n, or those of a range
     stopped : who asked to end the run before its time and when; None where the run is whole
     names : of the signals
     values : (n, len(names)) float64, each in its unit
@@ -53,7 +54,9 @@ class Result:
         system: System,
         stopped: str | None = None,
         changes: Changes | None = None,
+        points: int | None = None,
     ) -> None:
+        self.points = len(time) if points is None else points
         self.stopped = stopped
         self.time = time
         self.values = values
