@@ -1,33 +1,28 @@
-"""Figures of a run: what functions of the user make of its result."""
+"""Figures of a run: what functions of the user make of its result.
+
+Each worker process of a sweep imports this module, which imports little.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip import cosim, ga
 from stickslip.errors import UsageError, number
-from stickslip.ga.problem.candidates import SimulatedCost
-from stickslip.ga.problem.problem import Array
 
 Figure = Callable[[cosim.Result], float]  # evaluates a run to a number
 
 
 @dataclass(frozen=True)
 class Figures:
-    """All figures of a run; its module imports little, since each worker process does."""
+    """All figures of a run."""
 
-    runs: SimulatedCost
     by_name: Mapping[str, Figure]
-    fatal: ClassVar = (Exception,)
 
-    def __call__(self, values: Array) -> dict[str, Any]:
-        """Run with these values (k,); return the figures, and the reason where one failed.
-
-        Raises CandidateFailed when the run fails.
-        """
-        result = self.runs.result(values)
+    def __call__(self, result: cosim.Result) -> dict[str, Any]:
+        """Return the figures, and the reason where one failed."""
         found: dict[str, Any] = {}
         for name, of in self.by_name.items():
             try:

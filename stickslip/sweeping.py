@@ -123,12 +123,12 @@ def sweep(
     rows: list[Mapping[str, Any]] = []
     failed: list[str] = []
     with (
-        ga.SimulatedCost(specification, names, _nothing, signals) as runs,
+        ga.SimulatedCost(specification, names, Figures(figures), signals) as evaluate,
         threadpool_limits(limits=1, user_api="blas"),
         ga.executor(where, workers) as executor,
         _shown(progress) as report,
     ):
-        for found in _evaluated(Figures(runs, figures), np.array(grid), executor, workers):
+        for found in _evaluated(evaluate, np.array(grid), executor, workers):
             rows.append(dict(zip(values, grid[len(rows)], strict=True)) | found)
             if "reason" in found and not failed:
                 failed.append("reason")
@@ -234,7 +234,7 @@ _SHORT = 0.25  # s that a batch should take; a worker that dies takes down the r
 
 
 def _evaluated(
-    evaluate: Figures, grid: Array, executor: Executor | None, workers: int
+    evaluate: ga.SimulatedCost, grid: Array, executor: Executor | None, workers: int
 ) -> Iterator[Mapping[str, Any]]:
     """Yield what is found for each row of a grid, in batches that grow while they take no time."""
     evaluator = Evaluator(evaluate, executor, workers)
@@ -270,11 +270,6 @@ def _shown(progress: Progress | bool) -> Iterator[Progress]:
             bar.update(done - bar.n)
 
         yield report
-
-
-def _nothing(_: cosim.Result) -> float:
-    """Stand for the cost of a run whose result is evaluated otherwise."""
-    return 0.0
 
 
 def _prepared(

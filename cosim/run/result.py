@@ -6,7 +6,7 @@ import csv
 import io
 import operator
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -163,17 +163,19 @@ class Result:
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(["time", *self.names, *self.texts])
+        return atomic_write(Path(path), self._csv())
+
+    def _csv(self) -> Iterator[str]:
+        """Yield the lines of a CSV file, many at a time."""
+        yield _lines([["time", *self.names, *self.texts]])
         for i in range(0, len(self.time), _ROWS):
             rows = slice(i, i + _ROWS)
             numbers = np.column_stack([self.time[rows], self.values[rows]]).tolist()
-            texts = zip(*(text[rows] for text in self.texts.values()), strict=True)
-            writer.writerows(
-                map(operator.add, numbers, map(list, texts)) if self.texts else numbers
-            )
-        return atomic_write(Path(path), text.getvalue())
+            if self.texts:
+                texts = zip(*(text[rows] for text in self.texts.values()), strict=True)
+                yield _lines(map(operator.add, numbers, map(list, texts)))
+            else:  # where nothing needs quotes, they are not looked for
+                yield "".join([",".join(map(repr, row)) + "\n" for row in numbers])
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals with their units; CosimError without pyarrow."""
@@ -204,6 +206,13 @@ class Result:
         for name, column in self._columns.items():
             found.setdefault(name.partition(".")[2], []).append(column)
         return {name: columns[0] for name, columns in found.items() if name and len(columns) == 1}
+
+
+def _lines(rows: Iterable[Sequence[object]]) -> str:
+    """Return rows as lines of a CSV file."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()
 
 
 def _draw(
