@@ -49,7 +49,7 @@ def is_at(file: IO[Any], path: Path) -> bool:
 _TEMPORARY = re.compile(r"\.stickslip-[0-9a-f]{32}")
 
 
-def atomic_write(path: Path, content: bytes | str | Iterable[str]) -> Path:
+def atomic_write(path: Path, content: bytes | str | Iterable[bytes | str]) -> Path:
     """Write a file so that a reader sees the old one or the new one, never a part of it.
 
     Text, whole or in parts, is written as UTF-8. The folder is made if it is absent. What killed

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.cosim import kernel
 from stickslip.cosim.display import html_table
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.system import System
@@ -165,17 +166,17 @@ class Result:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
         return atomic_write(Path(path), self._csv())
 
-    def _csv(self) -> Iterator[str]:
+    def _csv(self) -> Iterator[str | bytes]:
         """Yield the lines of a CSV file, many at a time."""
         yield _lines([["time", *self.names, *self.texts]])
         for i in range(0, len(self.time), _ROWS):
             rows = slice(i, i + _ROWS)
-            numbers = np.column_stack([self.time[rows], self.values[rows]]).tolist()
+            numbers = np.column_stack([self.time[rows], self.values[rows]])
             if self.texts:
                 texts = zip(*(text[rows] for text in self.texts.values()), strict=True)
-                yield _lines(map(operator.add, numbers, map(list, texts)))
-            else:  # where nothing needs quotes, they are not looked for
-                yield "".join([",".join(map(repr, row)) + "\n" for row in numbers])
+                yield _lines(map(operator.add, numbers.tolist(), map(list, texts)))
+            else:
+                yield kernel.lines_of(numbers)
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals with their units; CosimError without pyarrow."""
