@@ -11,7 +11,7 @@ from benchmarks.coupling import ring
 from benchmarks.learn import write_log
 from stickslip import cosim
 
-STEPS, REPEATS = 500_000, 5
+STEPS, REPEATS = 2_000_000, 5
 STICKSLIP = (sys.executable, "-P", "-m", "stickslip")
 FMPY = (sys.executable, "-P", "-m", "fmpy")
 

@@ -129,15 +129,14 @@ def sweep(
         _shown(progress) as report,
     ):
         for found in _evaluated(evaluate, np.array(grid), executor, workers):
-            rows.append(dict(zip(values, grid[len(rows)], strict=True)) | found)
+            rows.append({**dict(zip(values, grid[len(rows)], strict=True)), **found})
             if "reason" in found and not failed:
                 failed.append("reason")
                 if len(rows) < len(grid):  # soon enough to stop the others
                     _log.warning("a run of the sweep failed: %s", found["reason"])
             report(len(rows), len(grid))
     first = rows[0].get("reason", "")
-    found = any({*figures} & {*row} for row in rows)
-    if first.startswith(("figure ", DIED)) and not found:
+    if first.startswith(("figure ", DIED)) and not any({*figures} & {*row} for row in rows):
         raise UsageError(f"{first}; no run gave a figure")
     columns = [*values, *figures, *failed]
     table = pd.DataFrame(rows, columns=columns)
