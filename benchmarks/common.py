@@ -20,19 +20,18 @@ def interleaved(
     clock: Callable[[], float] = time.perf_counter,
     choose: Callable[[list[float]], float] = statistics.median,
     *,
-    twice: bool = False,
+    warm: int = 0,
 ) -> dict[str, float]:
     """Return the median seconds of each case, or another choice; every repeat runs all cases once.
 
-    With ``twice`` a run that does not count comes before each, so that all find in the cache what
-    they write to.
+    Before each there are so many ``warm`` runs, so that all find in the cache what they write to.
     """
     times: dict[str, list[float]] = {name: [] for name in cases}
     for run in cases.values():
         run()
     for _ in range(repeats):
         for name, run in cases.items():
-            if twice:
+            for _ in range(warm):
                 run()
             begin = clock()
             run()

@@ -103,7 +103,7 @@ def by_threads(folder: Path) -> float:
 def _per_step(system, steps: int, coupling: str, record=("mass.v",)) -> float:
     once, twice = (_prepare(system, n, coupling, record) for n in (steps, 2 * steps))
     cases = {"once": once.run, "twice": twice.run}
-    seconds = interleaved(cases, 25, time.thread_time, min, twice=True)
+    seconds = interleaved(cases, 25, time.thread_time, min, warm=2)
     return (seconds["twice"] - seconds["once"]) / steps * 1e9
 
 

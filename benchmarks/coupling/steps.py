@@ -196,7 +196,7 @@ def measure(folder: Path, version: int) -> dict[str, float]:
             cases[name + ", compiled" * compiled] = simulation.run
     np.testing.assert_array_equal(loops.plain(N), cases["cosim, Jacobi"]().values[1:])
     np.testing.assert_array_equal(loops.in_turn(N), cases["cosim, Gauss-Seidel"]().values[1:])
-    return interleaved(cases, 21, time.thread_time, min, twice=True)
+    return interleaved(cases, 21, time.thread_time, min, warm=2)
 
 
 def measure_candidate(folder: Path, version: int) -> dict[str, float]:
@@ -222,7 +222,7 @@ def measure_candidate(folder: Path, version: int) -> dict[str, float]:
     for name, case in cases.items():
         loop = CANDIDATE_IN_TURN if "Gauss-Seidel" in name else CANDIDATE_LOOP
         np.testing.assert_allclose(case(), cases[loop](), rtol=1e-12)
-    return interleaved(cases, 101, time.thread_time, min, twice=True)
+    return interleaved(cases, 61, time.thread_time, min, warm=2)
 
 
 def measure_peers(folder: Path) -> dict[str, float]:

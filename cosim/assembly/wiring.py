@@ -272,11 +272,13 @@ class Memory:
         self._external = external
         run.external = structures.doubles(external) if external.size else None
         room = np.empty if apart else self._room
-        self._take(self._block, used_again=True)  # frees the rows before, maybe for this run
         if self._whole or (apart and (run.n_steps + 1) * run.width <= _MOST_APART):
+            self._rows = self._block  # lets go of those before, whose memory often is the next
             self._take(room((run.n_steps + 1, run.width)), used_again=False)
+        elif not run.used_again:
+            self._take(self._block, used_again=True)
         if self._recorded:
-            self._record = np.empty((0, 0))
+            self._record = self._block
             self._record = room((self._rows_kept, self._recorded))
             run.record = structures.doubles(self._record)
         run.ranged = 0 if self._keep == "range" else -1
