@@ -240,6 +240,7 @@ def _evaluated(
     begin, size = 0, workers
     try:
         while begin < len(grid):
+            size = max(size, getattr(executor, "parts", 0))  # of a cluster, which may grow
             started, end = time.monotonic(), begin + size
             ahead = grid[end : end + size]
             for found, reason in evaluator.outcomes(grid[begin:end], ahead, begins=False):
