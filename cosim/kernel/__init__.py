@@ -17,6 +17,7 @@ from ctypes import (
     c_uint64,
     c_void_p,
     create_string_buffer,
+    string_at,
 )
 from functools import cache
 from pathlib import Path
@@ -138,7 +139,7 @@ def lines_of(numbers: NDArray[np.float64]) -> bytes:
     write = load().write_lines
     write.restype = c_int64
     length = write(text, doubles(rows), *map(c_int64, rows.shape), _powers())
-    return text.raw[:length]
+    return string_at(text, length)
 
 
 MOST_COMPONENTS = 64  # beyond, the code would crowd itself out of the processor's cache

@@ -28,7 +28,7 @@ Changes = Mapping[str, Sequence[tuple[float, str]]]
 """Name of a variable -> times (s) and what it holds from each on."""
 _HEIGHT, _WIDTH, _PANEL = 1.0, 7.0, 2.0
 """Of a figure without panels, its width, and the height of a panel [inch]."""
-_ROWS = 10_000  # of a CSV file, as numbers of Python at the same time
+_NUMBERS = 100_000  # of a CSV file that are formatted at the same time
 
 
 class Result:
@@ -169,8 +169,9 @@ class Result:
     def _csv(self) -> Iterator[str | bytes]:
         """Yield the lines of a CSV file, many at a time."""
         yield _lines([["time", *self.names, *self.texts]])
-        for i in range(0, len(self.time), _ROWS):
-            rows = slice(i, i + _ROWS)
+        n = max(1, _NUMBERS // (1 + len(self.names)))
+        for i in range(0, len(self.time), n):
+            rows = slice(i, i + n)
             numbers = np.column_stack([self.time[rows], self.values[rows]])
             if self.texts:
                 texts = zip(*(text[rows] for text in self.texts.values()), strict=True)
