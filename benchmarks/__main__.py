@@ -8,7 +8,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from benchmarks import candidates, isolation, learn
+from benchmarks import candidates, commands, isolation, learn, sweeps
 from benchmarks.common import table
 from benchmarks.coupling import report
 
@@ -17,6 +17,8 @@ BENCHMARKS = {
     "learn": learn,
     "learning": candidates,
     "isolation": isolation,
+    "commands": commands,
+    "sweeps": sweeps,
 }
 KEPT = Path(__file__).parents[1] / "results" / "coupling"
 

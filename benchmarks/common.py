@@ -1,5 +1,6 @@
 """The paper's loop, ready to run, and times that can be compared, with their table."""
 
+import resource
 import statistics
 import time
 from collections.abc import Callable, Mapping
@@ -17,17 +18,31 @@ def interleaved(
     cases: Mapping[str, Callable[[], object]],
     repeats: int,
     clock: Callable[[], float] = time.perf_counter,
+    choose: Callable[[list[float]], float] = statistics.median,
+    *,
+    warm: int = 0,
 ) -> dict[str, float]:
-    """Return the median seconds of each case; every repeat runs all cases once."""
+    """Return the median seconds of each case, or another choice; every repeat runs all cases once.
+
+    Before each there are so many ``warm`` runs, so that all find in the cache what they write to.
+    """
     times: dict[str, list[float]] = {name: [] for name in cases}
     for run in cases.values():
         run()
     for _ in range(repeats):
         for name, run in cases.items():
+            for _ in range(warm):
+                run()
             begin = clock()
             run()
             times[name].append(clock() - begin)
-    return {name: statistics.median(seconds) for name, seconds in times.items()}
+    return {name: choose(seconds) for name, seconds in times.items()}
+
+
+def cpu() -> float:
+    """Return the CPU seconds of this process and of those that it has waited for."""
+    usages = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
 
 
 def table(figures: Mapping[str, float]) -> str:

@@ -35,7 +35,8 @@ class Stages(Progress):
         self.begun.append((name, time.perf_counter()))
 
 
-def measure(folder: Path) -> dict[str, float]:
+def write_log(folder: Path) -> tuple[Path, Description, float]:
+    """Write the log of a run; return it, what its columns are, and the seconds of a run."""
     build_fmus(folder, {})
     loop = commissioning_loop(Datasheet())
     v_cmd = plan()["velocity_command"].to_numpy()
@@ -52,14 +53,18 @@ def measure(folder: Path) -> dict[str, float]:
     log = pd.DataFrame(
         {"time": t, "position": result[record[0]], "force": result[record[1]]}
     ).assign(velocity_command=v_cmd)
-    log.to_csv(folder / "log.csv", index=False)
+    log.to_csv(path := folder / "log.csv", index=False)
     columns = {name: Column(name) for name in log}
-    description = Description(columns=columns, controller="PI", gains=gains_of(loop))
+    return path, Description(columns=columns, controller="PI", gains=gains_of(loop)), one
+
+
+def measure(folder: Path) -> dict[str, float]:
+    path, description, one = write_log(folder)
     figures: dict[str, float] = {}
     for workers in (1, 2):
         stages = Stages()
         search = Search(execution=Execution(workers=workers))
-        ss.learn(folder / "log.csv", description, search=search, progress=stages)
+        ss.learn(path, description, search=search, progress=stages)
         stages.stage("")
         for (name, begin), (_, end) in pairwise(stages.begun):
             figures[f"{name}, workers = {workers}"] = (end - begin) / one

@@ -7,14 +7,12 @@ import os
 import re
 import stat
 import sys
-import tomllib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from io import BufferedReader
 from pathlib import Path
 from typing import IO, Any, BinaryIO
-from uuid import uuid4
 
 
 def lock(file: IO[Any]) -> bool:
@@ -51,20 +49,21 @@ def is_at(file: IO[Any], path: Path) -> bool:
 _TEMPORARY = re.compile(r"\.stickslip-[0-9a-f]{32}")
 
 
-def atomic_write(path: Path, content: bytes | str) -> Path:
+def atomic_write(path: Path, content: bytes | str | Iterable[bytes | str]) -> Path:
     """Write a file so that a reader sees the old one or the new one, never a part of it.
 
-    Text is written as UTF-8. The folder is made if it is absent. What killed processes left in it
-    half-written is deleted. OSError when there is a link or no plain file of that name, the folder
-    cannot be written or the disk is full; ``path`` is then as it was. The error names ``path``.
+    Text, whole or in parts, is written as UTF-8. The folder is made if it is absent. What killed
+    processes left in it half-written is deleted. OSError when there is a link or no plain file of
+    that name, the folder cannot be written or the disk is full; ``path`` is then as it was. The
+    error names ``path``.
     """
-    data = content.encode() if isinstance(content, str) else content
+    parts = [content] if isinstance(content, bytes | str) else content
     require_regular_file(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     _sweep(path.parent)
     try:
         with _beside(path.parent) as (file, temporary):
-            file.write(data)
+            file.writelines(one.encode() if isinstance(one, str) else one for one in parts)
             file.flush()
             os.fsync(file.fileno())
             if sys.platform == "win32":
@@ -104,7 +103,7 @@ def sync_folder(folder: Path) -> None:
 def _beside(folder: Path) -> Iterator[tuple[BinaryIO, Path]]:
     """Open a new file, locked as long as it is open; it is gone at the end unless renamed."""
     while True:
-        temporary = folder / f".stickslip-{uuid4().hex}"
+        temporary = folder / f".stickslip-{os.urandom(16).hex()}"
         with temporary.open("xb") as file:
             try:
                 with suppress(OSError):  # without locks nobody will sweep it either
@@ -189,6 +188,8 @@ def parse_json(data: bytes) -> Any:
 def parse_toml(data: bytes) -> dict[str, Any]:
     """Return the content of TOML; ValueError where it is none, or is nested too deeply."""
     text = _text(data)
+    import tomllib  # late, for those who start quickly
+
     # tomllib takes minutes for a name of 100,000 parts
     if any(part.count(".") > DEEPEST for part in _BETWEEN_KEYS.split(_STRINGS.sub("", text))):
         raise _too_deep()

@@ -4,7 +4,6 @@ import difflib
 import math
 import re
 from collections.abc import Iterable
-from html import escape
 from itertools import islice
 from unicodedata import category
 
@@ -37,6 +36,8 @@ def harmless(text: str) -> str:
 
 def escaped(text: str) -> str:
     """Return untrusted text as HTML shows it."""
+    from html import escape  # late, for those who start quickly
+
     return escape(harmless(text))
 
 

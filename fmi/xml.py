@@ -4,8 +4,6 @@ import codecs
 import re
 from typing import Any
 
-from lxml import etree
-
 from stickslip.fmi.messages import printable, shown
 
 MAX_BYTES = 2**27
@@ -38,6 +36,8 @@ def parse_xml(
         raise Malformed(f"{len(data)} bytes, expected at most {MAX_BYTES}")
     if data.count(b"<") - data.count(b"</") > MAX_ELEMENTS:
         raise Malformed(f"more than {MAX_ELEMENTS} elements, which is more than is read")
+    from lxml import etree  # late, for those who start quickly
+
     parser = etree.XMLParser(
         encoding=None if lenient else _encoding(data),
         resolve_entities=False,

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import logging
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
 from stickslip import cosim, ga
@@ -22,17 +24,17 @@ from stickslip.cosim.display import html_table
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import Inputs
 from stickslip.errors import UsageError, number
+from stickslip.figures import Figure, Figures, figure
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.description.variables import FLOATS
 from stickslip.fmi.messages import printable
-from stickslip.ga.execution.evaluation import DIED
+from stickslip.ga.execution.evaluation import DIED, Evaluator
+from stickslip.ga.problem.problem import Array
 from stickslip.simulation import Model
-from stickslip.work.jobs import Outcome, run_jobs
 
 _log = logging.getLogger(__name__)
 
 Progress = Callable[[int, int], object]  # takes how many runs are done and how many there are
-Figure = Callable[[cosim.Result], float]  # evaluates a run to a number
 
 
 @dataclass(frozen=True)
@@ -118,30 +120,26 @@ def sweep(
     for name, some in zip(names, values.values(), strict=True):
         some[:] = [number(name, model.system.checked(name, value)) for value in some]
     grid = list(product(*values.values()))
-    rows: dict[int, Mapping[str, Any]] = {}
+    rows: list[Mapping[str, Any]] = []
     failed: list[str] = []
     with (
-        ga.SimulatedCost(specification, names, _nothing, signals) as cost,
+        ga.SimulatedCost(specification, names, Figures(figures), signals) as evaluate,
+        threadpool_limits(limits=1, user_api="blas"),
+        ga.executor(where, workers) as executor,
         _shown(progress) as report,
     ):
-        runs = [_Run(cost, dict(figures), k, one) for k, one in enumerate(grid)]
-
-        def take(run: _Run, outcome: Outcome) -> None:
-            found = json.loads(outcome.learned) if outcome.learned else {"reason": outcome.reason}
-            rows[run.place] = dict(zip(values, run.values, strict=True)) | found
+        for found in _evaluated(evaluate, np.array(grid), executor, workers):
+            rows.append({**dict(zip(values, grid[len(rows)], strict=True)), **found})
             if "reason" in found and not failed:
                 failed.append("reason")
                 if len(rows) < len(grid):  # soon enough to stop the others
                     _log.warning("a run of the sweep failed: %s", found["reason"])
             report(len(rows), len(grid))
-
-        run_jobs(_evaluated, runs, 0, where, workers=workers, on_done=take)
     first = rows[0].get("reason", "")
-    found = any({*figures} & {*row} for row in rows.values())
-    if first.startswith(("figure ", DIED)) and not found:
+    if first.startswith(("figure ", DIED)) and not any({*figures} & {*row} for row in rows):
         raise UsageError(f"{first}; no run gave a figure")
     columns = [*values, *figures, *failed]
-    table = pd.DataFrame([rows[k] for k in range(len(grid))], columns=columns)
+    table = pd.DataFrame(rows, columns=columns)
     return table.fillna({"reason": ""}) if failed else table
 
 
@@ -215,7 +213,7 @@ def optimise(
     model.require_free(names, signals)
     with (
         ga.SimulatedCost(
-            specification, names, partial(_figure, "the cost", cost), signals
+            specification, names, partial(figure, "the cost", cost), signals
         ) as evaluate,
         ga.executor(where, workers) as executor,
         _shown(progress) as report,
@@ -231,43 +229,25 @@ def optimise(
     return Optimum(found.parameters, cost_of, table, found.stopped, units=units, ranges=ends)
 
 
-@dataclass(frozen=True)
-class _Run:
-    """One combination of a sweep; a job of ``run_jobs``."""
-
-    cost: ga.SimulatedCost
-    figures: Mapping[str, Figure]
-    place: int
-    values: tuple[float, ...]
+_SHORT = 0.25  # s that a batch should take; a worker that dies takes down the runs of its share
 
 
-def _evaluated(run: _Run, _seed: int, _stage: object = None) -> Outcome:
+def _evaluated(
+    evaluate: ga.SimulatedCost, grid: Array, executor: Executor | None, workers: int
+) -> Iterator[Mapping[str, Any]]:
+    """Yield what is found for each row of a grid, in batches that grow while they take no time."""
+    evaluator = Evaluator(evaluate, executor, workers)
+    begin, size = 0, workers
     try:
-        result = run.cost.result(np.array(run.values))
-    except ga.CandidateFailed as failure:
-        return Outcome(reason=str(failure))
-    found: dict[str, float | str] = {}
-    for name, of in run.figures.items():
-        try:
-            found[name] = _figure(f"figure {name!r}", of, result)
-        except ga.CandidateFailed as fault:
-            found.setdefault("reason", str(fault))
-    return Outcome(json.dumps(found))
-
-
-def _figure(what: str, of: Figure, result: cosim.Result) -> float:
-    """Return what a function of the user makes of a run.
-
-    Raises CandidateFailed when it raises, or returns no number.
-    """
-    try:
-        value = of(result)
-    except Exception as fault:
-        raise ga.CandidateFailed(f"{what}: {type(fault).__name__}: {fault}") from fault
-    try:
-        return number(what, value)
-    except UsageError as fault:
-        raise ga.CandidateFailed(str(fault)) from None
+        while begin < len(grid):
+            size = max(size, getattr(executor, "parts", 0))  # of a cluster, which may grow
+            started, end = time.monotonic(), begin + size
+            ahead = grid[end : end + size]
+            for found, reason in evaluator.outcomes(grid[begin:end], ahead, begins=False):
+                yield {"reason": reason} if reason else found
+            begin, size = end, size * (1 + (time.monotonic() - started < _SHORT))
+    finally:
+        evaluator.dismiss()
 
 
 def _values(name: str, some: Iterable[float | str]) -> list[Any]:
@@ -290,11 +270,6 @@ def _shown(progress: Progress | bool) -> Iterator[Progress]:
             bar.update(done - bar.n)
 
         yield report
-
-
-def _nothing(_: cosim.Result) -> float:
-    """Stand for the cost of a run whose result is evaluated otherwise."""
-    return 0.0
 
 
 def _prepared(

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 
     from stickslip.cosim import DefaultExperiment
     from stickslip.cosim.component import Interface
-    from stickslip.sweeping import Figure, Optimum
+    from stickslip.figures import Figure
+    from stickslip.sweeping import Optimum
 
 
 class System(system.System):

@@ -37,7 +37,7 @@ ROOMS_OF_STICKSLIP = (
     *("thresholds", "errors", "versions", "toml_files", "output"),
     *("storage", "catalog", "servo", "presentation", "work", "compensators", "planning"),
     *("logs", "rigs", "identification", "evaluation", "tuning", "trial", "learned", "loops"),
-    *("simulation", "contents", "laws", "blocks", "sweeping", "system", "drives"),
+    *("simulation", "contents", "laws", "blocks", "figures", "sweeping", "system", "drives"),
     *("commandline", "studies.arena", "studies.survey", "studies.learn", "papers.lugre"),
     *("studies.compare", "studies.fleet", "studies.tune", "studies.validate"),
     *("precompile", "commands", "cli", "__main__"),

@@ -17,7 +17,7 @@ import scipy.signal
 from stickslip import cosim, ga, thresholds
 from stickslip.catalog.parameters import ParameterSpace, friction_law
 from stickslip.errors import IdentificationError, RecordingError, RigError, UsageError
-from stickslip.identification import estimation
+from stickslip.identification import estimation, held_out
 from stickslip.identification.criteria import controller_check, inverse_model
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.runs import Diverged, require_bounded
@@ -31,7 +31,7 @@ from stickslip.identification.fitting.identifiability import (
     conservative,
 )
 from stickslip.identification.fitting.start import Start
-from stickslip.identification.selection import choice, choose, folds, prediction
+from stickslip.identification.selection import choice, choose, prediction
 from stickslip.identification.sliding import (
     checked_logs,
     friction_curve,
@@ -417,7 +417,7 @@ def not_explained(apart=0.0, varying=0.0, **_):
 def is_less(gain, spread):
     """Return whether squared errors that vary by block are less by a share of the others."""
     sign = np.resize([1.0, -1.0], 40)
-    return folds.is_less(np.exp(spread * sign - gain), np.ones(40))
+    return held_out.is_less(np.exp(spread * sign - gain), np.ones(40))
 
 
 def law(error):

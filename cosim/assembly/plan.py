@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cached_property
 from numbers import Real
+from typing import TypeVar
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from stickslip.cosim.system.settings import Coupling, Record
 from stickslip.cosim.system.system import Specification, System
 from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import suggestion
+
+T = TypeVar("T", float, Array)
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,7 @@ class Layout:
 
     def kept_per_point(self, record: Record) -> float:
         """Return how many numbers of a point in time are kept."""
-        if record.keep == "last":
+        if record.keep != "all":
             return 0
         return len(self.columns) if self.whole else len(self.recorded) / record.every
 
@@ -179,7 +182,11 @@ class Plan:
     def time(self) -> Array:
         """The points in time, (n_steps + 1,) s; raises ExperimentError without room for a run."""
         self.check_memory()
-        return self.spec.start + self.spec.step * np.arange(self.n_steps + 1, dtype=np.float64)
+        return self.at(np.arange(self.n_steps + 1, dtype=np.float64))
+
+    def at(self, step: T) -> T:
+        """Return the time (s) at the end of a step or of several, the same bits as in ``time``."""
+        return self.spec.start + self.spec.step * step
 
     @property
     def near(self) -> float:
@@ -189,7 +196,8 @@ class Plan:
     @property
     def rows(self) -> int:
         """How many rows a result may have; an FMU that ends a run adds one."""
-        return 1 if self.record.keep == "last" else self.n_steps // self.record.every + 2
+        few = {"last": 1, "range": 3}
+        return few.get(self.record.keep, self.n_steps // self.record.every + 2)
 
     def check_memory(self, per_point: float = 0) -> None:
         """Check that there is room for a run, with so many numbers more at each point in time."""

@@ -252,12 +252,12 @@ class Memory:
     def __init__(self, run: structures.Run, plan: Plan, room: Room = np.empty) -> None:
         layout, record = plan.layout, plan.record
         self._run, self._room, self._plan = run, room, plan
-        self._only_last = record.keep == "last"
+        self._keep = record.keep
         self._columns = [layout.columns[name] for name in layout.recorded]
-        self._recorded = 0 if layout.whole or self._only_last else len(self._columns)
+        self._recorded = 0 if layout.whole or record.keep == "last" else len(self._columns)
         self._every = record.every
-        self._points = plan.n_steps // record.every + 1
-        self._record: Array = np.empty((self._points, 0))
+        self._rows_kept = 3 if record.keep == "range" else plan.n_steps // record.every + 1
+        self._record: Array = np.empty((self._rows_kept, 0))
         run.selected = (ctypes.c_int64 * len(self._columns))(*self._columns)
         run.n_selected = self._recorded
         run.every = record.every
@@ -273,12 +273,15 @@ class Memory:
         run.external = structures.doubles(external) if external.size else None
         room = np.empty if apart else self._room
         if self._whole or (apart and (run.n_steps + 1) * run.width <= _MOST_APART):
+            self._rows = self._block  # lets go of those before, whose memory often is the next
             self._take(room((run.n_steps + 1, run.width)), used_again=False)
-        elif self._rows is not self._block:
+        elif not run.used_again:
             self._take(self._block, used_again=True)
         if self._recorded:
-            self._record = room((self._points, self._recorded))
+            self._record = self._block
+            self._record = room((self._rows_kept, self._recorded))
             run.record = structures.doubles(self._record)
+        run.ranged = 0 if self._keep == "range" else -1
 
     def prepare_steps(self, inputs: Array) -> None:
         """Make room for steps of which nothing is kept, with the exposed inputs (n,) at first."""
@@ -313,7 +316,9 @@ class Memory:
         run.block_start = run.done = run.closed = step
         self._row(step)[:] = row
         if step % self._every == 0:
-            self._record[step // self._every] = self._row(step)[self._columns[: self._recorded]]
+            place = slice(None) if self._keep == "range" else step // self._every
+            self._record[place] = row[self._columns[: self._recorded]]
+            run.ranged = min(run.ranged + 1, 1)
 
     def append(self, first: int, outputs: Array) -> None:
         """Write the row of the next step: the last but for some outputs, from a column on."""
@@ -321,18 +326,30 @@ class Memory:
         row[:] = self._row(self._run.done)
         row[first : first + len(outputs)] = outputs
 
-    def kept(self, first: int, last: int, *, ended: bool = False) -> tuple[Array, Array]:
-        """Return time (n,) and record (n, signals) from step first to last; last if it ended."""
-        if self._only_last:
-            return self._plan.time[last : last + 1], self.last()[None]
-        begin, end = -(-first // self._every), last // self._every + 1
-        record = self._rows if self._whole else self._record
-        time = self._plan.time[begin * self._every : last + 1 : self._every]
-        values: Array = record[begin:end]
-        if ended and last % self._every:
-            time = np.append(time, self._plan.time[last])
-            values = np.vstack([values, self._row(last)[self._columns]])
-        return time, values
+    def kept(self, first: int, last: int, *, ended: bool = False) -> tuple[Array, Array, int]:
+        """Return time (n,), record (n, signals) and the number of points that these are of.
+
+        They are the points from step first to last; the last one is among them if it ended the run.
+        """
+        every, further = self._every, ended and last % self._every != 0
+        begin, end = -(-first // every), last // every + 1
+        points = end - begin + further
+        if self._keep == "last":
+            return self._plan.at(np.array([float(last)])), self.last()[None], 1
+        if self._keep == "range":
+            values = self._record[: 3 * (end - begin)]
+            if further:
+                values = np.vstack([values, self.last()])
+                values = np.array([values.min(0), values.max(0), values[-1]])
+            ends = [begin * every if begin < end else last, last if further else (end - 1) * every]
+            time = self._plan.at(np.array(ends, dtype=np.float64))[[0, 1, 1][: len(values)]]
+            return time, values, points
+        time = self._plan.time[begin * every : last + 1 : every]
+        values = (self._rows if self._whole else self._record)[begin:end]
+        if further:
+            time = np.append(time, self._plan.at(last))
+            values = np.vstack([values, self.last()])
+        return time, values, points
 
     def _take(self, rows: Array, *, used_again: bool) -> None:
         self._rows = rows

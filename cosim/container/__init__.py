@@ -7,7 +7,6 @@ import math
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from importlib import metadata
 from pathlib import Path
 from typing import Literal
 
@@ -238,6 +237,8 @@ def solver_members(targets: Iterable[Platform]) -> dict[str, bytes]:
             )
         for file in sorted(folder.iterdir()):
             members[f"resources/cvode/{target.tuple}/{file.name}"] = file.read_bytes()
+    from importlib import metadata  # late, for those who start quickly
+
     licence = metadata.distribution("fmpy").read_text(_LICENCE)
     if licence is None:
         raise FmuError(f"FMPy is installed without {_LICENCE}; install it again")

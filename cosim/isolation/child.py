@@ -15,8 +15,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from stickslip.cosim import kernel
 from stickslip.cosim.isolation.messages import LOST, Shared, receive, send
 from stickslip.cosim.run import resets
@@ -63,6 +61,7 @@ def main(name: str, size: int, token: bytes) -> None:
 
 
 _LINES = 100  # of the log, for each answer
+_FEW = 3  # points in time that are sent one by one
 
 
 class _Kept(logging.Handler):
@@ -141,8 +140,8 @@ class _Served:
             place[:] = result.values.copy()
         return {
             "shape": result.values.shape,
-            "first": int(np.searchsorted(simulation.time, result.time[0])),
-            "end": float(result.time[-1]),
+            "points": result.points,
+            "times": (result.time if len(result.time) <= _FEW else result.time[[0, -1]]).tolist(),
             "stopped": result.stopped,
             "texts": result.changes,
             "effort": dict(simulation.effort),

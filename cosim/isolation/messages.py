@@ -282,10 +282,8 @@ def portable_inputs(inputs: Mapping[str, Input], time: Array) -> dict[str, Input
     return {name: _portable(name, signal, time) for name, signal in inputs.items()}
 
 
-def portable_scenario(scenario: Scenario | None, time: Array) -> Scenario | None:
+def portable_scenario(scenario: Scenario, time: Array) -> Scenario:
     """Return a scenario whose signals another process understands."""
-    if scenario is None:
-        return None
     events = (replace(e, value=_portable(e.name, e.value, time)) for e in scenario.events)
     return replace(scenario, events=tuple(events))
 

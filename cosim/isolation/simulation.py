@@ -122,6 +122,7 @@ class IsolatedSimulation(Simulation):
         del arguments["self"]
         self.pacing = None
         progress, real_time = arguments["progress"], arguments["real_time"]
+        inputs, scenario = signals_of(arguments["inputs"]), arguments["scenario"]
         pacing = None if real_time is None else RealTimePacing.of(real_time)
         slack = max(self.spec.step, pacing.interval, 1.0) / pacing.speed if pacing else 0.0
         if how == "resume":
@@ -130,8 +131,8 @@ class IsolatedSimulation(Simulation):
             starts = by_name("parameters", arguments["parameters"], ParameterError)
             arguments["parameters"] = starts
         arguments |= {
-            "inputs": portable_inputs(signals_of(arguments["inputs"]), self.time),
-            "scenario": portable_scenario(arguments["scenario"], self.time),
+            "inputs": inputs and portable_inputs(inputs, self.time),
+            "scenario": scenario and portable_scenario(scenario, self.time),
             "progress": progress is not None,
             "how": how,
         }
@@ -185,14 +186,16 @@ class IsolatedSimulation(Simulation):
     def _result_of(self, reply: Reply) -> Result:
         """Copy a result from the shared memory, which the next run overwrites."""
         n, width = reply["shape"]
-        every = self._plan.record.every
-        time = self.time[reply["first"] :: every][:n]
-        if len(time) < n or time[-1] != reply["end"]:  # an FMU has ended the run
-            time = np.append(time[: n - 1], reply["end"])
+        time = np.array(reply["times"])
+        if n > len(time):
+            first, end = int(np.searchsorted(self.time, time[0])), time[-1]
+            time = self.time[first :: self._plan.record.every][:n]
+            if len(time) < n or time[-1] != end:  # an FMU has ended the run
+                time = np.append(time[: n - 1], end)
         values = self._living().shared.numbers[: n * width].reshape(n, width).copy()
         names, system = self._plan.layout.recorded, self.spec.system
-        texts = reply["texts"]
-        return Result(time, values, names, system, reply["stopped"], texts)
+        stopped, texts, points = reply["stopped"], reply["texts"], reply["points"]
+        return Result(time, values, names, system, stopped, texts, points)
 
     def _ask(
         self,

@@ -4,11 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from ctypes import CDLL, POINTER, addressof, byref, c_bool, c_char_p, c_int, c_void_p
+from ctypes import (
+    CDLL,
+    POINTER,
+    Array,
+    addressof,
+    byref,
+    c_bool,
+    c_char_p,
+    c_int,
+    c_int64,
+    c_uint64,
+    c_void_p,
+    create_string_buffer,
+    string_at,
+)
 from functools import cache
 from pathlib import Path
 
-from stickslip.cosim.kernel.structures import Arithmetic, Component, Mark, Run
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.cosim.kernel.structures import Arithmetic, Component, Mark, Run, doubles
 from stickslip.fmi import toolchain
 from stickslip.fmi.standard import standard_files
 
@@ -97,6 +114,32 @@ def plain_arithmetic() -> Iterator[None]:
         yield
     finally:
         library.end_plain_arithmetic(byref(before))
+
+
+_LOWEST, _HIGHEST = -292, 324  # powers of ten that doubles need
+_LONGEST = 25  # characters of a number, with a comma
+
+
+@cache
+def _powers() -> Array[Array[c_uint64]]:
+    """Return 128 bits of each power of ten, rounded up."""
+    found = ((c_uint64 * 2) * (_HIGHEST - _LOWEST + 1))()
+    for k, pair in enumerate(found, _LOWEST):
+        above, below = 10 ** max(k, 0), 10 ** max(-k, 0)
+        shift = 127 + below.bit_length() - above.bit_length() + (k < 0)
+        bits = -((-above << shift) // below) if shift >= 0 else -(-above >> -shift)
+        pair[:] = divmod(bits, 2**64)
+    return found
+
+
+def lines_of(numbers: NDArray[np.float64]) -> bytes:
+    """Return numbers (n, width) as n lines of a CSV file, as ``repr`` writes them."""
+    rows = np.ascontiguousarray(numbers)
+    text = create_string_buffer(_LONGEST * rows.size)
+    write = load().write_lines
+    write.restype = c_int64
+    length = write(text, doubles(rows), *map(c_int64, rows.shape), _powers())
+    return string_at(text, length)
 
 
 MOST_COMPONENTS = 64  # beyond, the code would crowd itself out of the processor's cache

@@ -181,6 +181,7 @@ typedef struct {
     int64_t block;      /* steps between two looks at the values and the clock */
     int64_t used_again; /* not 0: the rows of a block are those of the next */
     double *record;     /* (n_steps / every + 1, n_selected), or NULL */
+    int64_t ranged;     /* points of which the record has least, greatest and last values, or -1 */
     const int64_t *selected; /* columns */
     int64_t n_selected;
     int64_t every;       /* steps from one row of the record to the next */

@@ -154,11 +154,36 @@ static void note_moved(Run *run, int64_t first, int64_t last) {
     }
 }
 
+/* Widen the range (3, n_selected) of the record by n points; a value that is no number stays. */
+static void record_range(Run *run, const double *row, int64_t stride, int64_t n) {
+    double *least = run->record, *greatest = least + run->n_selected;
+    double *end = greatest + run->n_selected;
+    for (int64_t i = 0; i < run->n_selected; i++) {
+        const double *value = row + run->selected[i];
+        double low = run->ranged ? least[i] : *value, high = run->ranged ? greatest[i] : *value;
+        for (int64_t k = 0; k < n; k++, value += stride) {
+            low = *value < low ? *value : low;
+            high = *value > high ? *value : high;
+            if (UNLIKELY(isnan(*value))) {
+                low = high = *value;
+            }
+            end[i] = *value;
+        }
+        least[i] = low;
+        greatest[i] = high;
+    }
+    run->ranged += n;
+}
+
 /* Of the rows from first to last, those of every n-th step. */
-static void record_rows(const Run *run, int64_t first, int64_t last) {
+static void record_rows(Run *run, int64_t first, int64_t last) {
     const int64_t begin = (first + run->every - 1) / run->every, end = last / run->every + 1;
     const int64_t stride = run->every * run->width;
     if (!run->record || begin >= end) {
+        return;
+    }
+    if (run->ranged >= 0) {
+        record_range(run, row_of(run, begin * run->every), stride, end - begin);
         return;
     }
     for (int64_t i = 0; i < run->n_selected; i++) {

@@ -6,13 +6,14 @@ import csv
 import io
 import operator
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.cosim import kernel
 from stickslip.cosim.display import html_table
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.system import System
@@ -27,7 +28,7 @@ Changes = Mapping[str, Sequence[tuple[float, str]]]
 """Name of a variable -> times (s) and what it holds from each on."""
 _HEIGHT, _WIDTH, _PANEL = 1.0, 7.0, 2.0
 """Of a figure without panels, its width, and the height of a panel [inch]."""
-_ROWS = 10_000  # of a CSV file, as numbers of Python at the same time
+_NUMBERS = 100_000  # of a CSV file that are formatted at the same time
 
 
 class Result:
@@ -38,6 +39,7 @@ class Result:
     Attributes
     ----------
     time : (n,) float64, s; n is n_steps + 1 unless the record says otherwise
+    points : how many points in time the values are of: n, or those of a range
     stopped : who asked to end the run before its time and when; None where the run is whole
     names : of the signals
     values : (n, len(names)) float64, each in its unit
@@ -53,7 +55,9 @@ class Result:
         system: System,
         stopped: str | None = None,
         changes: Changes | None = None,
+        points: int | None = None,
     ) -> None:
+        self.points = len(time) if points is None else points
         self.stopped = stopped
         self.time = time
         self.values = values
@@ -160,17 +164,20 @@ class Result:
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(["time", *self.names, *self.texts])
-        for i in range(0, len(self.time), _ROWS):
-            rows = slice(i, i + _ROWS)
-            numbers = np.column_stack([self.time[rows], self.values[rows]]).tolist()
-            texts = zip(*(text[rows] for text in self.texts.values()), strict=True)
-            writer.writerows(
-                map(operator.add, numbers, map(list, texts)) if self.texts else numbers
-            )
-        return atomic_write(Path(path), text.getvalue())
+        return atomic_write(Path(path), self._csv())
+
+    def _csv(self) -> Iterator[str | bytes]:
+        """Yield the lines of a CSV file, many at a time."""
+        yield _lines([["time", *self.names, *self.texts]])
+        n = max(1, _NUMBERS // (1 + len(self.names)))
+        for i in range(0, len(self.time), n):
+            rows = slice(i, i + n)
+            numbers = np.column_stack([self.time[rows], self.values[rows]])
+            if self.texts:
+                texts = zip(*(text[rows] for text in self.texts.values()), strict=True)
+                yield _lines(map(operator.add, numbers.tolist(), map(list, texts)))
+            else:
+                yield kernel.lines_of(numbers)
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals with their units; CosimError without pyarrow."""
@@ -201,6 +208,13 @@ class Result:
         for name, column in self._columns.items():
             found.setdefault(name.partition(".")[2], []).append(column)
         return {name: columns[0] for name, columns in found.items() if name and len(columns) == 1}
+
+
+def _lines(rows: Iterable[Sequence[object]]) -> str:
+    """Return rows as lines of a CSV file."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()
 
 
 def _draw(

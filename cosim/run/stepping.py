@@ -74,7 +74,8 @@ class Stepper:
         self, values: Mapping[str, Value], inputs: Mapping[str, Input], scenario: Scenario | None
     ) -> Array:
         """Return the exposed inputs at the points in time; between them they are attached."""
-        system, run, time = self._system, self.fmus.run, self.plan.time
+        system, run = self._system, self.fmus.run
+        time = self.plan.time if system.inputs else np.empty(0)
         external = sample_inputs(system, values, inputs, time)
         ends = external
         if scenario or run.coupling:
@@ -130,30 +131,30 @@ class Stepper:
         progress: Callable[[float], object] | None,
     ) -> Result:
         """Step to the last of the points in time, and look up on the way if asked to."""
-        fmus, time = self.fmus, self.plan.time
+        fmus, at = self.fmus, self.plan.at
         self._texts = Texts([])
         look = last - first
         if pacing:
             look = max(1, round(pacing.interval / self.plan.spec.step))
-            pacing.begin(time[first])
+            pacing.begin(at(first))
         elif progress:
             look = max(1, look // 100)
         halt = first
         try:
             if self.plan.layout.texts:
-                look = 1 if self.plan.record.keep == "all" else look
+                look = look if self.plan.record.keep == "last" else 1
                 self.advance(first)
             self._texts = self._new_texts()
-            self._texts.note(time[first])
+            self._texts.note(at(first))
             while halt < last:
                 halt = min(halt + look, last)
                 if end := self.advance(halt):
                     return self._ended(end, first)
-                self._texts.note(time[halt])
+                self._texts.note(at(halt))
                 if pacing:
-                    pacing.keep(time[halt])
+                    pacing.keep(at(halt))
                 if progress:
-                    progress(float(time[halt]))
+                    progress(at(halt))
         finally:
             fmus.warn()
         return self._result(*fmus.memory.kept(first, last))
@@ -288,10 +289,11 @@ class Stepper:
             fmus.memory.append(slot.column, last_outputs(slot))
         if not fmus.kernel.end_early(run, further):
             raise fmus.failure()
-        time, values = fmus.memory.kept(first, run.done, ended=True)
+        time, values, points = fmus.memory.kept(first, run.done, ended=True)
         if further:
             time = np.append(time[:-1], time_reached)
-        return self._result(time, values, f"{name}: {reason} at t = {time_reached:.9g} s")
+        reason = f"{name}: {reason} at t = {time_reached:.9g} s"
+        return self._result(time, values, points, reason)
 
     def _new_texts(self) -> Texts:
         names: dict[str, list[str]] = {}
@@ -304,9 +306,11 @@ class Stepper:
             batches.append((own, batch, self.fmus.state_of(one).read))
         return Texts(batches)
 
-    def _result(self, time: Array, values: Array, stopped: str | None = None) -> Result:
+    def _result(
+        self, time: Array, values: Array, points: int, stopped: str | None = None
+    ) -> Result:
         names = self.plan.layout.recorded
-        return Result(time, values, names, self._system, stopped, self._texts.changes)
+        return Result(time, values, names, self._system, stopped, self._texts.changes, points)
 
 
 def last_outputs(slot: structures.Component) -> Array:

@@ -116,7 +116,8 @@ class Record:
         Strings, which are read after each step, become ``Result.texts``
     every : keep the points in time 0, every, 2 every, ... only. Where an FMU ends the run, the last
         point is kept as well
-    keep : ``all`` these points in time, or the ``last`` point of the run alone
+    keep : ``all`` these points in time; the ``last`` point of the run alone; or their ``range``,
+        the least, the greatest and the last value of each signal, as a result of three rows
 
     Raises
     ------
@@ -125,13 +126,15 @@ class Record:
 
     names: str | Sequence[str] | None = None
     every: int = 1
-    keep: Literal["all", "last"] = "all"
+    keep: Literal["all", "last", "range"] = "all"
 
     def __post_init__(self) -> None:
         if isinstance(self.every, bool) or not isinstance(self.every, int) or self.every < 1:
             raise ExperimentError(f"record: every = {self.every!r}, expected an integer from 1 on")
-        if self.keep not in ("all", "last"):
-            raise ExperimentError(f"record: keep = {self.keep!r}, expected 'all' or 'last'")
+        if self.keep not in ("all", "last", "range"):
+            raise ExperimentError(
+                f"record: keep = {self.keep!r}, expected 'all', 'last' or 'range'"
+            )
 
     @classmethod
     def of(cls, what: Record | str | Sequence[str] | None) -> Record:

@@ -20,13 +20,13 @@ from stickslip.ga.errors import CandidateFailed, SettingsError
 from stickslip.ga.problem.problem import Array
 
 T = TypeVar("T")
-Evaluate = Callable[[Array], float]
-"""values (k,), in the genes' units -> cost, 0 .. inf; raises CandidateFailed if it has none.
+Evaluate = Callable[[Array], Any]
+"""values (k,), in the genes' units -> cost, 0 .. inf, or a dictionary; raises CandidateFailed.
 
 An attribute ``fatal``, a tuple of exceptions, names those that no candidate is to blame for. A
 method ``together`` begins rows (n, k) at once; it returns functions that go on with each."""
 
-Outcome = tuple[float, str]  # cost, and why it is infinite or an empty text
+Outcome = tuple[Any, str]  # cost, and why it is infinite or an empty text
 ALONE = 2  # how often a candidate whose worker died is tried alone
 DIED = "the worker process that ran it died"
 _UNPICKLABLE = pickle.PicklingError, AttributeError, TypeError
@@ -38,13 +38,16 @@ class Evaluator:
     """Evaluates generation after generation, in the caller's own thread or by workers.
 
     Workers that have nothing to do begin with what is known of the next generation, so none waits
-    for the slowest. What is learned does not depend on it.
+    for the slowest. What is learned does not depend on it. Rows go to workers in so many ``parts``,
+    by default each in one of its own, or as the executor likes.
     """
 
-    def __init__(self, evaluate: Evaluate, executor: Executor | None) -> None:
+    def __init__(
+        self, evaluate: Evaluate, executor: Executor | None, parts: int | None = None
+    ) -> None:
         packed = getattr(executor, "packed", None)
         self._evaluate: Evaluate | Packed = packed(evaluate) if packed else evaluate
-        self._executor = executor
+        self._executor, self._parts = executor, parts
         self._begun: dict[bytes, _Place] = {}
         self._last: list[_Place | None] = []
 
@@ -84,10 +87,11 @@ class Evaluator:
         self._begun = {}
 
     def _send(self, rows: Array, executor: Executor, begins: bool) -> list[_Place]:
-        """Give rows (n, k) to the workers, in as many tasks as the executor likes."""
+        """Give rows (n, k) to the workers."""
         if not len(rows):
             return []
-        parts = np.array_split(rows, min(getattr(executor, "parts", len(rows)), len(rows)))
+        wanted = getattr(executor, "parts", self._parts or len(rows))
+        parts = np.array_split(rows, min(wanted, len(rows)))
         calls = [(self._evaluate, part, begins and not n) for n, part in enumerate(parts)]
         if together := getattr(executor, "submit_all", None):
             futures = together(evaluate_rows, calls)
@@ -254,7 +258,8 @@ def _evaluate_one(
     call: Callable[[], float], fatal: tuple[type[Exception], ...], is_start: bool
 ) -> Outcome:
     try:
-        return float(call()), ""
+        found = call()
+        return (found if isinstance(found, dict) else float(found)), ""
     except CandidateFailed as failure:
         return float("inf"), str(failure)
     except (*_FATAL, *fatal):

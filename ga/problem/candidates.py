@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 from uuid import uuid4
 
 from stickslip import cosim
@@ -31,7 +31,7 @@ class SimulatedCost:
     ----------
     specification : the system, step, stop and recorded variables
     names : the parameter ``component.variable`` that each value of a candidate sets
-    cost : evaluates a result, 0 .. inf
+    cost : evaluates a result, 0 .. inf, or to a dictionary
     inputs : exposed input -> array, signal or number, the same for every candidate
     """
 
@@ -40,11 +40,11 @@ class SimulatedCost:
 
     specification: cosim.Specification
     names: Sequence[str]
-    cost: Callable[[cosim.Result], float]
+    cost: Callable[[cosim.Result], Any]
     inputs: Mapping[str, Input] = field(default_factory=dict)
     _token: str = field(default_factory=lambda: uuid4().hex, init=False, repr=False)
 
-    def __call__(self, values: Array) -> float:
+    def __call__(self, values: Array) -> Any:
         """Run one candidate (k,), in the order of `names` and in their units; return its cost.
 
         Raises
@@ -53,7 +53,7 @@ class SimulatedCost:
         cosim.CosimError : the system, a name or an input is wrong, whatever the candidate
         Exception : what `cost` raises
         """
-        return float(self.cost(self.result(values)))
+        return self.cost(self.result(values))
 
     def result(self, values: Array) -> cosim.Result:
         """Run one candidate (k,) and return what was recorded; errors are those of a call."""

@@ -161,7 +161,7 @@ def _simulate(options: argparse.Namespace) -> Answer:
     prepared = model.prepare(
         stop=options.stop,
         step=options.step,
-        record=model.record(options.record, options.every, "last" if options.last else "all"),
+        record=model.record(options.record, options.every, _kept(options)),
         tolerance=options.tolerance,
         allow_nan=options.allow_nan,
         isolation=isolation_of(options),
@@ -204,8 +204,16 @@ def _simulate(options: argparse.Namespace) -> Answer:
     times = {"start": simulation.spec.start, "stop": simulation.spec.stop}
     return Answer(
         {"file": options.file, **times, "step": simulation.spec.step, "stopped": result.stopped}
-        | {"points": len(result.time), "signals": signals, "texts": last, "written": written}
+        | {"points": result.points, "signals": signals, "texts": last, "written": written}
     )
+
+
+def _kept(options: argparse.Namespace) -> str:
+    """Return what to keep: no more than is printed, where no file, picture or state needs all."""
+    if options.last:
+        return "last"
+    needed = options.out, options.plot, options.save, options.resume
+    return "range" if needed == (None, None, None, None) else "all"
 
 
 def _warn(

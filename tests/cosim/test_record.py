@@ -11,7 +11,7 @@ from stickslip.cosim import Record
 from tests.cosim.single import one
 
 N = 1000  # several blocks of the kernel, and neither 7 nor 300 divides it
-TERMINATE = 11
+GIVE_NAN, TERMINATE, RETURN_EARLY = 10, 11, 12
 COUPLINGS = ["gauss_seidel", "jacobi", cosim.Coupling(degree=1)]
 
 
@@ -87,6 +87,30 @@ def test_the_last_value_only(system, coupling):
     assert halted.time == pytest.approx([3.0])
 
 
+@pytest.mark.parametrize("isolation", [None, "process"])
+@pytest.mark.parametrize("every", [1, 7])
+@pytest.mark.parametrize("coupling", COUPLINGS[:2])
+def test_the_range_of_what_is_kept(system, coupling, every, isolation):
+    options = {"coupling": coupling, "isolation": isolation}
+    with (
+        prepare(system, Record(every=every), **options) as full,
+        prepare(system, Record(every=every, keep="range"), **options) as reduced,
+    ):
+        for until in (None, None, 3.0):  # the second is repeated after a reset
+            kept = full.run(inputs=INPUT, until=until)
+            found = reduced.run(inputs=INPUT, until=until)
+            assert (found.names, found.points) == (kept.names, len(kept.time))
+            np.testing.assert_array_equal(found.time, kept.time[[0, -1, -1]])
+            ends = kept.values.min(0), kept.values.max(0), kept.values[-1]
+            np.testing.assert_array_equal(found.values, ends)
+
+
+def test_a_range_keeps_what_is_no_number(make):
+    system = one(make("integrator"), {"u": 1.0, "fault": GIVE_NAN, "fault_time": 4.0})
+    found = prepare(system, Record("a.y", keep="range"), allow_nan=True).run()
+    assert np.isnan(found["a.y"][:2]).all()
+
+
 @pytest.mark.parametrize("every", [1, 7])
 @pytest.mark.parametrize("at", [0.455, 8.005])
 def test_a_run_that_an_fmu_ends(make, at, every):
@@ -100,7 +124,11 @@ def test_a_run_that_an_fmu_ends(make, at, every):
     np.testing.assert_array_equal(some["a.y"], full["a.y"][kept])
     np.testing.assert_array_equal(last.time, full.time[-1:])
     np.testing.assert_array_equal(last["a.y"], full["a.y"][-1:])
-    assert some.stopped == last.stopped == full.stopped
+    reduced = prepare(system, Record("a.y", every=every, keep="range")).run()
+    np.testing.assert_array_equal(reduced.time, some.time[[0, -1, -1]])
+    np.testing.assert_array_equal(reduced["a.y"], [*np.sort(some["a.y"])[[0, -1]], some["a.y"][-1]])
+    assert reduced.points == len(kept)
+    assert some.stopped == last.stopped == reduced.stopped == full.stopped
 
 
 def test_a_value_that_is_not_finite_is_found_though_nothing_is_kept(make):
@@ -120,16 +148,13 @@ def test_a_value_that_is_not_finite_is_found_though_nothing_is_kept(make):
     [
         ({"every": 0}, "every = 0, expected an integer from 1"),
         ({"every": 2.5}, "every = 2.5"),
-        ({"keep": "first"}, "keep = 'first', expected 'all' or 'last'"),
+        ({"keep": "first"}, "keep = 'first', expected 'all', 'last' or 'range'"),
         ({"names": "position.z"}, "no variable 'z'"),
     ],
 )
 def test_what_makes_no_record_is_refused(system, record, message):
     with pytest.raises(cosim.CosimError, match=message):
         prepare(system, Record(**record))
-
-
-GIVE_NAN, RETURN_EARLY = 10, 12
 
 
 def test_an_early_return_that_was_not_allowed_is_a_failure(make):

@@ -11,6 +11,7 @@ import pytest
 from matplotlib import pyplot as plt
 
 from stickslip import cosim
+from stickslip.cosim import kernel
 from stickslip.fmi.messages import scaled_unit
 
 
@@ -41,6 +42,23 @@ def test_csv_keeps_every_digit(result, tmp_path):
         result[name][0] = value
     text = result.to_csv(tmp_path / "out.csv").read_text()
     assert text == result.frame().to_csv(lineterminator="\n", na_rep="nan")
+
+
+def test_numbers_are_written_as_python_writes_them():
+    random = np.random.default_rng(0)
+    powers = 2.0 ** np.arange(-1074, 1024)
+    each = [
+        random.integers(0, 2**64, 100_000, dtype=np.uint64).view(float),  # any double
+        random.standard_normal(10_000).round(3),
+        random.integers(-(10**17), 10**17, 10_000).astype(float),
+        *(powers, np.nextafter(powers, 0.0), np.nextafter(powers, np.inf)),
+        [float(f"1e{k}") for k in range(-323, 309)],
+        [0.0, -0.0, np.nan, -np.nan, np.inf, -np.inf],
+    ]
+    numbers = np.concatenate(each)
+    lines = kernel.lines_of(numbers[:, None]).decode().splitlines()
+    assert lines == [repr(number) for number in numbers.tolist()]
+    assert kernel.lines_of(np.array([[0.5, 1.0], [2.0, 1e-5]])) == b"0.5,1.0\n2.0,1e-05\n"
 
 
 def test_a_variable_that_one_component_has_needs_no_component(result, make):

@@ -21,6 +21,7 @@ from stickslip.commandline.assignments import coarse_factors
 from stickslip.commands.simulate import add_isolation, isolation_of
 from stickslip.errors import UsageError
 from stickslip.fmi.toolchain import PLATFORMS
+from tests.stickslip.logs.rigid_drive import rigid_drive
 
 LARGE = {"control", "fmpy", "matplotlib", "pandas", "scipy.linalg"}
 """Libraries that take seconds to load."""
@@ -375,6 +376,17 @@ def test_mistakes_are_found_and_fmus_run_before_anything_large_is_loaded(stage):
         assert ("1" in loaded) == (words in mistakes)
         assert not LARGE & loaded, words
     assert "stickslip.cosim" in each[-1]
+
+
+def test_checking_a_log_loads_no_more_than_it_computes_with(tmp_path):
+    drive, log = rigid_drive(), tmp_path / "log.csv"
+    signals = np.column_stack([drive.t, drive.position, drive.force, drive.velocity])
+    head = "time [s],position [m],force [N],velocity [m/s]"
+    np.savetxt(log, signals, delimiter=",", header=head, comments="")
+    *_, loaded = modules("cli.main(sys.argv[1:]); print(*sys.modules)", "learn", log, "--check")
+    assert "stickslip.identification.sliding.position_force" in loaded
+    unneeded = {"control", "fmpy", "lxml", "matplotlib", "pandas", "stickslip.cosim"}
+    assert not unneeded & loaded
 
 
 def test_a_library_that_is_missing_is_named_before_the_run(tmp_path, capsys, monkeypatch):

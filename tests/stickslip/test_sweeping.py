@@ -1,12 +1,13 @@
 """Sweeps and searches over parameters, against the closed form of a sliding mass."""
 
+import os
+
 import numpy as np
 import pandas as pd
 import pytest
 
 import stickslip as ss
 from stickslip.ga.execution.evaluation import DIED
-from stickslip.work.jobs import Outcome
 from tests.cosim.single import one
 
 M, B, PUSH, STOP = 5.557, 6.6135, 12.0, 0.5
@@ -129,14 +130,13 @@ def test_mistakes_are_one_line(stage):
         ss.simulate(ss.System("lone"))
 
 
-def test_a_sweep_whose_workers_all_died_is_no_table(stage, monkeypatch):
-    def died(_job, runs, *_, on_done, **__):
-        for run in runs:
-            on_done(run, Outcome(reason=DIED))
-
-    monkeypatch.setattr("stickslip.sweeping.run_jobs", died)
+def test_a_run_whose_process_dies_leaves_the_others_of_its_batch(stage):
+    figures = {"end": lambda run: end(run) if end(run) > expected(0.35, M) else os._exit(1)}
+    found = ss.sweep(stage, {"F_c": [0.2, 0.2, 0.5]}, figures, where="processes", **RUN)
+    assert list(found["reason"]) == ["", "", DIED]
+    assert found["end"][0] == found["end"][1]
     with pytest.raises(ss.Fault, match="worker process that ran it died; no run gave a figure"):
-        ss.sweep(stage, {"F_c": [0.2, 0.5]}, {"end": end}, **RUN)
+        ss.sweep(stage, {"F_c": [0.5]}, figures, where="processes", **RUN)
 
 
 def test_a_start_value_that_something_overrules_is_refused(stage):

@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.catalog.parameters import presliding, unit_of
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.selection.folds import folds, is_less
+from stickslip.identification.held_out import folds, is_less
 from stickslip.identification.selection.prediction import Prediction, candidates, memory
 from stickslip.logs import Finding
 from stickslip.servo.measurement import Array

@@ -28,15 +28,8 @@ from stickslip.identification.fitting.fit import (
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, identifiability
 from stickslip.identification.fitting.search import select, solve_linear, variants
 from stickslip.identification.fitting.start import Start, begin
-from stickslip.identification.selection.folds import (
-    Fold,
-    Moving,
-    encoder_error,
-    explained,
-    folds,
-    mean_squares,
-    moving,
-)
+from stickslip.identification.held_out import Fold, folds, mean_squares
+from stickslip.identification.selection.folds import Moving, encoder_error, explained, moving
 from stickslip.logs import Recording
 from stickslip.models import Law
 from stickslip.output import steps

@@ -19,11 +19,11 @@ from functools import lru_cache
 from itertools import product
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 from threadpoolctl import threadpool_limits
 
 from stickslip.identification.criteria.motion import position_noise, position_of
-from stickslip.identification.selection.folds import folds, is_less, mean_squares
+from stickslip.identification.held_out import folds, is_less, mean_squares
 from stickslip.identification.sliding.friction_curve import Interval
 from stickslip.identification.sliding.regression import Regression
 from stickslip.identification.sliding.rows import (
@@ -286,7 +286,7 @@ class _Rest:
                 pitch, least = longer, left(longer)
         near, far = (1.0 / (1.0 / pitch + side / (FINER * travel)) for side in (1.0, -1.0))
         close = 1e-4 * pitch**2 / travel
-        found = minimize_scalar(
+        found = scipy.optimize.minimize_scalar(
             left, bounds=(near, far), method="bounded", options={"xatol": close}
         )
         return float(found.x)

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import t as student
 
 from stickslip.identification.criteria.motion import SHARE, means, samples_per_row
 from stickslip.identification.sliding.regression import Regression, regress
@@ -124,11 +123,10 @@ class Rows:
 
     def used(self, distance: float, guard: float) -> NDArray[np.intp]:
         """Return the rows before which it slid evenly for this share of its travel."""
-        path = pd.to_timedelta(self.path / (distance * np.ptp(self.x)), unit="s")
-        speed = pd.Series(np.abs(self.v), path)
-        before = speed.rolling("1s")  # of travel
-        steady = (before.min() * STEADY > speed) & (before.max() < STEADY * speed)
-        good = self.slides & steady.to_numpy() & (self.since > distance * np.ptp(self.x))
+        travel, speed = distance * np.ptp(self.x), np.abs(self.v)
+        least, greatest = extremes(speed, np.searchsorted(self.path, self.path - travel, "right"))
+        steady = (least * STEADY > speed) & (greatest < STEADY * speed)
+        good = self.slides & steady & (self.since > travel)
         edge = int(4.0 / self.cutoff / self.T)
         inside = np.zeros(len(good), dtype=bool)
         for log in self.logs:
@@ -196,13 +194,28 @@ class Rows:
         return smoothed(columns.T, self.T, self.cutoff).T
 
 
+def extremes(values: Array, begins: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Return the least and the greatest of the values (n,) from one of them to each, (n,) both."""
+    low = high = values
+    least, greatest = values.copy(), values.copy()
+    length = np.arange(len(values)) + 1 - begins
+    for k in range(int(length.max(initial=1)).bit_length()):  # those of 2**k values from each on
+        here = np.flatnonzero(length >> k == 1)
+        ends = begins[here], here + 1 - 2**k
+        least[here] = np.minimum(*(low[end] for end in ends))
+        greatest[here] = np.maximum(*(high[end] for end in ends))
+        low = np.minimum(low[: -(2**k)], low[2**k :])
+        high = np.maximum(high[: -(2**k)], high[2**k :])
+    return least, greatest
+
+
 def together(values: Array, variances: Array) -> tuple[Array, Array, Array]:
     """Return mean (k,), standard error and half width of the 95 % interval of estimates (j, k)."""
     within, between = variances.mean(axis=0), values.var(axis=0, ddof=1)
     error = np.sqrt(within + between)
     # Welch, Satterthwaite: the degrees of freedom of a sum of variances.
     degrees = error**4 / (within**2 / DEGREES + between**2 / (len(values) - 1))
-    return values.mean(axis=0), error, student.ppf(0.975, degrees) * error
+    return values.mean(axis=0), error, scipy.stats.t.ppf(0.975, degrees) * error
 
 
 def sizes(

@@ -8,13 +8,14 @@ from typing import Any
 
 from stickslip import cosim
 from stickslip.errors import UsageError
+from stickslip.figures import Figure
 from stickslip.learned.file import LearnedFile
 from stickslip.rigs.contract import Rig
 from stickslip.studies.tune import MOTIONS
 from stickslip.studies.tune.on_rig import tune_on_rig
 from stickslip.studies.tune.run import TunedDrive, TuneSettings, tune_drive
 from stickslip.studies.tune.signal_cost import read_cost
-from stickslip.sweeping import Figure, Optimum, optimise
+from stickslip.sweeping import Optimum, optimise
 
 
 def tune(

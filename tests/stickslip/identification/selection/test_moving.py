@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip.identification.selection.folds import blocks, folds, is_less, moving
+from stickslip.identification.held_out import blocks, folds, is_less
+from stickslip.identification.selection.folds import moving
 
 N, T_S, MEMORY = 8000, 1e-3, 10
 T = T_S * np.arange(N)
