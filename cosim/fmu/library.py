@@ -99,12 +99,17 @@ class Library:
         """Return the functions of FMI 1.0 under the names of FMI 2.0."""
         library, names = _fmi1(self._fmu.folder.name)
         places = (ctypes.c_void_p * len(names)).in_dll(library, "calls")
-        names = [f"{self._fmu.identifier}_fmi{name}" for name in names]
-        places[:] = [self.address(name) for name in names]
+        need = "M" if self._fmu.interface == "model_exchange" else "C"
+        places[:] = [
+            self.address(f"{self._fmu.identifier}_fmi{name}") if need in needed_for else 0
+            for name, needed_for in names
+        ]
         return library
 
     def _missing_reset(self) -> str:
         name = f"fmi{self._version}Reset"
+        if self._fmu.description.standard == 1 and self._fmu.interface == "model_exchange":
+            return name
         try:
             self.address(name)
         except FmuError:
@@ -159,13 +164,13 @@ def fmi1_wrapper(platform: toolchain.Platform | None = None) -> Path:
 
 
 @cache
-def _fmi1(fmu: str) -> tuple[ctypes.CDLL, list[str]]:
-    """Return a library of its own for an FMU of FMI 1.0, and the names of what it calls."""
+def _fmi1(fmu: str) -> tuple[ctypes.CDLL, list[tuple[str, str]]]:
+    """Return a library of its own for an FMU of FMI 1.0, and what it calls, by which interface."""
     library = fmi1_wrapper()
     own = library.with_name(f"fmi1_{fmu}{library.suffix}")
     if not own.exists():
         atomic_write(own, library.read_bytes())
-    calls = re.findall(r"^    X\((\w+)\)", _WRAPPER.read_text(encoding="utf-8"), re.MULTILINE)
+    calls = re.findall(r'X\((\w+), "(\w+)"\)', _WRAPPER.read_text(encoding="utf-8"))
     return ctypes.CDLL(str(own)), calls
 
 
