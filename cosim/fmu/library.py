@@ -183,7 +183,24 @@ def _load(binary: str) -> ctypes.CDLL:
         if _load_neighbours(Path(binary)):
             with suppress(OSError):
                 return ctypes.CDLL(binary, winmode=_LOAD_WITH_NEIGHBOURS)
-        raise FmuError(f"{binary}: cannot be loaded: {fault}") from fault
+        raise FmuError(f"{binary}: cannot be loaded: {fault}{_advice(str(fault))}") from fault
+
+
+def _advice(fault: str) -> str:
+    """Return what to do where the loader of Linux misses a library, or a version of one."""
+    if re.search(r"version `\w+' not found", fault):
+        return "; the FMU was built on a newer system: use one, or export it again on this one"
+    missing = re.match(r"(\S+?)\.so(?:\.(\d+))?[\d.]*: cannot open shared object file", fault)
+    if missing is None:
+        return ""
+    name, number = missing.groups()
+    if not number:
+        return "; export the FMU again with this library inside, or install the tool that made it"
+    package = name if name.startswith("libpython") else f"{name}{number}"
+    return (
+        f"; install this library (the package {package} in Debian and Ubuntu, in an older release"
+        " where yours has none), or export the FMU again on this system"
+    )
 
 
 def _load_neighbours(binary: Path) -> int:
