@@ -73,7 +73,7 @@ def run(options: argparse.Namespace) -> Answer:
         }
         content = (
             "{% for title, table in tables.items() %}{{ table.html(title) }}{% endfor %}"
-            '<div style="overflow-wrap: anywhere">{% if faults %}{{ list(faults) }}{% endif %}</div>'
+            '<div style="overflow-wrap: anywhere">{{ list(faults) }}</div>'
         )
         head = Section("", content, tables=tables, faults=faults)
         print(*write_page(options.out, f"FMUs of {options.folder.resolve().name}", [head], PAGE))
