@@ -150,10 +150,12 @@ class UnloadedLibrary(Library):
         return 0
 
 
-def prepare_library(fmu: Loadable) -> None:
-    """Compile what a process that must not compile needs for an FMU."""
-    if fmu.description.standard == 1:
-        _fmi1(fmu.folder.name)
+def prepare_library(fmu: Loadable) -> list[Path]:
+    """Compile what a process that must not compile needs for an FMU; return where that lies."""
+    if fmu.description.standard != 1:
+        return []
+    _fmi1(fmu.folder.name)
+    return [fmi1_wrapper()]
 
 
 def fmi1_wrapper(platform: toolchain.Platform | None = None) -> Path:
