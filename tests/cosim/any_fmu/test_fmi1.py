@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from stickslip.cosim import control
 from tests.corpus import fmu
 from tests.cosim.single import by_fmpy, exposed, one
 
@@ -88,6 +89,9 @@ def test_model_exchange_has_events_of_time_state_and_inputs(tmp_path, binary):
 
 
 def test_what_is_not_run_is_one_line(tmp_path, binary):
+    exchange = cosim.Fmu(fmu.pack(tmp_path / "me.fmu", described(implementation=""), binary))
+    with pytest.raises(control.LinearisationError, match=r"me.fmu: FMI 1.0 does not name states"):
+        control.linearise(exchange, isolation=None)
     negated = [("y", 3, "output", "continuous", 'alias="negatedAlias"', "<Real/>")]
     with pytest.raises(cosim.FmuError, match="output 'y' is a negated alias"):
         cosim.Fmu(fmu.pack(tmp_path / "negated.fmu", described(negated), binary))
