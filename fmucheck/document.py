@@ -86,7 +86,7 @@ def wrong_encoding(document: Document) -> Claims:
 def fmi1_is_not_judged(document: Document) -> Claims:
     """An FMU of FMI 1.0, which is not supported."""
     if (claimed_version(document) or "").startswith("1."):
-        what = "FMI 1.0 is not checked, though its Co-Simulation can be run"
+        what = "FMI 1.0 is not checked, though it can be run"
         yield document.name, f"{what}; nothing else was checked"
 
 

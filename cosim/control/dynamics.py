@@ -43,6 +43,9 @@ class Exchange:
         if fmu.has_arrays:
             raise LinearisationError(f"{fmu.path}: it has arrays; only scalars are supported here")
         derivatives = fmu.description.derivatives
+        if fmu.description.standard == 1:
+            what = "FMI 1.0 does not name states; export it again for FMI 2.0 or 3.0"
+            raise LinearisationError(f"{fmu.path}: {what}")
         if None in derivatives.values():
             raise LinearisationError(f"{fmu.path}: it does not say what its derivatives are of")
         self._rates = [fmu.variables[name] for name in derivatives]

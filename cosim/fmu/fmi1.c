@@ -1,5 +1,5 @@
-/* FMI 1.0 Co-Simulation under the names of FMI 2.0; built once for each FMU, whose functions the
- * importer puts into `calls`.
+/* FMI 1.0 under the names of FMI 2.0; built once for each FMU, whose functions the importer puts
+ * into `calls`.
  *
  * FMI 1.0 initialises in one call, before which inputs and start values are set and after which
  * outputs can be read. It is therefore made when the first value is read or initialisation ends. */
@@ -16,33 +16,51 @@
 #define SHOWN __attribute__((visibility("default")))
 #endif
 
-/* The importer reads these names. */
+/* The importer reads these names, and what each is needed for: (C)o-simulation, (M)odel exchange.
+ */
 #define FMI1_CALLS(X)                                                                              \
-    X(InstantiateSlave)                                                                            \
-    X(InitializeSlave)                                                                             \
-    X(TerminateSlave)                                                                              \
-    X(ResetSlave)                                                                                  \
-    X(FreeSlaveInstance)                                                                           \
-    X(DoStep)                                                                                      \
-    X(SetRealInputDerivatives)                                                                     \
-    X(SetReal)                                                                                     \
-    X(SetInteger)                                                                                  \
-    X(SetBoolean)                                                                                  \
-    X(SetString)                                                                                   \
-    X(GetReal)                                                                                     \
-    X(GetInteger)                                                                                  \
-    X(GetBoolean)                                                                                  \
-    X(GetString)
+    X(InstantiateSlave, "C")                                                                       \
+    X(InitializeSlave, "C")                                                                        \
+    X(TerminateSlave, "C")                                                                         \
+    X(ResetSlave, "C")                                                                             \
+    X(FreeSlaveInstance, "C")                                                                      \
+    X(DoStep, "C")                                                                                 \
+    X(SetRealInputDerivatives, "C")                                                                \
+    X(InstantiateModel, "M")                                                                       \
+    X(Initialize, "M")                                                                             \
+    X(Terminate, "M")                                                                              \
+    X(FreeModelInstance, "M")                                                                      \
+    X(SetTime, "M")                                                                                \
+    X(SetContinuousStates, "M")                                                                    \
+    X(GetContinuousStates, "M")                                                                    \
+    X(GetNominalContinuousStates, "M")                                                             \
+    X(GetDerivatives, "M")                                                                         \
+    X(GetEventIndicators, "M")                                                                     \
+    X(CompletedIntegratorStep, "M")                                                                \
+    X(EventUpdate, "M")                                                                            \
+    X(SetReal, "CM")                                                                               \
+    X(SetInteger, "CM")                                                                            \
+    X(SetBoolean, "CM")                                                                            \
+    X(SetString, "CM")                                                                             \
+    X(GetReal, "CM")                                                                               \
+    X(GetInteger, "CM")                                                                            \
+    X(GetBoolean, "CM")                                                                            \
+    X(GetString, "CM")
 
-#define FIELD(name) fmi1##name##TYPE *name;
+#define FIELD(name, interfaces) fmi1##name##TYPE *name;
 SHOWN struct {
     FMI1_CALLS(FIELD)
 } calls;
 
 typedef struct {
-    fmi1Component slave;
+    fmi1Component own;
+    bool exchange;
     double start, stop; /* s */
+    fmi1Boolean controlled;
+    double tolerance; /* relative, where controlled */
     bool initialized;
+    fmi1EventInfo info; /* of the last update of discrete states */
+    bool updated;       /* by Initialize, and not yet asked for */
 } Instance;
 
 static int initialized(Instance *m) {
@@ -50,23 +68,32 @@ static int initialized(Instance *m) {
         return fmi1OK;
     }
     m->initialized = true;
-    return (int)calls.InitializeSlave(m->slave, m->start, fmi1True, m->stop);
+    if (!m->exchange) {
+        return (int)calls.InitializeSlave(m->own, m->start, fmi1True, m->stop);
+    }
+    m->updated = true;
+    const int status = (int)calls.SetTime(m->own, m->start);
+    return status > fmi1Warning
+               ? status
+               : (int)calls.Initialize(m->own, m->controlled, m->tolerance, &m->info);
 }
 
 SHOWN fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid,
                                     fmi2String location, const fmi2CallbackFunctions *given,
                                     fmi2Boolean visible, fmi2Boolean logging) {
-    (void)type;
     /* The first argument of this logger is the instance and not an environment; the rest agrees. */
     const fmi1CallbackFunctions callbacks = {(fmi1CallbackLogger)(void (*)(void))given->logger,
                                              calloc, free, NULL};
     Instance *m = calloc(1, sizeof *m);
     if (m) {
-        m->slave = calls.InstantiateSlave(name, guid, location, "application/x-fmu-sharedlibrary",
-                                          0.0, (fmi1Boolean)visible, fmi1False, callbacks,
-                                          (fmi1Boolean)logging);
+        m->exchange = type == fmi2ModelExchange;
+        m->own = m->exchange ? calls.InstantiateModel(name, guid, callbacks, (fmi1Boolean)logging)
+                             : calls.InstantiateSlave(name, guid, location,
+                                                      "application/x-fmu-sharedlibrary", 0.0,
+                                                      (fmi1Boolean)visible, fmi1False, callbacks,
+                                                      (fmi1Boolean)logging);
     }
-    if (m && !m->slave) {
+    if (m && !m->own) {
         free(m);
         m = NULL;
     }
@@ -74,20 +101,24 @@ SHOWN fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String g
 }
 
 SHOWN void fmi2FreeInstance(fmi2Component c) {
-    calls.FreeSlaveInstance(((Instance *)c)->slave);
-    free(c);
+    Instance *m = c;
+    (m->exchange ? calls.FreeModelInstance : calls.FreeSlaveInstance)(m->own);
+    free(m);
 }
 
+/* Model Exchange has none: each run has a new instance. */
 SHOWN fmi2Status fmi2Reset(fmi2Component c) {
     Instance *m = c;
     m->initialized = false;
-    return (fmi2Status)calls.ResetSlave(m->slave);
+    return (fmi2Status)calls.ResetSlave(m->own);
 }
 
 SHOWN fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
                                      fmi2Real start, fmi2Boolean has_stop, fmi2Real stop) {
     Instance *m = c;
-    (void)has_tolerance, (void)tolerance, (void)has_stop;
+    (void)has_stop;
+    m->controlled = has_tolerance != 0;
+    m->tolerance = tolerance;
     m->start = start;
     m->stop = stop;
     return fmi2OK;
@@ -101,18 +132,19 @@ SHOWN fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
 SHOWN fmi2Status fmi2ExitInitializationMode(fmi2Component c) { return (fmi2Status)initialized(c); }
 
 SHOWN fmi2Status fmi2Terminate(fmi2Component c) {
-    return (fmi2Status)calls.TerminateSlave(((Instance *)c)->slave);
+    Instance *m = c;
+    return (fmi2Status)(m->exchange ? calls.Terminate : calls.TerminateSlave)(m->own);
 }
 
 SHOWN fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean final) {
     (void) final;
-    return (fmi2Status)calls.DoStep(((Instance *)c)->slave, t, h, fmi1True);
+    return (fmi2Status)calls.DoStep(((Instance *)c)->own, t, h, fmi1True);
 }
 
 SHOWN fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[],
                                              size_t n, const fmi2Integer orders[],
                                              const fmi2Real values[]) {
-    return (fmi2Status)calls.SetRealInputDerivatives(((Instance *)c)->slave, r, n, orders, values);
+    return (fmi2Status)calls.SetRealInputDerivatives(((Instance *)c)->own, r, n, orders, values);
 }
 
 /* FMI 1.0 does not tell whether a slave has terminated. */
@@ -124,14 +156,14 @@ SHOWN fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind, fmi2
 #define VALUES(Type)                                                                               \
     SHOWN fmi2Status fmi2Set##Type(fmi2Component c, const fmi2ValueReference r[], size_t n,        \
                                    const fmi2##Type values[]) {                                    \
-        return (fmi2Status)calls.Set##Type(((Instance *)c)->slave, r, n, values);                  \
+        return (fmi2Status)calls.Set##Type(((Instance *)c)->own, r, n, values);                    \
     }                                                                                              \
     SHOWN fmi2Status fmi2Get##Type(fmi2Component c, const fmi2ValueReference r[], size_t n,        \
                                    fmi2##Type values[]) {                                          \
         Instance *m = c;                                                                           \
         const int before = initialized(m);                                                         \
         const int status =                                                                         \
-            before > fmi1Warning ? before : (int)calls.Get##Type(m->slave, r, n, values);          \
+            before > fmi1Warning ? before : (int)calls.Get##Type(m->own, r, n, values);            \
         return (fmi2Status)(status > before ? status : before);                                    \
     }
 VALUES(Real)
@@ -144,7 +176,7 @@ SHOWN fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference r[], s
     int worst = fmi1OK;
     for (size_t i = 0; i < n && worst <= fmi1Warning; i++) {
         const fmi1Boolean value = values[i] != 0;
-        const int status = (int)calls.SetBoolean(m->slave, r + i, 1, &value);
+        const int status = (int)calls.SetBoolean(m->own, r + i, 1, &value);
         worst = status > worst ? status : worst;
     }
     return (fmi2Status)worst;
@@ -156,9 +188,54 @@ SHOWN fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference r[], s
     int worst = initialized(m);
     for (size_t i = 0; i < n && worst <= fmi1Warning; i++) {
         fmi1Boolean value = fmi1False;
-        const int status = (int)calls.GetBoolean(m->slave, r + i, 1, &value);
+        const int status = (int)calls.GetBoolean(m->own, r + i, 1, &value);
         values[i] = value != 0;
         worst = status > worst ? status : worst;
     }
     return (fmi2Status)worst;
 }
+
+/* FMI 1.0 has no modes. */
+SHOWN fmi2Status fmi2EnterEventMode(fmi2Component c) { return (void)c, fmi2OK; }
+SHOWN fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return (void)c, fmi2OK; }
+
+SHOWN fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
+    Instance *m = c;
+    const int status = m->updated ? fmi1OK : (int)calls.EventUpdate(m->own, fmi1False, &m->info);
+    /* Initialize has made all updates. */
+    info->newDiscreteStatesNeeded = !m->updated && !m->info.iterationConverged;
+    info->terminateSimulation = m->info.terminateSimulation != 0;
+    info->nominalsOfContinuousStatesChanged = m->info.stateValueReferencesChanged != 0;
+    info->valuesOfContinuousStatesChanged = m->info.stateValuesChanged != 0;
+    info->nextEventTimeDefined = m->info.upcomingTimeEvent != 0;
+    info->nextEventTime = m->info.nextEventTime;
+    m->updated = false;
+    return (fmi2Status)status;
+}
+
+SHOWN fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_rollback,
+                                             fmi2Boolean *event, fmi2Boolean *terminate) {
+    fmi1Boolean update = fmi1False;
+    (void)no_rollback;
+    const int status = (int)calls.CompletedIntegratorStep(((Instance *)c)->own, &update);
+    *event = update != 0;
+    *terminate = fmi2False;
+    return (fmi2Status)status;
+}
+
+SHOWN fmi2Status fmi2SetTime(fmi2Component c, fmi2Real t) {
+    return (fmi2Status)calls.SetTime(((Instance *)c)->own, t);
+}
+
+SHOWN fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n) {
+    return (fmi2Status)calls.SetContinuousStates(((Instance *)c)->own, x, n);
+}
+
+#define VECTOR(name, old)                                                                          \
+    SHOWN fmi2Status fmi2##name(fmi2Component c, fmi2Real values[], size_t n) {                    \
+        return (fmi2Status)calls.old(((Instance *)c)->own, values, n);                             \
+    }
+VECTOR(GetContinuousStates, GetContinuousStates)
+VECTOR(GetNominalsOfContinuousStates, GetNominalContinuousStates)
+VECTOR(GetDerivatives, GetDerivatives)
+VECTOR(GetEventIndicators, GetEventIndicators)

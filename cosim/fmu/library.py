@@ -99,12 +99,17 @@ class Library:
         """Return the functions of FMI 1.0 under the names of FMI 2.0."""
         library, names = _fmi1(self._fmu.folder.name)
         places = (ctypes.c_void_p * len(names)).in_dll(library, "calls")
-        names = [f"{self._fmu.identifier}_fmi{name}" for name in names]
-        places[:] = [self.address(name) for name in names]
+        need = "M" if self._fmu.interface == "model_exchange" else "C"
+        places[:] = [
+            self.address(f"{self._fmu.identifier}_fmi{name}") if need in needed_for else 0
+            for name, needed_for in names
+        ]
         return library
 
     def _missing_reset(self) -> str:
         name = f"fmi{self._version}Reset"
+        if self._fmu.description.standard == 1 and self._fmu.interface == "model_exchange":
+            return name
         try:
             self.address(name)
         except FmuError:
@@ -145,10 +150,12 @@ class UnloadedLibrary(Library):
         return 0
 
 
-def prepare_library(fmu: Loadable) -> None:
-    """Compile what a process that must not compile needs for an FMU."""
-    if fmu.description.standard == 1:
-        _fmi1(fmu.folder.name)
+def prepare_library(fmu: Loadable) -> list[Path]:
+    """Compile what a process that must not compile needs for an FMU; return where that lies."""
+    if fmu.description.standard != 1:
+        return []
+    _fmi1(fmu.folder.name)
+    return [fmi1_wrapper()]
 
 
 def fmi1_wrapper(platform: toolchain.Platform | None = None) -> Path:
@@ -159,13 +166,13 @@ def fmi1_wrapper(platform: toolchain.Platform | None = None) -> Path:
 
 
 @cache
-def _fmi1(fmu: str) -> tuple[ctypes.CDLL, list[str]]:
-    """Return a library of its own for an FMU of FMI 1.0, and the names of what it calls."""
+def _fmi1(fmu: str) -> tuple[ctypes.CDLL, list[tuple[str, str]]]:
+    """Return a library of its own for an FMU of FMI 1.0, and what it calls, by which interface."""
     library = fmi1_wrapper()
     own = library.with_name(f"fmi1_{fmu}{library.suffix}")
     if not own.exists():
         atomic_write(own, library.read_bytes())
-    calls = re.findall(r"^    X\((\w+)\)", _WRAPPER.read_text(encoding="utf-8"), re.MULTILINE)
+    calls = re.findall(r'X\((\w+), "(\w+)"\)', _WRAPPER.read_text(encoding="utf-8"))
     return ctypes.CDLL(str(own)), calls
 
 
@@ -178,7 +185,24 @@ def _load(binary: str) -> ctypes.CDLL:
         if _load_neighbours(Path(binary)):
             with suppress(OSError):
                 return ctypes.CDLL(binary, winmode=_LOAD_WITH_NEIGHBOURS)
-        raise FmuError(f"{binary}: cannot be loaded: {fault}") from fault
+        raise FmuError(f"{binary}: cannot be loaded: {fault}{_advice(str(fault))}") from fault
+
+
+def _advice(fault: str) -> str:
+    """Return what to do where the loader of Linux misses a library, or a version of one."""
+    if re.search(r"version `\w+' not found", fault):
+        return "; the FMU was built on a newer system: use one, or export it again on this one"
+    missing = re.match(r"(\S+?)\.so(?:\.(\d+))?[\d.]*: cannot open shared object file", fault)
+    if missing is None:
+        return ""
+    name, number = missing.groups()
+    if not number:
+        return "; export the FMU again with this library inside, or install the tool that made it"
+    package = name if name.startswith("libpython") else f"{name}{number}"
+    return (
+        f"; install this library (the package {package} in Debian and Ubuntu, in an older release"
+        " where yours has none), or export the FMU again on this system"
+    )
 
 
 def _load_neighbours(binary: Path) -> int:

@@ -158,13 +158,14 @@ class Process:
         if specification.compiled:  # the child compiles
             return None
         fmus = [c for c in self._system.components.values() if isinstance(c, Fmu)]
+        libraries = [library]
         for fmu in fmus:
             fmu.restore()
-            prepare_library(fmu)
+            libraries += prepare_library(fmu)
         readable = [
             *(str(fmu.folder) for fmu in fmus),
             *(str(fmu.folder.with_suffix(".json")) for fmu in fmus),
-            str(library.parents[1]),
+            *(str(each.parents[1]) for each in libraries),
         ]
 
         def where() -> str:

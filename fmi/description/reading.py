@@ -1,6 +1,7 @@
-"""A whole description from its XML; one of FMI 1.0 Co-Simulation is read in the form of FMI 2.0.
+"""A whole description from its XML; one of FMI 1.0 is read in the form of FMI 2.0.
 
-Source: FMI 1.0 for Co-Simulation, sections 2.2 and 3.2; FMI 2.0, section 2.2.
+Source: FMI 1.0 for Model Exchange, section 3; FMI 1.0 for Co-Simulation, sections 2.2 and 3.2;
+FMI 2.0, section 2.2.
 """
 
 import codecs
@@ -40,16 +41,14 @@ from stickslip.fmi.messages import shown
 
 def upgrade(root: Any) -> None:
     """Turn a description of FMI 1.0 into FMI 2.0; DescriptionFault where it cannot be run."""
-    capabilities = root.find("Implementation/*/Capabilities")
-    if capabilities is None:
-        what = "fmiVersion is '1.0' and the interface Model Exchange"
-        advice = "of FMI 1.0 only Co-Simulation is run; export the model again for FMI 2.0 or 3.0"
-        raise DescriptionFault(root, f"{what}, {advice}")
-    tool = root.find("Implementation/CoSimulation_Tool") is not None
-    name = root.get("modelIdentifier", "")
-    given = {"modelIdentifier": name, "needsExecutionTool": str(tool).lower()}
-    chosen = root.makeelement("CoSimulation", {**capabilities.attrib, **given})
-    root.append(chosen)
+    given = {"modelIdentifier": root.get("modelIdentifier", "")}
+    implementation = root.find("Implementation/*")  # there is none in Model Exchange
+    if implementation is not None:
+        capabilities = implementation.find("Capabilities")
+        given |= {} if capabilities is None else capabilities.attrib
+        given["needsExecutionTool"] = str(implementation.tag == "CoSimulation_Tool").lower()
+    tag = "ModelExchange" if implementation is None else "CoSimulation"
+    root.append(root.makeelement(tag, given))
     for declared in root.iterfind("TypeDefinitions/Type"):
         declared.tag = "SimpleType"
         for typed in declared:
@@ -150,8 +149,10 @@ def read_description(root: Any) -> Description:
         outputs=tuple(unknowns["outputs"]),
         derivatives={rate: states.get(rate) for rate in rates},
         derivative_of=states,
-        n_states=sum(by_name[rate].size for rate in rates),
-        n_indicators=_indicators(root)
+        n_states=_count(root, "numberOfContinuousStates")
+        if standard == 1
+        else sum(by_name[rate].size for rate in rates),
+        n_indicators=_count(root, "numberOfEventIndicators")
         if version == 2
         else sum(by_name[u.name].size for u in unknowns["indicators"]),
         clocks=read_clocks(elements, remarks) if version == 3 else (),
@@ -212,11 +213,11 @@ def _aliases(elements: Sequence[Any], remarks: Remarks) -> dict[str, str]:
     return found
 
 
-def _indicators(root: Any) -> int:
-    """Return the number, which only a solver needs."""
-    if root.get("numberOfEventIndicators") is None or root.find("ModelExchange") is None:
+def _count(root: Any, attribute: str) -> int:
+    """Return a number that only a solver needs."""
+    if root.get(attribute) is None or root.find("ModelExchange") is None:
         return 0
-    return whole_of(root, "numberOfEventIndicators", 0, MAX_ELEMENTS)
+    return whole_of(root, attribute, 0, MAX_ELEMENTS)
 
 
 def _experiment(element: Any, remarks: Remarks) -> DefaultExperiment:

@@ -129,7 +129,7 @@ SYSTEM = "FILE.ssp"
 def add_system(exports: argparse._SubParsersAction[Any]) -> None:
     """Declare the command."""
     parser = exports.add_parser(SYSTEM, help="a whole system of FMUs as one FMU")
-    parser.add_argument("--as", dest="form", choices=["fmu"], required=True)
+    parser.add_argument("--as", dest="form", choices=["fmu"], default="fmu")
     step = {"--step S": "communication step, instead of that of the file"}
     add_options(parser, step, type=float)
     add_options(parser, {"--variant NAME": "variant of the .ssp to export, if it has several"})
@@ -146,12 +146,13 @@ def add_system(exports: argparse._SubParsersAction[Any]) -> None:
         "--parameters NAME": f"{names}all)",
     }
     add_options(parser, variables, nargs="*")
-    add_fmu_options(parser)
+    # For Windows its code needs a C runtime, which takes a minute to compile once.
+    add_fmu_options(parser, platform="host", out="DIR|FILE.fmu")
     parser.set_defaults(run=export_system)
 
 
 def export_system(options: argparse.Namespace) -> Answer:
-    """Write DIR/NAME.fmu, named like the package, and print its path."""
+    """Write DIR/NAME.fmu, named like the package, or FILE.fmu, and print its path."""
     from stickslip import cosim
 
     file = Path(options.what)
@@ -163,7 +164,7 @@ def export_system(options: argparse.Namespace) -> Answer:
         system.set(name, value)
     path = cosim.write_fmu(
         system,
-        options.out / f"{file.stem}.fmu",
+        options.out if options.out.suffix == ".fmu" else options.out / f"{file.stem}.fmu",
         step=step,
         coupling=options.coupling,
         outputs=options.outputs,

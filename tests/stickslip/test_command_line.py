@@ -85,13 +85,11 @@ def test_files_and_folders_are_found_after_patterns_and_choices(tmp_path, capsys
     assert run("design", "--out", tmp_path) == 0
     assert run("verify", "--without", "*.fmu", tmp_path) == 0
     assert "intact" in capsys.readouterr().out
-    platforms = ["--platform", "x86_64-linux", "x86_64-windows"]
-    assert run("build", *platforms, "stage", "--fmi", "3", "--out", tmp_path / "fmus") == 0
-    names = zipfile.ZipFile(tmp_path / "fmus" / "stage.fmu").namelist()
-    assert {name.split("/")[1] for name in names if name.startswith("binaries/")} >= {
-        "x86_64-linux",
-        "x86_64-windows",
-    }
+    platforms = ["x86_64-linux", "x86_64-windows"]
+    for given, built in (["--platform", *platforms], platforms), ([], PLATFORMS):
+        assert run("build", *given, "stage", "--fmi", "3", "--out", tmp_path / "fmus") == 0
+        names = zipfile.ZipFile(tmp_path / "fmus" / "stage.fmu").namelist()
+        assert {name.split("/")[1] for name in names if name.startswith("binaries/")} == {*built}
 
 
 def test_a_log_may_follow_its_options(tmp_path, capsys):

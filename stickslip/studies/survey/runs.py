@@ -161,7 +161,8 @@ EQUAL, NEAR = 1e-12, 1e-3
 tolerance of usual solvers."""
 NO_BINARY = ("no binary for this machine", "cannot be simulated on the current platform")
 _TAGS: dict[str, Interface] = {"CoSimulation": "co_simulation", "ModelExchange": "model_exchange"}
-COLUMNS = ("file", "interface", "outcome", "difference", "signal", "here", "FMPy")
+TOOLS = ("here", "FMPy")  # what failed in each
+COLUMNS = ("file", "interface", "outcome", "difference", "signal", *TOOLS)
 
 
 def tasks(folder: Path) -> Iterator[Task]:
@@ -209,28 +210,35 @@ def compare(ours: RunOutcome, theirs: RunOutcome) -> tuple[str, float, str]:
     return verdict, worst, where
 
 
-def surveyed(folder: Path, task: Task, limit: float, *, fmpy: bool) -> tuple[str, ...]:
-    """Run a task here, and in FMPy if asked to, each at most so long [s]; return its row."""
-    ours = apart(here, task, limit=limit)
-    difference, signal, theirs = 0.0, "", RunOutcome()
-    if fmpy:
-        theirs = apart(in_fmpy, task, ours.times, list(ours.signals), limit=limit)
+def verdict(ours: RunOutcome, theirs: RunOutcome, *, fmpy: bool) -> tuple[str, float, str]:
+    """Return what came of a task, the largest difference, and its signal."""
     if ours.fault and any(lack in ours.fault + theirs.fault for lack in NO_BINARY):
         outcome = "no binary"
     elif lacks := re.search(r"No module named '(\w+)", theirs.fault):
         outcome = f"FMPy lacks {lacks[1]}"
     elif theirs.fault:
         outcome = "works in neither" if ours.fault else "works here only"
+    elif ours.fault and fmpy:
+        outcome = "works in FMPy only"
     elif ours.fault:
-        died = ours.fault.startswith(("died", "out of time"))
-        kind = ours.fault.partition(":")[0] if died else "refused"
-        outcome = "works in FMPy only" if fmpy else kind
+        ends = {"died": "died", "FmuCrashed": "died", "out of time": "out of time"}
+        outcome = ends.get(ours.fault.partition(":")[0], "refused")
     elif ours.again is False:
         outcome = "second run differs"
     elif fmpy:
-        outcome, difference, signal = compare(ours, theirs)
+        return compare(ours, theirs)
     else:
         outcome = "ran"
+    return outcome, 0.0, ""
+
+
+def surveyed(folder: Path, task: Task, limit: float, *, fmpy: bool) -> tuple[str, ...]:
+    """Run a task here, and in FMPy if asked to, each at most so long [s]; return its row."""
+    ours = apart(here, task, limit=limit)
+    theirs = RunOutcome()
+    if fmpy:
+        theirs = apart(in_fmpy, task, ours.times, list(ours.signals), limit=limit)
+    outcome, difference, signal = verdict(ours, theirs, fmpy=fmpy)
     name = str(task.path.relative_to(folder))
     shown = f"{difference:.2g}" if difference else ""
     return name, task.interface or "package", outcome, shown, signal, ours.fault, theirs.fault

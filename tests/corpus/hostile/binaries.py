@@ -87,7 +87,7 @@ _NOT_LOADING = [
     _binaries("cut-short", "half a library", r".*(cannot be loaded|loading its binary died)", **{_HERE: lambda: fmus.library()[: len(fmus.library()) // 2]}),
     _binaries("wrong-architecture", "a library for another processor", r".*cannot be loaded", **{_HERE: lambda: _other_machine(fmus.library())}),
     _binaries("missing-function", "a library without fmi2DoStep", r".*has no function fmi2DoStep", **{_HERE: lambda: _lying((b"\0fmi2DoStep\0", b"\0fmi2DoStup\0"))}),
-    _binaries("missing-library", "needs a library that is not there", r".*cannot be loaded: libq", **{_HERE: lambda: _lying((b"\0libc.so.6\0", b"\0libq.so.6\0"))}),
+    _binaries("missing-library", "needs a library that is not there", r".*cannot be loaded: libq.*; install this library \(the package libq6 in Debian", **{_HERE: lambda: _lying((b"\0libc.so.6\0", b"\0libq.so.6\0"))}),
 ]  # fmt: skip
 
 

@@ -14,7 +14,7 @@ _version = spoils(7, "version", 'fmiVersion="2.0"')
 _VERSIONS = [
     _version("missing", "no fmiVersion", "fmiVersion is", ""),
     _version("empty", "an empty one", "fmiVersion is", 'fmiVersion=""'),
-    _version("1", "FMI 1.0", "fmiVersion is", 'fmiVersion="1.0"'),
+    _version("1", "FMI 1.0", "has no function reference_fmiInstantiateSlave", 'fmiVersion="1.0"'),
     _version("text", "no number", "fmiVersion is", 'fmiVersion="two"'),
     _version("digits", "Arabic digits", "fmiVersion is", 'fmiVersion="\u0663.\u0660"'),
     spoilt(7, "version-2-as-3", "FMI 2.0 that says 3.0", "no binary", ('"2.0"', '"3.0"')),

@@ -1,4 +1,5 @@
-/* FMI 1.0 Co-Simulation: x' = u while `on`, y = x + k u, and `high` tells whether y is above 1. */
+/* FMI 1.0: x' = u while `on`, y = x + k u, and `high` tells whether y is at least 1. In Model
+ * Exchange x jumps by 1 at 0.25 s, and `high` is set by events. */
 #include <stddef.h>
 /* fmi1Functions.h needs it */
 #include <fmi1Functions.h>
@@ -11,10 +12,15 @@
 enum { U, K, X, Y, N_REALS };
 typedef struct {
     double r[N_REALS];
-    char on;
+    char on, high;
+    double t;
+    int jumped;
 } Model;
 
-static void evaluate(Model *m) { m->r[Y] = m->r[X] + m->r[K] * m->r[U]; }
+static void evaluate(Model *m) {
+    m->r[Y] = m->r[X] + m->r[K] * m->r[U];
+    m->high = m->r[Y] >= 1.0;
+}
 
 SHOWN fmi1Component NAME(InstantiateSlave)(fmi1String name, fmi1String guid, fmi1String location,
                                            fmi1String mime, fmi1Real timeout, fmi1Boolean visible,
@@ -58,7 +64,59 @@ SHOWN fmi1Status NAME(SetBoolean)(fmi1Component c, const unsigned r[], size_t n,
 }
 SHOWN fmi1Status NAME(GetBoolean)(fmi1Component c, const unsigned r[], size_t n, char v[]) {
     for (size_t i = 0; i < n; i++)
-        v[i] = ((Model *)c)->r[Y] > 1.0;
+        v[i] = ((Model *)c)->high;
+    return fmi1OK;
+}
+
+SHOWN fmi1Component NAME(InstantiateModel)(fmi1String name, fmi1String guid,
+                                           fmi1CallbackFunctions functions, fmi1Boolean logging) {
+    return NAME(InstantiateSlave)(name, guid, "", "", 0.0, 0, 0, functions, logging);
+}
+SHOWN void NAME(FreeModelInstance)(fmi1Component c) { free(c); }
+SHOWN fmi1Status NAME(EventUpdate)(fmi1Component c, fmi1Boolean steps, fmi1EventInfo *info) {
+    Model *m = c;
+    const int jumps = !m->jumped && m->t >= 0.25;
+    m->jumped |= jumps;
+    m->r[X] += jumps;
+    evaluate(m);
+    *info = (fmi1EventInfo){1, 0, (fmi1Boolean)jumps, 0, !m->jumped, 0.25};
+    return fmi1OK;
+}
+SHOWN fmi1Status NAME(Initialize)(fmi1Component c, fmi1Boolean controlled, fmi1Real tolerance,
+                                  fmi1EventInfo *info) {
+    return NAME(EventUpdate)(c, 0, info);
+}
+SHOWN fmi1Status NAME(Terminate)(fmi1Component c) { return fmi1OK; }
+SHOWN fmi1Status NAME(SetTime)(fmi1Component c, fmi1Real t) {
+    ((Model *)c)->t = t;
+    return fmi1OK;
+}
+SHOWN fmi1Status NAME(SetContinuousStates)(fmi1Component c, const double x[], size_t n) {
+    Model *m = c;
+    m->r[X] = x[n - 1];
+    m->r[Y] = m->r[X] + m->r[K] * m->r[U];
+    return fmi1OK;
+}
+SHOWN fmi1Status NAME(GetContinuousStates)(fmi1Component c, double x[], size_t n) {
+    x[n - 1] = ((Model *)c)->r[X];
+    return fmi1OK;
+}
+SHOWN fmi1Status NAME(GetNominalContinuousStates)(fmi1Component c, double x[], size_t n) {
+    x[n - 1] = 1.0;
+    return fmi1OK;
+}
+SHOWN fmi1Status NAME(GetDerivatives)(fmi1Component c, double dx[], size_t n) {
+    Model *m = c;
+    dx[n - 1] = m->on ? m->r[U] : 0.0;
+    return fmi1OK;
+}
+SHOWN fmi1Status NAME(GetEventIndicators)(fmi1Component c, double z[], size_t n) {
+    Model *m = c;
+    z[n - 1] = m->r[X] + m->r[K] * m->r[U] - 1.0;
+    return fmi1OK;
+}
+SHOWN fmi1Status NAME(CompletedIntegratorStep)(fmi1Component c, fmi1Boolean *update) {
+    *update = 0;
     return fmi1OK;
 }
 
@@ -77,5 +135,7 @@ ABSENT(GetIntegerStatus)
 ABSENT(GetBooleanStatus)
 ABSENT(GetStringStatus)
 ABSENT(SetDebugLogging)
+ABSENT(GetStateValueReferences)
 SHOWN const char *NAME(GetTypesPlatform)(void) { return "standard32"; }
+SHOWN const char *NAME(GetModelTypesPlatform)(void) { return "standard32"; }
 SHOWN const char *NAME(GetVersion)(void) { return "1.0"; }

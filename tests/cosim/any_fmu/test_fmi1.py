@@ -1,4 +1,4 @@
-"""FMI 1.0 Co-Simulation, against FMPy."""
+"""FMI 1.0, against FMPy."""
 
 from pathlib import Path
 from uuid import uuid4
@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from stickslip.cosim import control
 from tests.corpus import fmu
 from tests.cosim.single import by_fmpy, exposed, one
 
@@ -33,7 +34,7 @@ def described(rows=ROWS, implementation=f"{SLAVE}</Implementation>"):
     )
     return (
         '<fmiModelDescription fmiVersion="1.0" modelName="old" modelIdentifier="old" guid="{1}"'
-        ' numberOfContinuousStates="0" numberOfEventIndicators="0">'
+        ' numberOfContinuousStates="1" numberOfEventIndicators="1">'
         f"<ModelVariables>{variables}</ModelVariables>{implementation}</fmiModelDescription>"
     )
 
@@ -72,10 +73,25 @@ def test_runs_equal_fmpy(tmp_path, binary):
     assert system.components["a"].feedthrough == {"y": {"u"}, "high": set()}
 
 
+def test_model_exchange_has_events_of_time_state_and_inputs(tmp_path, binary):
+    path = fmu.pack(tmp_path / "exchange.fmu", described(implementation=""), binary)
+    time = np.linspace(0.0, 1.0, 11)
+    u, on = 1.0 + np.sin(7 * time), time < 0.45
+    x = np.cumsum([0.0, *(0.05 * (u[1:] + u[:-1]) * on[:-1])]) + (time >= 0.25)
+    system, record = exposed(path, {"k": 0.5}), ["a.x", "a.y", "a.high"]
+    with system.prepare(step=0.1, stop=1.0, record=record) as simulation:
+        for _ in range(2):
+            ours = simulation.run(inputs={"u": cosim.Table(time, u), "on": on})
+            np.testing.assert_allclose(ours["a.x"], x, atol=1e-4)
+            np.testing.assert_allclose(ours["a.y"], x + 0.5 * u, atol=1e-4)
+            np.testing.assert_array_equal(ours["a.high"], ours["a.y"] >= 1.0)
+    assert 0 < ours["a.high"].sum() < len(time)
+
+
 def test_what_is_not_run_is_one_line(tmp_path, binary):
-    exchange = fmu.pack(tmp_path / "exchange.fmu", described(implementation=""), binary)
-    with pytest.raises(cosim.FmuError, match=r"Model Exchange, .* for FMI 2.0 or 3.0"):
-        cosim.Fmu(exchange)
+    exchange = cosim.Fmu(fmu.pack(tmp_path / "me.fmu", described(implementation=""), binary))
+    with pytest.raises(control.LinearisationError, match=r"me.fmu: FMI 1.0 does not name states"):
+        control.linearise(exchange, isolation=None)
     negated = [("y", 3, "output", "continuous", 'alias="negatedAlias"', "<Real/>")]
     with pytest.raises(cosim.FmuError, match="output 'y' is a negated alias"):
         cosim.Fmu(fmu.pack(tmp_path / "negated.fmu", described(negated), binary))

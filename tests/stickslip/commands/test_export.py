@@ -385,9 +385,9 @@ STEP, STOP = 5e-4, 1.0
 def test_the_tuned_loop_in_fmpy(results, fmi, tmp_path, capsys):
     package = results / "loop.ssp"
     chosen = ["--outputs", "drive.*", "--parameters", "compensator.*", "--set", "drive.F_c=5"]
-    arguments = ["export", package, "--as", "fmu", "--fmi", fmi, "--out", tmp_path, *chosen]
+    arguments = ["export", package, "--fmi", fmi, "--out", tmp_path / "whole.fmu", *chosen]
     assert main([str(a) for a in arguments]) == 0
-    path = tmp_path / "loop.fmu"
+    path = tmp_path / "whole.fmu"
     assert capsys.readouterr().out.strip() == str(path)
 
     system, _ = cosim.read_ssp(package)
