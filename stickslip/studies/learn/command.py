@@ -125,15 +125,15 @@ def run(options: argparse.Namespace) -> Answer:
     if options.compensator != "auto":
         require_parts(options.compensator)
     if options.check:
-        from stickslip.identification.sliding.position_force import with_position_force
-        from stickslip.logs import raise_errors, read_and_check
+        from stickslip.logs import raise_errors
         from stickslip.logs.sets import logs_of
+        from stickslip.studies.learn.checking import check_log
 
         every: list[Finding] = []
         for log in logs_of(options.log, description):
             if len(options.log) > 1 or log.path not in options.log:
                 print(f"{log.path}:")
-            findings = read_and_check(log.path, log.description, known=with_position_force)[1]
+            _, findings = check_log(log.path, log.description)
             TerminalProgress().findings(findings)
             raise_errors(log.path, findings)
             every += findings
