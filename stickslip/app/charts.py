@@ -117,7 +117,7 @@ def parallel(table: pd.DataFrame, names: list[str]) -> Options:
     axes = [
         {
             "dim": k,
-            "name": name.rpartition(".")[2],
+            "name": name.replace(".", "\n"),
             "nameTextStyle": {"color": INK},
             "scale": True,
             "type": "log" if _spans_decades(shown[name]) else "value",
@@ -134,7 +134,7 @@ def parallel(table: pd.DataFrame, names: list[str]) -> Options:
     scale = {"show": False, "min": 0, "max": 1, "dimension": len(names) + 1, "inRange": colour}
     return _chart(
         parallelAxis=axes,
-        parallel={"left": 40, "right": 70, "top": 40, "bottom": 24},
+        parallel={"left": 40, "right": 70, "top": 46, "bottom": 24},
         visualMap=scale,
         series=[{"type": "parallel", "lineStyle": {"width": 1.2, "opacity": 0.6}, "data": rows}],
     )
@@ -151,7 +151,7 @@ def importances(table: pd.DataFrame, names: list[str]) -> Options:
     bars = [float(f"{shares[name]:.3g}") for name in order]
     return _chart(
         xAxis=_axis("share of the variance of the cost's rank", type="value", min=0, max=1),
-        yAxis=_axis("", type="category", data=[name.rpartition(".")[2] for name in order]),
+        yAxis=_axis("", type="category", data=order),
         series=[{"type": "bar", "data": bars, "barMaxWidth": 18}],
-        grid={"left": 90, "right": 24, "top": 12, "bottom": 44},
+        grid={"left": 130, "right": 24, "top": 12, "bottom": 44},
     )

@@ -45,12 +45,12 @@ class Told(ss.Progress):
         for finding in findings:
             self.tell(line=str(finding))
 
-    def move(self, done: int, of: int | None, unit: str = "step", remark: str = "") -> None:
+    def move(self, done: int, of: int | None, unit: str = "step", _remark: str = "") -> None:
         """Tell how much of a stage is done, at most ten times a second."""
         now = time.monotonic()
         if now - self._last > RATE or done == of:
             self._last = now
-            self.tell(done=(done, of, unit, remark))
+            self.tell(done=(done, of, unit))
 
     def generation(self, algorithm: ss.ga.Optimiser, scale: Any = None) -> None:
         """Tell the candidates of a search since the last ones, in SI units."""
@@ -107,9 +107,8 @@ def arena(told: Told, folder: Path, **settings: Any) -> Lines:
         told.tell(line=f"{count} of {of}: {cell}")
         told.move(count, of, "cell")
 
-    found = ss.arena(folder=folder, progress=done, **settings)
-    found.write(folder)
-    return found.ranking.to_string().splitlines()
+    ss.arena(folder=folder, progress=done, **settings).write(folder)
+    return []
 
 
 def message_of(fault: BaseException) -> str:
@@ -142,7 +141,7 @@ class Job:
     folder: Path | None  # of its results
     stages: Lines = field(default_factory=list)
     lines: Lines = field(default_factory=list)  # findings, warnings, what was done
-    done: tuple[int, int | None, str, str] | None = None  # steps, of how many, unit, remark
+    done: tuple[int, int | None, str] | None = None  # steps, of how many, unit
     names: list[str] = field(default_factory=list)  # of the parameters of the present search
     candidates: list[Any] = field(default_factory=list)  # tables of them, by generation
     result: Lines | None = None

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from nicegui import events, ui
+from nicegui import events, run, ui
 
 import stickslip as ss
 from stickslip.app import charts, jobs
@@ -204,11 +204,16 @@ def learn_part(work: Workbench) -> None:
         found.clear()
         with found:
             ui.spinner()
-        checked = await attempt(lambda: ss.check_log(log.value, form.description()))
-        found.clear()
-        if checked is None:
+        try:
+            reading, findings = await run.io_bound(
+                lambda: ss.check_log(log.value, form.description())
+            )
+        except FAULTS as fault:
+            found.clear()
+            with found:
+                lines_of([f"error: {message_of(fault)}"])
             return
-        reading, findings = checked
+        found.clear()
         form.detected(reading)
         with found:
             recording = reading.recording

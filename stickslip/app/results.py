@@ -66,7 +66,11 @@ def table(title: str, rows: list[dict[Any, Any]]) -> None:
     """Show rows as a table; numbers have four digits."""
     ui.label(title).classes(QUIET)
     shown = [
-        {str(k): f"{v:.4g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows
+        {
+            str(k): f"{v:.4g}".replace("nan", "–") if isinstance(v, float) else v
+            for k, v in row.items()
+        }
+        for row in rows
     ]
     columns = [
         {"name": key, "label": key, "field": key, "align": "left"}

@@ -79,8 +79,8 @@ def show_job(job: Job, then: Callable[[], object]) -> None:
             return
         drawn["version"] = job.version
         stage.text = job.stages[-1] if job.stages and not job.ended else ""
-        done, of, unit, _ = job.done or (0, None, "", "")
-        bar.visible = bool(of) and not job.ended
+        done, of, unit = (not job.ended and job.done) or (0, None, "")
+        bar.visible = bool(of)
         if of:
             bar.value = done / of
             stage.text += f" · {done} of {of} {unit}s"

@@ -14,6 +14,7 @@ from stickslip.app.workbench import MODELS, Workbench
 SLIDERS, SIGNALS = 6, 3  # that are shown at first
 REAL = ("Real", "Float64", "Float32")
 STEPS = 200  # of a slider
+WIDEST = 100.0  # range of a slider over the start value
 
 
 def simulate_part(work: Workbench) -> None:
@@ -77,7 +78,7 @@ class Bench:
         """Show a slider from the lowest to the highest value, or from a fifth to five times it."""
         start = row["start"] if isinstance(row["start"], int | float) else 0.0
         low, high = row["minimum"], row["maximum"]
-        if low is None or high is None or not high - low < 1e6 * max(abs(start), 1e-9):
+        if low is None or high is None or not high - low < WIDEST * abs(start):
             low, high = sorted((start / 5.0, 5.0 * start)) if start else (-1.0, 1.0)
         value = self.moved.get(name, start)
         with ui.row().classes("w-full items-center justify-between flex-nowrap"):

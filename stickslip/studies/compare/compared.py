@@ -89,7 +89,7 @@ def _files(place: Path) -> list[Path]:
 def _names(files: list[Path]) -> list[str]:
     """Return the shortest ends of the paths that tell the files apart."""
     parts = [file.absolute().parts for file in files]
-    parts = [of[:-1] if of[-1] == "learned.json" else of for of in parts]
+    parts = [of[:-1] if of[-1] in ("learned.json", "tuned.json") else of for of in parts]
     for n in range(1, max(map(len, parts), default=1) + 1):
         names = ["/".join(of[-n:]) for of in parts]
         if len(set(names)) == len(names):
