@@ -28,12 +28,7 @@ class LogForm:
     """The description of a log, to be corrected: columns, units, controller."""
 
     SINGLE = (
-        "encoder_step",
-        "force_limit",
-        "rated_force",
-        "rated_torque",
-        "sample_period",
-        "tau_i",
+        *("encoder_step", "force_limit", "rated_force", "rated_torque", "sample_period", "tau_i"),
     )
 
     def __init__(self) -> None:
@@ -46,52 +41,46 @@ class LogForm:
     def build(self, base: ss.Description, names: Mapping[str, str]) -> None:
         """Build the fields with what a description holds and the columns that a file has."""
         self.base, self.columns, self.single = base, {}, {}
-        options: dict[str | None, str] = {
-            None: "automatic",
-            "none": "none",
-            **{name: name for name in names},
-        }
         with ui.grid().classes("w-full gap-x-4 gap-y-0 grid-cols-1 md:grid-cols-2"):
             for role in ss.Description.ROLES:
                 given = base.column(role)
+                options: dict[str | int | None, str] = {None: "automatic", "none": "none"}
+                options |= {name: str(name) for name in (*names, given.name) if name is not None}
+                scale = None if given.scale is None else str(given.scale)
                 with ui.row().classes("flex-nowrap items-start gap-2"):
-                    chosen = given.name if given.name in options else None
-                    name = ui.select(options, label=role.replace("_", " "), value=chosen)
-                    unit = ui.input("unit", value=given.unit)
-                    scale = ui.input(
-                        "scale", value=None if given.scale is None else str(given.scale)
-                    )
-                    name.classes("grow min-w-0").props("dense").mark(f"column {role}")
-                    unit.classes("w-16").props("dense stack-label").mark(f"unit {role}")
-                    scale.classes("w-16").props("dense stack-label")
-                self.columns[role] = {"name": name, "unit": unit, "scale": scale}
+                    fields = {
+                        "name": ui.select(options, label=role.replace("_", " "), value=given.name),
+                        "unit": ui.input("unit", value=given.unit).classes("w-16"),
+                        "scale": ui.input("scale", value=scale).classes("w-16"),
+                    }
+                    fields["name"].classes("grow min-w-0")
+                for field in fields.values():
+                    field.props("dense stack-label")
+                self.columns[role] = fields
         with ui.row().classes("w-full gap-4"):
             kinds = list(ss.Description.CONTROLLERS)
-            self.controller = ui.select(kinds, label="controller", value=base.controller).classes(
-                "w-32"
-            )
+            self.controller = ui.select(kinds, label="controller", value=base.controller)
+            self.controller.classes("w-32")
             gains = " ".join(f"{name}={value}" for name, value in base.gains.items())
-            self.gains = ui.input("gains", value=gains, placeholder="K_p=4700 K_i=68000").classes(
-                "grow"
-            )
-            self.gains.props("stack-label hint='" + ", ".join(ss.Description.GAINS) + "; SI units'")
+            self.gains = ui.input("gains", value=gains, placeholder="K_p=4700 K_i=68000")
+            hint = f"{', '.join(ss.Description.GAINS)}; SI units"
+            self.gains.classes("grow").props(f'stack-label hint="{hint}"')
         with ui.expansion("More").classes("w-full"), ui.row().classes("gap-4"):
             motions = {None: "from the units", "linear": "linear", "rotary": "rotary"}
-            self.single["motion"] = ui.select(motions, label="motion", value=base.motion).classes(
-                "w-40"
-            )
+            self.single["motion"] = ui.select(motions, label="motion", value=base.motion)
             for key in self.SINGLE:
                 value = getattr(base, key)
-                field = ui.input(key.replace("_", " "), value=value and str(value))
-                self.single[key] = field.classes("w-32")
+                self.single[key] = ui.input(key.replace("_", " "), value=value and str(value))
+            for field in self.single.values():
+                field.classes("w-36")
 
     def detected(self, reading: ss.Reading) -> None:
         """Show beside each field what was detected."""
         for channel in reading.channels:
             field = self.columns[channel.role]
-            field["name"].props(
-                f'hint="{channel.source}"' if field["name"].value is None else 'hint=""'
-            )
+            source = channel.source if field["name"].value is None else ""
+            field["name"].props["hint"] = source
+            field["name"].update()
             field["unit"].props["placeholder"] = channel.unit.name if channel.unit else "SI"
             field["unit"].update()
 
@@ -117,11 +106,7 @@ def learn_part(work: Workbench) -> None:
     """Choose a log, correct what its columns mean, and learn from it."""
     form = LogForm()
     with ui.row().classes("w-full items-end gap-4"):
-        log = (
-            ui.select(work.files(LOGS), label="Log", with_input=True)
-            .classes("grow min-w-60")
-            .mark("log")
-        )
+        log = ui.select(work.files(LOGS), label="Log", with_input=True).classes("grow min-w-60")
         config = ui.select({}, label="Description (TOML)", clearable=True).classes("w-56")
 
         async def uploaded(event: events.UploadEventArguments) -> None:
@@ -132,7 +117,9 @@ def learn_part(work: Workbench) -> None:
                 path = work.folder / f"{Path(event.file.name).stem}-{k}{path.suffix}"
             await event.file.save(path)
             upload.reset()
-            log.set_options(work.files(LOGS), value=str(path))
+            ui.notify(f"saved as {path}")
+            logs = work.files(LOGS)
+            log.set_options(logs, value=str(path) if str(path) in logs else log.value)
 
         upload = ui.upload(on_upload=uploaded, auto_upload=True, label="Drop a log here")
         upload.props("flat bordered").classes("w-56")
@@ -164,8 +151,8 @@ def learn_part(work: Workbench) -> None:
         body.clear()
         with body:
             form.build(base, names)
-            ui.button("Check", icon="rule", on_click=check).props("outline")
-            found = ui.column().classes("w-full gap-1").mark("findings")
+            ui.button("Check", icon="rule", on_click=lambda: check())
+            found = ui.column().classes("w-full gap-1")
             with ui.row().classes("w-full items-end gap-4"):
                 laws = ["auto", *ss.law_names()]
                 law = ui.select(laws, label="Friction law", value="auto").classes("w-40")
@@ -173,55 +160,44 @@ def learn_part(work: Workbench) -> None:
                 fixed = ui.checkbox("gains stay as they are")
                 force = ui.checkbox("write what is not recommended")
                 ui.button("Learn", icon="play_arrow", on_click=lambda: begin())
-        form.found = found  # type: ignore[attr-defined]
 
-        async def begin() -> None:
+        def begin() -> None:
             try:
                 description = form.description()
             except FAULTS as fault:
                 told(message_of(fault))
                 return
-            given = {
-                "law": law.value,
-                "compensator": compensator.value or "auto",
-                "fixed_gains": fixed.value,
-            }
             job = work.begin(
-                "learn",
-                log.value,
-                jobs.learn,
+                *("learn", log.value, jobs.learn),
                 log=Path(log.value),
                 description=description,
+                law=law.value,
+                compensator=compensator.value or "auto",
+                fixed_gains=fixed.value,
                 force=force.value,
-                **given,
             )
             follow(work, job, outcome)
 
-        await check()
-
-    async def check() -> None:
-        found = form.found  # type: ignore[attr-defined]
-        found.clear()
-        with found:
-            ui.spinner()
-        try:
-            reading, findings = await run.io_bound(
-                lambda: ss.check_log(log.value, form.description())
-            )
-        except FAULTS as fault:
+        async def check() -> None:
             found.clear()
             with found:
-                lines_of([f"error: {message_of(fault)}"])
-            return
-        found.clear()
-        form.detected(reading)
-        with found:
-            recording = reading.recording
-            shown = {n: getattr(recording, n) for n in ("position", "velocity", "force")}
-            for name, values in shown.items():
-                if values is not None:
-                    chart(f"{name} (SI)", charts.signals(recording.t, {name: values}), "h-40")
-            lines_of(map(str, findings))
+                spinner = ui.spinner()
+                try:
+                    description = form.description()
+                    reading, findings = await run.io_bound(ss.check_log, log.value, description)
+                except FAULTS as fault:
+                    lines_of([f"error: {message_of(fault)}"])
+                    return
+                finally:
+                    spinner.delete()
+                form.detected(reading)
+                for name in ("position", "velocity", "force"):
+                    if (values := getattr(reading.recording, name)) is not None:
+                        drawn = charts.signals(reading.recording.t, {name: values})
+                        chart(f"{name} (SI)", drawn, "h-40")
+                lines_of(map(str, findings))
+
+        await check()
 
     log.on_value_change(chosen)
     config.on_value_change(described)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from nicegui import ui
 
 import stickslip as ss
@@ -18,11 +16,8 @@ def results_part(work: Workbench) -> None:
         running = [job.name for job in work.jobs.values() if not job.ended]
         return [*running, *work.results(*LEARNED, *PAGES)]
 
-    with ui.row().classes("w-full items-center"):
-        chosen = (
-            ui.select(names(), label="Results", multiple=True).classes("grow").props("use-chips")
-        )
-        ui.button(icon="refresh", on_click=lambda: chosen.set_options(names())).props("flat round")
+    chosen = ui.select(names(), label="Results", multiple=True)
+    chosen.classes("w-full").props("use-chips")
     chosen.on("popup-show", lambda: chosen.set_options(names()))
     place = ui.column().classes("w-full")
 
@@ -45,35 +40,18 @@ def results_part(work: Workbench) -> None:
 
 async def compare(work: Workbench, names: list[str]) -> None:
     """Show parameters, errors and pages of results beside each other."""
-    paths = [
-        next((f for f in (work.runs / n / one for one in LEARNED) if f.exists()), work.runs / n)
-        for n in names
-    ]
-    found = await attempt(ss.compare, paths)
+    found = await attempt(ss.compare, [work.runs / name for name in names])
     if found is not None:
-        table(
-            "Parameters, with 95 % intervals", found.side_by_side().reset_index().to_dict("records")
-        )
-        table("Error left, relative to no compensation", found.errors.frame().to_dict("records"))
+        parameters = found.side_by_side().reset_index()
+        for title, frame in {
+            "Parameters, with 95 % intervals": parameters,
+            "Error left, relative to no compensation": found.errors.frame().round(4),
+        }.items():
+            ui.label(title).classes(QUIET)
+            shown = ui.table.from_pandas(frame, column_defaults={"align": "left"})
+            shown.classes("w-full").props("dense flat bordered wrap-cells")
     with ui.row().classes("w-full flex-nowrap max-md:flex-wrap gap-4"):
         for name in names:
             with ui.column().classes("min-w-0 grow basis-0 max-md:basis-full"):
                 ui.label(name).classes("font-bold")
                 report(work.runs / name)
-
-
-def table(title: str, rows: list[dict[Any, Any]]) -> None:
-    """Show rows as a table; numbers have four digits."""
-    ui.label(title).classes(QUIET)
-    shown = [
-        {
-            str(k): f"{v:.4g}".replace("nan", "–") if isinstance(v, float) else v
-            for k, v in row.items()
-        }
-        for row in rows
-    ]
-    columns = [
-        {"name": key, "label": key, "field": key, "align": "left"}
-        for key in (shown[0] if shown else ())
-    ]
-    ui.table(rows=shown, columns=columns).classes("w-full").props("dense flat bordered wrap-cells")

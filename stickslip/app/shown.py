@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Awaitable, Callable, Iterable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +46,7 @@ def lines_of(lines: Iterable[str]) -> None:
 
 def show_job(job: Job, then: Callable[[], object]) -> None:
     """Show how far a job is, and what follows when it has ended."""
-    with ui.card().classes("w-full").mark(f"job {job.name}"):
+    with ui.card().classes("w-full"):
         with ui.row().classes("items-center w-full"):
             ui.spinner(size="sm").bind_visibility_from(job, "ended", backward=lambda one: not one)
             ui.label(job.name).classes("font-bold")
@@ -107,7 +108,7 @@ def chart(title: str, options: charts.Options, height: str = "h-64") -> ui.echar
 def show_results(work: Workbench, name: str, job: Job | None = None) -> None:
     """Show a folder of results: what was found, files to download, and the page."""
     folder = work.runs / name
-    with ui.card().classes("w-full").mark(f"results {name}"):
+    with ui.card().classes("w-full"):
         ui.label(name).classes("font-bold")
         if job is not None and job.error:
             lines_of([f"error: {job.error}"])
@@ -115,30 +116,20 @@ def show_results(work: Workbench, name: str, job: Job | None = None) -> None:
             lines_of(job.result)
         if not folder.is_dir():
             return
+        learned = next((folder / one for one in LEARNED if (folder / one).exists()), None)
         with ui.row().classes("gap-2 items-center"):
-            ui.label("Download").classes(QUIET)
             for file in sorted(folder.glob("*.fmu")):
-                ui.button(file.name, icon="download", on_click=_downloads(file)).props(
-                    "outline dense no-caps"
-                )
-            for part in ("compensator", "observer"):
-                if (folder / f"{part}.fmu").exists() and (learned := _learned(folder)):
-                    for form, label in (("c", "C"), ("st", "ST")):
-                        ui.button(
-                            f"{part}: {label}",
-                            icon="download",
-                            on_click=_exports(learned, part, form),
-                        ).props("outline dense no-caps")
+                _download(file.name, partial(ui.download.file, file))
+                if learned:
+                    for form in ("c", "st"):
+                        export = _exports(learned, file.stem, form)
+                        _download(f"{file.stem}: {form.upper()}", export)
         with ui.expansion("All files").classes("w-full"):
             for path in sorted(folder.rglob("*")):
                 if path.is_file():
                     shown = str(path.relative_to(folder))
                     ui.link(shown, f"/files/{name}/{shown}", new_tab=True)
         report(folder)
-
-
-def _learned(folder: Path) -> Path | None:
-    return next((folder / one for one in LEARNED if (folder / one).exists()), None)
 
 
 def report(folder: Path) -> None:
@@ -150,8 +141,8 @@ def report(folder: Path) -> None:
             frame.props(f'src="/files/{folder.name}/{page}" sandbox="{rights}" title="Report"')
 
 
-def _downloads(file: Path) -> Callable[[], None]:
-    return lambda: ui.download.file(file)
+def _download(label: str, on_click: Callable[[], object]) -> None:
+    ui.button(label, icon="download", on_click=on_click).props("outline dense no-caps")
 
 
 def _exports(learned: Path, part: str, form: str) -> Callable[[], Awaitable[None]]:

@@ -85,7 +85,7 @@ class Bench:
             ui.label(f"{name} [{row['unit']}]" if row["unit"] else name).classes("text-sm truncate")
             field = ui.number(value=value, format="%.6g").props("dense borderless").classes("w-24")
         bar = ui.slider(min=low, max=high, step=(high - low) / STEPS, value=value)
-        bar.bind_value(field).mark(f"slider {name}")
+        bar.bind_value(field)
         if row["description"]:
             bar.tooltip(row["description"])
 
