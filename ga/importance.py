@@ -1,9 +1,14 @@
 """How much of what a search saw of the cost comes from each gene."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 CLASSES = 8  # of a gene's values, with as many candidates each
 
@@ -30,10 +35,11 @@ def importances(history: pd.DataFrame, names: Sequence[str]) -> dict[str, float]
     K. Pearson, On the general theory of skew correlation and non-linear regression, 1905.
     """
     rank = history["cost"].rank()
-    n, total = len(rank), float(((rank - rank.mean()) ** 2).sum())
+    n, count = len(rank), min(CLASSES, max(len(rank) // 2, 1))
+    total = float(((rank - rank.mean()) ** 2).sum())
     found = {}
     for name in names:
-        classes = pd.cut(history[name].rank(), min(CLASSES, max(n // 2, 1)), labels=False)
+        classes = (history[name].rank() - 1.0) * count // n
         within = float(((rank - rank.groupby(classes).transform("mean")) ** 2).sum())
         free = n - classes.nunique()
         share = 1.0 - (within / free) / (total / (n - 1)) if total and free > 0 else 0.0

@@ -184,12 +184,13 @@ def learn_part(work: Workbench) -> None:
                 spinner = ui.spinner()
                 try:
                     description = form.description()
-                    reading, findings = await run.io_bound(ss.check_log, log.value, description)
+                    checked: Any = await run.io_bound(ss.check_log, log.value, description)
                 except FAULTS as fault:
                     lines_of([f"error: {message_of(fault)}"])
                     return
                 finally:
                     spinner.delete()
+                reading, findings = checked
                 form.detected(reading)
                 for name in ("position", "velocity", "force"):
                     if (values := getattr(reading.recording, name)) is not None:
