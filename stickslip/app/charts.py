@@ -118,7 +118,7 @@ def parallel(table: pd.DataFrame, names: list[str]) -> Options:
         {
             "dim": k,
             "name": name.replace(".", "\n"),
-            "nameTextStyle": {"color": INK},
+            "nameTextStyle": {"color": INK, "lineHeight": 14},
             "scale": True,
             "type": "log" if _spans_decades(shown[name]) else "value",
             "axisLabel": LABEL,
@@ -134,7 +134,7 @@ def parallel(table: pd.DataFrame, names: list[str]) -> Options:
     scale = {"show": False, "min": 0, "max": 1, "dimension": len(names) + 1, "inRange": colour}
     return _chart(
         parallelAxis=axes,
-        parallel={"left": 40, "right": 70, "top": 46, "bottom": 24},
+        parallel={"left": 60, "right": 70, "top": 46, "bottom": 24},
         visualMap=scale,
         series=[{"type": "parallel", "lineStyle": {"width": 1.2, "opacity": 0.6}, "data": rows}],
     )
