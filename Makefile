@@ -37,7 +37,8 @@ check: .venv/checked ## lint, types and C format
 	cd .typed && ../$(BIN)/mypy --config-file ../pyproject.toml
 	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.c' '*.h')
 
-wheel: .venv/installed ## build the wheel into dist/, with all that it carries compiled
+wheel: .venv/installed ## build the wheel into dist/, with all that it carries ready
+	$(BIN)/python -m pip install --quiet --editable '.[compile,figures]'
 	$(BIN)/python -m stickslip.precompile
 	@rm -rf build # setuptools would carry what an earlier one contained
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .

@@ -33,9 +33,9 @@ HEADINGS = {
     "Systems and runs": ("cosim", "blocks", "contents", "simulation", "sweeping"),
     "Models and friction laws": ("models", "laws"),
     "Velocity loops and frequency responses": ("servo", "cosim.control", "presentation"),
-    "Learning": ("logs", "planning", "identification", "studies.learn", "learned"),
+    "Learning": ("logs", "planning", "identification", "output", "studies.learn", "learned"),
     "Drives": ("rigs", "drives"),
-    "Comparison and checks": ("studies.arena", "fmucheck", "fmi"),
+    "Comparison and checks": ("studies.arena", "studies.compare", "fmucheck", "fmi"),
 }
 """The packages whose public names stand under each heading; the longest name counts."""
 

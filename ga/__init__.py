@@ -30,6 +30,7 @@ from stickslip.ga.errors import (
 )
 from stickslip.ga.execution.executors import executor
 from stickslip.ga.execution.learning import SearchResult, learn
+from stickslip.ga.importance import importances
 from stickslip.ga.operators.breeding import crossover_probability, fitness
 from stickslip.ga.problem.problem import AtLeast, Gene, Problem
 
@@ -64,6 +65,7 @@ __all__ = [
     "crossover_probability",
     "executor",
     "fitness",
+    "importances",
     "learn",
     "optimiser",
 ]

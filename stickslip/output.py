@@ -13,7 +13,7 @@ from contextlib import contextmanager, redirect_stdout
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TextIO, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Protocol, Self, TextIO, TypeVar, cast
 
 from stickslip.fmi.messages import harmless
 
@@ -117,7 +117,21 @@ class Factors(Protocol):
 
 
 class Progress:
-    """Receives the progress of what takes long. This one shows nothing, others derive from it."""
+    """Receives the progress of what takes long. This one shows nothing, others derive from it.
+
+    Within ``with``, it also receives the steps of a stage in this thread.
+    """
+
+    def __enter__(self) -> Self:
+        self._shown_by = shown_by(self.move)
+        self._shown_by.__enter__()
+        return self
+
+    def __exit__(self, *failure: Any) -> None:
+        self._shown_by.__exit__(*failure)
+
+    def move(self, done: int, of: int | None, unit: str = "step", remark: str = "") -> None:
+        """Take how many steps of a stage are done, and of how many."""
 
     def stage(self, name: str) -> None:
         """Begin a stage."""

@@ -1,7 +1,8 @@
-"""``python -m stickslip.precompile`` compiles what a wheel carries.
+"""``python -m stickslip.precompile`` makes what a wheel carries.
 
-These are the kernel, the wrapper of FMI 1.0 and all models with all friction laws, as FMI 2.0 and
-3.0, for all platforms. Start values are written into them later.
+These are, compiled, the kernel, the wrapper of FMI 1.0 and all models with all friction laws, as
+FMI 2.0 and 3.0, for all platforms; start values are written into them later. Besides them, BokehJS
+for the figures of reports, if the package ``bokeh`` is installed.
 """
 
 import io
@@ -19,6 +20,7 @@ from stickslip.fmi.files import atomic_write
 from stickslip.fmi.process import Threads
 from stickslip.fmi.toolchain import PLATFORMS, Platform, compiler_version
 from stickslip.fmi.toolchain.compiler import ARCHIVE
+from stickslip.presentation.interactive import CARRIED, bokeh
 
 
 def precompile(
@@ -58,3 +60,5 @@ def _jobs(platforms: list[Platform], names: Iterable[str]) -> Iterator[Callable[
 
 if __name__ == "__main__":
     print(precompile())
+    if library := bokeh():
+        print(atomic_write(CARRIED, library))

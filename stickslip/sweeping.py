@@ -19,7 +19,7 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
-from stickslip import cosim, ga
+from stickslip import cosim, ga, output
 from stickslip.cosim.display import html_table
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import Inputs
@@ -154,14 +154,15 @@ def optimise(
     seed: int = 0,
     workers: int = 1,
     where: str = "threads",
-    progress: Progress | bool = False,
+    progress: output.Progress | Progress | bool = False,
     **options: Any,
 ) -> Optimum:
     """Search the parameters of a system for which a cost is least, by the genetic algorithm.
 
     Parameters
     ----------
-    system, inputs, workers, where, progress, options : as of ``sweep``
+    system, inputs, workers, where, options : as of ``sweep``
+    progress : as of ``sweep``, or an ``ss.Progress``, which is told of generations
     ranges : name -> (lowest, start, highest), or (lowest, highest) to start with the value of the
         system, in the unit of the variable; searched by the logarithm where the lowest is above 0
     cost : of a result, 0 or more
@@ -216,11 +217,13 @@ def optimise(
             specification, names, partial(figure, "the cost", cost), signals
         ) as evaluate,
         ga.executor(where, workers) as executor,
-        _shown(progress) as report,
+        _shown(not isinstance(progress, output.Progress) and progress) as report,
     ):
 
         def told(found: ga.Optimiser) -> None:
             report(found.evaluations, evaluations)
+            if isinstance(progress, output.Progress):
+                progress.generation(found)
 
         found = ga.learn(search, evaluate, executor, on_generation=told)
     table = search.history.drop(columns="index")

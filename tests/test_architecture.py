@@ -40,7 +40,7 @@ ROOMS_OF_STICKSLIP = (
     *("simulation", "contents", "laws", "blocks", "figures", "sweeping", "system", "drives"),
     *("commandline", "studies.arena", "studies.survey", "studies.learn", "papers.lugre"),
     *("studies.compare", "studies.fleet", "studies.tune", "studies.validate"),
-    *("precompile", "commands", "cli", "__main__"),
+    *("app", "precompile", "commands", "cli", "__main__"),
 )
 # They import what runs a system when they are called.
 THIN_METHODS = {
@@ -202,6 +202,17 @@ def test_rooms_of_the_application_have_an_order():
     ]
     assert not wrong
     assert {room_of(name) for name in own} == place.keys()
+
+
+def test_the_workbench_uses_the_public_interface():
+    wrong = [
+        f"{module} imports {name}"
+        for module, tree in own_sources().items()
+        for node in imports(tree)
+        for name in targets(node)
+        if room_of(module) == "app" and name != "stickslip" and room_of(name) != "app"
+    ]
+    assert not wrong
 
 
 def counted() -> Iterator[tuple[str, ast.AST]]:

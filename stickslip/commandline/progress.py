@@ -10,13 +10,12 @@ import argparse
 import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import ExitStack
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.commandline import FLAG, add_options, warn
-from stickslip.output import LOG, Factors, Progress, quiet, shown_by
+from stickslip.output import LOG, Factors, Progress, quiet
 
 if TYPE_CHECKING:
     from tqdm import tqdm
@@ -48,7 +47,6 @@ class TerminalProgress(Progress):
         self._bar: tqdm[None] | None = None
         self._rows: dict[str, tqdm[None]] = {}
         self._begun: dict[str, float] = {}
-        self._open = ExitStack()
 
     def stage(self, name: str) -> None:
         """Print the stage that begins."""
@@ -130,13 +128,8 @@ class TerminalProgress(Progress):
         self._bar.set_postfix_str(remark, refresh=False)
         self._bar.update(done - self._bar.n)
 
-    def __enter__(self) -> Self:
-        if self._shown:
-            self._open.enter_context(shown_by(self.move))
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._open.close()
+    def __exit__(self, *failure: Any) -> None:
+        super().__exit__(*failure)
         self._close_bar()
 
     def _close_bar(self) -> None:

@@ -5,7 +5,7 @@ import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, ClassVar, Literal, get_args
 
 from stickslip.errors import UsageError
 from stickslip.fmi.messages import suggestion
@@ -166,6 +166,10 @@ class Description:
     UsageError
         When a role or gain is unknown, or a number is out of range.
     """
+
+    ROLES: ClassVar = ROLES
+    CONTROLLERS: ClassVar = get_args(Kind)
+    GAINS: ClassVar = GAINS
 
     columns: Mapping[str, Column] = field(default_factory=dict)
     motion: Motion | None = None

@@ -1,7 +1,8 @@
 """Figures as data that a page draws again when it is asked to, to zoom and to read values from.
 
-The page contains BokehJS, compressed, and loads it when the first figure is opened; without scripts
-and in print it shows its pictures alone.
+The page contains BokehJS, compressed, and loads it when the first figure is opened. Without
+scripts, in print, and where neither the wheel nor the package ``bokeh`` brings it, the page shows
+its pictures alone.
 """
 
 import base64
@@ -12,6 +13,8 @@ import unicodedata
 from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -26,6 +29,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter
 from stickslip.presentation.markup import Html
 from stickslip.servo.measurement import Array
 
+CARRIED = Path(__file__).with_name("bokeh.js.gz")  # what ``precompile`` writes for a wheel
 LEAST = 50  # Points of a line from which on its panel is worth opening
 DIGITS = 6
 Panel = dict[str, Any]
@@ -58,25 +62,28 @@ def panels(figure: Figure) -> list[Panel]:
 
 
 def scripts(figures: Mapping[str, list[Panel]]) -> Html:
-    """Return the elements with which a page opens figures, by name."""
+    """Return the elements with which a page opens figures, by name; none without BokehJS."""
+    if not (figures and (library := bokeh())):
+        return Html("")
     code = files(__package__).joinpath("interactive.js").read_text(encoding="utf-8")
     data = json.dumps(figures, separators=(",", ":"), allow_nan=False)
     parts = [
-        f'<script type="application/gzip" id="{name}">{packed}</script>'
-        for name, packed in (("bokeh", _library()), ("plots", _packed(data)))
+        f'<script type="application/gzip" id="{name}">{base64.b64encode(packed).decode()}</script>'
+        for name, packed in (("bokeh", library), ("plots", gzip.compress(data.encode(), mtime=0)))
     ]
     return Html("\n".join([*parts, f'<script type="module">\n{code}</script>']))
 
 
 @cache
-def _library() -> str:
+def bokeh() -> bytes:
+    """Return BokehJS, compressed: as the wheel carries it, or the package; empty without both."""
+    if CARRIED.exists():
+        return CARRIED.read_bytes()
+    if find_spec("bokeh") is None:
+        return b""
     folder = files("bokeh").joinpath("server/static/js")
     names = ("bokeh.min.js", "bokeh-api.min.js")
-    return _packed("".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names))
-
-
-def _packed(text: str) -> str:
-    return base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode("ascii")
+    return gzip.compress(b"".join(folder.joinpath(name).read_bytes() for name in names), mtime=0)
 
 
 def _lines(axes: Axes) -> list[Line2D]:

@@ -70,7 +70,7 @@ def render(title: str, sections: Iterable[Section], pictures: Mapping[str, Pictu
         title=title,
         style=Html(files(__package__).joinpath("page.css").read_text(encoding="utf-8")),
         sections=[section.markup(pictures) for section in sections],
-        scripts=scripts(opened) if opened else "",
+        scripts=scripts(opened),
     )
 
 

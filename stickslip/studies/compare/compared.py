@@ -14,6 +14,7 @@ from stickslip.learned.file import LearnedFile
 from stickslip.presentation.table import Table
 from stickslip.studies.compare import tables
 
+FILES = ("learned.json", "tuned.json")  # of a folder of results; it has one of them
 NORMAL = 1.96  # Half-width of a 95 % interval over a standard error, where a file has no interval
 
 
@@ -76,8 +77,8 @@ def compare(places: Iterable[Path]) -> DriveComparison:
 
 
 def _files(place: Path) -> list[Path]:
-    own = place if place.is_file() else place / "learned.json"
-    found = [own] if own.exists() else sorted(place.glob("drives/*/learned.json"))
+    own = [place] if place.is_file() else [place / name for name in FILES]
+    found = [file for file in own if file.exists()] or sorted(place.glob("drives/*/learned.json"))
     if not found:
         raise UsageError(
             f"{place}: expected learned.json, or a folder in which learn, reproduce or fleet wrote"
@@ -89,7 +90,7 @@ def _files(place: Path) -> list[Path]:
 def _names(files: list[Path]) -> list[str]:
     """Return the shortest ends of the paths that tell the files apart."""
     parts = [file.absolute().parts for file in files]
-    parts = [of[:-1] if of[-1] == "learned.json" else of for of in parts]
+    parts = [of[:-1] if of[-1] in FILES else of for of in parts]
     for n in range(1, max(map(len, parts), default=1) + 1):
         names = ["/".join(of[-n:]) for of in parts]
         if len(set(names)) == len(names):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -144,8 +143,7 @@ def _of_system(
         given["inputs"] = cosim.read_tables(options.input)
     with TerminalProgress(live=options.live) as progress:
         progress.stage(f"tuning {', '.join(ranges)}")
-        given["progress"] = partial(progress.move, unit="run")
-        found = optimise(options.file, ranges, cost, record=cost.record, **given)
+        found = optimise(options.file, ranges, cost, record=cost.record, progress=progress, **given)
     print(changed(found).text(), f"\n{sentence_of(found)}", sep="\n")
     if options.out:
         write_optimised(found, options.file, options.cost, options.out)

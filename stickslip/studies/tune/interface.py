@@ -10,6 +10,7 @@ from stickslip import cosim
 from stickslip.errors import UsageError
 from stickslip.figures import Figure
 from stickslip.learned.file import LearnedFile
+from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Rig
 from stickslip.studies.tune import MOTIONS
 from stickslip.studies.tune.on_rig import tune_on_rig
@@ -24,6 +25,7 @@ def tune(
     cost: Figure | Path | str | None = None,
     rig: Rig | None = None,
     motions: int = MOTIONS,
+    progress: Progress = SILENT,
     **options: Any,
 ) -> TunedDrive | Optimum:
     """Tune the loop of a learned drive, or parameters of any system of FMUs.
@@ -36,6 +38,7 @@ def tune(
     cost : of a system: a cost file, or a function of the result that gives a number of 0 or more
     rig : the learned drive, which then runs the present loop, the tuned one and loops between them
     motions : of the rig, at most
+    progress : is told of stages and generations
     options : ``evaluations``, ``algorithm``, ``seed`` and ``workers``; of a learned drive those of
         ``TuneSettings``, of a system those of ``optimise``
 
@@ -60,8 +63,8 @@ def tune(
             raise UsageError(f"ranges: expected (lowest, highest) of each, got {ranges}") from None
         learned, settings = LearnedFile(Path(system)), TuneSettings(spans, **options)
         if rig is not None:
-            return tune_on_rig(rig, learned, settings, motions)
-        return tune_drive(learned, settings)
+            return tune_on_rig(rig, learned, settings, motions, progress=progress)
+        return tune_drive(learned, settings, progress)
     if rig is not None:
         raise UsageError("a rig tunes a learned drive; expected a learned.json of it")
     if not callable(cost):
@@ -69,4 +72,4 @@ def tune(
             raise UsageError("a system is tuned with ranges and a cost")
         cost = read_cost(Path(cost))
         options.setdefault("record", cost.record)
-    return optimise(system, ranges or {}, cost, **options)
+    return optimise(system, ranges or {}, cost, progress=progress, **options)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from stickslip.presentation import interactive
 from stickslip.presentation.interactive import keep, name_points, panels, plain
 from stickslip.presentation.page import Section, write_page
 
@@ -97,6 +98,21 @@ def test_a_page_carries_data_and_library_of_what_opens(tmp_path):
     assert "Bokeh" in decoded(page, "bokeh")
     write_page(tmp_path, "Other", [figures(short)], "other.html")
     assert "<script" not in (tmp_path / "other.html").read_text()
+
+
+def test_the_library_is_what_the_wheel_carries_or_the_package_else_there_is_none(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr(interactive, "find_spec", lambda _: None)
+    monkeypatch.setattr(interactive, "CARRIED", tmp_path / "bokeh.js.gz")
+    monkeypatch.setattr(interactive, "bokeh", interactive.bokeh.__wrapped__)
+    write_page(tmp_path, "One", [figures(long)], "one.html")
+    page = (tmp_path / "one.html").read_text()
+    assert "<script" not in page
+    assert "data:image/svg" in page
+    interactive.CARRIED.write_bytes(gzip.compress(b"carried"))
+    write_page(tmp_path, "One", [figures(long)], "one.html")
+    assert decoded((tmp_path / "one.html").read_text(), "bokeh") == "carried"
 
 
 @pytest.mark.slow

@@ -1,0 +1,1 @@
+"""The workbench in the browser: it shows and starts what the public Python interface does."""

@@ -1,0 +1,208 @@
+"""What takes long runs in a process of its own, which tells how far it is."""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+import stickslip as ss
+
+Lines = list[str]
+FAULTS = (ss.Fault, OSError, MemoryError)  # that a user can cause
+RATE = 0.1  # least time between two reports of steps [s]
+
+
+class Told(ss.Progress):
+    """Sends progress through a connection."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._search: object = None
+        self._sent, self._last = 0, 0.0
+
+    def tell(self, **news: object) -> None:
+        """Send what is new of a job."""
+        self._connection.send(news)
+
+    def stage(self, name: str) -> None:
+        """Tell that a stage begins."""
+        self.tell(stage=name)
+
+    def findings(self, findings: Iterable[object]) -> None:
+        """Tell findings of a log."""
+        for finding in findings:
+            self.tell(line=str(finding))
+
+    def move(self, done: int, of: int | None, unit: str = "step", _remark: str = "") -> None:
+        """Tell how much of a stage is done, at most ten times a second."""
+        now = time.monotonic()
+        if now - self._last > RATE or done == of:
+            self._last = now
+            self.tell(done=(done, of, unit))
+
+    def generation(self, algorithm: ss.ga.Optimiser, scale: Any = None) -> None:
+        """Tell the candidates of a search since the last ones, in SI units."""
+        if algorithm is not self._search:
+            self._search, self._sent = algorithm, 0
+            self.tell(search=list(algorithm.names))
+        rows = algorithm.history.iloc[self._sent :][[*algorithm.names, "cost"]]
+        self._sent += len(rows)
+        if scale:
+            rows = rows / [*map(scale.of, algorithm.names), scale.of("F_c") ** 2]
+        self.tell(candidates=rows)
+        self.move(algorithm.evaluations, algorithm.limits.evaluations, "candidate")
+
+
+class _Warnings(logging.Handler):
+    def __init__(self, told: Told) -> None:
+        super().__init__(logging.WARNING)
+        self._told = told
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._told.tell(line=f"warning: {record.getMessage()}")
+
+
+def learn(
+    told: Told,
+    folder: Path,
+    log: Path,
+    description: ss.Description,
+    *,
+    force: bool,
+    **settings: Any,
+) -> Lines:
+    """Learn a log and write what is found."""
+    learned = ss.learn(log, description, progress=told, **settings)
+    told.stage("writing the results")
+    warnings = [f"warning: {line}" for line in learned.warnings]
+    return [*ss.write_learned(learned, folder, force=force).sentences, *warnings]
+
+
+def tune(told: Told, folder: Path, source: Path, cost: str | None, **settings: Any) -> Lines:
+    """Tune the loop of a learned drive, or a system of FMUs for a cost, and write it."""
+    found: Any = ss.tune(source, cost=cost, progress=told, **settings)
+    if cost is None:
+        ss.write_tuned(found, folder)
+        return [found.sentence]
+    ss.write_optimised(found, source, Path(cost), folder)
+    return [repr(found)]
+
+
+def arena(told: Told, folder: Path, **settings: Any) -> Lines:
+    """Compare compensators on drives and write the page."""
+
+    def done(count: int, of: int, cell: str) -> None:
+        told.tell(line=f"{count} of {of}: {cell}")
+        told.move(count, of, "cell")
+
+    ss.arena(folder=folder, progress=done, **settings).write(folder)
+    return []
+
+
+def message_of(fault: BaseException) -> str:
+    """Return the line that the command would print for an error."""
+    text = str(fault)
+    if isinstance(fault, OSError) and fault.filename:
+        text = f"{fault.filename}: {fault.strerror}"
+    return " ".join(text.split()) or type(fault).__name__
+
+
+def _work(connection: Connection, task: Callable[..., Lines], given: Mapping[str, Any]) -> None:
+    """Run a task in this process, which ends when nobody receives its progress any more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server ends its jobs
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with Told(connection) as told, suppress(BrokenPipeError):
+        logging.getLogger("stickslip").addHandler(_Warnings(told))
+        try:
+            told.tell(result=task(told, **given))
+        except FAULTS as fault:
+            told.tell(error=message_of(fault))
+        except KeyboardInterrupt:
+            told.tell(error="stopped")
+
+
+@dataclass
+class Job:
+    """A task that runs or has run, and what it has told."""
+
+    name: str
+    folder: Path | None  # of its results
+    stages: Lines = field(default_factory=list)
+    lines: Lines = field(default_factory=list)  # findings, warnings, what was done
+    done: tuple[int, int | None, str] | None = None  # steps, of how many, unit
+    names: list[str] = field(default_factory=list)  # of the parameters of the present search
+    candidates: list[Any] = field(default_factory=list)  # tables of them, by generation
+    result: Lines | None = None
+    error: str = ""
+    ended: bool = False
+    version: int = 0  # counts what is told
+    process: BaseProcess | None = None
+
+    @classmethod
+    def begin(cls, name: str, folder: Path | None, task: Callable[..., Lines], **given: Any) -> Job:
+        """Start a task, with the folder as its first argument if there is one."""
+        context = multiprocessing.get_context("spawn")
+        receiver, sender = context.Pipe(duplex=False)
+        given |= {"folder": folder} if folder else {}
+        process = context.Process(target=_work, args=(sender, task, given))
+        process.start()
+        sender.close()
+        job = cls(name, folder, process=process)
+        Thread(target=job._follow, args=(receiver, process), daemon=True).start()
+        return job
+
+    def _follow(self, receiver: Connection, process: BaseProcess) -> None:
+        with suppress(EOFError, OSError):
+            while True:
+                self._take(**receiver.recv())
+        process.join()
+        if self.result is None and not self.error:
+            self.error = f"the process ended with status {process.exitcode}; see the terminal"
+        self.ended = True
+        self.version += 1
+
+    def _take(self, **news: Any) -> None:
+        for name, value in news.items():
+            if name == "stage":
+                self.stages.append(value)
+                self.done = None
+            elif name == "line":
+                self.lines.append(value)
+            elif name == "search":
+                self.names, self.candidates = value, []
+            elif name == "candidates":
+                self.candidates.append(value)
+            else:
+                setattr(self, name, value)
+        self.version += 1
+
+    def stop(self) -> None:
+        """End the process."""
+        if self.process is not None and not self.ended:
+            self.process.terminate()
+
+
+def export(learned: Path, part: str, form: str, folder: Path) -> list[Path]:
+    """Export a part of a learned drive as the command does, and return the files.
+
+    Raises RuntimeError with the line that the command prints.
+    """
+    words = ["export", part, "--parameters", str(learned), "--as", form, "--out", str(folder)]
+    done = subprocess.run(
+        [sys.executable, "-m", "stickslip", *words], capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        raise RuntimeError(done.stderr.strip().splitlines()[-1].removeprefix("stickslip: "))
+    return sorted(path for path in folder.rglob("*") if path.is_file())

@@ -1,0 +1,204 @@
+"""The part of the page that learns from a log."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from nicegui import events, run, ui
+
+import stickslip as ss
+from stickslip.app import charts, jobs
+from stickslip.app.jobs import FAULTS, message_of
+from stickslip.app.shown import QUIET, attempt, chart, follow, lines_of, told
+from stickslip.app.workbench import LOGS, Workbench
+
+
+def number(text: Any) -> Any:
+    """Return a number where a field holds one, else its text, or None where it is empty."""
+    try:
+        return float(text)
+    except (TypeError, ValueError):
+        return str(text).strip() or None if text is not None else None
+
+
+class LogForm:
+    """The description of a log, to be corrected: columns, units, controller."""
+
+    SINGLE = (
+        *("encoder_step", "force_limit", "rated_force", "rated_torque", "sample_period", "tau_i"),
+    )
+
+    def __init__(self) -> None:
+        self.base = ss.Description()
+        self.columns: dict[str, dict[str, Any]] = {}
+        self.single: dict[str, Any] = {}
+        self.controller: Any = None
+        self.gains: Any = None
+
+    def build(self, base: ss.Description, names: Mapping[str, str]) -> None:
+        """Build the fields with what a description holds and the columns that a file has."""
+        self.base, self.columns, self.single = base, {}, {}
+        with ui.grid().classes("w-full gap-x-4 gap-y-0 grid-cols-1 md:grid-cols-2"):
+            for role in ss.Description.ROLES:
+                given = base.column(role)
+                options: dict[str | int | None, str] = {None: "automatic", "none": "none"}
+                options |= {name: str(name) for name in (*names, given.name) if name is not None}
+                scale = None if given.scale is None else str(given.scale)
+                with ui.row().classes("flex-nowrap items-start gap-2"):
+                    fields = {
+                        "name": ui.select(options, label=role.replace("_", " "), value=given.name),
+                        "unit": ui.input("unit", value=given.unit).classes("w-16"),
+                        "scale": ui.input("scale", value=scale).classes("w-16"),
+                    }
+                    fields["name"].classes("grow min-w-0")
+                for field in fields.values():
+                    field.props("dense stack-label")
+                self.columns[role] = fields
+        with ui.row().classes("w-full gap-4"):
+            kinds = list(ss.Description.CONTROLLERS)
+            self.controller = ui.select(kinds, label="controller", value=base.controller)
+            self.controller.classes("w-32")
+            gains = " ".join(f"{name}={value}" for name, value in base.gains.items())
+            self.gains = ui.input("gains", value=gains, placeholder="K_p=4700 K_i=68000")
+            hint = f"{', '.join(ss.Description.GAINS)}; SI units"
+            self.gains.classes("grow").props(f'stack-label hint="{hint}"')
+        with ui.expansion("More").classes("w-full"), ui.row().classes("gap-4"):
+            motions = {None: "from the units", "linear": "linear", "rotary": "rotary"}
+            self.single["motion"] = ui.select(motions, label="motion", value=base.motion)
+            for key in self.SINGLE:
+                value = getattr(base, key)
+                self.single[key] = ui.input(key.replace("_", " "), value=value and str(value))
+            for field in self.single.values():
+                field.classes("w-36")
+
+    def detected(self, reading: ss.Reading) -> None:
+        """Show beside each field what was detected."""
+        for channel in reading.channels:
+            field = self.columns[channel.role]
+            source = channel.source if field["name"].value is None else ""
+            field["name"].props["hint"] = source
+            field["name"].update()
+            field["unit"].props["placeholder"] = channel.unit.name if channel.unit else "SI"
+            field["unit"].update()
+
+    def description(self) -> ss.Description:
+        """Return what the fields describe; raise UsageError where that makes no sense."""
+        columns = {}
+        for role, fields in self.columns.items():
+            given: dict[str, Any] = {part: field.value or None for part, field in fields.items()}
+            given["scale"] = number(given["scale"])
+            if any(value is not None for value in given.values()):
+                columns[role] = replace(self.base.column(role), **given)
+        pairs = (pair.partition("=") for pair in (self.gains.value or "").replace(",", " ").split())
+        return replace(
+            self.base,
+            columns=columns,
+            controller=self.controller.value,
+            gains={name: number(value) for name, _, value in pairs},
+            **{name: number(field.value) for name, field in self.single.items()},
+        )
+
+
+def learn_part(work: Workbench) -> None:
+    """Choose a log, correct what its columns mean, and learn from it."""
+    form = LogForm()
+    with ui.row().classes("w-full items-end gap-4"):
+        log = ui.select(work.files(LOGS), label="Log", with_input=True).classes("grow min-w-60")
+        config = ui.select({}, label="Description (TOML)", clearable=True).classes("w-56")
+
+        async def uploaded(event: events.UploadEventArguments) -> None:
+            path = work.folder / event.file.name
+            for k in range(1, 1000):
+                if not path.exists():
+                    break
+                path = work.folder / f"{Path(event.file.name).stem}-{k}{path.suffix}"
+            await event.file.save(path)
+            upload.reset()
+            ui.notify(f"saved as {path}")
+            logs = work.files(LOGS)
+            log.set_options(logs, value=str(path) if str(path) in logs else log.value)
+
+        upload = ui.upload(on_upload=uploaded, auto_upload=True, label="Drop a log here")
+        upload.props("flat bordered").classes("w-56")
+    body = ui.column().classes("w-full")
+    outcome = ui.column().classes("w-full")
+    with body:
+        ui.label(f"Choose a log of {work.folder}, or drop one: it is saved there.").classes(QUIET)
+
+    async def chosen() -> None:
+        if not log.value:
+            return
+        path = Path(log.value)
+        own = path.with_suffix(".toml")
+        configs, before = work.files({".toml"}), config.value
+        config.set_options(configs, value=str(own) if str(own) in configs else None)
+        if config.value == before:  # else its change does
+            await described()
+
+    async def described() -> None:
+        if not log.value:
+            return
+        base = ss.Description()
+        if config.value:
+            base = await attempt(ss.load_description, Path(config.value)) or base
+        body.clear()
+        with body:
+            ui.spinner()
+        names = await attempt(ss.log_columns, log.value, base) or {}
+        body.clear()
+        with body:
+            form.build(base, names)
+            ui.button("Check", icon="rule", on_click=lambda: check())
+            found = ui.column().classes("w-full gap-1")
+            with ui.row().classes("w-full items-end gap-4"):
+                laws = ["auto", *ss.law_names()]
+                law = ui.select(laws, label="Friction law", value="auto").classes("w-40")
+                compensator = ui.input("Compensator", value="auto").classes("w-32")
+                fixed = ui.checkbox("gains stay as they are")
+                force = ui.checkbox("write what is not recommended")
+                ui.button("Learn", icon="play_arrow", on_click=lambda: begin())
+
+        def begin() -> None:
+            try:
+                description = form.description()
+            except FAULTS as fault:
+                told(message_of(fault))
+                return
+            job = work.begin(
+                *("learn", log.value, jobs.learn),
+                log=Path(log.value),
+                description=description,
+                law=law.value,
+                compensator=compensator.value or "auto",
+                fixed_gains=fixed.value,
+                force=force.value,
+            )
+            follow(work, job, outcome)
+
+        async def check() -> None:
+            found.clear()
+            with found:
+                spinner = ui.spinner()
+                try:
+                    description = form.description()
+                    checked: Any = await run.io_bound(ss.check_log, log.value, description)
+                except FAULTS as fault:
+                    lines_of([f"error: {message_of(fault)}"])
+                    return
+                finally:
+                    spinner.delete()
+                reading, findings = checked
+                form.detected(reading)
+                for name in ("position", "velocity", "force"):
+                    if (values := getattr(reading.recording, name)) is not None:
+                        drawn = charts.signals(reading.recording.t, {name: values})
+                        chart(f"{name} (SI)", drawn, "h-40")
+                lines_of(map(str, findings))
+
+        await check()
+
+    log.on_value_change(chosen)
+    config.on_value_change(described)

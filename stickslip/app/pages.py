@@ -1,0 +1,44 @@
+"""The page of the workbench: each tab of the browser has one, with a state of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from nicegui import ui
+
+from stickslip.app.learning import learn_part
+from stickslip.app.results import results_part
+from stickslip.app.searching import arena_part, tune_part
+from stickslip.app.simulating import simulate_part
+from stickslip.app.workbench import Workbench
+
+PARTS: dict[str, Callable[[Workbench], None]] = {
+    "Learn": learn_part,
+    "Results": results_part,
+    "Simulate": simulate_part,
+    "Tune": tune_part,
+    "Arena": arena_part,
+}
+STYLE = """
+.nicegui-content { padding: 0 } .q-tab-panel { padding: 16px } body { overflow-x: hidden }
+.wide { width: 100%; max-width: 72rem; margin: 0 auto }
+.q-notification .q-btn { color: inherit !important }
+.q-uploader__list { min-height: 20px; padding: 0 8px }
+@media (max-width: 480px) { .q-header { padding: 0 } .q-tab { padding: 0 9px; min-width: 0 } }
+iframe.report { width: 100%; height: 85vh; border: 1px solid #8884; border-radius: 6px }
+"""
+
+
+def page(work: Workbench) -> None:
+    """Build the page of a tab of the browser."""
+    ui.colors(primary="#2f7fb8")
+    ui.add_css(STYLE)
+    with ui.header().classes("items-center px-4 py-0 gap-4 flex-nowrap"):
+        ui.label("stickslip").classes("text-lg font-bold max-sm:hidden")
+        with ui.tabs().props("dense mobile-arrows no-caps").classes("grow min-w-0") as tabs:
+            for name in PARTS:
+                ui.tab(name)
+    with ui.tab_panels(tabs, value=next(iter(PARTS))).classes("wide bg-transparent"):
+        for name, part in PARTS.items():
+            with ui.tab_panel(name):
+                part(work)

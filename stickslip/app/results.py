@@ -1,0 +1,57 @@
+"""The part of the page that shows results, several of them side by side."""
+
+from __future__ import annotations
+
+from nicegui import ui
+
+import stickslip as ss
+from stickslip.app.shown import PAGES, QUIET, attempt, follow, report, show_results
+from stickslip.app.workbench import LEARNED, Workbench
+
+
+def results_part(work: Workbench) -> None:
+    """Choose results: one is shown, several are compared; jobs are followed."""
+
+    def names() -> list[str]:
+        running = [job.name for job in work.jobs.values() if not job.ended]
+        return [*running, *work.results(*LEARNED, *PAGES)]
+
+    chosen = ui.select(names(), label="Results", multiple=True)
+    chosen.classes("w-full").props("use-chips")
+    chosen.on("popup-show", lambda: chosen.set_options(names()))
+    place = ui.column().classes("w-full")
+
+    async def show() -> None:
+        place.clear()
+        several = list(chosen.value)
+        with place:
+            if not several:
+                ui.label(f"Choose results of {work.runs}; several are compared.").classes(QUIET)
+            elif len(several) > 1:
+                await compare(work, several)
+            elif (job := work.jobs.get(several[0])) and not job.ended:
+                follow(work, job, place)
+            else:
+                show_results(work, several[0], job)
+
+    chosen.on_value_change(show)
+    ui.timer(0.0, show, once=True)
+
+
+async def compare(work: Workbench, names: list[str]) -> None:
+    """Show parameters, errors and pages of results beside each other."""
+    found = await attempt(ss.compare, [work.runs / name for name in names])
+    if found is not None:
+        parameters = found.side_by_side().reset_index()
+        for title, frame in {
+            "Parameters, with 95 % intervals": parameters,
+            "Error left, relative to no compensation": found.errors.frame().round(4),
+        }.items():
+            ui.label(title).classes(QUIET)
+            shown = ui.table.from_pandas(frame, column_defaults={"align": "left"})
+            shown.classes("w-full").props("dense flat bordered wrap-cells")
+    with ui.row().classes("w-full flex-nowrap max-md:flex-wrap gap-4"):
+        for name in names:
+            with ui.column().classes("min-w-0 grow basis-0 max-md:basis-full"):
+                ui.label(name).classes("font-bold")
+                report(work.runs / name)

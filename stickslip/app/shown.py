@@ -1,0 +1,168 @@
+"""What parts of the page have in common: messages, jobs and folders of results."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Awaitable, Callable, Iterable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from nicegui import run, ui
+
+from stickslip.app import charts, jobs
+from stickslip.app.jobs import FAULTS, Job, message_of
+from stickslip.app.workbench import LEARNED, Workbench
+
+EVERY = 0.4  # time between two looks at a job [s]
+QUIET = "text-sm opacity-70"
+PAGES = ("report.html", "arena.html")
+
+
+def told(text: str) -> None:
+    """Show the line of an error."""
+    ui.notify(text, type="negative", multi_line=True, timeout=0, close_button="Close")
+
+
+async def attempt(work: Callable[..., Any], *args: Any, **given: Any) -> Any:
+    """Return what work beside the server returns; show the line of an error, and return None."""
+    try:
+        return await run.io_bound(work, *args, **given)
+    except (*FAULTS, RuntimeError) as fault:
+        told(message_of(fault))
+        return None
+
+
+def lines_of(lines: Iterable[str]) -> None:
+    """Show findings and warnings, a line each."""
+    for line in lines:
+        kind = line.partition(":")[0]
+        icons = {"error": ("error", "negative"), "warning": ("warning", "warning")}
+        icon, colour = icons.get(kind, ("info", "grey"))
+        with ui.row().classes("items-start flex-nowrap gap-2"):
+            ui.icon(icon, color=colour).classes("mt-0.5")
+            ui.label(line.removeprefix(f"{kind}: ") if kind in {*icons, "note"} else line)
+
+
+def show_job(job: Job, then: Callable[[], object]) -> None:
+    """Show how far a job is, and what follows when it has ended."""
+    with ui.card().classes("w-full"):
+        with ui.row().classes("items-center w-full"):
+            ui.spinner(size="sm").bind_visibility_from(job, "ended", backward=lambda one: not one)
+            ui.label(job.name).classes("font-bold")
+            stage = ui.label().classes(QUIET)
+            ui.space()
+            stop = ui.button("Stop", on_click=job.stop).props("flat dense")
+        bar = ui.linear_progress(0.0, show_value=False).props("instant-feedback")
+        course = ui.column().classes("w-full gap-1")
+        with ui.expansion("Messages").classes("w-full") as messages:
+            texts = ui.column().classes("w-full gap-1")
+    drawn: dict[str, Any] = {"version": -1, "count": 0, "charts": {}, "names": None}
+
+    def draw_search() -> None:
+        table = charts.joined(job.candidates)
+        options = {
+            "Cost": charts.history(table),
+            "Parallel coordinates": charts.parallel(table, job.names),
+            "Importances": charts.importances(table, job.names),
+        }
+        if drawn["names"] != job.names:
+            course.clear()
+            with course:
+                drawn["charts"] = {title: chart(title, one) for title, one in options.items()}
+            drawn["names"] = list(job.names)
+        for title, one in options.items():
+            drawn["charts"][title].options.update(one)
+            drawn["charts"][title].update()
+
+    def look() -> None:
+        if drawn["version"] == job.version:
+            return
+        drawn["version"] = job.version
+        stage.text = job.stages[-1] if job.stages and not job.ended else ""
+        done, of, unit = (not job.ended and job.done) or (0, None, "")
+        bar.visible = bool(of)
+        if of:
+            bar.value = done / of
+            stage.text += f" · {done} of {of} {unit}s"
+        with texts:
+            lines_of(job.lines[drawn["count"] :])
+        drawn["count"] = len(job.lines)
+        messages.text = f"Messages ({len(job.lines)})"
+        if job.candidates:
+            draw_search()
+        if job.ended:
+            timer.cancel()
+            stop.visible = False
+            then()
+
+    timer = ui.timer(EVERY, look)
+
+
+def chart(title: str, options: charts.Options, height: str = "h-64") -> ui.echart:
+    """Show a chart below its title."""
+    ui.label(title).classes(QUIET)
+    return ui.echart(options).classes(f"w-full {height}")
+
+
+def show_results(work: Workbench, name: str, job: Job | None = None) -> None:
+    """Show a folder of results: what was found, files to download, and the page."""
+    folder = work.runs / name
+    with ui.card().classes("w-full"):
+        ui.label(name).classes("font-bold")
+        if job is not None and job.error:
+            lines_of([f"error: {job.error}"])
+        if job is not None and job.result:
+            lines_of(job.result)
+        if not folder.is_dir():
+            return
+        learned = next((folder / one for one in LEARNED if (folder / one).exists()), None)
+        with ui.row().classes("gap-2 items-center"):
+            for file in sorted(folder.glob("*.fmu")):
+                _download(file.name, partial(ui.download.file, file))
+                if learned:
+                    for form in ("c", "st"):
+                        export = _exports(learned, file.stem, form)
+                        _download(f"{file.stem}: {form.upper()}", export)
+        with ui.expansion("All files").classes("w-full"):
+            for path in sorted(folder.rglob("*")):
+                if path.is_file():
+                    shown = str(path.relative_to(folder))
+                    ui.link(shown, f"/files/{name}/{shown}", new_tab=True)
+        report(folder)
+
+
+def report(folder: Path) -> None:
+    """Show the page of a folder of results, which cannot reach this one."""
+    for page in PAGES:
+        if (folder / page).exists():
+            rights = "allow-scripts allow-popups allow-downloads"
+            frame = ui.element("iframe").classes("report")
+            frame.props(f'src="/files/{folder.name}/{page}" sandbox="{rights}" title="Report"')
+
+
+def _download(label: str, on_click: Callable[[], object]) -> None:
+    ui.button(label, icon="download", on_click=on_click).props("outline dense no-caps")
+
+
+def _exports(learned: Path, part: str, form: str) -> Callable[[], Awaitable[None]]:
+    async def export() -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            files = await attempt(jobs.export, learned, part, form, Path(folder))
+            for file in files or ():
+                ui.download.content(file.read_bytes(), file.name)
+
+    return export
+
+
+def follow(work: Workbench, job: Job, place: ui.element) -> None:
+    """Show a job, and its results when it has ended."""
+
+    def ended() -> None:
+        with results:
+            show_results(work, job.name, job)
+
+    place.clear()
+    with place:
+        show_job(job, ended)
+        results = ui.column().classes("w-full")

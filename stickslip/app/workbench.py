@@ -1,0 +1,55 @@
+"""What all pages of the workbench share: the folder, and the jobs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from stickslip.app.jobs import Job, Lines
+
+LOGS = {
+    *(".csv", ".txt", ".tsv", ".dat", ".log", ".xlsx", ".parquet", ".mat", ".h5", ".hdf5"),
+    *(".tdms", ".mf4"),
+}
+MODELS = {".fmu", ".ssp"}
+LEARNED = ("learned.json", "tuned.json")
+MOST = 2000  # files that are listed
+
+
+class Workbench:
+    """What all pages share: the folder, and the jobs."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.runs = folder, folder / "runs"
+        self.jobs: dict[str, Job] = {}
+
+    def files(self, suffixes: Iterable[str]) -> dict[str, str]:
+        """Return the files of the folder and of folders in it by path, as shown."""
+        found: dict[str, str] = {}
+        for pattern in ("*", "*/*", "runs/*/*"):
+            for path in sorted(self.folder.glob(pattern))[:MOST]:
+                if path.suffix.lower() in suffixes and not path.name.startswith("."):
+                    found[str(path)] = str(path.relative_to(self.folder))
+        return found
+
+    def results(self, *names: str) -> list[str]:
+        """Return the folders of results that have one of some files, the newest first."""
+        found = {path.parent for name in names for path in self.runs.glob(f"*/{name}")}
+        return [one.name for one in sorted(found, key=lambda one: -one.stat().st_mtime)]
+
+    def begin(self, kind: str, of: str, task: Callable[..., Lines], **given: Any) -> Job:
+        """Start a job that writes to a new folder."""
+        stem, k = f"{kind}-{Path(of).stem}", 1
+        while (self.runs / f"{stem}-{k}").exists() or f"{stem}-{k}" in self.jobs:
+            k += 1
+        name = f"{stem}-{k}"
+        self.runs.mkdir(exist_ok=True)
+        job = Job.begin(name, self.runs / name, task, **given)
+        self.jobs[name] = job
+        return job
+
+    def close(self) -> None:
+        """End the jobs."""
+        for job in self.jobs.values():
+            job.stop()

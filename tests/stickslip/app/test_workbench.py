@@ -1,0 +1,126 @@
+"""The workbench, as a user sees it in a browser."""
+
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import zipfile
+
+import pytest
+
+from stickslip.models import build_fmu
+
+sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+pytest.importorskip("nicegui", reason="nicegui is not installed")
+httpx = pytest.importorskip("httpx")  # which nicegui requires
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium"),
+]
+LONG = 120_000  # a learning, on a busy machine [ms]
+
+
+@pytest.fixture
+def server(tmp_path, log):
+    """Start the workbench of a folder; yield the process, its address and the folder."""
+    text = log.read_text(encoding="utf-8").replace("time,position,force", "a,b,c", 1)
+    (tmp_path / "unnamed.csv").write_text(text, encoding="utf-8")
+    build_fmu("stage", tmp_path)
+    words = ["-m", "stickslip", "app", str(tmp_path), "--no-browser"]
+    with subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            (address,) = re.findall(r"http\S+(?=;)", process.stdout.readline())
+            yield process, address, tmp_path
+        finally:
+            process.terminate()
+
+
+@pytest.fixture
+def browser():
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+def opened(browser, address):
+    page = browser.new_context(accept_downloads=True).new_page()
+    page.set_default_timeout(30_000)
+    page.goto(address)
+    return page
+
+
+def choose(page, field, item):
+    page.get_by_label(field, exact=True).locator("visible=true").first.click()
+    page.locator(".q-menu .q-item", has_text=item).first.click()
+    page.locator(".q-menu").wait_for(state="hidden")
+
+
+def test_from_a_dropped_log_to_the_downloaded_compensator(server, browser, log):
+    process, address, folder = server
+    page = opened(browser, address)
+    page.locator("input[type=file]").first.set_input_files(log)
+    findings = page.get_by_text("the drive moves")
+    findings.wait_for()
+    assert (folder / log.name).read_bytes() == log.read_bytes()
+
+    # What the command line would print, for a unit that is wrong and one that contradicts.
+    unit = page.get_by_label("unit", exact=True).nth(2)
+    unit.fill("furlong")
+    page.get_by_role("button", name="Check").click()
+    page.get_by_text("unit 'furlong' of force is unknown; expected").wait_for()
+    unit.fill("")
+
+    # Another tab has a state of its own, and lets columns be named that nothing detects.
+    other = opened(browser, address)
+    choose(other, "Log", "unnamed.csv")
+    other.get_by_text("no column of time; give --column time=NAME").wait_for()
+    for role, column in {"time": "a", "position": "b", "force": "c"}.items():
+        choose(other, role, re.compile(f"^{column}$"))
+    other.get_by_role("button", name="Check").click()
+    other.get_by_text("the drive moves").wait_for()
+    assert page.get_by_label("Log", exact=True).first.input_value() == log.name
+
+    choose(page, "Friction law", "dahl")
+    page.get_by_label("Compensator").first.fill("static")
+    page.get_by_role("button", name="Learn").click()
+    page.get_by_text("Importances").wait_for(timeout=LONG)
+    page.get_by_text("written: feedforward (static)").first.wait_for(timeout=LONG)
+    report = page.frame_locator("iframe.report")
+    report.get_by_text(re.compile("learned from log.csv")).first.wait_for()
+    with page.expect_download() as download:
+        page.get_by_role("button", name="compensator.fmu").click()
+    with zipfile.ZipFile(download.value.path()) as fmu:
+        assert "modelDescription.xml" in fmu.namelist()
+    assert (folder / "runs" / "learn-log-1" / "learned.json").exists()
+
+    process.send_signal(signal.SIGINT)
+    page.get_by_text("The server has gone.").wait_for()
+    assert process.wait(20) == 0
+
+
+def test_a_slider_moves_the_result(server, browser):
+    page = opened(browser, server[1])
+    page.get_by_role("tab", name="Simulate").click()
+    choose(page, "FMU or SSP", "stage.fmu")
+    page.locator("canvas").first.wait_for()
+    before = page.locator("canvas").first.screenshot()
+    page.locator(".q-slider").first.click(position={"x": 200, "y": 8})
+    page.wait_for_timeout(1500)
+    assert page.locator("canvas").first.screenshot() != before
+
+
+def test_requests_without_the_token_or_from_another_page_are_refused(server):
+    plain, token = server[1].split("?token=")
+    stranger = {"Origin": "http://localhost:3000"}
+    for address, headers in (
+        (plain, {}),
+        (f"{plain}?token={token[:-1]}", {}),
+        (f"{plain}files/learn/learned.json", {"Cookie": f"stickslip={token}"}),
+        (server[1], stranger),
+    ):
+        assert httpx.get(address, headers=headers).status_code == 403
+    assert httpx.get(f"{plain}files/..%2Fstage.fmu?token={token}").status_code == 404
+    assert "HttpOnly" in httpx.get(server[1]).headers["set-cookie"]
