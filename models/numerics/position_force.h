@@ -1,5 +1,5 @@
-/* The force of position [N]: a constant weight, that of an arm, and harmonics of a pitch. The weight
- * of the arm loads gears and bearings, which adds to friction. */
+/* The force of position [N]: a constant weight, that of an arm, and harmonics of a pitch. The
+ * weight of the arm loads gears and bearings, which adds to friction. */
 #ifndef POSITION_FORCE_H
 #define POSITION_FORCE_H
 

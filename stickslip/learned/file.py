@@ -284,11 +284,9 @@ class LearnedFile:
         entry = self.document.get("delay", {"value": 0.0})
         later = recording.t + self._values("delay", {"delay": entry})["delay"]
         x = np.interp(later, recording.t, position_of(recording))
-        both = {
-            "known_force": varying(held.values, x),
-            "friction_factor": friction_factor(held.values, x),
-        }
-        return dataclasses.replace(recording, **both)
+        factor = friction_factor(held.values, x)
+        known = varying(held.values, x)
+        return dataclasses.replace(recording, known_force=known, friction_factor=factor)
 
     @property
     def observer_refusal(self) -> str:

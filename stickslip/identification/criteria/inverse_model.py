@@ -166,8 +166,7 @@ class InverseModel(Criterion):
         rigid = self.linear @ weights
         friction = self.friction(values)
         if not self.slides.all():
-            most = values["F_s" if self.law.steady == "stribeck" else "F_c"]
-            most = most * self.factor
+            most = values["F_s" if self.law.steady == "stribeck" else "F_c"] * self.factor
             held = np.clip(self.measured(values) - rigid, -most, most)
             friction = np.where(self.slides, friction, held)
         return np.asarray(rigid + smoothed(friction, self.T_s, self.cutoff))

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -131,9 +132,8 @@ def friction_curve(
     force, noise = shifted(force, T_s, delay), position_noise(position, step)
 
     def rows(first: int, share: float) -> list[_Rows]:
-        each = (first, 2 * first)
-        how = {"spans": spans, "share": share, "factor": factor}
-        return [_Rows(position, force, T_s, noise, q=q, **how) for q in each]
+        of = partial(_Rows, position, force, T_s, noise, spans=spans, share=share, factor=factor)
+        return [of(q=q) for q in (first, 2 * first)]
 
     first = first_samples(position, T_s, noise)
     found = _estimated(rows(first, SLOWEST), DISTANCES, SPAN, KNOTS)

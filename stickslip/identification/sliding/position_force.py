@@ -207,7 +207,8 @@ class _Terms:
 
     def weight(self, x: Array) -> Array:
         """Return the size of the arm's weight at positions (n,) [N]."""
-        return np.abs(_columns(x, (), 1.0, gravity=True) @ np.array(self.coefficients[:2]))
+        held = _columns(x, (), 1.0, gravity=True) @ np.array(self.coefficients[:2])
+        return np.asarray(np.abs(held))
 
     def parts(self) -> dict[str, slice]:
         """Return which coefficients are of the arm, of friction over it, and of each harmonic."""
@@ -341,10 +342,10 @@ class _Estimates:
     def force(self) -> PositionForce:
         """Return the terms with their intervals."""
         value, error, width = together(self.values, self.variances)
-        terms = self.terms
-        names = _names(gravity=terms.gravity, loads=terms.loads, orders=terms.orders)
-        if self.terms.orders:
-            value[-1] += self.terms.pitch
+        shown = self.terms
+        names = _names(gravity=shown.gravity, loads=shown.loads, orders=shown.orders)
+        if shown.orders:
+            value[-1] += shown.pitch
         ends = zip(names, value, error, value - width, value + width, strict=True)
         terms = {name: Interval(*map(float, one)) for name, *one in ends}
         return PositionForce(terms, self.delay)
