@@ -290,7 +290,13 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     for name, (module, does) in COMMANDS.items():
         command = subparsers.add_parser(name, help=does)
         if name == called:
-            import_module(module).declare(command)
+            try:
+                import_module(module).declare(command)
+            except Exception as fault:
+                if "--debug" in arguments:
+                    raise
+                why = _line(fault)
+                command.exit(1, f"stickslip: {module}: {type(fault).__name__}: {why}; mend it\n")
     return parser
 
 

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from pathlib import Path
-from pkgutil import iter_modules
 
+from stickslip.fmi.additions import modules_of
 from stickslip.ga.algorithms.genetic import GeneticAlgorithm
 from stickslip.ga.algorithms.optimiser import Optimiser
 from stickslip.ga.algorithms.settings import DEFAULT, PRESETS, Limits
 from stickslip.ga.errors import SettingsError
 from stickslip.ga.problem.problem import Problem
 
-for _module in iter_modules([str(Path(__file__).parent)]):
-    import_module(f"{__package__}.{_module.name}")
+modules_of(__package__, Path(__file__).parent)
 
 OTHERS: dict[str, type[Optimiser]] = {
-    method.kind: method for method in Optimiser.__subclasses__() if method is not GeneticAlgorithm
+    method.kind: method
+    for method in Optimiser.__subclasses__()
+    if hasattr(method, "kind") and method is not GeneticAlgorithm
 }
 """Each is a class in a module of this folder."""
 

@@ -160,6 +160,10 @@ def read_law(folder: Path) -> Law:
         )
     except KeyError as missing:
         raise DescriptionError(f"{folder.name}/law.toml: key {missing} is missing") from None
+    if not law.states:
+        what = "expected at least one state, such as the deflection of a bristle, got none"
+        advice = "a force of the velocity alone is a compensator, as static_feedforward"
+        raise DescriptionError(f"{folder.name}/law.toml, states: {what}; {advice}")
     for p in law.parameters.values():
         where = f"{folder.name}/law.toml, parameter {p.name}"
         require_known(where, filter(None, (p.at_least, p.requires)), law.parameters)

@@ -10,11 +10,18 @@ from pathlib import Path
 from typing import get_args
 
 from stickslip.fmi import toolchain
+from stickslip.fmi.additions import left_out
 from stickslip.fmi.archive import zipped
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
 from stickslip.fmi.messages import suggestion
-from stickslip.models.errors import ModelError, StartValueError, UnknownLaw, UnknownModel
+from stickslip.models.errors import (
+    DescriptionError,
+    ModelError,
+    StartValueError,
+    UnknownLaw,
+    UnknownModel,
+)
 from stickslip.models.export import presentation, sources
 from stickslip.models.export.description import Model, read_model
 from stickslip.models.export.law import MODELS, Law, read_law, read_toml
@@ -31,7 +38,8 @@ def _folders() -> dict[str, Path]:
     found = {}
     for room in _ROOMS:
         for path in (MODELS / room).glob("*/model.toml"):
-            found[read_toml(path).get("name", path.parent.name)] = path.parent
+            with left_out(path, DescriptionError):
+                found[read_toml(path).get("name", path.parent.name)] = path.parent
     return dict(sorted(found.items()))
 
 
@@ -41,8 +49,21 @@ def model_names() -> list[str]:
 
 
 def law_names() -> list[str]:
-    """Return the names of all friction laws: the folders that have a law.toml."""
-    return sorted(path.parent.name for path in (MODELS / "laws").glob("*/law.toml"))
+    """Return the names of all friction laws: the folders that have a sound law.toml."""
+    return list(_law_names())
+
+
+@cache
+def _law_names() -> tuple[str, ...]:
+    found = []
+    for folder in _law_folders():
+        with left_out(folder, DescriptionError):
+            found.append(read_law(folder).name)
+    return tuple(found)
+
+
+def _law_folders() -> list[Path]:
+    return sorted(path.parent for path in (MODELS / "laws").glob("*/law.toml"))
 
 
 def load_law(name: str) -> Law:
@@ -53,7 +74,7 @@ def load_law(name: str) -> Law:
     UnknownLaw, DescriptionError
         When there is no such law, or its law.toml is not well formed.
     """
-    if name not in law_names():
+    if name not in [folder.name for folder in _law_folders()]:
         raise UnknownLaw(f"there is no friction law '{name}'{suggestion(name, law_names())}")
     return read_law(MODELS / "laws" / name)
 

@@ -1,6 +1,6 @@
 """Writes each reference.csv of models/: what each model does in a short run, calculated without it.
 
-    python tests/models/make_references.py [FOLDER]
+    python tests/models/make_references.py [NAME ...]
 
 Nothing here calls the C of models/: differential equations are solved by scipy's Radau at a
 relative tolerance of 1e-10, the rest by numpy from the closed form or the difference equations.
@@ -711,16 +711,19 @@ def command_static(p: Parameters) -> Columns:
     return {**given, "F_ff": np.append(0.0, coulomb_with_ramp(p, v)[:-1])}
 
 
-def main(folder: Path) -> None:
-    """Write every model's reference.csv below a folder."""
-    for name in (*models.law_names(), *models.model_names()):
-        if not (calculate := globals().get(name)):  # the compensator has that of its law
-            continue
-        table = pd.DataFrame(calculate(start_values(name)))
+def main(names: list[str]) -> None:
+    """Write the reference.csv of the laws and models that are named, or of all."""
+    every = (*models.law_names(), *models.model_names())
+    for name in names or [one for one in every if one in globals()]:
+        if name not in every or name not in globals():
+            raise SystemExit(
+                f"{name}: expected a law or model with a function {name} in {__file__}"
+            )
+        table = pd.DataFrame(globals()[name](start_values(name)))
         text = table.to_csv(index=False, float_format="%.15g", lineterminator="\n")
         path = reference_file(model_of(name))
-        atomic_write(folder / path.relative_to(ROOT), text)
+        atomic_write(path, text)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT)
+    main(sys.argv[1:])

@@ -12,13 +12,12 @@ a file of the format begins; ``CONTAINS``, what it also has somewhere, if others
 """
 
 from dataclasses import replace
-from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from pkgutil import iter_modules
 from types import ModuleType
 
 from stickslip.errors import RecordingError
+from stickslip.fmi.additions import modules_of
 from stickslip.fmi.files import read_limited
 from stickslip.logs.recording import Finding
 from stickslip.logs.signals import read_isolated, table_of
@@ -31,7 +30,7 @@ _FOREIGN = {
     b"\xd0\xcf\x11\xe0": "a workbook of Excel 97; save it as .xlsx",
     b"%PDF": "a PDF document",
 }
-_FORMATS = [import_module(f"{__name__}.{each.name}") for each in iter_modules(__path__)]
+_FORMATS = modules_of(__name__, Path(__file__).parent, "TITLE", "SUFFIXES", "BEGINS")
 SUFFIXES = tuple(suffix for each in _FORMATS for suffix in each.SUFFIXES)
 
 

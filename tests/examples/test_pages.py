@@ -1,0 +1,243 @@
+"""The snippets of the README and of docs/ run as a reader runs them: in order, in an empty folder.
+
+Comments that a page does not show say what a snippet needs:
+
+    <!-- first: COMMAND -->   a command of bash before the next snippet, for what the reader has
+    <!-- file: NAME -->       the next block is that file
+    <!-- not run: REASON -->  the next block needs what is not here
+
+``$TUTORIAL`` is the folder in which docs/tutorial.md was followed. docs/adding.md is followed in a
+copy of the sources, to which it adds one of each kind.
+"""
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from tests.kept import further, kept
+
+ROOT = Path(__file__).parents[2]
+PAGES = [*sorted(ROOT.glob("docs/*.md")), ROOT / "README.md"]
+SOURCES = ("cosim", "fmi", "fmucheck", "ga", "models")
+BLOCK = re.compile(
+    r"^(?: *<!-- (?P<mark>first|file|not run): (?P<value>.*?) -->\n)|"
+    r"^(?P<fence>```|~~~)(?P<language>\w*)\n(?P<text>.*?)^(?P=fence)",
+    re.S | re.M,
+)
+NOT_RUN = 20
+"""Snippets, at most, of some sixty, that need what is not here."""
+
+
+class Snippet(NamedTuple):
+    """A snippet of a page, with its marks."""
+
+    language: str
+    text: str
+    first: str = ""
+    file: str = ""
+    not_run: str = ""
+
+
+def snippets(page: Path) -> Iterator[Snippet]:
+    """Yield the snippets of a page."""
+    marks: dict[str, str] = {}
+    for found in BLOCK.finditer(page.read_text(encoding="utf-8")):
+        if found["mark"]:
+            marks[found["mark"].replace(" ", "_")] = found["value"]
+            continue
+        if found["language"] in ("bash", "python") or "file" in marks:
+            yield Snippet(found["language"], found["text"], **marks)
+        marks = {}
+
+
+def follow(page: Path, folder: Path, **environment: str) -> list[str]:
+    """Run the snippets of a page in a folder; return what each prints."""
+    bin_folder = Path(sys.executable).parent
+    env = {**os.environ, **environment}
+    env["PATH"] = f"{bin_folder}{os.pathsep}{env['PATH']}"
+    printed = []
+    try:
+        for one in snippets(page):
+            if one.not_run:
+                continue
+            if one.first:
+                run(["bash", "-euc", one.first], folder, env)
+            if one.file:
+                (folder / one.file).write_text(one.text, encoding="utf-8")
+                continue
+            words = [sys.executable, "-c"] if one.language == "python" else ["bash", "-euc"]
+            printed.append(run([*words, one.text], folder, env))
+    finally:
+        for group in (folder / ".groups").read_text().split():  # what serves in the background
+            with suppress(ProcessLookupError):
+                os.killpg(int(group), signal.SIGTERM)
+    return printed
+
+
+def run(words: list[str], folder: Path, env: dict[str, str]) -> str:
+    """Run a process that may leave others in the background; return what it prints."""
+    with (folder / ".printed").open("w+") as output, (folder / ".groups").open("a") as groups:
+        child = subprocess.Popen(
+            words, cwd=folder, env=env, stdout=output, stderr=output, start_new_session=True
+        )
+        groups.write(f"{child.pid}\n")
+        status = child.wait(timeout=600)
+        output.seek(0)
+        printed = output.read()
+    assert status == 0, f"{words[-1]}\n{printed[-5000:]}"
+    return printed
+
+
+def copy_clone(folder: Path) -> None:
+    """Copy sources and tests into a folder, in which Python then imports the copy."""
+    for name in (*SOURCES, "stickslip", "tests"):
+        shutil.copytree(ROOT / name, folder / name)
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    shutil.copy(ROOT / "LICENSE", folder / "stickslip")
+    for name in SOURCES:
+        (folder / "stickslip" / name).symlink_to(folder / name)
+
+
+@pytest.fixture(scope="module")
+def tutorial():
+    """Return the folder in which the tutorial was followed, and what it prints."""
+
+    def make(folder: Path) -> tuple[str, list[str]]:
+        return str(folder), follow(ROOT / "docs/tutorial.md", folder)
+
+    return kept("tutorial", make)
+
+
+@pytest.fixture(scope="module")
+def printed(tutorial, tmp_path_factory):
+    """Return what the snippets of a page print; each page is followed once."""
+    done: dict[str, list[str]] = {"docs/tutorial": tutorial[1]}
+
+    def printed(name: str) -> list[str]:
+        if name not in done:
+            folder, found = tmp_path_factory.mktemp("page"), {"TUTORIAL": tutorial[0]}
+            if name == "docs/adding":
+                copy_clone(folder)
+                found["PYTHONPATH"] = str(folder)
+            done[name] = follow(ROOT / f"{name}.md", folder, **found)
+        return done[name]
+
+    return printed
+
+
+LONG = {"docs/fleet", "docs/learning", "docs/rig"}
+"""Pages whose commands learn drives again."""
+RUN = [
+    str(page.relative_to(ROOT).with_suffix(""))
+    for page in PAGES
+    if any(not one.not_run for one in snippets(page))
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*sorted({*RUN} - LONG), *further(*sorted(LONG))])
+def test_a_page_can_be_followed(printed, name):
+    printed(name)
+
+
+def test_few_snippets_are_not_run():
+    left = [one for page in PAGES for one in snippets(page) if one.not_run]
+    assert len(left) <= NOT_RUN
+
+
+def test_commands_stand_in_blocks_that_are_run():
+    hidden = re.compile(r"\n\n    (?:stickslip|pip|make|python3?) ")
+    assert not [page.name for page in PAGES if hidden.search(page.read_text(encoding="utf-8"))]
+
+
+@pytest.mark.slow
+def test_the_tutorial_finds_the_values_that_it_names(tutorial):
+    text = (ROOT / "docs/tutorial.md").read_text(encoding="utf-8")
+    names, values = re.findall(r"^\| (.*) \|$", text, flags=re.M)[:2]
+    true = dict(zip(re.findall(r"(\w+) \[", names), map(float, values.split(" | ")), strict=True))
+    learned = json.loads((Path(tutorial[0]) / "axis-1/learned.json").read_text())["parameters"]
+    for name, value in true.items():
+        found = learned[name]
+        assert abs(found["value"] - value) < 3.0 * found["standard_error"]
+
+
+@pytest.mark.slow
+def test_a_sliding_stage_follows_its_closed_form(printed):
+    """Constant force and friction: m dv/dt = u - F_c - b v."""
+    [velocity] = re.findall(r"([\d.]+) m/s", "".join(printed("README")))
+    m, b, force = 5.557, 6.6135, 12.0 - 4.0
+    assert float(velocity) == pytest.approx(force / b * (1 - np.exp(-b / m)), rel=0.01)
+
+
+@pytest.mark.slow
+def test_a_stiffer_loop_errs_less(printed):
+    text = "".join(printed("docs/python"))
+    errors = [float(x) for x in re.findall(r"error ([\d.]+) mm/s", text)]
+    assert len(errors) == 3
+    assert errors == sorted(errors, reverse=True)
+
+
+@pytest.mark.slow
+def test_the_search_finds_what_the_sweep_encloses(printed):
+    """The velocity at the end is (u - F_c) / b (1 - exp(-b t / m))."""
+    text = "".join(printed("docs/python"))
+    table = [line.split() for line in text.splitlines()]
+    ends = [float(row[3]) for row in table if len(row) == 4 and row[0].isdigit()]
+    m, b = 5.557, 6.6135
+    forces = [F_c for F_c in (1.0, 2.0, 4.0) for _ in range(2)]
+    masses = 3 * [5.0, 10.0]
+    expected = [
+        (12.0 - F) / b * (1 - np.exp(-b * 0.5 / m)) for F, m in zip(forces, masses, strict=True)
+    ]
+    assert ends == pytest.approx(expected, rel=0.02)
+    [F_c] = re.findall(r"F_c = ([\d.]+) N gives", text)
+    gain = (1 - np.exp(-b * 0.5 / m)) / b
+    assert float(F_c) == pytest.approx(12.0 - 0.5 / gain, rel=0.02)
+
+
+@pytest.mark.slow
+def test_the_notch_comes_back_with_its_poles(printed):
+    text = printed("docs/python")[-1]
+    poles = [complex(p.replace(" ", "")) for p in re.findall(r"[\d.]+ *[-+] *[\d.]+j", text)]
+    expected = np.exp(1e-3 * np.roots([1, 200, 4e4]))
+    assert sorted(poles, key=np.imag) == pytest.approx(sorted(expected, key=np.imag), abs=1e-6)
+
+
+@pytest.mark.slow
+def test_errors_of_coupling_fall_with_the_step_and_the_degree(printed):
+    """A mass with Dahl friction on a spring, against scipy's solution."""
+    m, b, sigma_0, F_c = 5.557, 6.6135, 3.9162e5, 5.999
+
+    def rates(_, state):
+        x, v, F = state
+        return v, (20.0 - 4e4 * x - b * v - F) / m, sigma_0 * (v - abs(v) * F / F_c)
+
+    solved = solve_ivp(rates, (0.0, 0.1), (0.0, 0.0, 0.0), "Radau", rtol=1e-9, atol=1e-12)
+    lines = re.findall(r"degree \d: x = (.*) um", "".join(printed("docs/cosimulation")))
+    ends = np.array([[float(x) for x in line.split(", ")] for line in lines])
+    errors = abs(ends - 1e6 * solved.y[0, -1])
+    assert errors.shape == (3, 3)
+    assert np.all(errors[:, 1:] < 0.7 * errors[:, :-1])  # halved steps
+    assert errors[0, -1] > 10.0 * errors[2, -1]
+
+
+@pytest.mark.slow
+def test_the_scale_follows_the_friction_of_a_drive_that_gets_warm(printed):
+    """ds/dt = rate (1 - 0.3 (1 - exp(-t / 20)) - s), but for the rests between the slides."""
+    [scale] = re.findall(r"scale after 60 s: ([\d.]+)", "".join(printed("docs/adaptation")))
+    rate, T = 0.05, 20.0  # equal time constants
+    assert rate * T == 1.0
+    expected = 0.7 + 0.3 * (1.0 + 60.0 / T) * np.exp(-60.0 / T)
+    assert float(scale) == pytest.approx(expected, abs=0.02)
