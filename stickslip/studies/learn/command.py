@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import math
+import shutil
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
     from stickslip.studies.learn.folder import Written
     from stickslip.studies.learn.learned import LearnedFromRecording
     from stickslip.studies.learn.predicted_logs import PredictedLog
+    from stickslip.studies.learn.verdict import Verdict
 
 
 CRITERIA: dict[str, CriterionName] = {
@@ -151,10 +154,11 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
     from stickslip.studies.learn.document import log_document
     from stickslip.studies.learn.folder import write_learned
     from stickslip.studies.learn.log_learning import learn
+    from stickslip.studies.learn.verdict import verdict_of
 
     checkpoint = options.out and options.out / "learning.checkpoint.json"
     with (
-        TerminalProgress(live=options.live) as progress,
+        TerminalProgress(live=options.live, findings=options.verbose) as progress,
         execution_of(options, checkpoint) as execution,
         rig_of(options.rig, options.out, options.law) as (rig, limits),
     ):
@@ -174,23 +178,27 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             limits=limits,
             fixed_gains=options.fixed_gains or options.force,
         )
+        written = None
+        if options.out:
+            progress.stage("writing the results")
+            written = write_learned(learned, options.out, force=options.force)
+    _print_verdict(written.verdict if written else verdict_of(learned), options.out)
+    if options.verbose:
         print_estimation(learned.estimation, learned.predicted)
         _print_trial(learned)
         for warning in learned.warnings:
             warn(warning)
-        if options.out:
-            progress.stage("writing the results")
-            written = write_learned(learned, options.out, force=options.force)
-            _print_written(written, options.out)
-            if tried := learned.other_gains:
-                file = options.out / "learned.json"
-                print(f"{tried.sentence}; 'stickslip tune {file}' searches further")
-            return written.document() | {"folder": options.out}
-        if learned.other_gains:
-            print(learned.other_gains.sentence)
-        if learned.refusal:
-            warn(f"the compensator is not recommended: {learned.refusal}")
-    return log_document(learned) | {"folder": None}
+        if written:
+            _print_written(written)
+    return (written.document() if written else log_document(learned)) | {"folder": options.out}
+
+
+def _print_verdict(verdict: Verdict, folder: Path | None) -> None:
+    """Print the verdict, in lines as long as those of a terminal."""
+    from stickslip.studies.learn.verdict import lines
+
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+    print(*lines(verdict, folder, width), sep="\n")
 
 
 def _print_trial(learned: LearnedFromRecording) -> None:
@@ -218,9 +226,9 @@ def _print_trial(learned: LearnedFromRecording) -> None:
         )
 
 
-def _print_written(written: Written, folder: Path) -> None:
+def _print_written(written: Written) -> None:
     """Print which FMUs are in the folder, and why others are not."""
-    from stickslip.studies.learn.folder import COMPENSATOR
+    from stickslip.studies.learn.verdict import COMPENSATOR
 
     learned, files = written.learned, written.files
     told, *refused = written.sentences
@@ -233,7 +241,6 @@ def _print_written(written: Written, folder: Path) -> None:
             part = "the whole learned force, as --force asks for"
         print(f"{COMPENSATOR} has {part}; {benefit.reason}")
     print(told)
-    print(f"all results are in {folder}; open report.html first")
 
 
 def print_estimation(estimation: Estimation, predicted: Sequence[PredictedLog] = ()) -> None:

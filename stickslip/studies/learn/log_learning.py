@@ -19,7 +19,9 @@ from stickslip.evaluation.tracking import (
     TrackingError,
     commanded_position,
     commanded_velocity,
+    feedforward,
     measured_errors,
+    remedied,
     simulate,
 )
 from stickslip.identification.criteria.controller_check import check_controller
@@ -46,7 +48,7 @@ from stickslip.logs.sets import Log, logs_of
 from stickslip.loops.drive_loop import DriveLoop
 from stickslip.loops.family_cost import FamilyCost
 from stickslip.loops.other_gains import try_other_gains
-from stickslip.output import SILENT, Progress
+from stickslip.output import SILENT, Progress, counted_steps
 from stickslip.rigs.contract import Rig
 from stickslip.servo.axis import ControlError
 from stickslip.servo.observer import masses_between
@@ -173,6 +175,7 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
     try:
         with candidate_fmus(drive.law) as fmus:
             runs = simulate(fmus, recording, gains, drive, force_limit=reading.force_limit)
+            better = remedied(fmus, recording, gains, drive, force_limit=reading.force_limit)
     except cosim.SimulationError as fault:
         what = learned.implausible or f"in the loop of {name}: {fault}"
         return replace(learned, implausible=what)
@@ -193,6 +196,9 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
         command=command,
         known=known,
         measured=measured,
+        remedies={name: run.error(v_cmd, x_cmd, used) for name, run in better.items()},
+        by_position=any(gains.get(name) for name in ("K_x", "P_x", "I_x")),
+        force=float(np.max(np.abs(feedforward(recording, drive)))),
     )
     return replace(learned, tracking=tracking)
 
@@ -271,9 +277,12 @@ def learn(
         held_out = [_read(log).reading.recording for log in others]
         predicted = predicted_logs(learned.estimation, held_out, chosen.workers)
         learned = replace(learned, predicted=tuple(predicted))
-        progress.stage("trying the compensator")
-        tried = with_trial(replace(reading, recording=recording), learned, chosen)
-        learned = with_other_gains(tried, chosen)
+        progress.stage("trying compensators")
+        with counted_steps():
+            tried = with_trial(replace(reading, recording=recording), learned, chosen)
+        progress.stage("trying other gains of the controller")
+        with counted_steps():
+            learned = with_other_gains(tried, chosen)
         return with_tracking(reading, learned)
 
 
