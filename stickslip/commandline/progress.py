@@ -30,7 +30,7 @@ LATEST = 40  # generations of which the cost is drawn
 Row = tuple[float, str]  # a share from 0 to 1, drawn as a bar unless it is NaN, and a text
 
 
-def add_live_option(parser: argparse.ArgumentParser) -> None:
+def add_live_option(parser: argparse._ActionsContainer) -> None:
     """Declare ``--live``."""
     live = "show cost, spread of the parameters and remaining time while it runs, on a terminal"
     add_options(parser, {"--live": live}, **FLAG)

@@ -1,4 +1,9 @@
-"""``stickslip learn``: learn a drive's parameters from one log, with confidence intervals."""
+"""``stickslip learn``: learn a drive from a log, and write the compensator that does best.
+
+stickslip learn axis.csv --out axis
+stickslip learn axis.csv --check
+stickslip learn axis.csv --controller PI --gain K_p=4200 K_i=1.5e5 T_s=5e-4 --out axis
+"""
 
 from __future__ import annotations
 
@@ -16,6 +21,7 @@ from stickslip.commandline import (
     SEVERAL,
     add_old_spelling,
     add_options,
+    add_rare_group,
     at_least,
     complete_with,
     positive,
@@ -25,6 +31,7 @@ from stickslip.commandline.assignments import add_law_option
 from stickslip.commandline.execution import (
     add_algorithm_option,
     add_execution_options,
+    add_seed_option,
     execution_of,
 )
 from stickslip.commandline.log_options import (
@@ -68,34 +75,38 @@ FIGURES = {
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_log_argument(parser, several=True)
-    add_rig_option(parser, "instead of a log: the drive of this file runs one experiment")
     add_options(parser, {"--out DIR": "folder for results and report"}, type=Path)
     held_out = {"--validate LOG": "logs whose force is predicted, but not learned from"}
     add_options(parser, held_out, type=Path, **SEVERAL)
-    criterion = parser.add_argument(
+    add_options(parser, {"--check": "only check the log"}, **FLAG)
+    add_rig_option(parser, "instead of a log: the drive of this file runs one experiment")
+    _declare_compensator(parser.add_argument_group("the compensator"))
+    fixed = "the gains of the controller may not change: no others are tried"
+    add_options(add_log_options(parser), {"--fixed-gains": fixed}, **FLAG)
+
+    search = add_rare_group(parser, "the search")
+    criterion = search.add_argument(
         "--criterion",
         choices=sorted(CRITERIA),
         default="auto",
         help="loop: output error of the simulated closed loop; inverse: force predicted from the "
         "motion; auto: the one that the log allows",
     )
-    add_old_spelling(parser, "--judge", criterion)
+    add_old_spelling(search, "--judge", criterion)
     seeds = {"--seeds N": "number of searches, each with its own seed"}
-    add_options(parser, seeds, type=at_least(1), default=1)
-    flags = {
-        "--check": "only check the log",
-        "--force": "write the whole force of the compensator even if it is not recommended",
-        "--fixed-gains": "the gains of the controller may not change: no others are tried",
-    }
-    add_options(parser, flags, **FLAG)
-    add_algorithm_option(parser)
-    add_execution_options(parser)
-    add_live_option(parser)
-    add_log_options(parser)
+    add_options(search, seeds, type=at_least(1), default=1)
+    add_seed_option(search)
+    add_algorithm_option(search)
+    add_live_option(search)
+    add_execution_options(add_rare_group(parser, "where the search runs"))
+    parser.set_defaults(run=run)
+
+
+def _declare_compensator(group: argparse._ArgumentGroup) -> None:
     add_law_option(
-        parser, "auto", more="; auto: the one that predicts the force best where it is not fitted"
+        group, "auto", more="; auto: the one that predicts the force best where it is not fitted"
     )
-    named = parser.add_argument(
+    named = group.add_argument(
         "--compensator",
         default="auto",
         metavar="NAME",
@@ -103,7 +114,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "such as ekbf or amin, both as in static+ekbf, or auto for the best of them on the drives "
         "that the log supports",
     )
-    parser.add_argument(
+    complete_with(named, lambda: ["auto", *part_names()])
+    group.add_argument(
         "--friction-range",
         nargs=2,
         type=positive,
@@ -112,10 +124,10 @@ def declare(parser: argparse.ArgumentParser) -> None:
         help="friction that the drive may come to have, over that in the log; there, too, a "
         f"compensator must not be worse than none (default: {harm.FALLS:g} {harm.GROWS:g})",
     )
-    complete_with(named, lambda: ["auto", *part_names()])
     absent = {"--without SIGNAL": "signals that the controller cannot give a compensator"}
-    add_options(parser, absent, choices=("encoder", "motor_force"), **SEVERAL)
-    parser.set_defaults(run=run)
+    add_options(group, absent, choices=("encoder", "motor_force"), **SEVERAL)
+    force = "write the whole force of the compensator even if it is not recommended"
+    add_options(group, {"--force": force}, **FLAG)
 
 
 def run(options: argparse.Namespace) -> Answer:
@@ -134,9 +146,8 @@ def run(options: argparse.Namespace) -> Answer:
 
         every: list[Finding] = []
         for log in logs_of(options.log, description):
-            if len(options.log) > 1 or log.path not in options.log:
-                print(f"{log.path}:")
             findings = read_and_check(log.path, log.description, known=with_position_force)[1]
+            print(f"{log.path}: {_headline(findings)}")
             TerminalProgress().findings(findings)
             raise_errors(log.path, findings)
             every += findings
@@ -147,6 +158,16 @@ def run(options: argparse.Namespace) -> Answer:
     law_of(options.compensator, options.law, options.without)
     with reserved(options.out, FILES):
         return Answer(_learn(options, description))
+
+
+def _headline(findings: Sequence[Finding]) -> str:
+    """Return whether a log can be learned from."""
+    errors, warnings = (
+        sum(one.severity == severity for one in findings) for severity in ("error", "warning")
+    )
+    if errors:
+        return f"cannot be learned from; errors: {errors}, warnings: {warnings}"
+    return f"can be learned from; warnings: {warnings or 'none'}"
 
 
 def _learn(options: argparse.Namespace, description: Description) -> dict[str, Any]:

@@ -209,8 +209,9 @@ def motion_errors(benefit: Benefit, motion: Motion) -> Iterator[MotionError]:
         row = one.median
         if one.level == 1.0 and math.isfinite(row.ratio):
             figure = row.figure if row.figure == "velocity" else WORDS[motion][0]
-            errors = row.without, row.compensated
-            yield MotionError(row.command, figure, *errors, *one.interval)
+            low, high = one.interval
+            sizes = {"without": row.without, "left": row.compensated, "low": low, "high": high}
+            yield MotionError(row.command, figure, **sizes)
 
 
 def loop_share(tracking: Tracking | None, motion: Motion, choice: Choice) -> LoopShare | None:
@@ -355,7 +356,7 @@ def verdict_section(verdict: Verdict, motion: Motion) -> Section:
         verdict=verdict,
         shares=[
             (
-                f"{one.figure.capitalize()} error, {one.motion}",
+                one.motion if one.figure == "velocity" else f"{one.motion}, {one.figure}",
                 f"{number(100.0 * one.ratio, 2)} %",
                 f"{number(100.0 * one.low, 2)} to {number(100.0 * one.high, 2)} % expected",
             )

@@ -12,6 +12,7 @@ from fmpy import read_model_description
 from stickslip.cli import main
 from stickslip.identification.estimation import Search
 from stickslip.logs import Description, Finding
+from stickslip.presentation.quantity import number
 from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.log_learning import learn
 from stickslip.trial.candidates import Row
@@ -126,8 +127,9 @@ def test_each_sentence_that_names_a_file_is_true(
         assert {*one["written"]["files"]} == files & FMUS
         assert one["written"]["forced"] == force
         assert one["refusal"] == learned.refusal
-    for text in (error, page.replace("\u2019", "'")):
+    for text in (printed, page.replace("\u2019", "'")):
         assert not learned.refusal or learned.refusal in text
+    check_verdict(printed, kept["verdict"], files & FMUS, learned)
     if learned.refusal and "compensator.fmu" in files:
         description = read_model_description(out / "compensator.fmu").description
         assert (
@@ -138,6 +140,23 @@ def test_each_sentence_that_names_a_file_is_true(
         words = shlex.split(command)[1:]
         further = ["--out", str(tmp_path)] if words[0] == "export" else []
         assert words[0] == "plan" or main([*words, *further]) == 0
+
+
+def check_verdict(printed, verdict, fmus, learned):
+    """The card is short, names what is written, and its shares are those of the trial."""
+    lines = printed.splitlines()
+    assert len(lines) <= 15
+    assert lines[0] == f"{verdict['source']}: {verdict['headline']}"
+    assert {*verdict["files"]} == fmus
+    assert not lines[0].count("worth compensating") or fmus
+    for one in verdict["errors"]:
+        (own,) = (
+            each
+            for each in learned.trial.compared.chosen.benefit.motions
+            if (each.level, each.rows[0].command) == (1.0, one["motion"])
+        )
+        assert one["left"] == own.median.compensated
+        assert f"{one['motion']} {number(100 * own.median.ratio, 2)} %" in printed
 
 
 def strings(document):
