@@ -214,7 +214,8 @@ def remedied(
 
     Changes with which the loop runs away are left out.
     """
-    case, found = _Case(recording, gains, drive, force_limit), {}
+    case = _Case(recording, gains, drive, force_limit)
+    found: dict[str, SimulatedMotion] = {}
     v_cmd = commanded_velocity(case.recording)
     inertia = case.values["m"] * derivative(v_cmd, recording.T_s) + case.values["b"] * v_cmd
     changes: dict[str, tuple[_Case, Array | float]] = {INERTIA: (case, inertia)}

@@ -24,6 +24,7 @@ from stickslip.evaluation.tracking import (
     remedied,
     simulate,
 )
+from stickslip.fmi.files import digest
 from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.known_loop import is_running
 from stickslip.identification.criteria.motion import against_motion, recording_scale
@@ -256,10 +257,12 @@ def learn(
             raise_errors(source.name, found)
             reading = _aligned(reading)
             checked, others = [Checked(reading, (*found, *check_rig(reading)))], []
+            hashes = {}
         else:
             progress.stage("reading the log")
             logs = _logs(source, description or Description())
             checked = _read_all([log for log in logs if not log.validates])
+            hashes = {log.path.name: digest(log.path) for log in logs if not log.validates}
             others = [log for log in logs if log.validates]
             others += _logs(validate, description or Description())
         recording = _joined(checked)
@@ -276,7 +279,7 @@ def learn(
         )
         held_out = [_read(log).reading.recording for log in others]
         predicted = predicted_logs(learned.estimation, held_out, chosen.workers)
-        learned = replace(learned, predicted=tuple(predicted))
+        learned = replace(learned, predicted=tuple(predicted), hashes=hashes)
         progress.stage("trying compensators")
         with counted_steps():
             tried = with_trial(replace(reading, recording=recording), learned, chosen)

@@ -1,5 +1,6 @@
 """What learn says of files is what is in its folder, whatever was refused, forced or asked for."""
 
+import hashlib
 import json
 import re
 import shlex
@@ -11,9 +12,13 @@ from fmpy import read_model_description
 
 from stickslip.cli import main
 from stickslip.identification.estimation import Search
+from stickslip.learned.file import LearnedFile
+from stickslip.learned.provenance import provenance
 from stickslip.logs import Description, Finding
+from stickslip.models.firmware import write_compensator
 from stickslip.presentation.quantity import number
 from stickslip.servo.axis import ControlError
+from stickslip.studies.learn.folder import write_learned
 from stickslip.studies.learn.log_learning import learn
 from stickslip.trial.candidates import Row
 from stickslip.trial.guards import Benefit, Variant
@@ -117,6 +122,7 @@ def test_each_sentence_that_names_a_file_is_true(
     printed, error = capsys.readouterr()
     assert main([*arguments, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
+    shown = learned.with_whole_force() if force else learned
     files = {path.name for path in out.iterdir()}
     assert files & FMUS == written[force]
     page, commands = lines_of((out / "report.html").read_text(encoding="utf-8"))
@@ -129,7 +135,7 @@ def test_each_sentence_that_names_a_file_is_true(
         assert one["refusal"] == learned.refusal
     for text in (printed, page.replace("\u2019", "'")):
         assert not learned.refusal or learned.refusal in text
-    check_verdict(printed, kept["verdict"], files & FMUS, learned)
+    check_verdict(printed, kept["verdict"], files & FMUS, shown)
     if learned.refusal and "compensator.fmu" in files:
         description = read_model_description(out / "compensator.fmu").description
         assert (
@@ -157,6 +163,23 @@ def check_verdict(printed, verdict, fmus, learned):
         )
         assert one["left"] == own.median.compensated
         assert f"{one['motion']} {number(100 * own.median.ratio, 2)} %" in printed
+
+
+def test_exported_code_states_where_its_numbers_come_from(sound, log, tmp_path):
+    write_learned(only(sound, feedforward(sound, 0.6)), tmp_path)
+    document = json.loads((tmp_path / "learned.json").read_text())
+    own = hashlib.sha256(log.read_bytes()).hexdigest()
+    assert document["sha256"] == {log.name: own}
+    learned = LearnedFile(tmp_path / "learned.json")
+    for language, head in (("c", "compensator.h"), ("st", "compensator.st")):
+        notes = provenance(learned, 0.6)
+        write_compensator(tmp_path, language, notes=[*notes, "a */ (* b *) c"])
+        text = (tmp_path / head).read_text()
+        first = text[: text.index("*/" if language == "c" else "*)")]
+        for words in (own, "60 % of the learned friction, because with the whole force", " c\n"):
+            assert words in first
+        for name, one in document["parameters"].items():
+            assert f"{name} = {one['value']:.5g} {one['unit']}" in first
 
 
 def strings(document):
