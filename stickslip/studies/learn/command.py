@@ -211,6 +211,8 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             warn(warning)
         if written:
             _print_written(written)
+        if learned.other_gains:
+            print(learned.other_gains.sentence)
     return (written.document() if written else log_document(learned)) | {"folder": options.out}
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from textwrap import wrap
@@ -31,7 +31,7 @@ from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
 
 COMPENSATOR, OBSERVER_FMU = "compensator.fmu", "observer.fmu"
 POSITION_FMU = "position_force.fmu"
-DOUBTS = 4  # that a verdict names
+MOST = 15  # lines on a terminal
 
 
 @dataclass(frozen=True)
@@ -192,8 +192,8 @@ def _what(learned: LearnedFromRecording, name: str) -> str:
     if name == OBSERVER_FMU:
         kind = learned.trial.compared.chosen.name.split("+")[-1] if learned.trial else ""
         both = learned.choice == BOTH
-        place = "add its force after the feedforward" if both else "use this one"
-        return f"the disturbance observer {kind}; {place}"
+        place = ", to be added after the feedforward" if both else "; use this one"
+        return f"the observer {kind}{place}"
     benefit = learned.benefit
     share = benefit.share if benefit else 1.0
     of = "" if share == 1.0 else f" at {number(100 * share)} % of the learned force"
@@ -229,11 +229,13 @@ def loop_share(tracking: Tracking | None, motion: Motion, choice: Choice) -> Loo
         remedy = ""
     compensated = choice in (FEEDFORWARD, BOTH)
     place = WORDS[motion][0] if tracking.by_position else "velocity"
+    where = f"{tracking.command}, in a loop designed for the learned mass"
+    if tracking.known:
+        where = f"{tracking.command}, in its loop"
     return LoopShare(
         figure=place,
         unit=scale.unit,
-        where=f"{tracking.command}, in "
-        f"{'the loop of the log' if tracking.known else 'a loop designed for the learned mass'}",
+        where=where,
         measured=(
             scale.factor * float(getattr(tracking.measured, key)) if tracking.measured else None
         ),
@@ -249,13 +251,13 @@ def _left(errors: Sequence[MotionError]) -> str:
     """Return the shares that are left, in the order of the motions."""
     found = []
     for figure in dict.fromkeys(one.figure for one in errors):
-        shares = (
-            f"{one.motion} {number(100 * one.ratio, 2)} %"
-            f" ({number(100 * one.low, 2)} to {number(100 * one.high, 2)})"
-            for one in errors
-            if one.figure == figure
+        own = [one for one in errors if one.figure == figure]
+        shares = ", ".join(f"{one.motion} {number(100 * one.ratio, 2)} %" for one in own)
+        low, high = min(one.low for one in own), max(one.high for one in own)
+        found.append(
+            f"{shares} of the {figure} error that friction causes"
+            f" ({number(100 * low, 2)} to {number(100 * high, 2)} % on the true drive)"
         )
-        found.append(f"of the {figure} error that friction causes: {', '.join(shares)}")
     return "; ".join(found)
 
 
@@ -266,16 +268,16 @@ def _sentence(loop: LoopShare) -> str:
     if loop.compensated is not None:
         shown.append(f"{number(loop.compensated, 3)} with the feedforward")
     shown.append(f"{number(loop.frictionless, 3)} without any friction")
-    return f"simulated RMS {loop.figure} error on {loop.where}: {', '.join(shown)}"
+    return f"RMS {loop.figure} error, simulated: {', '.join(shown)}, on {loop.where}"
 
 
 def _remedies(learned: LearnedFromRecording, loop: LoopShare | None) -> Iterator[str]:
     if loop and loop.remedy:
         yield (
-            f"{loop.remedy} would leave {number(loop.remedied, 3)} {loop.unit} of the"
-            f" {number(loop.frictionless, 3)} {loop.unit} that stay without friction"
+            f"{loop.remedy} would leave {number(loop.remedied, 3)} of the loop's"
+            f" {number(loop.frictionless, 3)} {loop.unit}"
         )
-    if learned.other_gains:
+    if learned.other_gains and learned.other_gains.error <= offer.OTHER_GAINS:
         yield learned.other_gains.sentence
     elif loop and not loop.friction_matters and not loop.remedy:
         yield "higher gains of the controller, or a slower command, reduce what friction does not"
@@ -287,23 +289,22 @@ def _checks(learned: LearnedFromRecording, files: Sequence[str]) -> Iterator[str
     if COMPENSATOR in files and tracking and tracking.force > 0.0:
         scale = force_scale(motion, tracking.force)
         yield (
-            f"with the drive disabled, a positive velocity command must make the output of"
-            f" {COMPENSATOR} positive, at most {number(scale.factor * tracking.force, 3)}"
-            f" {scale.unit} on {tracking.command}"
+            "drive disabled: a positive velocity command must give a positive output, at most"
+            f" {number(scale.factor * tracking.force, 3)} {scale.unit}"
         )
     if {COMPENSATOR, OBSERVER_FMU} & {*files}:
         yield (
-            "scale the added force up from 0 in steps on a slow command; stop if the error grows or"
-            " the drive swings at rest"
+            "raise the added force from 0 on a slow command; stop if the error grows or it swings"
         )
 
 
 def _doubts(learned: LearnedFromRecording) -> Iterator[str]:
     estimation = learned.estimation
     found = [
-        f"{one.what}: {one.figure}" if one.figure else one.what
+        ": ".join(filter(None, (one.what, one.figure.split(";")[0])))
         for one in estimation.faults
-    ]  # fmt: skip
+        if one.what not in learned.doubt
+    ]
     hidden = [n for n, one in estimation.known.items() if one.identifiability == NOT_IDENTIFIABLE]
     if hidden:
         show = f"stickslip plan --show {' '.join(hidden)}"
@@ -323,23 +324,27 @@ def _doubts(learned: LearnedFromRecording) -> Iterator[str]:
     ]
     if warnings:
         found.append(f"warnings about the log: {'; '.join(one.what for one in warnings)}")
-    yield from found[:DOUBTS]
-    if len(found) > DOUBTS:
-        yield f"and {len(found) - DOUBTS} more: report.html and -v have them"
+    yield from found
 
 
 LABEL = 12  # columns of a terminal before the sentences
 
 
 def lines(verdict: Verdict, folder: Path | None, width: int | None) -> list[str]:
-    """Return the verdict as lines of a terminal; without a width lines are not wrapped."""
-    shown = [f"{verdict.source}: {verdict.headline}"]
-    rows = [*verdict.rows(f"{folder}/" if folder else "")]
+    """Return the verdict as lines of a terminal, the last doubts left out where it is too long.
+
+    Without a width lines are not wrapped.
+    """
     more = f"{folder}/report.html shows all; " if folder else "--out DIR writes it and a page; "
-    for label, text in (*rows, ("more", f"{more}-v prints the tables")):
+    rows = [*verdict.rows(f"{folder}/" if folder else ""), ("more", f"{more}-v prints the tables")]
+    shown = [f"{verdict.source}: {verdict.headline}"]
+    shown = wrap(shown[0], width) if width else shown
+    for label, text in rows:
         parts = wrap(text, max(width - LABEL, 40), break_on_hyphens=False) if width else [text]
         heads = [label, *[""] * len(parts)]
         shown += [f"{head:{LABEL}}{part}" for head, part in zip(heads, parts, strict=False)]
+    if len(shown) > MOST and len(verdict.doubts) > 1:
+        return lines(replace(verdict, doubts=verdict.doubts[:-1]), folder, width)
     return shown
 
 
