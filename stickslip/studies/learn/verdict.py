@@ -22,7 +22,7 @@ from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.logs import Motion
 from stickslip.presentation import style
 from stickslip.presentation.page import Section
-from stickslip.presentation.quantity import number
+from stickslip.presentation.quantity import SPACE, number
 from stickslip.presentation.scale import WORDS, force_scale, position_scale, velocity_scale
 from stickslip.studies.learn.learned import LearnedFromRecording
 from stickslip.thresholds import offer
@@ -290,7 +290,7 @@ def _checks(learned: LearnedFromRecording, files: Sequence[str]) -> Iterator[str
         scale = force_scale(motion, tracking.force)
         yield (
             "drive disabled: a positive velocity command must give a positive output, at most"
-            f" {number(scale.factor * tracking.force, 3)} {scale.unit}"
+            f" {number(scale.factor * tracking.force, 3)} {scale.unit.replace(SPACE, ' ')}"
         )
     if {COMPENSATOR, OBSERVER_FMU} & {*files}:
         yield (
