@@ -5,6 +5,7 @@ import math
 import re
 from collections.abc import Iterable
 from itertools import islice
+from pathlib import Path
 from unicodedata import category
 
 _MOST = 5000  # names that are compared with one that is not known
@@ -61,6 +62,14 @@ def suggestion(name: str, names: Iterable[str]) -> str:
         return f"; did you mean {' or '.join(map(repr, near))}?"
     shown = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
     return f"; there is {shown}" if known else "; there is none"
+
+
+def installing(extra: str) -> str:
+    """Return the command that installs an extra: of this checkout, or of the installed package."""
+    root = Path(__file__).resolve().parents[1]
+    if not (root / "pyproject.toml").is_file():
+        return f"pip install 'stickslip[{extra}]'"
+    return f"pip install '{'.' if root == Path.cwd() else root}[{extra}]'"
 
 
 def scaled_unit(unit: str | None, largest: float) -> tuple[float, str]:

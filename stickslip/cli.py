@@ -7,10 +7,13 @@ import signal
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from difflib import get_close_matches
 from importlib import import_module
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
+from stickslip.commandline import is_rare
 from stickslip.errors import settings_as_options
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.messages import harmless, suggestion
@@ -26,6 +29,13 @@ _NUMBER = re.compile(r"-\.?\d")
 _SUFFIX = re.compile(r"\.\w+")
 
 
+class _HelpFormatter(argparse.HelpFormatter):
+    """Keeps the lines of examples."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        return text if "\n" in text else super()._fill_text(text, width, indent)
+
+
 class Parser(argparse.ArgumentParser):
     """A parser that finds files wherever they stand; its errors are one line.
 
@@ -36,16 +46,31 @@ class Parser(argparse.ArgumentParser):
     """
 
     def __init__(self, *args: Any, **settings: Any) -> None:
+        settings.setdefault("formatter_class", _HelpFormatter)
         super().__init__(*args, **settings)
+        self.add_argument("--help-all", action=_HelpAll, nargs=0, help=argparse.SUPPRESS)
         self._negative_number_matcher = _NUMBER  # also -1e-3, before Python 3.14
         common = self.add_argument_group("common options")
         for names, text in {
             ("--json",): "print the result as JSON, and nothing else on standard output",
             ("-q", "--quiet"): "print errors only",
-            ("-v", "--verbose"): "also print each stage and notes on standard error",
+            ("-v", "--verbose"): "also print stages and notes, and all tables of learn",
             ("--debug",): "show the traceback of an error",
         }.items():
             common.add_argument(*names, action="store_true", default=argparse.SUPPRESS, help=text)
+
+    def format_help(self, *, rare: bool = False) -> str:
+        """Return the help, without the options of rare groups unless they are asked for."""
+        groups = (group for group in self._action_groups if is_rare(group))
+        hidden = [] if rare else [one for group in groups for one in group._group_actions]  # noqa: SLF001
+        texts = [action.help for action in hidden]
+        for action in hidden:
+            action.help = argparse.SUPPRESS
+        shown = super().format_help()
+        for action, text in zip(hidden, texts, strict=True):
+            action.help = text
+        more = f"\n{len(hidden)} more options: {self.prog} --help-all\n" if hidden else ""
+        return shown + more
 
     def error(self, message: str) -> NoReturn:
         """End with a line that names the help."""
@@ -198,6 +223,7 @@ def _misplaced(
 _HELP = re.compile(r'"""``stickslip (\w+)``: ([^"]+?)\.?(?:""")?$')
 
 
+_EXAMPLE = re.compile(r"^ *(stickslip .+)$", re.MULTILINE)  # in the text of a command's module
 _PLACES = ("commands/*.py", "studies/*/command.py", "papers/*/commands/*.py")
 
 
@@ -222,6 +248,7 @@ def _commands() -> dict[str, Command]:
 
 COMMANDS = _commands()
 EXPECTED = (Fault, OSError, MemoryError)  # that a user can cause; others are defects
+_MOST_FILES = 10_000  # of a folder, among which a suggestion is looked for
 _LONGEST = 2000  # characters of a message, which may contain text from a file
 
 
@@ -235,7 +262,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     open_standard_streams()  # those that cron or a service has closed
     given = list(sys.argv[1:] if arguments is None else arguments)
     plain = argparse.Namespace(json=False, quiet=False, verbose=False, debug=False)
-    options = _parser(given).parse_args(given, plain)
+    parser = _parser(given)
+    if not given:
+        parser.print_help()
+        return 0
+    options = parser.parse_args(given, plain)
     with interruptible(), messages(options), settings_as_options():
         try:
             return _status(options)
@@ -270,6 +301,15 @@ def _drop_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+class _HelpAll(argparse.Action):
+    """Prints the help with rare options."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        assert isinstance(parser, Parser)  # noqa: S101 - it adds this action
+        print(parser.format_help(rare=True), end="")
+        parser.exit()
+
+
 class _Version(argparse.Action):
     """Prints the installed version, which takes time to find."""
 
@@ -291,12 +331,15 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
         command = subparsers.add_parser(name, help=does)
         if name == called:
             try:
-                import_module(module).declare(command)
+                found = import_module(module)
+                found.declare(command)
             except Exception as fault:
                 if "--debug" in arguments:
                     raise
                 why = _line(fault)
                 command.exit(1, f"stickslip: {module}: {type(fault).__name__}: {why}; mend it\n")
+            if examples := _EXAMPLE.findall(found.__doc__ or ""):
+                command.epilog = "\n  ".join(["examples:", *examples])
     return parser
 
 
@@ -313,6 +356,17 @@ def _complete(words: Sequence[str]) -> None:
     autocomplete(_parser(words), "long", exclude=["FILE.ssp"], default_completer=Files())
 
 
+def _near(path: Path) -> str:
+    """Return the end of a message that suggests a file with nearly the name of a missing one."""
+    try:
+        with os.scandir(path.parent) as entries:
+            names = [entry.name for entry in islice(entries, _MOST_FILES)]
+    except OSError:
+        return ""
+    near = get_close_matches(path.name, names, n=1, cutoff=0.75)
+    return f"; did you mean '{path.with_name(near[0])}'?" if near else ""
+
+
 def _line(error: BaseException) -> str:
     """Return the message of an error in one line; only that of a compiler has more lines."""
     from stickslip.fmi.toolchain import ToolchainError  # late, for those who start quickly
@@ -324,4 +378,6 @@ def _line(error: BaseException) -> str:
         message = "not enough memory; reduce the size of the input"
     if isinstance(error, OSError) and error.filename:
         message = f"{error.filename}: {error.strerror}"
+        if isinstance(error, FileNotFoundError):
+            message += _near(Path(os.fsdecode(error.filename)))
     return harmless((" ".join(message.split()) or type(error).__name__)[:_LONGEST])

@@ -104,7 +104,8 @@ def plain(value: Any) -> Any:
 
 
 T = TypeVar("T")
-Show = Callable[[int, int], object]  # takes how many steps are done, and of how many
+Show = Callable[[int, int | None], object]
+"""Takes how many steps are done, and of how many, if that is known."""
 
 _show: ContextVar[Show] = ContextVar("show", default=lambda *_: None)
 
@@ -154,6 +155,20 @@ def shown_by(show: Show) -> Iterator[None]:
         yield
     finally:
         _show.reset(token)
+
+
+@contextmanager
+def counted_steps() -> Iterator[None]:
+    """Show the steps of all stages inside as one count, whose end is not known."""
+    show, total = _show.get(), 0
+
+    def count(done: int, _: int | None) -> None:
+        nonlocal total
+        total += done > 0
+        show(total, None)
+
+    with shown_by(count):
+        yield
 
 
 def step(done: int, of: int) -> None:

@@ -18,7 +18,7 @@ from stickslip.cosim.errors import CosimError, SignalError
 from stickslip.cosim.signals.signals import Array, Input, Table
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write, read_limited
-from stickslip.fmi.messages import printable, shown
+from stickslip.fmi.messages import installing, printable, shown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -86,7 +86,7 @@ def write_excel(path: Path, frame: pd.DataFrame) -> None:
         frame.to_excel(stream, engine="openpyxl")
     except ImportError:
         raise CosimError(
-            f"{path}: Excel files need openpyxl; install it with pip install 'stickslip[excel]'"
+            f"{path}: Excel files need openpyxl; install it with {installing('excel')}"
         ) from None
     atomic_write(path, stream.getvalue())
 
@@ -182,7 +182,7 @@ def _arrow(error: type[CosimError], path: Path) -> ModuleType | Any:
         import pyarrow
     except ImportError:
         raise error(
-            f"{path}: Parquet files need pyarrow; install it with pip install 'stickslip[parquet]'"
+            f"{path}: Parquet files need pyarrow; install it with {installing('parquet')}"
         ) from None
     return pyarrow
 

@@ -19,6 +19,7 @@ from pathlib import Path
 
 from stickslip.fmi.binary import read_library
 from stickslip.fmi.files import atomic_write, lock
+from stickslip.fmi.messages import installing
 from stickslip.fmi.process.child import child_process
 from stickslip.fmi.process.interruption import check_interruption, temporary_folder
 from stickslip.fmi.toolchain import platforms
@@ -197,7 +198,7 @@ def compiler_version() -> str:
     """Return the version of ziglang; raise CompilerMissing where it is not installed."""
     if importlib.util.find_spec("ziglang") is None:
         what = "this needs the C compiler, package 'ziglang', which is not installed"
-        raise platforms.CompilerMissing(f"{what}; run: pip install 'stickslip[compile]'")
+        raise platforms.CompilerMissing(f"{what}; run: {installing('compile')}")
     from importlib.metadata import version  # late, for those who start quickly
 
     return version("ziglang")

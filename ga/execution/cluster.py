@@ -16,6 +16,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Any, ParamSpec, TypeVar
 
+from stickslip.fmi.messages import installing
 from stickslip.ga.errors import SettingsError, WorkersLost
 from stickslip.ga.execution.evaluation import Evaluate, Packed
 from stickslip.ga.execution.starting import process_start
@@ -109,9 +110,7 @@ def _keeping(packed: Packed) -> Any:
 def cluster(where: str, workers: int) -> Iterator[DaskWorkers]:
     """Open the workers of a running scheduler, or ``local`` ones; see `ga.executor`."""
     if find_spec("distributed") is None:
-        raise SettingsError(
-            f"workers {where!r} need the package distributed; pip install stickslip[dask]"
-        )
+        raise SettingsError(f"workers {where!r} need the package distributed; {installing('dask')}")
     distributed: Any = import_module("distributed")
     with ExitStack() as stack:
         stack.enter_context(_silenced())

@@ -1,7 +1,8 @@
 """What commands share: how options are declared, progress on a terminal, options of logs and rigs.
 
 A command is a file: ``declare`` declares its options, ``run`` executes it. Its first line,
-``stickslip NAME`` and what it does, makes it a command.
+``stickslip NAME`` and what it does, makes it a command. Lines of the same text that begin with
+``stickslip`` are the examples of its help.
 """
 
 import argparse
@@ -15,6 +16,7 @@ from stickslip.output import LOG, Answer
 
 SEVERAL: dict[str, Any] = {"nargs": "+", "action": "extend", "default": []}
 """An option that takes several values and can be repeated."""
+_RARE = " (rarely needed)"
 FLAG = {"action": "store_true"}
 
 
@@ -26,6 +28,16 @@ def add_options(
         name, _, metavar = option.partition(" ")
         shown: dict[str, Any] = {"metavar": metavar} if metavar else {}
         parser.add_argument(name, help=text, **shown, **settings)
+
+
+def add_rare_group(parser: argparse.ArgumentParser, title: str) -> argparse._ArgumentGroup:
+    """Return a group of options that ``--help-all`` lists, but not ``--help``."""
+    return parser.add_argument_group(f"{title}{_RARE}")
+
+
+def is_rare(group: argparse._ArgumentGroup) -> bool:
+    """Tell whether a group is one of these."""
+    return (group.title or "").endswith(_RARE)
 
 
 def at_least(least: int) -> Callable[[str], int]:
@@ -77,7 +89,7 @@ def warn(message: str) -> None:
     LOG.warning("%s", message)
 
 
-def add_old_spelling(parser: argparse.ArgumentParser, old: str, action: argparse.Action) -> None:
+def add_old_spelling(parser: argparse._ActionsContainer, old: str, action: argparse.Action) -> None:
     """Accept an option of one value also as ``old``, which the help does not list."""
     parser.add_argument(
         old,

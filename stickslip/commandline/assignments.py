@@ -1,7 +1,7 @@
 """``--set``, ``--coarse``, ``--source`` and ``--law`` on the command line."""
 
 import math
-from argparse import ArgumentParser
+from argparse import ArgumentParser, _ActionsContainer
 from collections.abc import Collection, Iterable
 
 from stickslip.commandline import SEVERAL, add_old_spelling, add_options
@@ -29,7 +29,7 @@ def add_source_option(parser: ArgumentParser) -> None:
     add_old_spelling(parser, "--feed", action)
 
 
-def add_law_option(parser: ArgumentParser, *further: str, more: str = "") -> None:
+def add_law_option(parser: _ActionsContainer, *further: str, more: str = "") -> None:
     """Declare ``--law``, the friction law; the first of the further choices is the default."""
     from stickslip.catalog.parameters import learnable_laws
 

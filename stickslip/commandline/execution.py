@@ -13,7 +13,7 @@ from stickslip.work.jobs import Execution, processors, stopped
 
 
 def add_algorithm_option(
-    parser: argparse.ArgumentParser, *aliases: str, default: str = "our genetic algorithm"
+    parser: argparse._ActionsContainer, *aliases: str, default: str = "our genetic algorithm"
 ) -> None:
     """Declare ``--algorithm``, under other names too; ``default`` says what the default is."""
     parser.add_argument(
@@ -27,7 +27,7 @@ def add_algorithm_option(
     )
 
 
-def add_worker_options(parser: argparse.ArgumentParser, what: str) -> None:
+def add_worker_options(parser: argparse._ActionsContainer, what: str) -> None:
     """Declare where work is done."""
     workers = f"number of {what} that run in parallel (default: number of processors)"
     add_options(parser, {"--workers N": workers}, type=at_least(1), default=processors())
@@ -52,13 +52,17 @@ def _address(text: str) -> str:
     return text
 
 
-def add_execution_options(parser: argparse.ArgumentParser) -> None:
+def add_execution_options(parser: argparse._ActionsContainer) -> None:
     """Declare where candidates run, the checkpoint and the seed."""
     add_worker_options(parser, "candidates")
     file = "checkpoint, written after every generation; with this option it is kept at the end"
     add_options(parser, {"--checkpoint FILE": file}, type=Path)
     resume = "continue from the checkpoint of a killed or interrupted run, if there is one"
     add_options(parser, {"--resume": resume}, **FLAG)
+
+
+def add_seed_option(parser: argparse._ActionsContainer) -> None:
+    """Declare ``--seed``."""
     add_options(parser, {"--seed": "random seed of the algorithm"}, type=at_least(0), default=0)
 
 

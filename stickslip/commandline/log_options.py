@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
-from stickslip.commandline import SEVERAL, add_options, require_files
+from stickslip.commandline import SEVERAL, add_options, add_rare_group, require_files
 from stickslip.commandline.assignments import split_assignments
 from stickslip.errors import UsageError
 from stickslip.logs import Column, Description, load_description
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MOTIONS = "motions"  # Folder, within that of the results, of the logs of a rig
 
 
-def add_rig_option(parser: argparse.ArgumentParser, what: str) -> None:
+def add_rig_option(parser: argparse._ActionsContainer, what: str) -> None:
     """Declare ``--rig``."""
     text = f"{what}; --out keeps its logs, and the same command goes on there (docs/rig.md)"
     add_options(parser, {"--rig FILE.toml": text}, type=Path)
@@ -102,8 +102,11 @@ def one_of(what: str, *given: Path | None, folder: bool = False) -> Path:
     return paths[0]
 
 
-def add_log_options(parser: argparse.ArgumentParser) -> None:
-    """Declare what describes a log: a TOML file, or options that go before it."""
+def add_log_options(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """Declare what describes a log: a TOML file, or options that go before it.
+
+    Returns the group of the controller's options.
+    """
     group = parser.add_argument_group(
         "the log",
         f"ROLE is one of {', '.join(ROLES)}. Options override the file given by --config.",
@@ -112,23 +115,36 @@ def add_log_options(parser: argparse.ArgumentParser) -> None:
     several = {
         "--column ROLE=NAME": "name of a column, its number from 1, or none",
         "--unit ROLE=UNIT": "such as position=mm or force=A",
-        "--scale ROLE=NUMBER": "SI units per unit, such as force=23 for N per A (also of mA)",
-        "--offset ROLE=NUMBER": "offset added to the value, in SI units",
-        "--gain NAME=VALUE": f"gains of the controller: {', '.join(GAINS)}; SI units",
-        "--confirm FIGURE": f"{', '.join(CONFIRMED)}: the extreme value and its units are correct",
     }
     add_options(group, several, **SEVERAL)
     add_options(group, {"--motion": "(default: from the units)"}, choices=("linear", "rotary"))
+    span = {"--span": "part of the log to use [s]"}
+    add_options(group, span, nargs=2, type=float, metavar=("BEGIN", "END"))
+
+    loop = parser.add_argument_group("the controller of the log")
     controller = {"--controller": "controller of the drive (default none: not known)"}
-    add_options(group, controller, choices=get_args(Kind))
-    texts = {
-        "--encoder-step M": "resolution of the position, such as 4e-7 or 0.4um (default: detected)",
-        "--force-limit N": "force limit of motor or amplifier, such as 205 or 0.2kN",
+    add_options(loop, controller, choices=get_args(Kind))
+    gains = {"--gain NAME=VALUE": f"gains of the controller: {', '.join(GAINS)}; SI units"}
+    add_options(loop, gains, **SEVERAL)
+    add_options(loop, {"--force-limit N": "of motor or amplifier, such as 205 or 0.2kN"})
+
+    group = add_rare_group(parser, "units of the log")
+    several = {
+        "--scale ROLE=NUMBER": "SI units per unit, such as force=23 for N per A (also of mA)",
+        "--offset ROLE=NUMBER": "offset added to the value, in SI units",
+        "--confirm FIGURE": f"{', '.join(CONFIRMED)}: the extreme value and its units are correct",
+    }
+    add_options(group, several, **SEVERAL)
+    rated = {
         "--rated-force N": "what 100 %% of the rated force or current are",
         "--rated-torque N.m": "what 100 %% of the rated torque or current are, such as 2.4Nm",
-        "--delimiter CHAR": "delimiter of a text file (default: detected)",
     }
-    add_options(group, texts)
+    add_options(group, rated)
+
+    group = add_rare_group(parser, "file and sampling of the log")
+    step = "resolution of the position, such as 4e-7 or 0.4um (default: detected)"
+    delimiter = {"--delimiter CHAR": "delimiter of a text file (default: detected)"}
+    add_options(group, {"--encoder-step M": step, **delimiter})
     decimal = {"--decimal": "decimal sign of a text file (default: detected)"}
     add_options(group, decimal, choices=(".", ","))
     numbers = {
@@ -136,8 +152,7 @@ def add_log_options(parser: argparse.ArgumentParser) -> None:
         "--tau-i S": "time constant of the current loop",
     }
     add_options(group, numbers, type=float)
-    span = {"--span": "part of the log to use [s]"}
-    add_options(group, span, nargs=2, type=float, metavar=("BEGIN", "END"))
+    return loop
 
 
 def description_of(options: argparse.Namespace) -> Description:

@@ -29,7 +29,7 @@ LATEST = 40  # generations of which the cost is drawn
 Row = tuple[float, str]  # a share from 0 to 1, drawn as a bar unless it is NaN, and a text
 
 
-def add_live_option(parser: argparse.ArgumentParser) -> None:
+def add_live_option(parser: argparse._ActionsContainer) -> None:
     """Declare ``--live``."""
     live = "show cost, spread of the parameters and remaining time while it runs, on a terminal"
     add_options(parser, {"--live": live}, **FLAG)
@@ -38,7 +38,8 @@ def add_live_option(parser: argparse.ArgumentParser) -> None:
 class TerminalProgress(Progress):
     """The progress that a command shows; close it, or use ``with``."""
 
-    def __init__(self, *, live: bool = False) -> None:
+    def __init__(self, *, live: bool = False, findings: bool = True) -> None:
+        self._prints_findings = findings
         self._stream = sys.stderr
         self._shown = self._stream.isatty() and not quiet()
         self._live = live and self._shown
@@ -82,8 +83,8 @@ class TerminalProgress(Progress):
 
     def findings(self, findings: Iterable[object]) -> None:
         """Print findings of the checks of a log."""
-        for finding in findings:
-            print(finding)
+        if self._prints_findings:
+            print(*findings, sep="\n")
 
     def _of_search(self, algorithm: ga.Optimiser, scale: Factors | None) -> dict[str, Row]:
         """Return the cost, and each parameter's spread in this generation and beside the first."""

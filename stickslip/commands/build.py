@@ -1,4 +1,8 @@
-"""``stickslip build``: build FMUs of the models."""
+"""``stickslip build``: build FMUs of the models.
+
+stickslip build --out fmus
+stickslip build drive --of emps --fmi 3 --out fmus
+"""
 
 import argparse
 import itertools

@@ -1,4 +1,8 @@
-"""``stickslip check``: validate FMUs and systems of any tool."""
+"""``stickslip check``: validate FMUs and systems of any tool.
+
+stickslip check compensator.fmu
+stickslip check plant.fmu --strict --timeout 5
+"""
 
 from __future__ import annotations
 

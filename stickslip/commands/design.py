@@ -1,4 +1,8 @@
-"""``stickslip design``: design the velocity loop from bandwidth and phase margin."""
+"""``stickslip design``: design the velocity loop from bandwidth and phase margin.
+
+stickslip design --mass 8 --viscous 20
+stickslip design --bandwidth 30 --phase-margin 60 --out loop
+"""
 
 import argparse
 import json

@@ -1,4 +1,8 @@
-"""``stickslip export``: the tuned compensator, an observer, a drive, a linear system or a loop."""
+"""``stickslip export``: the tuned compensator, an observer, a drive, a linear system or a loop.
+
+stickslip export compensator --parameters axis/learned.json --as c --out firmware
+stickslip export drive --of emps --out robot
+"""
 
 from __future__ import annotations
 

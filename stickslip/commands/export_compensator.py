@@ -17,6 +17,7 @@ from stickslip.thresholds import offer
 
 if TYPE_CHECKING:
     from stickslip.learned.file import LearnedFile
+    from stickslip.learned.provenance import provenance
     from stickslip.servo.systems import Compensator
     from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -75,14 +76,17 @@ def export_compensator(options: argparse.Namespace) -> Answer:
     """
     from stickslip import models
     from stickslip.learned.file import LearnedFile
+    from stickslip.learned.provenance import provenance
 
     learned = LearnedFile(options.parameters)
     one = learned.at(1.0 if options.force else learned.share)
     law = (one.law or learned.law.name) if one.model == NAME else None
     try:
         models.load_model(one.model, law).with_start(one.values)
-        block = learned.deployed(_guarded_share(learned, one, force=options.force))
-        named = {"called": NAME, "rotary": learned.rotary}
+        share = _guarded_share(learned, one, force=options.force)
+        block = learned.deployed(share)
+        named: dict[str, Any] = {"called": NAME, "rotary": learned.rotary}
+        named["notes"] = provenance(learned, share)
         paths = write_as(options, block.model, start=block.values, law=law, **named)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
@@ -144,7 +148,9 @@ def write_as(options: argparse.Namespace, model: str, **given: Any) -> list[Path
     from stickslip import models
     from stickslip.models.firmware import write_compensator
 
+    notes = given.pop("notes", ())
     if options.form != "fmu":
+        given["notes"] = notes
         return write_compensator(options.out, options.form, model=model, **given)
     return [models.build_fmu(model, options.out, **given, **fmu_options(options))]
 
@@ -153,6 +159,7 @@ def export_observer(options: argparse.Namespace) -> Answer:
     """Write the observer with its designed gains and print the paths."""
     from stickslip import models
     from stickslip.learned.file import LearnedFile
+    from stickslip.learned.provenance import provenance
 
     learned = LearnedFile(options.parameters)
     observer = learned.observer
@@ -163,7 +170,8 @@ def export_observer(options: argparse.Namespace) -> Answer:
             if not options.force:
                 raise HarmfulError(f"{options.parameters}: {refusal}; --force exports it anyway")
             warn(refusal)
-        paths = write_as(options, model, start=start, called="observer", rotary=learned.rotary)
+        named: dict[str, Any] = {"called": "observer", "rotary": learned.rotary}
+        paths = write_as(options, model, start=start, notes=provenance(learned), **named)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: observer: {error}") from None
     return written(*paths)
@@ -205,8 +213,9 @@ def export_position_force(options: argparse.Namespace) -> Answer:
     if "position_force.fmu" not in learned.written and not options.force:
         refusal = learned.refusal or "learn did not write it"
         raise HarmfulError(f"{options.parameters}: {refusal}; --force exports it anyway")
-    named = {"called": block.name, "rotary": learned.rotary}
-    return written(*write_as(options, block.model, start=block.values, **named))
+    named: dict[str, Any] = {"called": block.name, "rotary": learned.rotary}
+    notes = provenance(learned)
+    return written(*write_as(options, block.model, start=block.values, notes=notes, **named))
 
 
 def export_components(options: argparse.Namespace) -> Answer:

@@ -1,4 +1,8 @@
-"""``stickslip info``: what an FMU or a system of FMUs contains."""
+"""``stickslip info``: what an FMU or a system of FMUs contains.
+
+stickslip info compensator.fmu
+stickslip info loop.ssp --all
+"""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,8 @@
-"""``stickslip new``: write a law, compensator, optimiser, format or command to start from."""
+"""``stickslip new``: write a law, compensator, optimiser, format or command to start from.
+
+stickslip new law my_law
+stickslip new compensator my_compensator
+"""
 
 import argparse
 import re

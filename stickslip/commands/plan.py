@@ -1,4 +1,8 @@
-"""``stickslip plan``: write the command of an experiment from which a drive can be learned."""
+"""``stickslip plan``: write the command of an experiment from which a drive can be learned.
+
+stickslip plan --stroke 0.2 --speed 0.1 --out next.csv
+stickslip plan --show sigma_0 sigma_1 --encoder 1e-6 --out next.csv
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""``stickslip serve``: run a drive FMU as a drive behind a socket."""
+"""``stickslip serve``: run a drive FMU as a drive behind a socket.
+
+stickslip serve drive.fmu --port 5000
+"""
 
 import argparse
 from pathlib import Path

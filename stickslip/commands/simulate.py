@@ -1,4 +1,8 @@
-"""``stickslip simulate``: run a system of FMUs (.ssp) or one FMU."""
+"""``stickslip simulate``: run a system of FMUs (.ssp) or one FMU.
+
+stickslip simulate drive.fmu --stop 2 --set u=10 --plot
+stickslip simulate loop.ssp --input command.csv --record drive.v --out run.csv
+"""
 
 from __future__ import annotations
 
@@ -16,6 +20,7 @@ from stickslip.commandline import FLAG, SEVERAL, add_options, or_, warn
 from stickslip.commandline.assignments import add_set_option, split_assignments
 from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write, require_regular_file
+from stickslip.fmi.messages import installing
 from stickslip.output import LOG, Answer
 from stickslip.storage import writable
 
@@ -128,9 +133,7 @@ def run(options: argparse.Namespace) -> Answer:
         raise UsageError(f"{options.out}: expected a file that ends in {or_(WRITERS)}")
     library, extra = LIBRARIES.get(options.out.suffix, ("", "")) if options.out else ("", "")
     if library and find_spec(library) is None:  # before a run whose result it would lose
-        raise UsageError(
-            f"{options.out}: needs {library}; install it with pip install 'stickslip[{extra}]'"
-        )
+        raise UsageError(f"{options.out}: needs {library}; install it with {installing(extra)}")
     if options.look is not None and options.real_time is None:
         raise UsageError("--look is for --real-time; give it")
     if options.hold and not options.input:

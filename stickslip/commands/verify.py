@@ -1,4 +1,8 @@
-"""``stickslip verify``: check folders of results against their manifests."""
+"""``stickslip verify``: check folders of results against their manifests.
+
+stickslip verify axis
+stickslip verify results/paper --without "*.fmu"
+"""
 
 import argparse
 from pathlib import Path

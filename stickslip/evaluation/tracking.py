@@ -8,7 +8,8 @@ force depends on the command only, so it is computed first and added to the cont
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from contextlib import suppress
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -68,6 +69,10 @@ class Tracking:
     # tracking error of the log itself, without compensation; None where the simulated loop or
     # command is another
     measured: TrackingError | None = None
+    # without friction, by what is changed in the loop; none where nothing was tried
+    remedies: Mapping[str, TrackingError] = field(default_factory=dict)
+    force: float = 0.0  # largest of the compensator [N]
+    by_position: bool = False  # whether the loop controls the position
 
     def velocity_error(self, variant: str) -> Array:
         """Return velocity less command (n,) [m/s]."""
@@ -131,6 +136,10 @@ class SimulatedMotion:
     velocity: Array  # (n,) true [m/s]
     encoder: Array  # (n,) position that the encoder shows [m]
 
+    def error(self, v_cmd: Array, x_cmd: Array, used: slice) -> TrackingError:
+        """Return the errors of the samples used against commands (n,) [m/s] and (n,) [m]."""
+        return TrackingError.of((self.velocity - v_cmd)[used], (self.position - x_cmd)[used])
+
 
 def commanded_velocity(recording: Recording) -> Array:
     """Return the velocity command (n,) [m/s], or the derivative of the position command.
@@ -178,29 +187,84 @@ def simulate(
     gains : of the controller FMU by name
     force_limit : of motor or amplifier [N]
     """
-    force = np.full(1, drive.values["F_c"]) if recording.force is None else recording.force
-    scale = scale_of(force, commanded_velocity(recording))
-    scaled, values = scale.recording(recording), scale.values(drive.values)
-    force = scale.force * feedforward(recording, drive)
-    further = {"candidate.noise_x": 0.0}
-    if force_limit is not None:
-        further |= dict.fromkeys(("candidate.u_max", "controller.u_max"), scale.force * force_limit)
-    law = friction_law(drive.law)
-    friction = {name: value for name, value in values.items() if name in law.parameters}
+    case = _Case(recording, gains, drive, force_limit)
+    force = case.scale.force * feedforward(recording, drive)
     # What the drive holds by its position acts without a compensator, and is cancelled with it.
-    held = 0.0 if scaled.known_force is None else scaled.known_force
     variants: dict[str, tuple[Mapping[str, float], Array | float]] = {
-        NONE: (values, 0.0),
-        FEEDFORWARD: (values, force + held),
-        FRICTIONLESS: ({**values, **law.share(friction, NEGLIGIBLE)}, held),
+        NONE: (case.values, 0.0),
+        FEEDFORWARD: (case.values, force + case.held),
+        FRICTIONLESS: (case.free, case.held),
     }
-    with KnownLoop(fmus, scaled, scale.values(gains), encoder=True) as loop:
-        runs = {name: loop.bounded(of, further, added) for name, (of, added) in variants.items()}
-    signals = ("candidate.x", "candidate.v", "candidate.x_enc")
-    return {
-        name: SimulatedMotion(*(run[signal] / scale.length for signal in signals))
-        for name, run in runs.items()
-    }
+    return case.runs(fmus, variants)
+
+
+INERTIA = "feedforward of mass and viscous friction"
+VELOCITY = "velocity feedforward in the position loop"
+"""What can be changed in a loop whose error is not that of friction."""
+
+
+def remedied(
+    fmus: Path,
+    recording: Recording,
+    gains: Mapping[str, float],
+    drive: LearnedDrive,
+    force_limit: float | None = None,
+) -> dict[str, SimulatedMotion]:
+    """Return the motion without friction by what is changed in the loop; see ``simulate``.
+
+    Changes with which the loop runs away are left out.
+    """
+    case = _Case(recording, gains, drive, force_limit)
+    found: dict[str, SimulatedMotion] = {}
+    v_cmd = commanded_velocity(case.recording)
+    inertia = case.values["m"] * derivative(v_cmd, recording.T_s) + case.values["b"] * v_cmd
+    changes: dict[str, tuple[_Case, Array | float]] = {INERTIA: (case, inertia)}
+    if gains.get("K_x") and gains.get("velocity_feedforward", 1.0) < 1.0:
+        led = replace(recording, velocity_command=commanded_velocity(recording))
+        quicker = _Case(led, {**gains, "velocity_feedforward": 1.0}, drive, force_limit)
+        both = quicker, inertia
+        changes = {VELOCITY: (quicker, 0.0), **changes, f"{VELOCITY}, and {INERTIA}": both}
+    for name, (one, added) in changes.items():
+        with suppress(cosim.SimulationError):
+            found |= one.runs(fmus, {name: (one.free, added + one.held)})
+    return found
+
+
+class _Case:
+    """A recording, its loop and its drive, in an internal scale."""
+
+    def __init__(
+        self,
+        recording: Recording,
+        gains: Mapping[str, float],
+        drive: LearnedDrive,
+        force_limit: float | None,
+    ) -> None:
+        force = np.full(1, drive.values["F_c"]) if recording.force is None else recording.force
+        self.scale = scale_of(force, commanded_velocity(recording))
+        self.recording = self.scale.recording(recording)
+        self.gains, self.values = self.scale.values(gains), self.scale.values(drive.values)
+        self.further = {"candidate.noise_x": 0.0}
+        if force_limit is not None:
+            limits = ("candidate.u_max", "controller.u_max")
+            self.further |= dict.fromkeys(limits, self.scale.force * force_limit)
+        law = friction_law(drive.law)
+        friction = {k: value for k, value in self.values.items() if k in law.parameters}
+        self.free = {**self.values, **law.share(friction, NEGLIGIBLE)}
+        held = self.recording.known_force
+        self.held: Array | float = 0.0 if held is None else held
+
+    def runs(
+        self, fmus: Path, variants: Mapping[str, tuple[Mapping[str, float], Array | float]]
+    ) -> dict[str, SimulatedMotion]:
+        """Return the motion by variant, each with values of the drive and a force that is added."""
+        signals = ("candidate.x", "candidate.v", "candidate.x_enc")
+        with KnownLoop(fmus, self.recording, self.gains, encoder=True) as loop:
+            runs = {name: loop.bounded(of, self.further, f) for name, (of, f) in variants.items()}
+        return {
+            name: SimulatedMotion(*(run[signal] / self.scale.length for signal in signals))
+            for name, run in runs.items()
+        }
 
 
 def feedforward(recording: Recording, drive: LearnedDrive) -> Array:

@@ -47,7 +47,7 @@ def _logs(path: Path, description: Description) -> Iterator[Log]:
             yield from _of_table(table, description)
             return
         known = {*TEXT, *SUFFIXES}
-        found = sorted(one for one in path.iterdir() if one.suffix.lower() in known)
+        found = sorted(one for one in path.iterdir() if _kind(one) in known)
         if not found:
             expected = ", ".join(sorted(known))
             raise UsageError(f"{path}: no log in this folder; expected files of {expected}")
@@ -56,6 +56,11 @@ def _logs(path: Path, description: Description) -> Iterator[Log]:
         yield from _of_table(path, description)
     else:
         yield Log(path, description)
+
+
+def _kind(path: Path) -> str:
+    """Return the suffix of a log, without that of its compression."""
+    return Path(path.name.lower().removesuffix(".gz")).suffix
 
 
 def _is_table(path: Path) -> bool:

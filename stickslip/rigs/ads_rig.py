@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import RigError, UsageError
+from stickslip.fmi.messages import installing
 from stickslip.rigs.contract import Command, Log
 from stickslip.rigs.limits import RigLimits, Watch
 from stickslip.rigs.remote import Refusal, RemoteRig
@@ -79,7 +80,7 @@ class AdsRig(RemoteRig):
         try:
             import pyads
         except ImportError:
-            raise UsageError("AdsRig needs pyads; run: pip install 'stickslip[ads]'") from None
+            raise UsageError(f"AdsRig needs pyads; run: {installing('ads')}") from None
         if not re.fullmatch(r"\d{1,3}(\.\d{1,3}){5}", net_id, re.ASCII):
             raise UsageError(f"rig {net_id!r}: expected an AMS net id of six numbers, a.b.c.d.e.f")
         self._ads, self._symbol = pyads, symbol

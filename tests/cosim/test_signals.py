@@ -168,7 +168,7 @@ def test_integers_and_truths_are_numbers(tmp_path):
 
 def test_without_pyarrow_the_message_says_how_to_get_it(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(cosim.SignalError, match=r"pip install 'stickslip\[parquet\]'"):
+    with pytest.raises(cosim.SignalError, match=r"pip install '.*\[parquet\]'"):
         cosim.read_tables(tmp_path / "in.parquet")
 
 

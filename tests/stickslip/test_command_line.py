@@ -5,6 +5,7 @@ import io
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 import zipfile
@@ -15,11 +16,12 @@ import pandas as pd
 import pytest
 
 import stickslip as ss
-from stickslip import cosim, models
+from stickslip import cli, cosim, models
 from stickslip.cli import COMMANDS, main
 from stickslip.commandline.assignments import coarse_factors
 from stickslip.commands.simulate import add_isolation, isolation_of
 from stickslip.errors import UsageError
+from stickslip.fmi.messages import installing
 from stickslip.fmi.toolchain import PLATFORMS
 from tests.stickslip.logs.rigid_drive import rigid_drive
 
@@ -127,6 +129,42 @@ def test_what_is_mistyped_gets_a_suggestion(arguments, says, capsys):
     line = usage(capsys, *arguments.split())
     assert says in line
     assert "--help'" in line
+
+
+def test_without_words_the_help_is_shown(capsys):
+    assert run() == 0
+    assert capsys.readouterr().out.startswith("usage: stickslip")
+
+
+def test_a_missing_file_gets_the_name_of_one_that_is_there(tmp_path, capsys):
+    (tmp_path / "axis.csv").write_text("")
+    line = failure(capsys, "learn", tmp_path / "axis.cvs")
+    assert line.endswith(f"No such file or directory; did you mean '{tmp_path / 'axis.csv'}'?")
+    assert failure(capsys, "learn", tmp_path / "log.csv").endswith("No such file or directory")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_examples_of_a_help_are_words_that_the_command_takes(command, capsys):
+    with pytest.raises(SystemExit, match="0"):
+        run(command, "--help")
+    _, _, end = capsys.readouterr().out.partition("examples:\n")
+    examples = re.findall(r"^ +stickslip (.+)$", end, re.MULTILINE)
+    assert examples
+    for words in map(shlex.split, examples):
+        assert words[0] == command
+        cli._parser(words).parse_args(words)
+
+
+def test_rare_options_of_learn_are_listed_on_request_in_groups_of_five(capsys):
+    shown = []
+    for option in ("--help", "--help-all"):
+        with pytest.raises(SystemExit, match="0"):
+            run("learn", option)
+        shown.append(capsys.readouterr().out)
+    assert "--checkpoint" not in shown[0]
+    assert "--checkpoint" in shown[1]
+    groups = re.split(r"^\S.*:$", shown[1], flags=re.MULTILINE)
+    assert all(len(re.findall(r"^  --\w", group, re.MULTILINE)) <= 5 for group in groups)
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -391,7 +429,7 @@ def test_a_library_that_is_missing_is_named_before_the_run(tmp_path, capsys, mon
     monkeypatch.setattr("stickslip.commands.simulate.find_spec", lambda _: None)
     for out, extra in (("a.xlsx", "excel"), ("a.parquet", "parquet")):
         line = failure(capsys, "simulate", tmp_path / "none.fmu", "--out", tmp_path / out)
-        assert f"pip install 'stickslip[{extra}]'" in line
+        assert installing(extra) in line
 
 
 def test_build_makes_both_versions_of_all_models(tmp_path, capsys):

@@ -11,6 +11,9 @@ a file of the format begins; ``CONTAINS``, what it also has somewhere, if others
   can crash. It raises ValueError.
 """
 
+import gzip
+import io
+import zlib
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -19,12 +22,14 @@ from types import ModuleType
 from stickslip.errors import RecordingError
 from stickslip.fmi.additions import modules_of
 from stickslip.fmi.files import read_limited
+from stickslip.fmi.messages import installing
 from stickslip.logs.recording import Finding
 from stickslip.logs.signals import read_isolated, table_of
 from stickslip.logs.table import LogTable
-from stickslip.logs.text import is_text, read_text
+from stickslip.logs.text import MOST_BYTES, is_text, read_text
 
 MOST = 1 << 30  # bytes of a log; of one as text see ``text``
+_GZIP, _PART = b"\x1f\x8b", 1 << 20  # begin of a compressed file; bytes decompressed at a time
 _FOREIGN = {
     b"PK\x03\x04": "an archive",
     b"\xd0\xcf\x11\xe0": "a workbook of Excel 97; save it as .xlsx",
@@ -44,6 +49,8 @@ def read_table(path: Path, delimiter: str | None = None, decimal: str | None = N
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read ({error.strerror})") from None
     name, suffix = str(path), path.suffix.lower()
+    if data.startswith(_GZIP):
+        data, suffix = _decompressed(name, data), Path(path.stem).suffix.lower()
     if not data:
         raise RecordingError(f"{name}: empty; expected columns of numbers")
     begun = (each for each in _FORMATS if data.startswith(each.BEGINS))
@@ -64,6 +71,22 @@ def read_table(path: Path, delimiter: str | None = None, decimal: str | None = N
     return read_text(name, data, delimiter, decimal)
 
 
+def _decompressed(name: str, data: bytes) -> bytes:
+    """Return what a file of gzip holds, of which no more is taken than of a log as text."""
+    parts, left = [], MOST_BYTES
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
+            while part := file.read(_PART):
+                parts.append(part)
+                left -= len(part)
+                if left < 0:
+                    what = f"more than {MOST_BYTES} bytes when decompressed"
+                    raise RecordingError(f"{name}: {what}; log fewer samples or columns")
+    except (EOFError, OSError, zlib.error) as error:
+        raise RecordingError(f"{name}: not a gzip file, or damaged ({error})") from None
+    return b"".join(parts)
+
+
 def _read(
     module: ModuleType, path: str, data: bytes, delimiter: str | None, decimal: str | None
 ) -> LogTable:
@@ -71,7 +94,7 @@ def _read(
     library, extra = getattr(module, "NEEDS", ("numpy", ""))
     if find_spec(library) is None:
         needed = f"reading {module.TITLE} needs {library}"
-        raise RecordingError(f"{path}: {needed}; pip install 'stickslip[{extra}]'")
+        raise RecordingError(f"{path}: {needed}; {installing(extra)}")
     if not hasattr(module, "signals"):
         found = read_isolated(path, data, str(module.__file__), module.TITLE)
     else:

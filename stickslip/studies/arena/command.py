@@ -1,4 +1,8 @@
-"""``stickslip arena``: compare all compensators on drives of all friction laws."""
+"""``stickslip arena``: compare all compensators on drives of all friction laws.
+
+stickslip arena --seeds 1 --out arena
+stickslip arena --drive axis/learned.json --compensators static ekbf --out arena
+"""
 
 from __future__ import annotations
 

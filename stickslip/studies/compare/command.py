@@ -1,4 +1,8 @@
-"""``stickslip compare``: results side by side, parameters and tracking errors."""
+"""``stickslip compare``: results side by side, parameters and tracking errors.
+
+stickslip compare axis-1 axis-2
+stickslip compare axis-1 axis-2 --out compared
+"""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,7 @@
-"""``stickslip fleet``: learn many drives at once, from a table of logs or drive variants."""
+"""``stickslip fleet``: learn many drives at once, from a table of logs or drive variants.
+
+stickslip fleet logs.csv --out fleet
+"""
 
 from __future__ import annotations
 

@@ -1,9 +1,16 @@
-"""``stickslip learn``: learn a drive's parameters from one log, with confidence intervals."""
+"""``stickslip learn``: learn a drive from a log, and write the compensator that does best.
+
+stickslip learn axis.csv --out axis
+stickslip learn axis.csv --check
+stickslip learn axis.csv --controller PI --gain K_p=4200 K_i=1.5e5 T_s=5e-4 --out axis
+"""
 
 from __future__ import annotations
 
 import argparse
 import math
+import shutil
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +21,7 @@ from stickslip.commandline import (
     SEVERAL,
     add_old_spelling,
     add_options,
+    add_rare_group,
     at_least,
     complete_with,
     positive,
@@ -23,6 +31,7 @@ from stickslip.commandline.assignments import add_law_option
 from stickslip.commandline.execution import (
     add_algorithm_option,
     add_execution_options,
+    add_seed_option,
     execution_of,
 )
 from stickslip.commandline.log_options import (
@@ -46,6 +55,7 @@ if TYPE_CHECKING:
     from stickslip.studies.learn.folder import Written
     from stickslip.studies.learn.learned import LearnedFromRecording
     from stickslip.studies.learn.predicted_logs import PredictedLog
+    from stickslip.studies.learn.verdict import Verdict
 
 
 CRITERIA: dict[str, CriterionName] = {
@@ -65,34 +75,38 @@ FIGURES = {
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_log_argument(parser, several=True)
-    add_rig_option(parser, "instead of a log: the drive of this file runs one experiment")
     add_options(parser, {"--out DIR": "folder for results and report"}, type=Path)
     held_out = {"--validate LOG": "logs whose force is predicted, but not learned from"}
     add_options(parser, held_out, type=Path, **SEVERAL)
-    criterion = parser.add_argument(
+    add_options(parser, {"--check": "only check the log"}, **FLAG)
+    add_rig_option(parser, "instead of a log: the drive of this file runs one experiment")
+    _declare_compensator(parser.add_argument_group("the compensator"))
+    fixed = "the gains of the controller may not change: no others are tried"
+    add_options(add_log_options(parser), {"--fixed-gains": fixed}, **FLAG)
+
+    search = add_rare_group(parser, "the search")
+    criterion = search.add_argument(
         "--criterion",
         choices=sorted(CRITERIA),
         default="auto",
         help="loop: output error of the simulated closed loop; inverse: force predicted from the "
         "motion; auto: the one that the log allows",
     )
-    add_old_spelling(parser, "--judge", criterion)
+    add_old_spelling(search, "--judge", criterion)
     seeds = {"--seeds N": "number of searches, each with its own seed"}
-    add_options(parser, seeds, type=at_least(1), default=1)
-    flags = {
-        "--check": "only check the log",
-        "--force": "write the whole force of the compensator even if it is not recommended",
-        "--fixed-gains": "the gains of the controller may not change: no others are tried",
-    }
-    add_options(parser, flags, **FLAG)
-    add_algorithm_option(parser)
-    add_execution_options(parser)
-    add_live_option(parser)
-    add_log_options(parser)
+    add_options(search, seeds, type=at_least(1), default=1)
+    add_seed_option(search)
+    add_algorithm_option(search)
+    add_live_option(search)
+    add_execution_options(add_rare_group(parser, "where the search runs"))
+    parser.set_defaults(run=run)
+
+
+def _declare_compensator(group: argparse._ArgumentGroup) -> None:
     add_law_option(
-        parser, "auto", more="; auto: the one that predicts the force best where it is not fitted"
+        group, "auto", more="; auto: the one that predicts the force best where it is not fitted"
     )
-    named = parser.add_argument(
+    named = group.add_argument(
         "--compensator",
         default="auto",
         metavar="NAME",
@@ -100,7 +114,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "such as ekbf or amin, both as in static+ekbf, or auto for the best of them on the drives "
         "that the log supports",
     )
-    parser.add_argument(
+    complete_with(named, lambda: ["auto", *part_names()])
+    group.add_argument(
         "--friction-range",
         nargs=2,
         type=positive,
@@ -109,10 +124,10 @@ def declare(parser: argparse.ArgumentParser) -> None:
         help="friction that the drive may come to have, over that in the log; there, too, a "
         f"compensator must not be worse than none (default: {harm.FALLS:g} {harm.GROWS:g})",
     )
-    complete_with(named, lambda: ["auto", *part_names()])
     absent = {"--without SIGNAL": "signals that the controller cannot give a compensator"}
-    add_options(parser, absent, choices=("encoder", "motor_force"), **SEVERAL)
-    parser.set_defaults(run=run)
+    add_options(group, absent, choices=("encoder", "motor_force"), **SEVERAL)
+    force = "write the whole force of the compensator even if it is not recommended"
+    add_options(group, {"--force": force}, **FLAG)
 
 
 def run(options: argparse.Namespace) -> Answer:
@@ -132,8 +147,8 @@ def run(options: argparse.Namespace) -> Answer:
         refused: list[RecordingError] = []
         logs = logs_of(options.log, description)
         for log, one in zip(logs, check_logs(logs, alone=True), strict=True):
-            if len(options.log) > 1 or log.path not in options.log:
-                print(f"{log.path}:")
+            refuses = isinstance(one, Refused)
+            print(f"{log.path}: {_headline(one.findings, refused=refuses)}")
             TerminalProgress().findings(one.findings)
             every += one.findings
             if isinstance(one, Refused):
@@ -151,15 +166,26 @@ def run(options: argparse.Namespace) -> Answer:
         return Answer(_learn(options, description))
 
 
+def _headline(findings: Sequence[Finding], *, refused: bool) -> str:
+    """Return whether a log can be learned from."""
+    errors, warnings = (
+        sum(one.severity == severity for one in findings) for severity in ("error", "warning")
+    )
+    if errors or refused:
+        return f"cannot be learned from; errors: {errors or 1}, warnings: {warnings}"
+    return f"can be learned from; warnings: {warnings or 'none'}"
+
+
 def _learn(options: argparse.Namespace, description: Description) -> dict[str, Any]:
     from stickslip.identification.estimation import Search
     from stickslip.studies.learn.document import log_document
     from stickslip.studies.learn.folder import write_learned
     from stickslip.studies.learn.log_learning import learn
+    from stickslip.studies.learn.verdict import verdict_of
 
     checkpoint = options.out and options.out / "learning.checkpoint.json"
     with (
-        TerminalProgress(live=options.live) as progress,
+        TerminalProgress(live=options.live, findings=options.verbose) as progress,
         execution_of(options, checkpoint) as execution,
         rig_of(options.rig, options.out, options.law) as (rig, limits),
     ):
@@ -179,23 +205,29 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             limits=limits,
             fixed_gains=options.fixed_gains or options.force,
         )
+        written = None
+        if options.out:
+            progress.stage("writing the results")
+            written = write_learned(learned, options.out, force=options.force)
+    _print_verdict(written.verdict if written else verdict_of(learned), options.out)
+    if options.verbose:
         print_estimation(learned.estimation, learned.predicted)
         _print_trial(learned)
         for warning in learned.warnings:
             warn(warning)
-        if options.out:
-            progress.stage("writing the results")
-            written = write_learned(learned, options.out, force=options.force)
-            _print_written(written, options.out)
-            if tried := learned.other_gains:
-                file = options.out / "learned.json"
-                print(f"{tried.sentence}; 'stickslip tune {file}' searches further")
-            return written.document() | {"folder": options.out}
+        if written:
+            _print_written(written)
         if learned.other_gains:
             print(learned.other_gains.sentence)
-        if learned.refusal:
-            warn(f"the compensator is not recommended: {learned.refusal}")
-    return log_document(learned) | {"folder": None}
+    return (written.document() if written else log_document(learned)) | {"folder": options.out}
+
+
+def _print_verdict(verdict: Verdict, folder: Path | None) -> None:
+    """Print the verdict, in lines as long as those of a terminal."""
+    from stickslip.studies.learn.verdict import lines
+
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+    print(*lines(verdict, folder, width), sep="\n")
 
 
 def _print_trial(learned: LearnedFromRecording) -> None:
@@ -223,9 +255,9 @@ def _print_trial(learned: LearnedFromRecording) -> None:
         )
 
 
-def _print_written(written: Written, folder: Path) -> None:
+def _print_written(written: Written) -> None:
     """Print which FMUs are in the folder, and why others are not."""
-    from stickslip.studies.learn.folder import COMPENSATOR
+    from stickslip.studies.learn.verdict import COMPENSATOR
 
     learned, files = written.learned, written.files
     told, *refused = written.sentences
@@ -238,7 +270,6 @@ def _print_written(written: Written, folder: Path) -> None:
             part = "the whole learned force, as --force asks for"
         print(f"{COMPENSATOR} has {part}; {benefit.reason}")
     print(told)
-    print(f"all results are in {folder}; open report.html first")
 
 
 def print_estimation(estimation: Estimation, predicted: Sequence[PredictedLog] = ()) -> None:

@@ -23,6 +23,7 @@ from stickslip.storage.codec import encode, state
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.learned import LearnedFromRecording
 from stickslip.trial.candidates import Row
+from stickslip.trial.guards import Benefit
 
 
 def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
@@ -49,6 +50,8 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         "seed": learned.seed,
         "spread_over_searches": estimation.spread(),
     }
+    if learned.hashes:
+        document["sha256"] = dict(learned.hashes)
     if learned.predicted:
         document["predicted_logs"] = tables.predicted_logs(
             learned.predicted, rotary=rotary
@@ -102,7 +105,7 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
     if tried := learned.other_gains:
         document["other_gains"] = encode(tried) | {"sentence": tried.sentence}
     document |= {
-        "share": {"value": of_law.share, "unit": "1"},
+        "share": _share_entry(of_law),
         "compensator": state(of_law.variant.feedforward, start_unit, of_drive),
         "compensation": learned.choice,
         "compared": {
@@ -115,8 +118,8 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
         document["predicted_error"] = tables.predicted(chosen.benefit).records()
     one = learned.feedforward
     if (one.model, one.law) != trial.benefit.variant.feedforward_kind:
-        share = {"share": {"value": benefit.share, "unit": "1"}}
-        document["feedforward"] = component_entry(one, rotary=rotary) | share
+        entry = component_entry(one, rotary=rotary)
+        document["feedforward"] = entry | {"share": _share_entry(benefit)}
     return document | {
         "observer": _observer_entry(learned, chosen, rotary=rotary),
         "validation": validation_document(trial.command, rotary=rotary),
@@ -124,6 +127,12 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
         "family": encode(trial.drives, of_drive),
         "tracking_error": plain(trial.table()),
     }
+
+
+def _share_entry(benefit: Benefit) -> dict[str, Any]:
+    """Return the share of the whole force, and why it is not the whole."""
+    reason = {"reason": benefit.reason} if benefit.share < 1.0 else {}
+    return {"value": benefit.share, "unit": "1", **reason}
 
 
 def _observer_entry(learned: LearnedFromRecording, chosen: Row, *, rotary: bool) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from stickslip.learned import writing
 from stickslip.presentation.page import Section, picture_files
 from stickslip.servo.systems import Compensator, deployed
 from stickslip.storage import staged
+from stickslip.storage.codec import encode
 from stickslip.storage.writing import write_json, write_tables
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.document import log_document
@@ -18,13 +19,22 @@ from stickslip.studies.learn.page import FILES as REPORT
 from stickslip.studies.learn.page import compensation, write_estimation_report
 from stickslip.studies.learn.page.tracking import FIGURE as TRACKING
 from stickslip.studies.learn.page.tracking import tracking_section
-from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
+from stickslip.studies.learn.verdict import (
+    COMPENSATOR,
+    ERROR,
+    OBSERVER_FMU,
+    POSITION_FMU,
+    Verdict,
+    file_names,
+    refusals,
+    verdict_of,
+    verdict_section,
+)
 
-COMPENSATOR, OBSERVER_FMU = "compensator.fmu", "observer.fmu"
-POSITION_FMU = "position_force.fmu"
 FMUS = (COMPENSATOR, OBSERVER_FMU, POSITION_FMU)
 TABLE = "tracking_error.csv"  # Errors on the family of simulated drives
-FILES = ("learned.json", *FMUS, TABLE, *picture_files([TRACKING]), *REPORT)
+PICTURES = (ERROR, TRACKING)  # of the page's opening
+FILES = ("learned.json", *FMUS, TABLE, *picture_files(PICTURES), *REPORT)
 """What ``write_learned`` writes or removes."""
 
 
@@ -41,13 +51,21 @@ class Written:
         one = self.learned
         found = log_document(one.with_whole_force() if self.forced else one)
         entry = {"files": list(self.files), "forced": self.forced}
-        return found | {"refusal": one.refusal, "written": entry}
+        return found | {
+            "refusal": one.refusal,
+            "written": entry,
+            "verdict": encode(self.verdict),
+        }
+
+    @property
+    def verdict(self) -> Verdict:
+        """What is to be known first."""
+        return verdict_of(self.learned, self.files, force=self.forced)
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """What is written and why, or refused, a line each."""
         one = self.learned
-        could = (*file_names(one.writes(force=True)), POSITION_FMU)
         parts = one.writes(force=self.forced)
         found = [f"written: {parts or 'no compensation'}"]
         if one.trial:
@@ -56,21 +74,7 @@ class Written:
                 f" ({compared.chosen.name}): " if parts and compared.chosen.benefit else ": "
             )
             found[0] += compared.sentence
-        refusals = {OBSERVER_FMU: one.observer_refusal} if one.choice in (OBSERVER, BOTH) else {}
-        refusals |= {COMPENSATOR: one.refusal} if one.choice != OBSERVER else {}
-        refusals |= {POSITION_FMU: one.doubt} if one.position_force else {}
-        for name, why in refusals.items():
-            how = "" if self.forced or name not in could else " (--force writes it)"
-            fate = "written, as --force asks for" if name in self.files else "not written"
-            if why:
-                found.append(f"{name} is {fate}: {why}{how}")
-        return tuple(found)
-
-
-def file_names(choice: Choice) -> tuple[str, ...]:
-    """Return the names of the FMUs of a choice."""
-    parts = {COMPENSATOR: (FEEDFORWARD, BOTH), OBSERVER_FMU: (OBSERVER, BOTH)}
-    return tuple(name for name, choices in parts.items() if choice in choices)
+        return (*found, *refusals(one, self.files, force=self.forced))
 
 
 def write_learned(
@@ -87,7 +91,7 @@ def write_learned(
     command = {"name": "learn", "log": learned.estimation.recording.source, "seed": learned.seed}
     shown = learned.with_whole_force() if force else learned
     names = file_names(learned.writes(force=force))
-    with staged(folder, command, without=[*FMUS, TABLE, *picture_files([TRACKING])]) as staging:
+    with staged(folder, command, without=[*FMUS, TABLE, *picture_files(PICTURES)]) as staging:
         if shown.trial:
             write_tables({TABLE.removesuffix(".csv"): shown.trial.table()}, staging)
         if learned.observer and OBSERVER_FMU in names:
@@ -103,12 +107,9 @@ def write_learned(
         files = tuple(name for name in FMUS if (staging / name).exists())
         written = Written(learned, files, force)
         write_json(written.document(), staging / "learned.json")
-        told, *refused = written.sentences
-        gains = [shown.other_gains.sentence] if shown.other_gains else []
-        lines = [line[:1].upper() + line[1:] for line in (told, *gains)] + refused
-        opening = [Section("", "<p>{{ text }}.</p>", text=line) for line in lines]
+        motion = shown.estimation.recording.motion
+        opening = [verdict_section(written.verdict, motion)]
         if shown.tracking and shown.trial:
-            motion = shown.estimation.recording.motion
             opening.append(tracking_section(shown.tracking, motion, shown.run))
         tried = [compensation(shown.trial.compared)] if shown.trial and shown.benefit else []
         write_estimation_report(  # last: its page names the files beside it

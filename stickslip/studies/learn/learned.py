@@ -8,7 +8,7 @@ What a log gives is then tried in simulation; a reproduction validates it on the
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import pandas as pd
 
@@ -86,6 +86,7 @@ class LearnedFromRecording(Learned):
     asked: str = AUTO  # the compensator to be written, see ``candidates``
     other_gains: OtherGains | None = None  # of the controller, with what is written
     predicted: tuple[PredictedLog, ...] = ()  # logs that were not learned from
+    hashes: Mapping[str, str] = field(default_factory=dict)  # SHA-256 of the logs, by file name
 
     def table(self) -> pd.DataFrame:
         """Return a row for each parameter in SI units, with its 95 % interval."""

@@ -19,9 +19,12 @@ from stickslip.evaluation.tracking import (
     TrackingError,
     commanded_position,
     commanded_velocity,
+    feedforward,
     measured_errors,
+    remedied,
     simulate,
 )
+from stickslip.fmi.files import digest
 from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.known_loop import is_running
 from stickslip.identification.criteria.motion import against_motion, recording_scale
@@ -49,7 +52,7 @@ from stickslip.logs.sets import Log, logs_of
 from stickslip.loops.drive_loop import DriveLoop
 from stickslip.loops.family_cost import FamilyCost
 from stickslip.loops.other_gains import try_other_gains
-from stickslip.output import SILENT, Progress
+from stickslip.output import SILENT, Progress, counted_steps
 from stickslip.rigs.contract import Rig
 from stickslip.servo.axis import ControlError
 from stickslip.servo.observer import masses_between
@@ -176,6 +179,7 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
     try:
         with candidate_fmus(drive.law) as fmus:
             runs = simulate(fmus, recording, gains, drive, force_limit=reading.force_limit)
+            better = remedied(fmus, recording, gains, drive, force_limit=reading.force_limit)
     except cosim.SimulationError as fault:
         what = learned.implausible or f"in the loop of {name}: {fault}"
         return replace(learned, implausible=what)
@@ -196,6 +200,9 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
         command=command,
         known=known,
         measured=measured,
+        remedies={name: run.error(v_cmd, x_cmd, used) for name, run in better.items()},
+        by_position=any(gains.get(name) for name in ("K_x", "P_x", "I_x")),
+        force=float(np.max(np.abs(feedforward(recording, drive)))),
     )
     return replace(learned, tracking=tracking)
 
@@ -246,6 +253,7 @@ def learn(
     # Threads of linear algebra would wait for those of other work on the same cores.
     with threadpool_limits(limits=1, user_api="blas"):
         others: list[Log] = []
+        hashes: dict[str, str] = {}
         left_out: tuple[Finding, ...] = ()
         if isinstance(source, Rig):
             progress.stage("recording the drive")
@@ -259,6 +267,7 @@ def learn(
             progress.stage("reading the log")
             logs = _logs(source, description or Description())
             checked, left_out = _read_all([log for log in logs if not log.validates])
+            hashes = {log.path.name: digest(log.path) for log in logs if not log.validates}
             others = [log for log in logs if log.validates]
             others += _logs(validate, description or Description())
         recording = joined(checked)
@@ -275,10 +284,13 @@ def learn(
         )
         held_out = [_held_out(log, learned.estimation.position_force) for log in others]
         predicted = predicted_logs(learned.estimation, held_out, chosen.workers)
-        learned = replace(learned, predicted=tuple(predicted))
-        progress.stage("trying the compensator")
-        tried = with_trial(replace(reading, recording=recording), learned, chosen)
-        learned = with_other_gains(tried, chosen)
+        learned = replace(learned, predicted=tuple(predicted), hashes=hashes)
+        progress.stage("trying compensators")
+        with counted_steps():
+            tried = with_trial(replace(reading, recording=recording), learned, chosen)
+        progress.stage("trying other gains of the controller")
+        with counted_steps():
+            learned = with_other_gains(tried, chosen)
         return with_tracking(reading, learned)
 
 

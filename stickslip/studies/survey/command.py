@@ -1,4 +1,8 @@
-"""``stickslip survey``: run every FMU and system below a folder, and compare with FMPy."""
+"""``stickslip survey``: run every FMU and system below a folder, and compare with FMPy.
+
+stickslip survey fmus
+stickslip survey fmus --with fmpy --out surveyed
+"""
 
 import argparse
 import csv

@@ -1,4 +1,8 @@
-"""``stickslip tune``: search the gains and compensators of a drive, or parameters of a system."""
+"""``stickslip tune``: search the gains and compensators of a drive, or parameters of a system.
+
+stickslip tune axis/learned.json --out tuned
+stickslip tune loop.ssp --set-range controller.K_p=1e3:1e4 --cost cost.toml --out tuned
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,9 @@
 
 With ``--log`` nothing is simulated but the log's own loop. Without it the parameters compensate the
 drive FMU, as in Table 4 of the paper, and the components of learned.json stand behind.
+
+    stickslip validate axis/learned.json --log other.csv
+    stickslip validate axis/learned.json --log with.csv --without plain.csv --out validated
 """
 
 from __future__ import annotations

@@ -105,7 +105,7 @@ def test_the_law_is_chosen_by_what_it_predicts(tmp_path, capsys):
     command = plan()["velocity_command"].to_numpy()[:16_000]
     log = write_log(tmp_path / "log.csv", run("gms", command, uneven=0.0))
     how = ["--criterion", "inverse", "--out", str(tmp_path / "out")]
-    assert main(["learn", str(log), "--law", "auto", *how]) == 0
+    assert main(["learn", str(log), "--law", "auto", "-v", *how]) == 0
     printed = capsys.readouterr().out
     assert "law: GMS predicts" in printed
     learned = json.loads((tmp_path / "out" / "learned.json").read_text())

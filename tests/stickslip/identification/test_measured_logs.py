@@ -6,11 +6,13 @@ from pathlib import Path
 import pytest
 
 from stickslip import cosim
+from stickslip.evaluation.tracking import VELOCITY
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import load_description
 from stickslip.studies.learn.command import print_estimation
 from stickslip.studies.learn.folder import write_learned
 from stickslip.studies.learn.log_learning import learn
+from stickslip.studies.learn.verdict import verdict_of
 from stickslip.trial.candidates import CompensatorComparison, Row
 
 pytestmark = pytest.mark.slow
@@ -67,6 +69,16 @@ def test_emps_shows_no_presliding_and_says_so(emps, capsys):
     said = capsys.readouterr().out
     assert said.count("not identifiable in this experiment") == 4
     assert "stickslip plan --show sigma_0" in said
+
+
+def test_the_error_of_emps_is_that_of_its_loop_and_velocity_feedforward_removes_it(emps):
+    """A position loop without velocity feedforward lags by v / K_x, 0.8 mm at 0.128 m/s."""
+    verdict = verdict_of(emps)
+    assert "friction is not the problem: 98 % of the position error" in verdict.headline
+    assert not verdict.files
+    assert verdict.loop.measured == pytest.approx(verdict.loop.without, rel=0.01)
+    assert verdict.loop.remedy == VELOCITY
+    assert verdict.loop.remedied < 0.1 * verdict.loop.frictionless
 
 
 @pytest.mark.usefixtures("without_pictures")

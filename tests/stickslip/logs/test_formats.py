@@ -1,5 +1,6 @@
 """Logs in the formats of other tools: each file is made by that format's own library."""
 
+import gzip
 import importlib.util
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import scipy.io
 
 from stickslip.cli import main
 from stickslip.errors import RecordingError
+from stickslip.fmi.messages import installing
 from stickslip.logs import read_recording, reader_process
 from stickslip.logs.formats import read_table
 from tests.stickslip.logs import format_writers as writers
@@ -58,6 +60,24 @@ def written(request, table, tmp_path):
     return tmp_path / name
 
 
+def test_a_compressed_log_is_the_same_log_and_no_more_is_decompressed_than_is_read_as_text(
+    table, tmp_path, monkeypatch
+):
+    text = table.to_csv(index=False).encode()
+    (tmp_path / "log.csv").write_bytes(text)
+    packed = tmp_path / "log.csv.gz"
+    packed.write_bytes(gzip.compress(text))
+    plain, same = (read_table(tmp_path / name) for name in ("log.csv", "log.csv.gz"))
+    for name, column in plain.numbers.items():
+        np.testing.assert_array_equal(same.numbers[name], column)
+    monkeypatch.setattr("stickslip.logs.formats.MOST_BYTES", len(text) - 1)
+    with pytest.raises(RecordingError, match="when decompressed; log fewer"):
+        read_table(packed)
+    packed.write_bytes(gzip.compress(text)[:-9])
+    with pytest.raises(RecordingError, match="not a gzip file, or damaged"):
+        read_table(packed)
+
+
 def test_what_a_library_writes_reads_back_equal(written, table):
     reading = read_recording(written)
     np.testing.assert_allclose(reading.recording.t, table["time"], rtol=1e-9, atol=1e-9)
@@ -76,7 +96,7 @@ def test_a_missing_library_is_named_with_its_extra(name, table, tmp_path, monkey
     monkeypatch.setitem(sys.modules, library, None)
     assert main(["learn", "--log", str(path), "--check"]) == 1
     error = capsys.readouterr().err
-    assert f"needs {library}; pip install 'stickslip[{extra}]'" in error
+    assert f"needs {library}; {installing(extra)}" in error
     assert error.count("\n") == 1
 
 

@@ -1,4 +1,7 @@
-"""``stickslip identify``: identify the parameters of the drive FMU."""
+"""``stickslip identify``: identify the parameters of the drive FMU.
+
+stickslip identify --out identified
+"""
 
 import argparse
 import json

@@ -1,4 +1,8 @@
-"""``stickslip reproduce``: reproduce the paper: identify, learn, validate, report."""
+"""``stickslip reproduce``: reproduce the paper: identify, learn, validate, report.
+
+stickslip reproduce --out results/paper
+stickslip reproduce --mode record --law dahl --out results/dahl
+"""
 
 from __future__ import annotations
 
@@ -20,6 +24,7 @@ from stickslip.commandline.assignments import (
 from stickslip.commandline.execution import (
     add_algorithm_option,
     add_execution_options,
+    add_seed_option,
     execution_of,
 )
 from stickslip.commandline.progress import TerminalProgress
@@ -64,6 +69,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "candidates of our genetic algorithm, and that for a recording",
     )
     add_execution_options(parser)
+    add_seed_option(parser)
     add_source_option(parser)
     add_set_option(parser)
     add_law_option(parser)

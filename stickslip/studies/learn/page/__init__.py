@@ -138,8 +138,8 @@ def sections(
     )
     tried = bool(estimation.held_out.predictions)
     return [
-        section("", "head"),
         *opening,
+        section("", "head"),
         learned,
         *further,
         *([section("Which friction law explains the log", "laws")] if tried else []),

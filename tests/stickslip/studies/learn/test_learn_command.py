@@ -40,7 +40,7 @@ def _short():
 def learned(log, tmp_path_factory):
     """Return a folder of results, its learned.json, and what was printed."""
     out = tmp_path_factory.mktemp("learned") / "out"
-    arguments = ["learn", "--log", str(log), *ARGUMENTS, "--workers", "1", "--out", str(out)]
+    arguments = ["learn", "--log", str(log), *ARGUMENTS, "--workers", "1", "--out", str(out), "-v"]
     with (
         redirect_stdout(io.StringIO()) as said,
         redirect_stderr(io.StringIO()) as warned,
@@ -72,9 +72,9 @@ def test_searching_judging_and_trying_tell_how_far_they_are():
     assert (0, 3) in STEPS  # starts of a fit, which ends when two lead to the same minimum
     assert STEPS[judged : judged + 2] == [(2, 3), (3, 3)]
     tried = STEPS[judged + 2 :]
-    assert tried[0][0] == 0 < tried[0][1]
-    assert tried[-1][0] == tried[-1][1]
-    assert all(b in ((a[0] + 1, a[1]), (0, b[1])) for a, b in pairwise(tried))
+    assert len(tried) > 100
+    assert all(end is None for _, end in tried)  # a count of what was tried, which never falls
+    assert all(b[0] - a[0] in (0, 1) for a, b in pairwise(tried))
 
 
 def test_a_terminal_shows_stages_and_the_remaining_time(monkeypatch):
@@ -193,7 +193,7 @@ def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsy
     monkeypatch.setattr(f"{module}.try_compensator", lambda *_: None)
     monkeypatch.setattr("stickslip.logs.checked.check_units", lambda _: ())
     assert main(arguments) == 0
-    assert "compensator.fmu is not written: error: the mass" in capsys.readouterr().err
+    assert "compensator.fmu is not written: error: the mass" in capsys.readouterr().out
     assert (tmp_path / "learned.json").exists()
     assert not (tmp_path / "compensator.fmu").exists()
     assert main([*arguments, "--confirm", "mass"]) == 0

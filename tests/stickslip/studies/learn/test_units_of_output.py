@@ -67,7 +67,7 @@ def output(request, tmp_path_factory):
         patch.setattr("stickslip.presentation.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
         for command in (
             ["learn", log, "--check"],
-            ["learn", log, "--out", out, "--force"],
+            ["learn", log, "--out", out, "--force", "-v"],
             *(
                 ["export", what, "--parameters", learned, "--as", form, "--force", "--out", folder]
                 for what in ("compensator", "observer")

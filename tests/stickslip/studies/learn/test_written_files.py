@@ -1,5 +1,6 @@
 """What learn says of files is what is in its folder, whatever was refused, forced or asked for."""
 
+import hashlib
 import json
 import re
 import shlex
@@ -11,8 +12,13 @@ from fmpy import read_model_description
 
 from stickslip.cli import main
 from stickslip.identification.estimation import Search
+from stickslip.learned.file import LearnedFile
+from stickslip.learned.provenance import provenance
 from stickslip.logs import Description, Finding
+from stickslip.models.firmware import write_compensator
+from stickslip.presentation.quantity import number
 from stickslip.servo.axis import ControlError
+from stickslip.studies.learn.folder import write_learned
 from stickslip.studies.learn.log_learning import learn
 from stickslip.trial.candidates import Row
 from stickslip.trial.guards import Benefit, Variant
@@ -116,6 +122,7 @@ def test_each_sentence_that_names_a_file_is_true(
     printed, error = capsys.readouterr()
     assert main([*arguments, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
+    shown = learned.with_whole_force() if force else learned
     files = {path.name for path in out.iterdir()}
     assert files & FMUS == written[force]
     page, commands = lines_of((out / "report.html").read_text(encoding="utf-8"))
@@ -126,8 +133,9 @@ def test_each_sentence_that_names_a_file_is_true(
         assert {*one["written"]["files"]} == files & FMUS
         assert one["written"]["forced"] == force
         assert one["refusal"] == learned.refusal
-    for text in (error, page.replace("\u2019", "'")):
+    for text in (printed, page.replace("\u2019", "'")):
         assert not learned.refusal or learned.refusal in text
+    check_verdict(printed, kept["verdict"], files & FMUS, shown)
     if learned.refusal and "compensator.fmu" in files:
         description = read_model_description(out / "compensator.fmu").description
         assert (
@@ -138,6 +146,40 @@ def test_each_sentence_that_names_a_file_is_true(
         words = shlex.split(command)[1:]
         further = ["--out", str(tmp_path)] if words[0] == "export" else []
         assert words[0] == "plan" or main([*words, *further]) == 0
+
+
+def check_verdict(printed, verdict, fmus, learned):
+    """The card is short, names what is written, and its shares are those of the trial."""
+    lines = printed.splitlines()
+    assert len(lines) <= 15
+    assert lines[0] == f"{verdict['source']}: {verdict['headline']}"
+    assert {*verdict["files"]} == fmus
+    assert not lines[0].count("worth compensating") or fmus
+    for one in verdict["errors"]:
+        (own,) = (
+            each
+            for each in learned.trial.compared.chosen.benefit.motions
+            if (each.level, each.rows[0].command) == (1.0, one["motion"])
+        )
+        assert one["left"] == own.median.compensated
+        assert f"{one['motion']} {number(100 * own.median.ratio, 2)} %" in printed
+
+
+def test_exported_code_states_where_its_numbers_come_from(sound, log, tmp_path):
+    write_learned(only(sound, feedforward(sound, 0.6)), tmp_path)
+    document = json.loads((tmp_path / "learned.json").read_text())
+    own = hashlib.sha256(log.read_bytes()).hexdigest()
+    assert document["sha256"] == {log.name: own}
+    learned = LearnedFile(tmp_path / "learned.json")
+    for language, head in (("c", "compensator.h"), ("st", "compensator.st")):
+        notes = provenance(learned, 0.6)
+        write_compensator(tmp_path, language, notes=[*notes, "a */ (* b *) c"])
+        text = (tmp_path / head).read_text()
+        first = text[: text.index("*/" if language == "c" else "*)")]
+        for words in (own, "60 % of the learned friction, because with the whole force", " c\n"):
+            assert words in first
+        for name, one in document["parameters"].items():
+            assert f"{name} = {one['value']:.5g} {one['unit']}" in first
 
 
 def strings(document):
