@@ -15,7 +15,7 @@ from stickslip.fmi.files import atomic_write
 from stickslip.output import Answer
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
-_TEMPLATES = Path(__file__).parents[1] / "templates"
+_TEMPLATES = Path(__file__).parent / "templates"
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -86,9 +86,8 @@ def _format(name: str) -> dict[Path, str]:
 
 
 def _command(name: str) -> dict[Path, str]:
-    from stickslip.cli import COMMANDS  # late: it imports this module
-
-    if name in COMMANDS:
+    root = Path(__file__).parents[1]
+    if [*root.glob(f"studies/{name}"), *root.glob(f"papers/*/commands/{name}.py")]:
         raise UsageError(f"there is a command {name!r}; give the new one another name")
     return {Path(__file__).parent / f"{name}.py": _template("command.py")}
 

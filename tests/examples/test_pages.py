@@ -36,7 +36,7 @@ BLOCK = re.compile(
     r"^(?P<fence>```|~~~)(?P<language>\w*)\n(?P<text>.*?)^(?P=fence)",
     re.S | re.M,
 )
-NOT_RUN = 20
+NOT_RUN = 21
 """Snippets, at most, of some sixty, that need what is not here."""
 
 
@@ -137,8 +137,8 @@ def printed(tutorial, tmp_path_factory):
     return printed
 
 
-LONG = {"docs/fleet", "docs/learning", "docs/rig"}
-"""Pages whose commands learn drives again."""
+LONG = {"docs/arena", "docs/fleet", "docs/learning", "docs/rig"}
+"""Pages whose commands learn further drives, or compare compensators."""
 RUN = [
     str(page.relative_to(ROOT).with_suffix(""))
     for page in PAGES
