@@ -100,14 +100,18 @@ def run(words: list[str], folder: Path, env: dict[str, str]) -> str:
     return printed
 
 
-def copy_clone(folder: Path) -> None:
-    """Copy sources and tests into a folder, in which Python then imports the copy."""
+@pytest.fixture(scope="module")
+def added(tmp_path_factory):
+    """Return a copy of sources and tests, to which docs/adding.md has added one of each kind."""
+    folder = tmp_path_factory.mktemp("clone")
     for name in (*SOURCES, "stickslip", "tests"):
         shutil.copytree(ROOT / name, folder / name)
     shutil.copy(ROOT / "pyproject.toml", folder)
     shutil.copy(ROOT / "LICENSE", folder / "stickslip")
     for name in SOURCES:
         (folder / "stickslip" / name).symlink_to(folder / name)
+    follow(ROOT / "docs/adding.md", folder, PYTHONPATH=str(folder))
+    return folder
 
 
 @pytest.fixture(scope="module")
@@ -127,11 +131,8 @@ def printed(tutorial, tmp_path_factory):
 
     def printed(name: str) -> list[str]:
         if name not in done:
-            folder, found = tmp_path_factory.mktemp("page"), {"TUTORIAL": tutorial[0]}
-            if name == "docs/adding":
-                copy_clone(folder)
-                found["PYTHONPATH"] = str(folder)
-            done[name] = follow(ROOT / f"{name}.md", folder, **found)
+            page = ROOT / f"{name}.md"
+            done[name] = follow(page, tmp_path_factory.mktemp("page"), TUTORIAL=tutorial[0])
         return done[name]
 
     return printed
@@ -142,7 +143,7 @@ LONG = {"docs/arena", "docs/fleet", "docs/learning", "docs/rig"}
 RUN = [
     str(page.relative_to(ROOT).with_suffix(""))
     for page in PAGES
-    if any(not one.not_run for one in snippets(page))
+    if page.stem != "adding" and any(not one.not_run for one in snippets(page))
 ]
 
 
@@ -150,6 +151,34 @@ RUN = [
 @pytest.mark.parametrize("name", [*sorted({*RUN} - LONG), *further(*sorted(LONG))])
 def test_a_page_can_be_followed(printed, name):
     printed(name)
+
+
+@pytest.mark.slow
+def test_an_addition_that_fails_is_left_out_with_one_line(added):
+    """All else works, and what is added runs until then."""
+    broken = {
+        "stickslip/logs/formats/my_format.py": "VALUES = np.zeros(3)",
+        "ga/algorithms/my_search.py": "class Search(Optimiser):\n    pass",
+        "models/laws/my_law/law.toml": "title = ",
+        "models/compensators/my_compensator/model.toml": "[inputs",
+    }
+    for path, text in broken.items():
+        (added / path).write_text(text)
+    (added / "stickslip/commands/my_command.py").write_text('"""``stickslip my_command``: x."""\n!')
+    env = {**os.environ, "PYTHONPATH": str(added)}
+    use = "import stickslip as ss; print(ss.law_names(), ss.ga.ALGORITHMS, ss.models.model_names())"
+    printed = run([sys.executable, "-c", f"{use}; import stickslip.logs.formats"], added, env)
+    lines = [line for line in printed.splitlines() if "is left out" in line]
+    assert sorted(str(Path(line.split(" is left")[0]).name) for line in lines) == sorted(
+        ["my_format.py", "my_search.py", "my_law", "model.toml"]
+    )
+    assert len(printed.splitlines()) == len(lines) + 1
+    assert "lugre" in printed
+    words = [sys.executable, "-m", "stickslip", "my_command"]
+    done = subprocess.run(words, cwd=added, env=env, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr.startswith("stickslip: stickslip.commands.my_command: SyntaxError")
+    assert done.stderr.count("\n") == 1
 
 
 def test_few_snippets_are_not_run():
