@@ -20,7 +20,7 @@ from threadpoolctl import threadpool_limits
 
 HERE = Path(__file__).parent
 FIRST = (
-    *("examples/test_notebooks", "stickslip/papers/lugre/test_results"),
+    *("examples/test_notebooks", "examples/test_pages", "stickslip/papers/lugre/test_results"),
     *("stickslip/tuning/test_loop_learning", "stickslip/identification/test_measured_logs"),
     *("stickslip/tuning/test_refinement", "stickslip/studies/learn/test_learn_command"),
 )
