@@ -1,4 +1,7 @@
-"""``stickslip app``: open the workbench in the browser."""
+"""``stickslip app``: open the workbench in the browser.
+
+stickslip app results
+"""
 
 import argparse
 import webbrowser
