@@ -36,8 +36,8 @@ BLOCK = re.compile(
     r"^(?P<fence>```|~~~)(?P<language>\w*)\n(?P<text>.*?)^(?P=fence)",
     re.S | re.M,
 )
-NOT_RUN = 21
-"""Snippets, at most, of some sixty, that need what is not here."""
+NOT_RUN = 20
+"""At most so many snippets need what is not here."""
 
 
 class Snippet(NamedTuple):
