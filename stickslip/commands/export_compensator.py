@@ -17,7 +17,6 @@ from stickslip.thresholds import offer
 
 if TYPE_CHECKING:
     from stickslip.learned.file import LearnedFile
-    from stickslip.learned.provenance import provenance
     from stickslip.servo.systems import Compensator
     from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -205,6 +204,7 @@ def _peak(loop: VelocityLoop, observer: Compensator, speed: float) -> float:
 def export_position_force(options: argparse.Namespace) -> Answer:
     """Write the block of gravity and cogging with its learned values and print the paths."""
     from stickslip.learned.file import LearnedFile
+    from stickslip.learned.provenance import provenance
 
     learned = LearnedFile(options.parameters)
     block = learned.position_force
