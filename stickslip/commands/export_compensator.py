@@ -59,8 +59,9 @@ def _add(
 ) -> None:
     parser = exports.add_parser(name, help=text)
     add_options(parser, {"--parameters FILE.json": parameters}, type=Path, required=True)
-    form = "an FMU (default), C99 for firmware, or IEC 61131-3 structured text for a PLC"
-    parser.add_argument("--as", dest="form", choices=["fmu", "c", "st"], default="fmu", help=form)
+    form = "an FMU (default), C99 for firmware, or structured text for a PLC, as text or PLCopen XML"
+    forms = ["fmu", "c", "st", "plcopen"]
+    parser.add_argument("--as", dest="form", choices=forms, default="fmu", help=form)
     if force:
         add_options(parser, {"--force": force}, **FLAG)
     add_fmu_options(parser)
