@@ -13,12 +13,12 @@ from stickslip.models.export.description import Model
 from stickslip.models.firmware.c99 import struct_name
 
 ADDED_FORCE = "added_force"  # name of the call
-SIGNALS = {
-    "v_cmd": "[m/s] Velocity command of the controller; 0 where a position loop has none",
-    "x_cmd": "[m] Position command of the controller; 0 where there is no position loop",
-    "a_cmd": "[m/s2] Acceleration command; 0 where no feedforward of inertia is used",
-    "x_enc": "[m] Position of the encoder at the sample",
-    "F_m": "[N] Measured motor force at the sample, with the sign of the commands",
+SIGNALS = {  # -> unit, and what it is
+    "v_cmd": ("m/s", "Velocity command of the controller; 0 where a position loop has none"),
+    "x_cmd": ("m", "Position command of the controller; 0 where there is no position loop"),
+    "a_cmd": ("m/s2", "Acceleration command; 0 where no feedforward of inertia is used"),
+    "x_enc": ("m", "Position of the encoder at the sample"),
+    "F_m": ("N", "Measured motor force at the sample"),
 }
 RESULT = "[N] Force to add to the controller's, for the period that begins"
 _PART = re.compile(r"(\w+)\.([A-Za-z]\w*)")  # BLOCK.OUTPUT
@@ -43,17 +43,17 @@ def _wired(blocks: Sequence[Model]) -> Iterator[tuple[Model, dict[str, str], str
             sources["v_r"] = f"{block.name}.v_r"
 
 
-def used(blocks: Sequence[Model]) -> Mapping[str, str]:
-    """Return the signals that the blocks use, with their units and what they are."""
+def used_signals(blocks: Sequence[Model]) -> Mapping[str, tuple[str, str]]:
+    """Return the signals that the blocks use, with units and what they are."""
     sources = {one for _, given, _ in _wired(blocks) for one in given.values()}
-    return {name: text for name, text in SIGNALS.items() if name in sources}
+    return {name: one for name, one in SIGNALS.items() if name in sources}
 
 
 def combined_c(blocks: Sequence[Model]) -> dict[str, str]:
     """Return ``added_force.c`` and ``.h``, which call the code of the blocks."""
     real, upper, struct = f"{blocks[0].name}_real", ADDED_FORCE.upper(), "AddedForce"
     arguments = "".join(f", {real} {name}" for name in SIGNALS)
-    signals = "\n".join(f" *   {name} {text}" for name, text in SIGNALS.items())
+    signals = "\n".join(f" *   {name} [{unit}] {text}" for name, (unit, text) in SIGNALS.items())
     begin, step, last = [], [], ""
     for block, given, force in _wired(blocks):
         values = [_PART.sub(r"c->\1.outputs.\2", source) for source in given.values()]
@@ -65,7 +65,7 @@ def combined_c(blocks: Sequence[Model]) -> dict[str, str]:
             f"    finite = {block.name}_step({', '.join([target, *h, *values])}) && finite;\n"
         )
     end = f"    c->F = {last};\n"
-    idle = "".join(f"    (void){name};\n" for name in SIGNALS if name not in used(blocks))
+    idle = "".join(f"    (void){name};\n" for name in SIGNALS if name not in used_signals(blocks))
     prototype = {one: f"{one}({struct} *c{arguments})" for one in ("init", "step")}
     header = [
         f"/* {' -> '.join(block.title for block in blocks)}, in one call.\n{signals}\n */",
@@ -105,7 +105,10 @@ def combined_st(blocks: Sequence[Model]) -> str:
         [
             "(* Call it once in each period of the controller. The first call begins at rest. *)",
             f"FUNCTION_BLOCK {ADDED_FORCE.capitalize()}\nVAR_INPUT",
-            *(f"    {name} : LREAL; (* {text} *)" for name, text in SIGNALS.items()),
+            *(
+                f"    {name} : LREAL; (* [{unit}] {text} *)"
+                for name, (unit, text) in SIGNALS.items()
+            ),
             f"END_VAR\nVAR_OUTPUT\n    F : LREAL; (* {RESULT} *)",
             "    valid : BOOL; (* FALSE: do not use F *)\nEND_VAR\nVAR",
             *kinds,

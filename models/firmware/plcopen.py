@@ -65,7 +65,8 @@ def plcopen_text(name: str, text: str) -> str:
             _text(_add(pou, "documentation"), comment.strip())
     _add(_add(project, "instances"), "configurations")
     etree.indent(project)
-    return etree.tostring(project, encoding="utf-8", xml_declaration=True).decode() + "\n"
+    written: bytes = etree.tostring(project, encoding="utf-8", xml_declaration=True)
+    return written.decode() + "\n"
 
 
 def _add(parent: etree._Element, tag: str, **attributes: str) -> etree._Element:

@@ -1,4 +1,4 @@
-"""``stickslip export compensator``, ``observer``, ``components``: as FMU, C or structured text."""
+"""``stickslip export compensator``, ``observer``, ``components``, ``deploy``: FMU or code."""
 
 from __future__ import annotations
 
@@ -43,6 +43,12 @@ def add_compensators(exports: argparse._SubParsersAction[Any]) -> None:
         parameters="a learned.json with a force of position",
         force="export it even if learn refused the values",
     )
+    parser = exports.add_parser("deploy", help="all that learn wrote, as code behind one call")
+    deployed = "a learned.json; what it says was written is exported as it is"
+    add_options(parser, {"--parameters FILE.json": deployed}, type=Path, required=True)
+    out = {"--out DIR": "folder to write into (default deploy)"}
+    add_options(parser, out, type=Path, default=Path("deploy"))
+    parser.set_defaults(run=export_deployment)
     _add(
         *(exports, "components", export_components, f"compensators that learn: {forms}"),
         parameters="a learned.json or winner.json with components",
@@ -59,7 +65,9 @@ def _add(
 ) -> None:
     parser = exports.add_parser(name, help=text)
     add_options(parser, {"--parameters FILE.json": parameters}, type=Path, required=True)
-    form = "an FMU (default), C99 for firmware, or structured text for a PLC, as text or PLCopen XML"
+    form = (
+        "an FMU (default), C99 for firmware, or structured text for a PLC, as text or PLCopen XML"
+    )
     forms = ["fmu", "c", "st", "plcopen"]
     parser.add_argument("--as", dest="form", choices=forms, default="fmu", help=form)
     if force:
@@ -217,6 +225,14 @@ def export_position_force(options: argparse.Namespace) -> Answer:
     named: dict[str, Any] = {"called": block.name, "rotary": learned.rotary}
     notes = provenance(learned)
     return written(*write_as(options, block.model, start=block.values, notes=notes, **named))
+
+
+def export_deployment(options: argparse.Namespace) -> Answer:
+    """Write all blocks behind one call and the page of steps, and print the paths."""
+    from stickslip.learned.deploying import write_deployment
+    from stickslip.learned.file import LearnedFile
+
+    return written(*write_deployment(LearnedFile(options.parameters), options.out))
 
 
 def export_components(options: argparse.Namespace) -> Answer:
