@@ -10,7 +10,7 @@ from lxml import etree
 
 from stickslip import models
 from stickslip.fmi import toolchain
-from stickslip.models.firmware import write_combined, write_compensator
+from stickslip.models.firmware import write_combined
 from tests.models.firmware import structured_text
 from tests.models.firmware.test_every_compensator import STARTS, STRICT, N, signals
 
@@ -23,6 +23,13 @@ PARTS = {
 CHAINS = [[*PARTS], ["observer"], ["position_force"]]
 
 
+WIRES = {
+    "compensator": ("F_ff", "Compensator", "u[0], u[1], u[2]"),
+    "position_force": ("F", "PositionForce", "5e-4, u[3], {F}"),
+    "observer": ("F", "Observer", "u[3], u[4], {v_r}, {F}"),
+}
+
+
 def blocks(chain):
     for called in chain:
         model, law, case = PARTS[called]
@@ -31,20 +38,15 @@ def blocks(chain):
 
 def driver(chain):
     """Return C that runs the call, and the blocks one by one as docs/deploying.md connects them."""
-    begin, step, F, v_r = "", "", "0.0", "u[0]"
+    begin, step, declared, F, v_r = "", "", "", "0.0", "u[0]"
     for name in chain:
-        given = {
-            "compensator": "u[0], u[1], u[2]",
-            "position_force": f"u[3], {F}",
-            "observer": f"u[3], u[4], {v_r}, {F}",
-        }[name]
-        begin += f"{name}_init(&{name}, {given});\n"
-        h = "5e-4, " if name == "position_force" else ""
-        step += f"{name}_step(&{name}, {h}{given});\n"
-        F = f"{name}.outputs.{'F_ff' if name == 'compensator' else 'F'}"
+        output, type_, inputs = WIRES[name]
+        given = inputs.format(F=F, v_r=v_r)
+        declared += f"{type_} {name};\n"
+        begin += f"{name}_init(&{name}, {given.removeprefix('5e-4, ')});\n"
+        step += f"{name}_step(&{name}, {given});\n"
+        F = f"{name}.outputs.{output}"
         v_r = "compensator.outputs.v_r" if name == "compensator" else v_r
-    types = {"compensator": "Compensator", "position_force": "PositionForce"}
-    declared = "".join(f"{types.get(name, 'Observer')} {name};\n" for name in chain)
     return f"""
 #include "added_force.h"
 __attribute__((visibility("default"))) int drive(int n, const double *u, double *out);
@@ -90,19 +92,31 @@ def test_a_block_with_a_signal_of_a_search_is_refused(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-SECTIONS = {"localVars": "", "inputVars": "_INPUT", "outputVars": "_OUTPUT", "inOutVars": "_IN_OUT"}
+FORMS = {  # of structured text, by the tag or the kind of a program unit
+    "dataType": "TYPE {name} : {inner} END_TYPE",
+    "struct": "STRUCT {inner} END_STRUCT;",
+    "array": "ARRAY {inner};",
+    "dimension": "[{lower}..{upper}] OF",
+    "function": "FUNCTION {name} {inner} END_FUNCTION",
+    "functionBlock": "FUNCTION_BLOCK {name} {inner} END_FUNCTION_BLOCK",
+    "returnType": ": {inner}",
+    "localVars": "VAR {inner} END_VAR",
+    "inputVars": "VAR_INPUT {inner} END_VAR",
+    "outputVars": "VAR_OUTPUT {inner} END_VAR",
+    "inOutVars": "VAR_IN_OUT {inner} END_VAR",
+    "variable": "{name} : {inner};",
+    "derived": "{name}",
+    "initialValue": ":= {inner}",
+    "arrayValue": "[{inner}]",
+    "simpleValue": "{value}",
+    "documentation": "",
+}
 
 
-def test_xml_of_plcopen_contains_the_structured_text(tmp_path):
-    """Types, declarations with start values and bodies, word by word; comments as documentation."""
-    for language in ("st", "plcopen"):
-        write_combined(tmp_path, language, list(blocks(PARTS)), notes=["a <b> & c"])
-    root = etree.parse(tmp_path / "added_force.xml").getroot()
-    found = map(unit, root.iter("{*}dataType", "{*}pou"))
-    text = (tmp_path / "added_force.st").read_text()
-    assert units("\n".join(found)) == units(text)
-    assert "a <b> & c" in root.findtext(".//{*}Comment")
-    assert "Position of the encoder" in etree.tostring(root, encoding="unicode")
+def text_of(node):
+    tag = etree.QName(node).localname
+    inner = (", " if tag == "arrayValue" else " ").join(map(text_of, node)) or node.text or tag
+    return FORMS.get(node.get("pouType", tag), "{inner}").format(inner=inner, **node.attrib)
 
 
 def units(text):
@@ -110,48 +124,11 @@ def units(text):
     return sorted(re.findall(r".*?END_(?:TYPE|FUNCTION|FUNCTION_BLOCK)\b", words))
 
 
-def unit(node):
-    """Return a type or a program unit as structured text."""
-    name = node.get("name")
-    if node.tag.endswith("dataType"):
-        (own,) = node.find("{*}baseType")
-        if own.tag.endswith("struct"):
-            return f"TYPE {name} : STRUCT {declarations(own)} END_STRUCT; END_TYPE"
-        size = own.find("{*}dimension")
-        of = type_of(own.find("{*}baseType"))
-        return f"TYPE {name} : ARRAY[{size.get('lower')}..{size.get('upper')}] OF {of}; END_TYPE"
-    kind = {"function": "FUNCTION", "functionBlock": "FUNCTION_BLOCK"}[node.get("pouType")]
-    lines = []
-    for part in node.find("{*}interface"):
-        tag = etree.QName(part).localname
-        if tag == "returnType":
-            name += f" : {type_of(part)}"
-        else:
-            lines.append(f"VAR{SECTIONS[tag]} {declarations(part)} END_VAR")
-    body = node.findtext("{*}body/{*}ST/{http://www.w3.org/1999/xhtml}xhtml")
-    return "\n".join([f"{kind} {name}", *lines, body, f"END_{kind}"])
-
-
-def declarations(node):
-    found = []
-    for one in node.iterfind("{*}variable"):
-        start = one.find("{*}initialValue")
-        begin = "" if start is None else f" := {value(start[0])}"
-        found.append(f"{one.get('name')} : {type_of(one.find('{*}type'))}{begin};")
-    return "\n".join(found)
-
-
-def type_of(node):
-    return node[0].get("name") or etree.QName(node[0]).localname
-
-
-def value(node):
-    if node.get("value") is not None:
-        return node.get("value")
-    return f"[{', '.join(value(one[0]) for one in node)}]"
-
-
-def test_a_block_as_xml_has_its_start_values(tmp_path):
-    (path,) = write_compensator(tmp_path, "plcopen", start={"F_c": 7.25})
-    variables = etree.parse(path).getroot().iterfind(".//{*}inputVars/{*}variable[@name='F_c']")
-    assert "7.25" in [value(one.find("{*}initialValue")[0]) for one in variables]
+def test_xml_of_plcopen_contains_the_structured_text(tmp_path):
+    """Types, declarations with start values and bodies, word by word; the head is a comment."""
+    for language in ("st", "plcopen"):
+        write_combined(tmp_path, language, list(blocks(PARTS)), notes=["a <b> & c"])
+    root = etree.parse(tmp_path / "added_force.xml").getroot()
+    found = "\n".join(map(text_of, root.iter("{*}dataType", "{*}pou")))
+    assert units(found) == units((tmp_path / "added_force.st").read_text())
+    assert "a <b> & c" in root.findtext(".//{*}Comment")
