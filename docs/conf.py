@@ -46,7 +46,7 @@ include_patterns = [
     "notebooks/*.ipynb",
     "models/**/README.md",
     "results/coupling/coupling.md",
-    *("ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md"),
+    *("ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md"),
 ]
 exclude_patterns = [".*", "**/.*", "docs/_build", "docs/_templates", "docs/_extra"]
 extensions = [

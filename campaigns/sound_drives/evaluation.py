@@ -3,7 +3,6 @@
 import ctypes
 import json
 import math
-import re
 import statistics
 import subprocess
 import tempfile
@@ -28,12 +27,16 @@ REST = 0.1  # before and after each motion [s]
 SETTLING = 1.0  # of observer and integral before it, where the axis holds a force of position [s]
 INTERVALS = ("m", "b", "F_c", "F_s", "v_s", "sigma_0")
 AT_REST = {"motor": 0.0, "held": 0.0}  # of the loop without friction and force of position
-SIGNALS = {
-    "compensator": {"v_cmd": "v_cmd", "x_cmd": "x_cmd", "a_cmd": "0.0"},
-    "position_force": {"x": "x_enc", "F_in": "F", "h": "1.0"},
-    "observer": {"x_enc": "x_enc", "F_m": "F_m", "F_in": "F", "v_r": "v_r"},
+PARTS = ("compensator", "position_force", "observer")
+GLUE = """#include "added_force.h"
+static AddedForce all;
+void begin(double v_cmd, double x_cmd, double x_enc, double F_m) {
+    added_force_init(&all, v_cmd, x_cmd, 0.0, x_enc, F_m);
 }
-"""Inputs of what is exported as C, and what ``simulator.c`` or the glue gives them."""
+double added(double v_cmd, double x_cmd, double x_enc, double F_m) {
+    return added_force_step(&all, v_cmd, x_cmd, 0.0, x_enc, F_m) ? all.F : 0.0;
+}
+"""
 
 
 def motion(drive: Drive, name: str) -> np.ndarray:
@@ -125,8 +128,7 @@ def tuned_ratios(drive: Drive, learned: Path, tuned: Path) -> dict[str, Any]:
 
 def _exported_if(folder: Path, to: Path) -> ctypes.CDLL | None:
     """Return what was written into a folder, exported and compiled; None where nothing was."""
-    names = [name for name in SIGNALS if (folder / f"{name}.fmu").exists()]
-    return exported(folder, names, to) if names else None
+    return exported(folder, to) if any(folder.glob("*.fmu")) else None
 
 
 def _driven(
@@ -146,44 +148,23 @@ def _rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def exported(learned: Path, names: Sequence[str], folder: Path) -> ctypes.CDLL:
+def exported(learned: Path, folder: Path) -> ctypes.CDLL:
     """Return what was written, exported as C and compiled.
 
     Raises subprocess.CalledProcessError when it cannot be exported.
     """
     file = next(learned / one for one in ("tuned.json", "learned.json") if (learned / one).exists())
-    for name in names:
-        options = ["--parameters", str(file), "--as", "c", "--out", str(folder)]
-        subprocess.run([STICKSLIP, "export", name, *options], check=True, capture_output=True)
-    glue = folder / "glue.c"
-    glue.write_text(_glue({name: (folder / f"{name}.h").read_text() for name in names}))
-    library = simulator.compiled(folder / "added.so", glue, *(folder / f"{n}.c" for n in names))
-    library.held = 0.0  # force of position where the encoder shows 0 [N]
-    if "position_force" in names:
-        terms = json.loads(file.read_text(encoding="utf-8"))["position_force"]
-        at_0 = ("F_0", "g_c", *(f"cogging_c[{k}]" for k in (1, 2, 3)))
-        library.held = sum(one["value"] for name, one in terms.items() if name in at_0)
+    options = ["--parameters", str(file), "--out", str(folder)]
+    subprocess.run([STICKSLIP, "export", "deploy", *options], check=True, capture_output=True)
+    (folder / "glue.c").write_text(GLUE)
+    library = simulator.compiled(folder / "added.so", *folder.glob("*.c"))
+    terms = json.loads(file.read_text(encoding="utf-8")).get("position_force", {})
+    at_0 = ("F_0", "g_c", *(f"cogging_c[{k}]" for k in (1, 2, 3)))
+    # force of position where the encoder shows 0 [N]
+    library.held = sum(terms[one]["value"] for one in at_0 if one in terms)
+    if not (folder / "position_force.c").exists():
+        library.held = 0.0
     return library
-
-
-def _glue(headers: Mapping[str, str]) -> str:
-    """Return C of ``begin`` and ``added``, which call what was exported, in the order given."""
-    lines, begin, step = [], [], []
-    for name, header in headers.items():
-        inputs = re.search(rf"bool {name}_step\(\w+ \*c,([^)]*)\)", header)[1]
-        given = [SIGNALS[name][one.split()[-1]] for one in inputs.split(",")]
-        taken, force = ", ".join(given), "F_ff" if name == "compensator" else "F"
-        type_ = "".join(word.capitalize() for word in name.split("_"))
-        lines += [f'#include "{name}.h"', f"static {type_} {name};"]
-        begin.append(f"    {name}_init(&{name}, {taken.removeprefix('1.0, ')});")
-        step.append(f"    F = {name}_step(&{name}, {taken}) ? {name}.outputs.{force} : 0.0;")
-        if name == "compensator":
-            step.append("    v_r = compensator.outputs.v_r;")
-    signature = (
-        "(double v_cmd, double x_cmd, double x_enc, double F_m) {\n    double F = 0.0, v_r = v_cmd;"
-    )
-    lines += [f"void begin{signature}", *begin, "}", f"double added{signature}", *step]
-    return "\n".join([*lines, "    return F;", "}", ""])
 
 
 def evaluated(drive: Drive, learned: Path, said: str = "") -> dict[str, Any]:
@@ -204,12 +185,12 @@ def evaluated(drive: Drive, learned: Path, said: str = "") -> dict[str, Any]:
         lines = [line for line in said.splitlines() if "error:" in line] or said.splitlines()
         return row | {"written": "", "why": lines[-1] if lines else "no learned.json"}
     document = json.loads(path.read_text(encoding="utf-8"))
-    names = [name for name in SIGNALS if (learned / f"{name}.fmu").exists()]
+    names = [name for name in PARTS if (learned / f"{name}.fmu").exists()]
     row |= {"written": "", "why": str(document.get("refusal", "")).partition("\n")[0]}
     if names:
         with tempfile.TemporaryDirectory() as folder:
             try:
-                compensator = exported(learned, names, Path(folder))
+                compensator = exported(learned, Path(folder))
             except subprocess.CalledProcessError as error:
                 return row | {"why": f"not exported: {error.stderr}"}
             by_level = {level: ratios(drive, level, compensator) for level in LEVELS}

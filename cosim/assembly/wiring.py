@@ -316,9 +316,11 @@ class Memory:
         run.block_start = run.done = run.closed = step
         self._row(step)[:] = row
         if step % self._every == 0:
-            place = slice(None) if self._keep == "range" else step // self._every
-            self._record[place] = row[self._columns[: self._recorded]]
-            run.ranged = min(run.ranged + 1, 1)
+            own = row[self._columns[: self._recorded]]
+            if self._keep == "range":
+                self._record[:], run.ranged = own, 1
+            else:
+                self._record[step // self._every] = own
 
     def append(self, first: int, outputs: Array) -> None:
         """Write the row of the next step: the last but for some outputs, from a column on."""

@@ -14,10 +14,12 @@ from stickslip.models.export.description import Model, Role
 from stickslip.models.export.package import checked_name, load_model
 from stickslip.models.export.units import motion_unit
 from stickslip.models.firmware.c99 import c_files, struct_name
+from stickslip.models.firmware.combined import ADDED_FORCE, combined_c, combined_st
+from stickslip.models.firmware.plcopen import plcopen_text
 from stickslip.models.firmware.program import is_reserved
-from stickslip.models.firmware.structured_text import st_file
+from stickslip.models.firmware.structured_text import st_text
 
-Language = Literal["c", "st"]
+Language = Literal["c", "st", "plcopen"]
 _COMMENT = re.compile(r"(?:/\*|\(\*).*?(?:\*/|\*\))", re.DOTALL)
 
 
@@ -32,12 +34,13 @@ def write_compensator(
     rotary: bool = False,
     notes: Sequence[str] = (),
 ) -> list[Path]:
-    """Write a compensator as ``NAME.c`` and ``NAME.h``, or as ``NAME.st``.
+    """Write a compensator as ``NAME.c`` and ``NAME.h``, as ``NAME.st`` or as ``NAME.xml``.
 
     Parameters
     ----------
     folder : is made if it is absent
-    language : C99, in 64-bit or 32-bit floating point, or structured text of IEC 61131-3
+    language : C99, in 64-bit or 32-bit floating point, or structured text of IEC 61131-3, as text
+        or as XML of PLCopen, TC6 2.01
     start : parameter -> start value, in the unit of model.toml, instead of the one there
     law : friction law of a feedforward, by default LuGre
     model : name of the compensator's model
@@ -53,21 +56,60 @@ def write_compensator(
         When there is no such model, or it is not available in structured text.
     StartValueError, OSError
     """
-    if language not in get_args(Language):
-        raise ModelError(f"language is {language!r}; expected 'c' or 'st'")
     found = load_model(model, law).with_start(start or {})
     found = replace(found, name=checked_name(called or found.name))
-    if language == "st" and is_reserved(struct_name(found)):
+    if language != "c" and is_reserved(struct_name(found)):
         raise ModelError(f"{found.name!r} is a word of structured text; choose another name")
-    files = c_files(found) if language == "c" else st_file(found)
+    return _write(folder, language, [found], found.name, rotary=rotary, notes=notes)
+
+
+def write_combined(
+    folder: Path | str,
+    language: Language,
+    blocks: Sequence[Model],
+    *,
+    rotary: bool = False,
+    notes: Sequence[str] = (),
+) -> list[Path]:
+    """Write blocks of a drive behind one call, ``added_force``; see ``write_compensator``.
+
+    Each of the blocks, with their start values, takes the force of the one before it. C has files
+    of each block beside ``added_force.c`` and ``.h``, the other languages one file. Raises
+    UnknownModel also when a block has an input that is not of a drive.
+    """
+    return _write(folder, language, blocks, ADDED_FORCE, rotary=rotary, notes=notes)
+
+
+def _write(
+    folder: Path | str,
+    language: Language,
+    blocks: Sequence[Model],
+    name: str,
+    *,
+    rotary: bool,
+    notes: Sequence[str],
+) -> list[Path]:
+    if language not in get_args(Language):
+        raise ModelError(f"language is {language!r}; expected {', '.join(get_args(Language))}")
+    is_c, is_combined = language == "c", name == ADDED_FORCE
+    files: dict[str, str] = {}
+    if is_c:
+        for block in blocks:
+            files |= c_files(block)
+        files |= combined_c(blocks) if is_combined else {}
+    else:
+        texts = [*map(st_text, blocks), *([combined_st(blocks)] if is_combined else [])]
+        files[f"{name}.st"] = "\n".join(texts)
     if rotary:
-        files = {name: _COMMENT.sub(_of_rotary, text) for name, text in files.items()}
-    lines = [*map(_harmless, notes), *_memory(found)]
-    begin, mark, end = ("/*", " * ", " */") if language == "c" else ("(*", "   ", "*)")
+        files = {file: _COMMENT.sub(_of_rotary, text) for file, text in files.items()}
+    lines = [*map(_harmless, notes), *_memory(blocks)]
+    begin, mark, end = ("/*", " * ", " */") if is_c else ("(*", "   ", "*)")
     head = "\n".join([begin, *(f"{mark}{line}" for line in lines), end, ""])
-    headed = tuple(f"{found.name}{suffix}" for suffix in (".h", ".st"))
-    files = {name: head + text if name in headed else text for name, text in files.items()}
-    return [atomic_write(Path(folder) / name, text) for name, text in files.items()]
+    headed = f"{name}{'.h' if is_c else '.st'}"
+    files[headed] = head + files[headed]
+    if language == "plcopen":
+        files = {f"{name}.xml": plcopen_text(name, files[headed])}
+    return [atomic_write(Path(folder) / file, text) for file, text in files.items()]
 
 
 def _harmless(line: str) -> str:
@@ -75,11 +117,12 @@ def _harmless(line: str) -> str:
     return re.sub(r"\*(?=[/)])|(?<=[/(])\*", "x", printable(line))
 
 
-def _memory(model: Model) -> list[str]:
+def _memory(blocks: Sequence[Model]) -> list[str]:
     """Return what a call of the code takes in 64-bit floating point."""
     roles: tuple[Role, ...] = ("state", "memory", "parameter")
     state, memory, parameters = (
-        8 * sum(prod(size) for _, size in model.fields.get(role, ())) for role in roles
+        8 * sum(prod(size) for block in blocks for _, size in block.fields.get(role, ()))
+        for role in roles
     )
     return [
         f"Memory: {state + memory} bytes of state and {parameters} bytes of parameters in 64 bits."

@@ -1,4 +1,4 @@
-"""``stickslip export compensator``, ``observer``, ``components``: as FMU, C or structured text."""
+"""``stickslip export compensator``, ``observer``, ``components``, ``deploy``: FMU or code."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from stickslip.thresholds import offer
 
 if TYPE_CHECKING:
     from stickslip.learned.file import LearnedFile
-    from stickslip.learned.provenance import provenance
     from stickslip.servo.systems import Compensator
     from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -44,6 +43,12 @@ def add_compensators(exports: argparse._SubParsersAction[Any]) -> None:
         parameters="a learned.json with a force of position",
         force="export it even if learn refused the values",
     )
+    parser = exports.add_parser("deploy", help="all that learn wrote, as code behind one call")
+    deployed = "a learned.json; what it says was written is exported as it is"
+    add_options(parser, {"--parameters FILE.json": deployed}, type=Path, required=True)
+    out = {"--out DIR": "folder to write into (default deploy)"}
+    add_options(parser, out, type=Path, default=Path("deploy"))
+    parser.set_defaults(run=export_deployment)
     _add(
         *(exports, "components", export_components, f"compensators that learn: {forms}"),
         parameters="a learned.json or winner.json with components",
@@ -60,8 +65,11 @@ def _add(
 ) -> None:
     parser = exports.add_parser(name, help=text)
     add_options(parser, {"--parameters FILE.json": parameters}, type=Path, required=True)
-    form = "an FMU (default), C99 for firmware, or IEC 61131-3 structured text for a PLC"
-    parser.add_argument("--as", dest="form", choices=["fmu", "c", "st"], default="fmu", help=form)
+    form = (
+        "an FMU (default), C99 for firmware, or structured text for a PLC, as text or PLCopen XML"
+    )
+    forms = ["fmu", "c", "st", "plcopen"]
+    parser.add_argument("--as", dest="form", choices=forms, default="fmu", help=form)
     if force:
         add_options(parser, {"--force": force}, **FLAG)
     add_fmu_options(parser)
@@ -205,6 +213,7 @@ def _peak(loop: VelocityLoop, observer: Compensator, speed: float) -> float:
 def export_position_force(options: argparse.Namespace) -> Answer:
     """Write the block of gravity and cogging with its learned values and print the paths."""
     from stickslip.learned.file import LearnedFile
+    from stickslip.learned.provenance import provenance
 
     learned = LearnedFile(options.parameters)
     block = learned.position_force
@@ -216,6 +225,14 @@ def export_position_force(options: argparse.Namespace) -> Answer:
     named: dict[str, Any] = {"called": block.name, "rotary": learned.rotary}
     notes = provenance(learned)
     return written(*write_as(options, block.model, start=block.values, notes=notes, **named))
+
+
+def export_deployment(options: argparse.Namespace) -> Answer:
+    """Write all blocks behind one call and the page of steps, and print the paths."""
+    from stickslip.learned.deploying import write_deployment
+    from stickslip.learned.file import LearnedFile
+
+    return written(*write_deployment(LearnedFile(options.parameters), options.out))
 
 
 def export_components(options: argparse.Namespace) -> Answer:

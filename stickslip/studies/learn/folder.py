@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stickslip.learned import writing
+from stickslip.learned import deploying, writing
+from stickslip.learned.file import LearnedFile
 from stickslip.presentation.page import Section, picture_files
 from stickslip.servo.systems import Compensator, deployed
 from stickslip.storage import staged
@@ -34,7 +35,8 @@ from stickslip.studies.learn.verdict import (
 FMUS = (COMPENSATOR, OBSERVER_FMU, POSITION_FMU)
 TABLE = "tracking_error.csv"  # Errors on the family of simulated drives
 PICTURES = (ERROR, TRACKING)  # of the page's opening
-FILES = ("learned.json", *FMUS, TABLE, *picture_files(PICTURES), *REPORT)
+DEPLOYED = tuple(f"{deploying.FOLDER}/{name}" for name in deploying.FILES)
+FILES = ("learned.json", *FMUS, *DEPLOYED, TABLE, *picture_files(PICTURES), *REPORT)
 """What ``write_learned`` writes or removes."""
 
 
@@ -80,7 +82,9 @@ class Written:
 def write_learned(
     learned: LearnedFromRecording, folder: Path | str, *, force: bool = False
 ) -> Written:
-    """Write learned.json, report and, if nothing speaks against it or it is forced, the FMUs.
+    """Write learned.json, report and, if nothing speaks against it or it is forced, what is used.
+
+    That are the FMUs, and their code in ``deploy`` with a page of steps.
 
     Raises
     ------
@@ -91,7 +95,8 @@ def write_learned(
     command = {"name": "learn", "log": learned.estimation.recording.source, "seed": learned.seed}
     shown = learned.with_whole_force() if force else learned
     names = file_names(learned.writes(force=force))
-    with staged(folder, command, without=[*FMUS, TABLE, *picture_files(PICTURES)]) as staging:
+    without = [*FMUS, *DEPLOYED, TABLE, *picture_files(PICTURES)]
+    with staged(folder, command, without=without) as staging:
         if shown.trial:
             write_tables({TABLE.removesuffix(".csv"): shown.trial.table()}, staging)
         if learned.observer and OBSERVER_FMU in names:
@@ -107,6 +112,10 @@ def write_learned(
         files = tuple(name for name in FMUS if (staging / name).exists())
         written = Written(learned, files, force)
         write_json(written.document(), staging / "learned.json")
+        if files:
+            deploying.write_deployment(
+                LearnedFile(staging / "learned.json"), staging / deploying.FOLDER
+            )
         motion = shown.estimation.recording.motion
         opening = [verdict_section(written.verdict, motion)]
         if shown.tracking and shown.trial:

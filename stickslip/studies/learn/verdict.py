@@ -336,6 +336,8 @@ def lines(verdict: Verdict, folder: Path | None, width: int | None) -> list[str]
     Without a width lines are not wrapped.
     """
     more = f"{folder}/report.html shows all; " if folder else "--out DIR writes it and a page; "
+    if folder and verdict.files:
+        more += f"{folder}/deploy/steps.html tells how to deploy; "
     rows = [*verdict.rows(f"{folder}/" if folder else ""), ("more", f"{more}-v prints the tables")]
     shown = [f"{verdict.source}: {verdict.headline}"]
     shown = wrap(shown[0], width) if width else shown

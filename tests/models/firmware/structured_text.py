@@ -33,6 +33,7 @@ type: NAME
 
 block: statement*
 ?statement: LEAVE ";" -> leave
+    | NAME "(" NAME ":=" expression ("," NAME ":=" expression)* ")" ";" -> instance
     | place ":=" expression ";" -> assignment
     | "IF" branch ("ELSIF" branch)* ["ELSE" block] "END_IF" ";" -> choice
     | "FOR" NAME ":=" expression "TO" expression ["BY" expression] "DO" block "END_FOR" ";" -> loop
@@ -117,6 +118,9 @@ class Unit:
     shared: set[str]
     body: Callable[[Scope], None]
 
+    def __getitem__(self, name: str) -> Any:
+        return self.variables[name]
+
     def __call__(self, **arguments: Any) -> Scope:
         """Run it; what is shared is given as the place where it is."""
         scope = self.variables if self.keeps else {k: _copy(v) for k, v in self.variables.items()}
@@ -171,6 +175,11 @@ def load(text: str) -> dict[str, Unit]:
     return program.units
 
 
+def words(text: str) -> list[str]:
+    """Return the words of a file, without comments."""
+    return [str(word) for word in _PARSER.lex(text)]
+
+
 @v_args(inline=True)
 class _Program(Transformer):
     """Makes functions of Python, callees first, of the tree of structured text."""
@@ -219,6 +228,8 @@ class _Program(Transformer):
             for wanted in ("VAR_INPUT", "VAR_IN_OUT")
         )
         self.units[name] = Unit(name, keeps, variables, inputs, shared, body)
+        if keeps:
+            self.types[name] = self.units[name]
 
     def block(self, *statements):
         def run(scope: Scope) -> None:
@@ -232,6 +243,10 @@ class _Program(Transformer):
             raise {"RETURN": Return, "EXIT": Exit}[word]
 
         return run
+
+    def instance(self, name, *parts):
+        given = dict(zip(parts[::2], parts[1::2], strict=True))
+        return lambda scope: scope[name](**{one: value(scope) for one, value in given.items()})
 
     def assignment(self, place, value):
         return lambda scope: store(*place(scope), value(scope))

@@ -13,7 +13,7 @@ import pytest
 from stickslip import models
 from stickslip.fmi import toolchain
 from stickslip.models.firmware import c_files, write_compensator
-from stickslip.models.firmware.structured_text import st_file
+from stickslip.models.firmware.structured_text import st_text
 from stickslip.servo.axis import Axis
 from stickslip.servo.systems import loop_values
 from stickslip.servo.velocity_loop import close_velocity_loop
@@ -256,7 +256,7 @@ def test_a_refusal_tells_what_structured_text_has_not(tmp_path, statement, reaso
     assert "w->v_last = u->v;" in code
     (tmp_path / "model.c").write_text(code.replace("w->v_last = u->v;", statement))
     with pytest.raises(models.ModelError, match=reason):
-        st_file(replace(model, folder=tmp_path))
+        st_text(replace(model, folder=tmp_path))
 
 
 def test_a_loop_counts_only_where_c_does(tmp_path):
@@ -272,4 +272,4 @@ def test_a_loop_counts_only_where_c_does(tmp_path):
     ):
         loops = f"for ({loop}) w->v_last = u->v;"
         (tmp_path / "model.c").write_text(code.replace("w->v_last = u->v;", loops))
-        assert shown in st_file(replace(model, folder=tmp_path))["static_feedforward.st"]
+        assert shown in st_text(replace(model, folder=tmp_path))

@@ -6,6 +6,7 @@ nominal loop. The block under test takes the commands alone.
 
 import ctypes
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ import pytest
 from stickslip import cosim, models
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.fmi import toolchain
-from stickslip.models.firmware import write_compensator
+from stickslip.models.firmware import write_combined, write_compensator
 from stickslip.servo.axis import Axis
 from stickslip.servo.systems import Compensator, build_fmus, build_loop, deployed
 from stickslip.servo.velocity_loop import (
@@ -95,17 +96,12 @@ def missed(system, loop, v_cmd, **inputs):
     return [np.sqrt(np.mean((found[f"drive.{n}"] - r) ** 2)) for n, r in (("v", v), ("x", x))]
 
 
-def c_library(folder, name, code):
-    files = {f"{name}.{end}": (folder / f"{name}.{end}").read_text() for end in "ch"}
-    files["guide.c"] = f"#pragma GCC visibility push(default)\n{code}\n"
-    return files
-
-
 def by_c(folder, given):
     """Return the force by the C of the guide."""
     code = re.search(r"^ {4}#include.*?^ {4}}\n\n {4}double.*?^ {4}}$", GUIDE, re.M | re.S)[0]
     flags = ("-Wall", "-Wextra", "-Werror", "-std=c99")
-    files = c_library(folder, "compensator", code)
+    files = {f"compensator.{end}": (folder / f"compensator.{end}").read_text() for end in "ch"}
+    files["guide.c"] = f"#pragma GCC visibility push(default)\n{code}\n"
     library = ctypes.CDLL(str(toolchain.shared_library("guide", files, flags=flags)))
     library.added_force.restype = ctypes.c_double
     rows = [
@@ -188,34 +184,40 @@ def test_without_a_loop_the_force_is_that_of_the_velocity_command(tmp_path):
     np.testing.assert_array_equal(by_fmu(tmp_path, given)[:-1], expected)
 
 
-def test_the_observer_of_the_guide_adds_the_force_of_the_chain(fmus, exported):
+def test_the_call_of_the_guide_adds_the_force_of_the_chain(fmus, tmp_path):
     """Both in C, called as the guide prints it, with the signals of the loop with the drive."""
     loop, v_cmd = closed("both"), COMMANDS["micro-steps"]
-    folder = exported("compensator", "both")
     chain = [
         Compensator("compensator", "compensator", FRICTION),
         Compensator("observer", "dob", {"share": 0.5, "onset": 2e-6}),
     ]
-    start = {**chain[1].parameters(loop)}
-    write_compensator(folder, "c", model="dob", start=start, called="observer")
-    static, body = re.search(
-        r"^ {4}(static Observer observer;) /\*.*?\*/\n\n(.*?)\n\n", GUIDE, re.M | re.S
+    one = deployed(chain[0], loop, T_S)
+    blocks = {one.model: one.values, "dob": chain[1].parameters(loop)}
+    paths = write_combined(
+        tmp_path,
+        "c",
+        [
+            replace(models.load_model(model).with_start(start), name=part.name)
+            for (model, start), part in zip(blocks.items(), chain, strict=True)
+        ],
+    )
+    static, begin, body = re.search(
+        r"^ {4}(static AddedForce .*;) /\* once at the start: (.*) \*/\n\n(.*?)\n\n",
+        GUIDE,
+        re.M | re.S,
     ).groups()
-    code = f"""#include "compensator.h"
-#include "observer.h"
-static Compensator compensator;
+    code = f"""#include "added_force.h"
 {static}
-void start(double v_cmd, double x_cmd, double x_enc, double F_m) {{
-    compensator_init(&compensator, v_cmd, x_cmd, 0.0);
-    observer_init(&observer, x_enc, F_m, compensator.outputs.v_r, 0.0);
-}}
+static const double a_cmd = 0.0, gain = 1.0;
+void start(double v_cmd, double x_cmd, double x_enc, double F_m) {{ {begin}; }}
 double both(double v_cmd, double x_cmd, double x_enc, double F_m) {{
-    compensator_step(&compensator, v_cmd, x_cmd, 0.0);
+    double output = 0.0;
 {body}
-    return added;
+    return output;
 }}
 """
-    files = c_library(folder, "observer", code) | c_library(folder, "compensator", code)
+    files = {path.name: path.read_text() for path in paths}
+    files["guide.c"] = f"#pragma GCC visibility push(default)\n{code}\n"
     library = ctypes.CDLL(str(toolchain.shared_library("both", files)))
     library.both.restype = ctypes.c_double
     record = ("drive.x_enc", "drive.F_m", "observer.F")

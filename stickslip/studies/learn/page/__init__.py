@@ -62,6 +62,7 @@ MEANINGS = {
     "observer.fmu": "the disturbance observer, to be added after the compensator",
     "position_force.fmu": "gravity and cogging, from the position to the force to add: after the "
     "compensator and before the observer",
+    "deploy": "the same as C and for PLCs behind one call; steps.html tells how to put it to work",
 }
 WINDOW = 0.05  # In which the largest value counts [s]
 USUAL = 0.9  # Share of the windows whose largest value is usual

@@ -11,7 +11,9 @@ import pytest
 from fmpy import read_model_description
 
 from stickslip.cli import main
+from stickslip.cosim import Fmu
 from stickslip.identification.estimation import Search
+from stickslip.learned.deploying import deployed_blocks
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.provenance import provenance
 from stickslip.logs import Description, Finding
@@ -123,8 +125,9 @@ def test_each_sentence_that_names_a_file_is_true(
     assert main([*arguments, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     shown = learned.with_whole_force() if force else learned
-    files = {path.name for path in out.iterdir()}
+    files = {path.name for path in out.rglob("*")}
     assert files & FMUS == written[force]
+    check_deployment(out, written[force])
     page, commands = lines_of((out / "report.html").read_text(encoding="utf-8"))
     kept = json.loads((out / "learned.json").read_text())
     for text in (printed, error, page, *strings(document), *strings(kept)):
@@ -146,6 +149,26 @@ def test_each_sentence_that_names_a_file_is_true(
         words = shlex.split(command)[1:]
         further = ["--out", str(tmp_path)] if words[0] == "export" else []
         assert words[0] == "plan" or main([*words, *further]) == 0
+
+
+def check_deployment(out, fmus):
+    """The code behind one call has the values of the FMUs; the page has the steps of its parts."""
+    assert (out / "deploy" / "steps.html").exists() == bool(fmus)
+    if not fmus:
+        return
+    learned = LearnedFile(out / "learned.json")
+    blocks = {block.name: block for block in deployed_blocks(learned)}
+    assert {f"{name}.fmu" for name in blocks} == fmus
+    for name, block in blocks.items():
+        starts = {v.name: v.start for v in Fmu(out / f"{name}.fmu").variables.values()}
+        own = {v.name: v.start for v in block.variables if v.role == "parameter"}
+        assert own == {parameter: starts[parameter] for parameter in own}
+    page = re.sub("<[^>]*>", "", (out / "deploy" / "steps.html").read_text(encoding="utf-8"))
+    table = page[page.index("Inputs that are used") : page.index("Signs and zeros")]
+    assert ("Velocity command" in table, "encoder" in table) == (True, "observer.fmu" in fmus)
+    assert ("F_ff of the compensator" in page) == ("compensator.fmu" in fmus)
+    for check in learned.document["verdict"]["checks"]:
+        assert check.split(": ")[-1].lower() in page.lower()
 
 
 def check_verdict(printed, verdict, fmus, learned):

@@ -1,0 +1,124 @@
+"""What is deployed: the blocks of a learned.json behind one call, and a page of steps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any, get_args
+
+from stickslip.errors import HarmfulError
+from stickslip.learned.file import LearnedFile
+from stickslip.learned.provenance import provenance
+from stickslip.models import Model, load_model
+from stickslip.models.export.units import motion_unit
+from stickslip.models.firmware import Language, write_combined
+from stickslip.models.firmware.combined import ADDED_FORCE, SIGNALS, used_signals
+from stickslip.presentation.page import Section, write_page
+from stickslip.presentation.quantity import number
+
+FOLDER, PAGE = "deploy", "steps.html"
+PARTS = ("compensator", "position_force", "observer")  # in the order of their calls
+FILES = (
+    PAGE,
+    *(f"{part}.{end}" for part in (*PARTS, ADDED_FORCE) for end in ("c", "h")),
+    *(f"{ADDED_FORCE}.{end}" for end in ("st", "xml")),
+)
+"""What ``write_deployment`` may write."""
+
+
+def deployed_blocks(learned: LearnedFile) -> Iterator[Model]:
+    """Yield what learning wrote as FMUs, with the same values, in the order of the calls."""
+    for part in PARTS:
+        if f"{part}.fmu" in learned.written:
+            is_feedforward = part == "compensator"
+            one = learned.deployed(learned.share) if is_feedforward else getattr(learned, part)
+            law = (one.law or learned.law.name) if load_model(one.model).law else None
+            yield replace(load_model(one.model, law).with_start(one.values), name=part)
+
+
+def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
+    """Write the blocks behind one call, in each language, and the page; return the paths.
+
+    Raises
+    ------
+    HarmfulError
+        When learning wrote no compensator.
+    UsageError, StartValueError, UnknownModel
+        When an entry of the file is not valid.
+    OSError
+    """
+    blocks = list(deployed_blocks(learned)) if "written" in learned.document else []
+    if not blocks:
+        refusal = learned.refusal or "it does not state which compensators learn wrote"
+        raise HarmfulError(f"{learned.path}: nothing to deploy: {refusal}")
+    names, rotary = [block.name for block in blocks], learned.rotary
+    notes = provenance(learned, learned.share if "compensator" in names else None)
+    paths: list[Path] = []
+    for language in get_args(Language):
+        paths += write_combined(folder, language, blocks, rotary=rotary, notes=notes)
+    signals, of_drive = used_signals(blocks), partial(motion_unit, rotary=rotary)
+    verdict = {"source": "", "refused": (), **(learned.document.get("verdict") or {})}
+    section = Section(
+        "",
+        "learned/deploy.j2",
+        signals=[(n, of_drive(u), text) for n, (u, text) in signals.items()],
+        given=", ".join(name if name in signals else "0.0" for name in SIGNALS),
+        assigned=", ".join(f"{name} := {name}" for name in signals),
+        force_unit=of_drive("N"),
+        T_s=(learned.document.get("T_s") or {}).get("value"),
+        names=names,
+        verdict=verdict,
+        steps=list(_steps(names, [*signals], verdict)),
+    )
+    return paths + write_page(folder, "How to deploy the compensator", [section], PAGE)
+
+
+def _steps(
+    names: Sequence[str], signals: Sequence[str], verdict: Mapping[str, Any]
+) -> Iterator[tuple[str, str, str]]:
+    """Yield what to do, what must be seen, and what to do if it is not."""
+    checks = list(verdict.get("checks", ()))
+    seen = "the output valid is true (in C: the call returns true); F is not added yet"
+    if "x_enc" in signals:
+        seen += "; x_enc grows while the axis moves to positive positions"
+    if "F_m" in signals:
+        seen += "; F_m, in the mean of a motion, is greater forth than back"
+    repair = "correct signs, units and zeros of the signals"
+    yield "move the axis slowly forth and back by its controller alone", seen, repair
+    if "compensator" in names:
+        known = [one.partition(": ")[2] for one in checks if one.startswith("drive disabled: ")]
+        output = known or ["a positive velocity command must give a positive output"]
+        seen = f"F_ff of the compensator (not F of the call): {output[0]}"
+        yield "disable the drive and give commands", seen, repair
+    if "position_force" in names:
+        yield (
+            "hold the axis at rest by its controller alone, at several positions",
+            "F of position_force differs from the force of the motor by no more than the static"
+            " friction",
+            "the zero of x_enc must be that of the log; correct it, or the sign of the force",
+        )
+        yield (
+            "where F is added while the axis is held: reduce the integral of the controller by F",
+            "the axis does not jump",
+            "stop",
+        )
+    raising = [one for one in checks if not one.startswith("drive disabled: ")]
+    yield (
+        (raising or ["raise the added force from 0 on a slow command"])[0],
+        "with a gain of 0.25, 0.5 and 1 the error becomes smaller each time",
+        "gain 0; compare period, signs and units with those above",
+    )
+    if errors := verdict.get("errors"):
+        left = "; ".join(
+            f"{one['motion']}: {number(100.0 * one['left'] / one['without'], 2)} %"
+            f" ({number(100.0 * one['low'], 2)} to {number(100.0 * one['high'], 2)} %)"
+            for one in errors
+        )
+        yield (
+            "run the motions of the machine",
+            f"share that is left of the error that friction causes, as predicted: {left}",
+            "record a log; stickslip validate learned.json --log LOG compares it with what was"
+            " learned",
+        )
