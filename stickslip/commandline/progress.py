@@ -10,7 +10,7 @@ import argparse
 import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -83,8 +83,8 @@ class TerminalProgress(Progress):
 
     def findings(self, findings: Iterable[object]) -> None:
         """Print findings of the checks of a log."""
-        if self._prints_findings:
-            print(*findings, sep="\n")
+        for finding in findings if self._prints_findings else ():
+            print(finding)
 
     def _of_search(self, algorithm: ga.Optimiser, scale: Factors | None) -> dict[str, Row]:
         """Return the cost, and each parameter's spread in this generation and beside the first."""
@@ -129,8 +129,12 @@ class TerminalProgress(Progress):
         self._bar.set_postfix_str(remark, refresh=False)
         self._bar.update(done - self._bar.n)
 
+    def __enter__(self) -> Self:
+        return super().__enter__() if self._shown else self
+
     def __exit__(self, *failure: Any) -> None:
-        super().__exit__(*failure)
+        if self._shown:
+            super().__exit__(*failure)
         self._close_bar()
 
     def _close_bar(self) -> None:

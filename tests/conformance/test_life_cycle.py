@@ -218,8 +218,14 @@ def test_only_tunable_parameters_change_during_a_run(some_fmu, slave):
             )
 
 
-ACTS_LATER = {("adaptive_scale", "rate"), ("drive", "pitch")}
-"""Parameters without effect in this motion; tests/models has a test of each."""
+ACTS_LATER = {
+    ("adaptive_scale", "rate"),
+    ("drive", "pitch"),
+    ("drive", "mu_g"),
+    ("position_force", "mu_g"),
+    ("position_force", "F_c"),
+}
+"""Parameters without effect in this motion; another test has each of them."""
 
 
 def test_a_tunable_parameter_acts_from_the_next_step_on(some_fmu, slave, identical):

@@ -121,7 +121,7 @@ def test_no_client_is_begun_where_no_scheduler_answers(cluster, monkeypatch):
 
 def test_what_is_not_installed_is_named(monkeypatch):
     monkeypatch.setattr("stickslip.ga.execution.cluster.find_spec", lambda _: None)
-    needed = r"distributed.*stickslip\[dask\]"
+    needed = r"distributed.*\[dask\]"
     with pytest.raises(ga.SettingsError, match=needed), ga.executor("local", 2):
         pass
 
