@@ -33,7 +33,8 @@ WIRES = {
 def blocks(chain):
     for called in chain:
         model, law, case = PARTS[called]
-        yield replace(models.load_model(model, law).with_start(STARTS[case]), name=called)
+        start = STARTS[case] | ({"onset": 2e-4} if called == "observer" else {})  # v_r matters
+        yield replace(models.load_model(model, law).with_start(start), name=called)
 
 
 def driver(chain):

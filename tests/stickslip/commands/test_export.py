@@ -13,9 +13,11 @@ from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.evaluation.motions import VALIDATION
+from stickslip.learned.deploying import PAGE
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.writing import loop_document, validation_document
 from stickslip.logs import Recording
+from stickslip.models.firmware.program import literal
 from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import Compensator, build_fmus, build_loop
 from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
@@ -198,12 +200,14 @@ def document(rate: float = 1.5, refusal: str = "", order: int = 1) -> dict:
 def test_it_writes_the_gains_in_each_form(export, tmp_path, rate, order, name):
     content = document(rate, order=order)
     gain = repr(content["observer"]["parameters"][name]["value"])
-    for form, names in (("fmu", ["fmu"]), ("c", ["h", "c"]), ("st", ["st"])):
+    forms = {"fmu": ["fmu"], "c": ["h", "c"], "st": ["st"], "plcopen": ["xml"]}
+    for form, names in forms.items():
         status, out, error = export("observer", "--as", form, **content)
         assert (status, error) == (0, "")
         assert out.split() == [str(tmp_path / f"observer.{end}") for end in names]
     assert gain in (tmp_path / "observer.c").read_text()
     assert gain in (tmp_path / "observer.st").read_text()
+    assert f'"{literal(float(gain))}"' in (tmp_path / "observer.xml").read_text()
 
 
 def test_a_loop_that_is_not_robust_with_it_is_refused(export, tmp_path):
@@ -232,6 +236,26 @@ def test_what_learn_refused_or_never_designed_is_refused_in_a_line(export):
     assert "observer: model 'drive' is not a compensator" in export("observer", **broken)[2]
     broken["observer"]["model"] = "absent"
     assert "observer: " in export("observer", **broken)[2]
+
+
+def test_what_learn_wrote_is_deployed_behind_one_call_and_nothing_else_is(export, tmp_path):
+    entries = {**document(), "motion": "rotary", "position_force": HELD}
+    assert "nothing to deploy: it does not state" in export("deploy", **entries)[2]
+    assert not (tmp_path / "steps.html").exists()
+    entries["written"] = {"files": ["position_force.fmu", "observer.fmu"]}
+    status, out, error = export("deploy", **entries)
+    assert (status, error) == (0, "")
+    names = {line.rpartition("/")[2] for line in out.split()}
+    blocks = {f"{name}.{end}" for name in ("position_force", "observer") for end in "ch"}
+    assert names == {*blocks, *(f"added_force.{end}" for end in ("c", "h", "st", "xml")), PAGE}
+    page = (tmp_path / PAGE).read_text()
+    for shown, words in (
+        (True, "The zero of x_enc must be that of the log"),
+        (True, "reduce the integral"),
+        (True, "N\xa0m"),
+        (False, "F_ff of the compensator"),
+    ):
+        assert (words in page) == shown
 
 
 HELD = {

@@ -6,6 +6,7 @@ import re
 from contextlib import redirect_stderr, redirect_stdout
 from functools import partial
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -59,9 +60,10 @@ def folder(learned):
 def test_the_folder_is_whole_and_keeps_no_checkpoint(learned):
     folder, document, *_ = learned
     assert main(["verify", str(folder)]) == 0
-    written = document["written"]["files"]
-    absent = {name for name in FILES if name.endswith(".fmu")} - {*written}
-    assert {path.name for path in folder.iterdir()} == {*FILES, "manifest.json"} - absent
+    parts = {name for name in FILES if name.endswith(".fmu")} - {*document["written"]["files"]}
+    absent = {name for name in FILES if f"{Path(name).stem}.fmu" in parts}
+    found = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+    assert found == {*FILES, "manifest.json"} - absent
     assert not [name for name in FILES if "checkpoint" in name]
 
 
@@ -152,8 +154,9 @@ def test_ctrl_c_keeps_the_search_and_resumed_with_other_workers_no_byte_differs(
     assert f"{checkpoints[1]}: an earlier run did not end" in capsys.readouterr().err
     assert main([*arguments, "--resume"]) == 0
     assert [checkpoint.exists() for checkpoint in checkpoints] == [named, named]
-    for whole in folder.iterdir():
-        assert (tmp_path / "out" / whole.name).read_bytes() == whole.read_bytes(), whole.name
+    for whole in filter(Path.is_file, folder.rglob("*")):
+        other = tmp_path / "out" / whole.relative_to(folder)
+        assert other.read_bytes() == whole.read_bytes(), whole.name
 
 
 def test_it_prints_and_writes_whether_compensation_helps(learned):
