@@ -90,7 +90,8 @@ def _write(
     notes: Sequence[str],
 ) -> list[Path]:
     if language not in get_args(Language):
-        raise ModelError(f"language is {language!r}; expected {', '.join(get_args(Language))}")
+        known = ", ".join(map(repr, get_args(Language)))
+        raise ModelError(f"language is {language!r}; expected {known}")
     is_c, is_combined = language == "c", name == ADDED_FORCE
     files: dict[str, str] = {}
     if is_c:

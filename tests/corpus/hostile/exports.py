@@ -31,7 +31,7 @@ CASES = [
     _container("iterative", "that would repeat steps, and would not have", "coupling is 'iterative', expected 'gauss_seidel' or 'jacobi'", 'step=0.1, coupling="iterative"'),
     _container("step", "with an infinite step", "step is inf s, expected a positive number", "step=np.inf"),
     _container("enumeration", "with an enumeration as parameter", "'a.mode' matches nothing that a container can expose", 'step=0.1, parameters=["a.mode"]'),
-    _python("source-language", "code in a language that there is not", "language is 'fortran'; expected 'c' or 'st'", 'ss.write_compensator("out", "fortran")'),
+    _python("source-language", "code in a language that there is not", "language is 'fortran'; expected 'c', 'st', 'plcopen'", 'ss.write_compensator("out", "fortran")'),
     _python("fmu-up", "an FMU named ../../x", "'../../x' cannot name a model", 'ss.build_fmu("stage", "out", called="../../x")'),
     _python("fmu-version", "an FMU of FMI 1.0", "fmi is 1; expected 2 or 3", 'ss.build_fmu("stage", "out", fmi=1)'),
     _python("fmu-start", "an FMU whose mass is a list", "m: expected a number, got \\[1, 2\\]", 'ss.build_fmu("stage", "out", start={"m": [1, 2]})'),
