@@ -62,7 +62,7 @@ class Parser(argparse.ArgumentParser):
     def format_help(self, *, rare: bool = False) -> str:
         """Return the help, without the options of rare groups unless they are asked for."""
         groups = (group for group in self._action_groups if is_rare(group))
-        hidden = [] if rare else [one for group in groups for one in group._group_actions]  # noqa: SLF001
+        hidden = [] if rare else [one for group in groups for one in group._group_actions]  # noqa: SLF001 - no public name
         texts = [action.help for action in hidden]
         for action in hidden:
             action.help = argparse.SUPPRESS

@@ -54,7 +54,10 @@ class Drive:
     def learned(cls, path: Path) -> Drive:
         """Return the drive of a learned.json; raise UsageError when it has none."""
         file = LearnedFile(path)
-        found = cls("drive", "learned drive", file.law, values=file.drive, rotary=file.rotary)
+        block = file.position_force
+        held = {name: one for name, one in block.values.items() if one} if block else {}
+        values = {**held, **file.drive}
+        found = cls("drive", "learned drive", file.law, values=values, rotary=file.rotary)
         if not found.values["m"] > 0.0:
             raise UsageError(
                 f"{path}: parameters: m = {found.values['m']:g} {found.unit('m')}, expected a value"

@@ -121,6 +121,8 @@ def robot_model(drive: Drive, form: str) -> RobotModel:
         if F_0 := values.get("F_0"):
             lost.append(f"F_0 = {F_0:g} {drive.unit('F_0')} is left out")
         parts |= {"joint": "continuous" if rotary else "prismatic", "F_c": values["F_c"]}
+    if held := [name for name in values if name.startswith(("g_", "mu_g", "cogging_"))]:
+        lost.append(f"of the force of position, {', '.join(held)} are left out")
     if rotary:
         lost.append("the mass of 1 kg is a placeholder, only the inertia about the axis is known")
     if b < 0.0:

@@ -427,8 +427,8 @@ class _Log:
             c = found.coefficients[len(FIXED) : design.fixed.shape[1]]
             late = float(found.coefficients[FIXED.index("delay")]) * self.rows[0].T
             if not terms.orders:
-                weight, terms = terms, replace(terms, coefficients=tuple(c.tolist()))
-                if terms.loads and not _is_near(weight, terms):
+                before, terms = terms, replace(terms, coefficients=tuple(c.tolist()))
+                if terms.loads and not _is_near(before, terms):
                     continue
                 return terms, late
             terms = replace(terms, coefficients=tuple(c[:-1].tolist()))

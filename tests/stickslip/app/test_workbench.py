@@ -114,12 +114,12 @@ def test_a_slider_moves_the_result(server, browser):
 
 def test_requests_without_the_token_or_from_another_page_are_refused(server):
     plain, token = server[1].split("?token=")
-    stranger = {"Origin": "http://localhost:3000"}
+    foreign = {"Origin": "http://localhost:3000"}
     for address, headers in (
         (plain, {}),
         (f"{plain}?token={token[:-1]}", {}),
         (f"{plain}files/learn/learned.json", {"Cookie": f"stickslip={token}"}),
-        (server[1], stranger),
+        (server[1], foreign),
     ):
         assert httpx.get(address, headers=headers).status_code == 403
     assert httpx.get(f"{plain}files/..%2Fstage.fmu?token={token}").status_code == 404

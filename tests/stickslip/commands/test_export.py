@@ -284,6 +284,13 @@ def test_a_force_of_position_is_exported_and_is_that_of_a_closed_form(export, tm
     np.testing.assert_allclose(known, expected - 8.0, atol=1e-12)
 
 
+def test_a_model_of_a_robot_says_that_it_has_no_force_of_position(export):
+    cogging = {"cogging_c[2]": {"value": 0.7}, "pitch": {"value": 0.3}}
+    status, _, error = export("drive", **document(), position_force=cogging)
+    assert status == 0, error
+    assert "of the force of position, cogging_c[2] are left out" in error
+
+
 def test_a_force_of_position_that_is_not_sound_is_refused_in_a_line(export):
     assert "contains no force of position" in export("position_force")[2]
     found = {"motion": "rotary", "position_force": HELD, "refusal": "the mass is not plausible"}
