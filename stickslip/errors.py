@@ -22,9 +22,19 @@ from stickslip.fmi.messages import printable
 _COMMAND = "STICKSLIP_COMMAND"
 """Variable of the environment of a command, and of the processes that it starts."""
 _SETTING = re.compile(
-    "<(column|compensator|confirm|controller|encoder_step|friction_range|law|motion|out|rated_force"
-    "|rated_torque|resume|sample_period|scale|span|unit)(?: ([^<>]+))?>"
+    "<(column|compensator|confirm|controller|drive|encoder_step|evaluations|fixed|force"
+    "|friction_range|gain|law|motion|out|rated_force|rated_torque|resume|rig|sample_period|scale"
+    "|seconds|seed|seeds|span|stop|tunings|unit)(?: ([^<>]+))?>"
 )
+
+_OTHERWISE = {
+    "drive": "drives",
+    "force": "force=True",
+    "gain": "gains",
+    "out": "folder",
+    "resume": "resume=True",
+}
+"""What is called in Python otherwise than by the word of its option."""
 
 
 @contextmanager
@@ -68,8 +78,8 @@ def _option(found: re.Match[str]) -> str:
 
 def _keyword(found: re.Match[str]) -> str:
     name, value = found.groups()
-    if name in ("out", "resume"):
-        return {"out": "folder", "resume": "resume=True"}[name]
+    if name in _OTHERWISE:
+        return _OTHERWISE[name]
     if name in ("column", "unit", "scale") and value:
         pairs = re.findall(r"(\w+)=(.*?)(?= \w+=|$)", value)
         part = name.replace("column", "name")

@@ -5,10 +5,11 @@ from __future__ import annotations
 import io
 import math
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from inspect import Parameter, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, TypeVar, Unpack
 
 from stickslip import cosim
 from stickslip.cosim import ParameterError, Table
@@ -52,16 +53,43 @@ def packed_input(package: Path) -> dict[str, Table]:
 _STEPS = 500  # of a run for which no step is proposed
 
 
+class RunOptions(TypedDict, total=False):
+    """How a system is run; see ``simulate``."""
+
+    start: float | None
+    stop: float | None
+    step: float | None
+    record: cosim.Record | Iterable[str] | None
+    coupling: cosim.Coupling | Literal["gauss_seidel", "jacobi", "iterative"]
+    constant_step: bool
+    compiled: bool
+    tolerance: float | None
+    allow_nan: bool
+    isolation: cosim.Isolated
+
+
+F = TypeVar("F", bound=Callable[..., object])
+
+
+def with_run_options(function: F) -> F:
+    """Name in the signature of a function what its ``**options`` take, so that it is completed."""
+    own, known = signature(function), signature(cosim.System.prepare).parameters
+    named = [one for one in own.parameters.values() if one.kind is not Parameter.VAR_KEYWORD]
+    for name, kind in RunOptions.__annotations__.items():
+        default = None if name in ("start", "stop", "step") else known[name].default
+        one = Parameter(name, Parameter.KEYWORD_ONLY, default=default)
+        named.append(one.replace(annotation=kind.__forward_arg__))
+    vars(function)["__signature__"] = own.replace(parameters=named)
+    return function
+
+
+@with_run_options
 def simulate(
     path: cosim.System | cosim.Fmu | Path | str,
     *,
-    start: float | None = None,
-    stop: float | None = None,
-    step: float | None = None,
     parameters: Mapping[str, Any] | None = None,
     inputs: Inputs | None = None,
-    record: Iterable[str] | None = None,
-    **options: Any,
+    **options: Unpack[RunOptions],
 ) -> cosim.Result:
     """Run a system, an FMU or a system structure package once and return what it recorded.
 
@@ -74,9 +102,9 @@ def simulate(
         dictionary, or a row of a table such as that of ``sweep``
     inputs : signals by exposed input, as of ``Simulation.run``: series over time [s], a data frame
         of them, arrays, functions of time [s] or numbers; an .ssp file may bring its own
-    record : names or patterns such as ``drive.*``; all outputs and inputs by default, or all
-        variables of a system that has none
-    options : of ``System.prepare``, such as ``tolerance``, ``isolation`` and ``allow_nan``
+    record : names or patterns such as ``drive.*``, or a Record; all outputs and inputs by default,
+        or all variables of a system that has none
+    coupling, constant_step, compiled, tolerance, allow_nan, isolation : as of ``System.prepare``
 
     Raises
     ------
@@ -91,9 +119,7 @@ def simulate(
     model.require_free(starts, signals)
     for name, value in starts.items():
         model.set(name, value)
-    with model.prepare(
-        start=start, stop=stop, step=step, record=model.record(record), **options
-    ) as simulation:
+    with model.prepare(**options) as simulation:
         return simulation.run(inputs=signals)
 
 
@@ -140,7 +166,7 @@ class Model:
         start: float | None = None,
         stop: float | None = None,
         step: float | None = None,
-        record: cosim.Record | None = None,
+        record: cosim.Record | Iterable[str] | None = None,
         **options: Any,
     ) -> cosim.Simulation:
         """Instantiate the FMUs for the times that are given or else proposed [s].
@@ -150,10 +176,9 @@ class Model:
         start = (self.experiment.start or 0.0) if start is None else start
         stop = self.experiment.stop if stop is None else stop
         if stop is None:
-            raise UsageError(
-                f"{self.path}: no stop time is proposed; give one in s: stop=, or --stop"
-            )
+            raise UsageError(f"{self.path}: no stop time is proposed; give one in s: <stop S>")
         step = self.step(start, stop) if step is None else step
+        record = self.record(record)
         try:
             return self.system.prepare(start=start, stop=stop, step=step, record=record, **options)
         except cosim.ExperimentError as fault:
@@ -196,12 +221,14 @@ class Model:
         return found
 
     def record(
-        self, names: Iterable[str] | None, every: int = 1, keep: str = "all"
+        self, names: cosim.Record | Iterable[str] | None, every: int = 1, keep: str = "all"
     ) -> cosim.Record:
         """Return what to record; names are qualified.
 
         By default outputs and exposed inputs, and where there are no outputs, local variables.
         """
+        if isinstance(names, cosim.Record):
+            return names
         each = [names] if isinstance(names, str) else [] if names is None else [*names]
         qualified = [self.qualified(name) for name in each] or None
         return cosim.Record(qualified, every, keep)  # type: ignore[arg-type]

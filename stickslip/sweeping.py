@@ -12,7 +12,7 @@ from functools import partial
 from itertools import product
 from numbers import Integral
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import pandas as pd
@@ -30,7 +30,7 @@ from stickslip.fmi.description.variables import FLOATS
 from stickslip.fmi.messages import printable
 from stickslip.ga.execution.evaluation import DIED, Evaluator
 from stickslip.ga.problem.problem import Array
-from stickslip.simulation import Model
+from stickslip.simulation import Model, RunOptions, with_run_options
 
 _log = logging.getLogger(__name__)
 
@@ -64,6 +64,7 @@ class Optimum:
         return f"{len(self.table)} runs; {self.stopped}"
 
 
+@with_run_options
 def sweep(
     system: cosim.System | cosim.Fmu | Path | str,
     parameters: Mapping[str, Iterable[float | str]],
@@ -73,7 +74,7 @@ def sweep(
     workers: int = 1,
     where: str = "threads",
     progress: Progress | bool = False,
-    **options: Any,
+    **options: Unpack[RunOptions],
 ) -> pd.DataFrame:
     """Run a system for every combination of parameter values.
 
@@ -89,8 +90,7 @@ def sweep(
     workers, where : how many, and ``threads``, ``processes``, ``local`` or the address of a Dask
         scheduler
     progress : whether to show a bar; or a function of how many runs are done and how many there are
-    options : of ``System.prepare``, such as ``stop`` and ``step`` [s] instead of those that a file
-        proposes, and ``record``
+    start, stop, step, record and all others : as of ``simulate``
 
     Returns
     -------
@@ -143,6 +143,7 @@ def sweep(
     return table.fillna({"reason": ""}) if failed else table
 
 
+@with_run_options
 def optimise(
     system: cosim.System | cosim.Fmu | Path | str,
     ranges: Mapping[str, Sequence[float]],
@@ -155,13 +156,13 @@ def optimise(
     workers: int = 1,
     where: str = "threads",
     progress: output.Progress | Progress | bool = False,
-    **options: Any,
+    **options: Unpack[RunOptions],
 ) -> Optimum:
     """Search the parameters of a system for which a cost is least, by the genetic algorithm.
 
     Parameters
     ----------
-    system, inputs, workers, where, options : as of ``sweep``
+    system, inputs, workers, where : as of ``sweep``
     progress : as of ``sweep``, or an ``ss.Progress``, which is told of generations
     ranges : name -> (lowest, start, highest), or (lowest, highest) to start with the value of the
         system, in the unit of the variable; searched by the logarithm where the lowest is above 0
@@ -169,6 +170,7 @@ def optimise(
     evaluations : budget of runs
     algorithm : ``default``, ``paper`` or ``cma``
     seed : random seed; the same seed gives the same search, whatever the workers
+    start, stop, step, record and all others : as of ``simulate``
 
     Raises
     ------
@@ -276,11 +278,10 @@ def _shown(progress: Progress | bool) -> Iterator[Progress]:
 
 
 def _prepared(
-    system: cosim.System | cosim.Fmu | Path | str, inputs: Inputs | None, options: dict[str, Any]
+    system: cosim.System | cosim.Fmu | Path | str, inputs: Inputs | None, options: RunOptions
 ) -> tuple[Model, cosim.Specification, Mapping[str, Input]]:
     """Return the model, what its runs have in common, and their inputs."""
     model = Model.of(system)
-    options["record"] = model.record(options.get("record"))
     with model.prepare(**options) as simulation:
         specification = replace(simulation.spec, system=model.system)
     return model, specification, model.signals(inputs)

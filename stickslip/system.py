@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from stickslip.cosim.system import system
+from stickslip.simulation import RunOptions, simulate, with_run_options
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from stickslip.cosim import DefaultExperiment
+    from stickslip import output
+    from stickslip.cosim import DefaultExperiment, Result
     from stickslip.cosim.component import Interface
+    from stickslip.cosim.signals.tables import Inputs
     from stickslip.figures import Figure
-    from stickslip.sweeping import Optimum
+    from stickslip.sweeping import Optimum, Progress
 
 
 class System(system.System):
@@ -51,24 +54,74 @@ class System(system.System):
 
         super().add(name, component(fmu), parameters, interface=interface)
 
+    @with_run_options
+    def simulate(
+        self,
+        *,
+        parameters: Mapping[str, Any] | None = None,
+        inputs: Inputs | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Result:
+        """Run the system once and return what it recorded; see ``ss.simulate``."""
+        return simulate(self, parameters=parameters, inputs=inputs, **options)
+
+    @with_run_options
     def sweep(
         self,
-        parameters: Mapping[str, Iterable[float]],
+        parameters: Mapping[str, Iterable[float | str]],
         figures: Mapping[str, Figure],
-        **settings: Any,
+        *,
+        inputs: Inputs | None = None,
+        workers: int = 1,
+        where: str = "threads",
+        progress: Progress | bool = False,
+        **options: Unpack[RunOptions],
     ) -> pd.DataFrame:
         """Run the system for every combination of parameter values; see ``ss.sweep``."""
         from stickslip.sweeping import sweep  # late, for those who start quickly
 
-        return sweep(self, parameters, figures, **settings)
+        return sweep(
+            self,
+            parameters,
+            figures,
+            inputs=inputs,
+            workers=workers,
+            where=where,
+            progress=progress,
+            **options,
+        )
 
+    @with_run_options
     def optimise(
-        self, ranges: Mapping[str, Sequence[float]], cost: Figure, **settings: Any
+        self,
+        ranges: Mapping[str, Sequence[float]],
+        cost: Figure,
+        *,
+        inputs: Inputs | None = None,
+        evaluations: int = 300,
+        algorithm: str = "default",
+        seed: int = 0,
+        workers: int = 1,
+        where: str = "threads",
+        progress: output.Progress | Progress | bool = False,
+        **options: Unpack[RunOptions],
     ) -> Optimum:
         """Search the parameters for which a cost is least; see ``ss.optimise``."""
         from stickslip.sweeping import optimise  # late, for those who start quickly
 
-        return optimise(self, ranges, cost, **settings)
+        return optimise(
+            self,
+            ranges,
+            cost,
+            inputs=inputs,
+            evaluations=evaluations,
+            algorithm=algorithm,
+            seed=seed,
+            workers=workers,
+            where=where,
+            progress=progress,
+            **options,
+        )
 
 
 def read_ssp(

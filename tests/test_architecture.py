@@ -51,7 +51,9 @@ UNCOUNTED = ("stickslip.papers.lugre", "stickslip.studies.arena")
 """Rooms that still have more; to be emptied."""
 MANY_PARAMETERS = {
     "close_velocity_loop": "public: a loop has its gains and times, each a keyword of the user",
+    "learn": "public: each is a keyword of the user",
     "optimise": "public: each is a keyword of the user",
+    "tune": "public: each is a keyword of the user",
 }
 FOUR_FILES = {"model.toml", "model.c", "README.md", "reference.csv"}
 

@@ -17,25 +17,34 @@ from stickslip.models.firmware import Language, write_combined
 from stickslip.models.firmware.combined import ADDED_FORCE, SIGNALS, used_signals
 from stickslip.presentation.page import Section, write_page
 from stickslip.presentation.quantity import number
+from stickslip.servo.systems import Compensator
 
 FOLDER, PAGE = "deploy", "steps.html"
 PARTS = ("compensator", "position_force", "observer")  # in the order of their calls
 FILES = (
-    PAGE,
-    *(f"{part}.{end}" for part in (*PARTS, ADDED_FORCE) for end in ("c", "h")),
-    *(f"{ADDED_FORCE}.{end}" for end in ("st", "xml")),
+    f"{FOLDER}/{PAGE}",
+    *(f"{FOLDER}/{part}.{end}" for part in (*PARTS, ADDED_FORCE) for end in ("c", "h")),
+    *(f"{FOLDER}/{ADDED_FORCE}.{end}" for end in ("st", "xml")),
 )
-"""What ``write_deployment`` may write."""
+"""What ``write_deployment`` may write, in the folder of results."""
 
 
-def deployed_blocks(learned: LearnedFile) -> Iterator[Model]:
-    """Yield what learning wrote as FMUs, with the same values, in the order of the calls."""
+def deployed_parts(learned: LearnedFile) -> dict[str, Compensator]:
+    """Return what was written as FMUs, by name, in the order of the calls."""
+    found = {}
     for part in PARTS:
         if f"{part}.fmu" in learned.written:
             is_feedforward = part == "compensator"
             one = learned.deployed(learned.share) if is_feedforward else getattr(learned, part)
-            law = (one.law or learned.law.name) if load_model(one.model).law else None
-            yield replace(load_model(one.model, law).with_start(one.values), name=part)
+            found[part] = one
+    return found
+
+
+def deployed_blocks(learned: LearnedFile) -> Iterator[Model]:
+    """Yield the models of what was written as FMUs, with the same values, in the same order."""
+    for part, one in deployed_parts(learned).items():
+        law = (one.law or learned.law.name) if load_model(one.model).law else None
+        yield replace(load_model(one.model, law).with_start(one.values), name=part)
 
 
 def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
@@ -60,6 +69,7 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
         paths += write_combined(folder, language, blocks, rotary=rotary, notes=notes)
     signals, of_drive = used_signals(blocks), partial(motion_unit, rotary=rotary)
     verdict = {"source": "", "refused": (), **(learned.document.get("verdict") or {})}
+    tuning = learned.document.get("tuning") or {}
     section = Section(
         "",
         "learned/deploy.j2",
@@ -70,13 +80,17 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
         T_s=(learned.document.get("T_s") or {}).get("value"),
         names=names,
         verdict=verdict,
-        steps=list(_steps(names, [*signals], verdict)),
+        gains_before=_gains(tuning, "before"),
+        steps=list(_steps(names, [*signals], verdict, tuning)),
     )
     return paths + write_page(folder, "How to deploy the compensator", [section], PAGE)
 
 
 def _steps(
-    names: Sequence[str], signals: Sequence[str], verdict: Mapping[str, Any]
+    names: Sequence[str],
+    signals: Sequence[str],
+    verdict: Mapping[str, Any],
+    tuning: Mapping[str, Any],
 ) -> Iterator[tuple[str, str, str]]:
     """Yield what to do, what must be seen, and what to do if it is not."""
     checks = list(verdict.get("checks", ()))
@@ -87,6 +101,13 @@ def _steps(
         seen += "; F_m, in the mean of a motion, is greater forth than back"
     repair = "correct signs, units and zeros of the signals"
     yield "move the axis slowly forth and back by its controller alone", seen, repair
+    if before := _gains(tuning, "before"):
+        back = f"the gains as before: {before}"
+        yield (
+            f"enter the tuned gains in the controller: {_gains(tuning, 'after')}",
+            "the same slow motion without oscillation or noise; F is not added yet",
+            f"{back}; do not use this code then, which is tuned for the new gains",
+        )
     if "compensator" in names:
         known = [one.partition(": ")[2] for one in checks if one.startswith("drive disabled: ")]
         output = known or ["a positive velocity command must give a positive output"]
@@ -110,7 +131,17 @@ def _steps(
         "with a gain of 0.25, 0.5 and 1 the error becomes smaller each time",
         "gain 0; compare period, signs and units with those above",
     )
-    if errors := verdict.get("errors"):
+    if found := [one for one in tuning.get("ratios", ()) if one["of"] == "RMS"]:
+        left = "; ".join(
+            f"{one['motion']}, {one['figure']}: {number(100.0 * one['ratio'], 2)} %"
+            for one in found
+        )
+        yield (
+            "run the motions of the machine",
+            f"predicted RMS error, of that with the gains before and what was added then: {left}",
+            f"gain 0, and {back}" if before else "gain 0",
+        )
+    elif errors := verdict.get("errors"):
         left = "; ".join(
             f"{one['motion']}: {number(100.0 * one['left'] / one['without'], 2)} %"
             f" ({number(100.0 * one['low'], 2)} to {number(100.0 * one['high'], 2)} %)"
@@ -122,3 +153,16 @@ def _steps(
             "record a log; stickslip validate learned.json --log LOG compares it with what was"
             " learned",
         )
+
+
+def _gains(tuning: Mapping[str, Any], when: str) -> str:
+    """Return the gains of the controller that were tuned, before or after, in words."""
+    shown = {
+        one["parameter"]: [f"{number(one[at])} {one['unit']}" for at in ("before", "after")]
+        for one in tuning.get("parameters", ())
+    }
+    return ", ".join(
+        f"{name.removeprefix('controller.')} = {ends[when == 'after']}"
+        for name, ends in shown.items()
+        if name.startswith("controller.") and ends[0] != ends[1]
+    )

@@ -46,7 +46,7 @@ class DriveLoop:
         if learned.loop is None:
             raise UsageError(
                 f"{learned.path}: contains no loop; learn with the controller of the log, "
-                "--controller and --gain"
+                "<controller> and <gain>"
             )
         files = learned.written
         return cls(
@@ -117,7 +117,7 @@ class DriveLoop:
                 unit = self.unit(name)
                 found.append(ga.Gene(name, low, high, start, unit=unit, linear=low <= 0.0))
         if not found:
-            raise UsageError("nothing is left to tune; expected fewer names after --fixed")
+            raise UsageError("nothing is left to tune; expected fewer names in <fixed>")
         return ga.Problem(found)
 
     def _spans(self) -> dict[str, tuple[float, float]]:

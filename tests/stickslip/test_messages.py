@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import fields
+from inspect import signature
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from stickslip.contents import info
 from stickslip.errors import UsageError, settings_as_options
 from stickslip.logs.recording import Finding
 from stickslip.presentation.markup import text
+from stickslip.studies.arena.comparison import make_plan
 from tests.corpus.hostile.sound import describe, replaced
 from tests.corpus.hostile.zips import zipped
 
@@ -79,7 +81,7 @@ def test_pages_and_notebooks_show_escapes(odd):
 
 ROOMS = (
     *("logs", "identification", "rigs", "servo", "trial", "storage", "evaluation", "presentation"),
-    *("tuning", "catalog", "compensators", "learned", "work", "planning"),
+    *("tuning", "catalog", "compensators", "learned", "work", "planning", "loops"),
 )
 SOURCES = Path(errors.__file__).parent
 
@@ -113,9 +115,15 @@ def test_a_setting_is_an_option_or_a_keyword(text, option, keyword):
 def test_every_setting_is_one_of_both():
     names = re.search(r"<\((.*?)\)", errors._SETTING.pattern)[1].split("|")
     keywords = {one.name for kind in (ss.Description, ss.LearnSettings) for one in fields(kind)}
-    assert not {*names} - keywords - {"column", "unit", "scale", "out", "resume"}
-    learn = cli._parser(["learn"])._subparsers._group_actions[0].choices["learn"]
-    assert not {f"--{name.replace('_', '-')}" for name in names} - {*learn._option_string_actions}
+    for function in (ss.simulate, ss.tune, ss.arena, make_plan, ss.write_learned):
+        keywords |= {*signature(function).parameters}
+    called = {errors._OTHERWISE.get(name, name).partition("=")[0] for name in names}
+    assert not called - keywords - {"column", "unit", "scale"}
+    options = set[str]()
+    for command in ("learn", "simulate", "tune", "arena"):
+        parser = cli._parser([command])._subparsers._group_actions[0].choices[command]
+        options |= {*parser._option_string_actions}
+    assert not {f"--{name.replace('_', '-')}" for name in names} - options
 
 
 def test_no_message_of_python_names_an_option():

@@ -53,19 +53,19 @@ def make_plan(
     require_drives(only, known)
     if len({name.lower() for name in known}) < len(known):
         raise UsageError(
-            "--drive: two drives have the same name, upper and lower case alike, of"
+            "<drive>: two drives have the same name, upper and lower case alike, of"
             f" {', '.join(known)}"
         )
     if not seconds > 0.0:
-        raise UsageError(f"--seconds {seconds:g}: expected a number above 0")
-    for option, given, least in (
-        ("--evaluations", evaluations, 10),
-        ("--seeds", seeds, 1),
-        ("--seed", seed, 0),
-        ("--tunings", tunings, 1),
+        raise UsageError(f"<seconds {seconds:g}>: expected a number above 0")
+    for name, given, least in (
+        ("evaluations", evaluations, 10),
+        ("seeds", seeds, 1),
+        ("seed", seed, 0),
+        ("tunings", tunings, 1),
     ):
         if not (isinstance(given, int) and given >= least):
-            raise UsageError(f"{option} {given!r}: expected a whole number, at least {least}")
+            raise UsageError(f"<{name} {given!r}>: expected a whole number, at least {least}")
     parts = tuple(own_part(Path(fmu), _path(ports)) for fmu, ports in (own or {}).items())
     names = [*(compensators or default_names()), *(part.name for part in parts)]
     plan = Plan(

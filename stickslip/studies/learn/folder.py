@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from stickslip.errors import with_settings
 from stickslip.learned import deploying, writing
 from stickslip.learned.file import LearnedFile
 from stickslip.presentation.page import Section, picture_files
@@ -35,8 +36,7 @@ from stickslip.studies.learn.verdict import (
 FMUS = (COMPENSATOR, OBSERVER_FMU, POSITION_FMU)
 TABLE = "tracking_error.csv"  # Errors on the family of simulated drives
 PICTURES = (ERROR, TRACKING)  # of the page's opening
-DEPLOYED = tuple(f"{deploying.FOLDER}/{name}" for name in deploying.FILES)
-FILES = ("learned.json", *FMUS, *DEPLOYED, TABLE, *picture_files(PICTURES), *REPORT)
+FILES = ("learned.json", *FMUS, *deploying.FILES, TABLE, *picture_files(PICTURES), *REPORT)
 """What ``write_learned`` writes or removes."""
 
 
@@ -95,7 +95,7 @@ def write_learned(
     command = {"name": "learn", "log": learned.estimation.recording.source, "seed": learned.seed}
     shown = learned.with_whole_force() if force else learned
     names = file_names(learned.writes(force=force))
-    without = [*FMUS, *DEPLOYED, TABLE, *picture_files(PICTURES)]
+    without = [*FMUS, *deploying.FILES, TABLE, *picture_files(PICTURES)]
     with staged(folder, command, without=without) as staging:
         if shown.trial:
             write_tables({TABLE.removesuffix(".csv"): shown.trial.table()}, staging)
@@ -151,6 +151,7 @@ def build_part(
     learned: LearnedFromRecording, one: Compensator, called: str, staging: Path, refusal: str = ""
 ) -> None:
     """Build the FMU of a part of the loop, in whose description is why it is not recommended."""
-    note = f"Written with --force; learn does not recommend it: {refusal}" if refusal else ""
+    note = with_settings(f"Written with <force>; learn does not recommend it: {refusal}")
     law, rotary = learned.estimation.law, learned.estimation.recording.rotary
+    note = note if refusal else ""
     writing.build_part(one, law, called, staging, rotary=rotary, note=note)

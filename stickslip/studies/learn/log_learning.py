@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -29,7 +28,7 @@ from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.known_loop import is_running
 from stickslip.identification.criteria.motion import against_motion, recording_scale
 from stickslip.identification.criteria.runs import candidate_fmus
-from stickslip.identification.estimation import LearnSettings
+from stickslip.identification.estimation import CriterionName, LearnSettings, Search
 from stickslip.identification.sliding.checked_logs import Checked, Refused, check_logs, joined
 from stickslip.identification.sliding.position_force import (
     PositionForce,
@@ -53,13 +52,14 @@ from stickslip.loops.drive_loop import DriveLoop
 from stickslip.loops.family_cost import FamilyCost
 from stickslip.loops.other_gains import try_other_gains
 from stickslip.output import SILENT, Progress, counted_steps
+from stickslip.planning import LINEAR, Limits
 from stickslip.rigs.contract import Rig
 from stickslip.servo.axis import ControlError
 from stickslip.servo.observer import masses_between
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
 from stickslip.studies.learn.predicted_logs import predicted_logs
 from stickslip.studies.learn.recorded import read_rig
-from stickslip.thresholds import control_match
+from stickslip.thresholds import control_match, harm
 from stickslip.trial.candidates import law_of
 from stickslip.trial.compensator_trial import loops_of_log, try_compensator
 from stickslip.trial.guards import bench_of
@@ -223,9 +223,18 @@ def learn(
     source: Path | str | Log | Rig | Sequence[Path | str | Log],
     description: Description | None = None,
     *,
+    law: str = "auto",
+    compensator: str = "auto",
+    fixed_gains: bool = False,
+    friction_range: tuple[float, float] | None = None,
+    absent: Sequence[str] = (),
     validate: Sequence[Path | str | Log] = (),
+    criterion: CriterionName = "auto",
+    limits: Limits = LINEAR,
+    search: Search | None = None,
+    seed: int = 0,
+    seeds: int = 1,
     progress: Progress = SILENT,
-    **settings: Any,
 ) -> LearnedFromRecording:
     """Learn a drive from a log of it, or several, or on a rig.
 
@@ -235,9 +244,10 @@ def learn(
         folders, tables of logs (see ``logs_of``), or ``Log`` objects, each with a description of
         its own. The compensator is tried in the loop of the first log.
     description : of its columns and of the controller; by default the columns are detected
+    law, compensator, fixed_gains, friction_range, absent, criterion, limits, search, seed, seeds :
+        as of ``LearnSettings``; law and compensator are chosen unless they are given
     validate : logs whose force is predicted, but not learned from
     progress : is told of stages, findings and generations
-    settings : fields of ``LearnSettings``, such as ``law``, ``seed`` and ``compensator``
 
     Raises
     ------
@@ -248,7 +258,18 @@ def learn(
     RigError
         When the experiment on the rig did not end as commanded.
     """
-    asked = LearnSettings(**settings)
+    asked = LearnSettings(
+        law=law,
+        compensator=compensator,
+        fixed_gains=fixed_gains,
+        friction_range=friction_range or harm.levels(),
+        absent=absent,
+        criterion=criterion,
+        limits=limits,
+        search=search or Search(),
+        seed=seed,
+        seeds=seeds,
+    )
     chosen = replace(asked, law=law_of(asked.compensator, asked.law, asked.absent))
     # Threads of linear algebra would wait for those of other work on the same cores.
     with threadpool_limits(limits=1, user_api="blas"):

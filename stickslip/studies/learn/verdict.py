@@ -16,6 +16,7 @@ from textwrap import wrap
 import numpy as np
 from matplotlib.figure import Figure
 
+from stickslip.errors import with_settings
 from stickslip.evaluation.tracking import FEEDFORWARD as WITH_FEEDFORWARD
 from stickslip.evaluation.tracking import FRICTIONLESS, NONE, Tracking
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
@@ -157,10 +158,10 @@ def refusals(
     reasons[COMPENSATOR] = learned.refusal if learned.choice != OBSERVER else ""
     reasons[POSITION_FMU] = learned.doubt if learned.position_force else ""
     for name, why in reasons.items():
-        how = "" if force or name not in could else " (--force writes it)"
-        fate = "written, as --force asks for" if name in files else "not written"
+        how = "" if force or name not in could else " (<force> writes it)"
+        fate = "written, as <force> asks for" if name in files else "not written"
         if why:
-            yield f"{name} is {fate}: {why}{how}"
+            yield with_settings(f"{name} is {fate}: {why}{how}")
 
 
 def _headline(
@@ -172,7 +173,7 @@ def _headline(
         start = f"friction is not the problem: {most} friction"
         return f"{start}, so a compensator brings little" if files else start
     if force and learned.writes() != learned.writes(force=True):
-        return "what is written is not recommended, but asked for with --force"
+        return with_settings("what is written is not recommended, but asked for with <force>")
     if compared and learned.writes() and compared.chosen.benefit:
         return (
             f"friction is worth compensating: {compared.chosen.name} leaves"
@@ -315,7 +316,7 @@ def _doubts(learned: LearnedFromRecording) -> Iterator[str]:
             found.append(
                 "compensators were tried in a PI velocity loop that is not the log's, K_p ="
                 f" {loop.K_p:.4g}, K_i = {loop.K_i:.4g}"
-                f"{'' if known else '; --controller and --gain give the one of the log'}"
+                f"{'' if known else '; <controller> and <gain> give the one of the log'}"
             )
         found += learned.trial.warnings
     faults = {str(one) for one in estimation.faults}
@@ -324,7 +325,7 @@ def _doubts(learned: LearnedFromRecording) -> Iterator[str]:
     ]
     if warnings:
         found.append(f"warnings about the log: {'; '.join(one.what for one in warnings)}")
-    yield from found
+    yield from map(with_settings, found)
 
 
 LABEL = 12  # columns of a terminal before the sentences

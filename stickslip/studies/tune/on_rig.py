@@ -77,7 +77,7 @@ def tune_on_rig(
     if not math.isclose(T_s, rig.T_s, rel_tol=1e-6):
         raise UsageError(
             f"{learned.path}: its loop has T_s = {T_s:g} s, and {rig.name} {rig.T_s:g} s; expected"
-            " the same; learn with --rig"
+            " the same; learn with <rig>"
         )
     if motions < 2:
         raise UsageError(f"motions = {motions}: expected 2 or more")

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stickslip.learned import deploying
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.writing import build_part, component_entry, loop_document
 from stickslip.models.export.units import motion_unit
@@ -30,10 +31,16 @@ from stickslip.trial.benefit import MotionErrors
 FIGURE = "errors"
 WIDTH = 0.5  # of the levels of friction beside each other in it, over the distance of motions
 DOCUMENT, PARAMETERS, SEARCH, PAGE = "tuned.json", "parameters.csv", "search.csv", "report.html"
-FMUS = ("compensator.fmu", "observer.fmu")
-FILES = (DOCUMENT, PARAMETERS, SEARCH, PAGE, *FMUS, *picture_files([FIGURE]))
+FMUS = tuple(f"{part}.fmu" for part in deploying.PARTS)
+FILES = (
+    *(DOCUMENT, PARAMETERS, SEARCH, PAGE, *FMUS, *deploying.FILES),
+    *picture_files([FIGURE]),
+)
 """What ``write_tuned`` writes or removes."""
-STALE = ("predicted_error", "tracking_error", "tracking", "hold", "compared", "validation_errors")
+STALE = (
+    *("predicted_error", "tracking_error", "tracking", "hold", "compared", "validation_errors"),
+    "verdict",
+)
 """Entries of learned.json that hold in the present loop only."""
 NEAR = 0.01  # share of a range at its ends; a least cost there may be an end, not a minimum
 COLUMNS = (
@@ -88,9 +95,11 @@ def tuned_document(found: TunedDrive) -> dict[str, Any]:
         peaks = {"peak_sensitivity": {"value": found.Ms[1], "unit": "1"}}
         document["observer"] |= peaks
     elif "observer.fmu" in learned.written:  # a rig does not run it
-        files = [name for name in learned.written if name != "observer.fmu"]
-        document["written"] = {**document["written"], "files": files}
         del document["observer"]
+    held = "position_force.fmu" in learned.written and learned.position_force
+    has = dict(zip(FMUS, (best.feedforward, held, best.observer), strict=True))
+    files = [name for name, one in has.items() if one]
+    document["written"] = {"files": files}
     document["tuning"] = {
         "from": learned.path.name,
         "sentence": found.sentence,
@@ -111,7 +120,7 @@ def tuned_document(found: TunedDrive) -> dict[str, Any]:
 
 
 def write_tuned(found: TunedDrive, folder: Path) -> None:
-    """Write tuned.json, tables, the page, and the compensators as a controller takes them.
+    """Write tuned.json, tables, the page, the compensators and, in ``deploy``, how to use them.
 
     Raises OSError when a file cannot be written.
     """
@@ -120,11 +129,10 @@ def write_tuned(found: TunedDrive, folder: Path) -> None:
     with completed(folder, command, FILES, frames) as staging:
         write_json(tuned_document(found), staging / DOCUMENT)
         learned = LearnedFile(staging / DOCUMENT)  # the blocks are those that export would give
-        build = partial(build_part, law=learned.law, folder=staging, rotary=learned.rotary)
-        if found.best.feedforward:
-            build(learned.deployed(learned.share), called="compensator")
-        if found.best.observer:
-            build(learned.observer, called="observer")
+        for name, part in deploying.deployed_parts(learned).items():
+            build_part(part, learned.law, name, staging, rotary=learned.rotary)
+        if learned.written:
+            deploying.write_deployment(learned, staging / deploying.FOLDER)
         section = Section(
             "",
             "studies/tune/page.j2",
@@ -134,6 +142,7 @@ def write_tuned(found: TunedDrive, folder: Path) -> None:
             parameters=parameters(found),
             errors=[*tables.errors(found.benefit)],
             kept=kept,
+            deployed=bool(learned.written),
         )
         write_page(staging, "Tuned loop", [section], PAGE)
 

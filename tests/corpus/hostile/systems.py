@@ -174,7 +174,7 @@ FILES = [
                     [connection("a.y", "d.z"), connection("b.y", "d.z")],
                     behind='<ssd:SignalDictionaries><ssd:SignalDictionary name="bus" source="a.ssb"/></ssd:SignalDictionaries>'),
           {"a.ssb": document("ssb:SignalDictionary", '<ssb:DictionaryEntry name="z"><ssc:Real/></ssb:DictionaryEntry>')}),
-    _case("no-stop", "no stopTime", "no stop time is proposed; give one in s: stop=, or --stop", structure(A, times=experiment(times='startTime="0"'))),
+    _case("no-stop", "no stopTime", "no stop time is proposed; give one in s: --stop S", structure(A, times=experiment(times='startTime="0"'))),
     _case("stop-before-start", "stopTime before startTime", "expected a time after", structure(A, times=experiment(times='startTime="5" stopTime="1"'))),
     _case("step-does-not-divide", "a step of 0.3 s in 1 s", "does not divide", structure(A, times=experiment("0.3"))),
     _case("step-zero", "a step of 0", "expected a positive one", structure(A, times=experiment("0"))),

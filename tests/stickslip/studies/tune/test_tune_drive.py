@@ -1,6 +1,7 @@
 """Tuning of a learned drive: what may change, what a candidate runs, and what is taken."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,7 @@ from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
 from stickslip.cosim import Trapezoid
 from stickslip.errors import UsageError
 from stickslip.identification.criteria.runs import Runs
+from stickslip.learned.deploying import deployed_blocks
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.writing import component_entry, loop_document, validation_document
 from stickslip.loops import other_gains
@@ -19,6 +21,7 @@ from stickslip.loops.drive_loop import DriveLoop
 from stickslip.loops.family_cost import FamilyCost, ratios
 from stickslip.loops.other_gains import try_other_gains
 from stickslip.models import load_model
+from stickslip.presentation.quantity import number
 from stickslip.servo.axis import Axis, Datasheet
 from stickslip.servo.lanes import Lanes
 from stickslip.servo.observer import design_observer
@@ -199,7 +202,7 @@ def test_where_nothing_is_better_the_present_loop_stays(learned):
 
 def test_the_files_have_the_tuned_loop(learned, tmp_path, capsys):
     path = learned(CASCADE)
-    words = ["tune", str(path), "--out", str(tmp_path), "--evaluations", "25", "--workers", "1"]
+    words = ["tune", str(path), "--out", str(tmp_path), "--evaluations", "60", "--workers", "1"]
     assert cli.main([*words, "--set-range", "controller.K_x=15:60"]) == 0
     assert "of the tracking error of the present one" in capsys.readouterr().out
     assert (tmp_path / "errors.svg").exists()
@@ -214,6 +217,35 @@ def test_the_files_have_the_tuned_loop(learned, tmp_path, capsys):
     assert start["loop_A[1,1]"] == pytest.approx(tuned.loop.nominal.A[0, 0], rel=1e-12)
     L_d = blocks["observer"].variables["L_d"].start
     assert float(L_d) == pytest.approx(after["observer.L_d"], rel=1e-12)
+    check_deployment(tmp_path, tuned)
+
+
+def check_deployment(folder, tuned):
+    """The code has the values of the FMUs, the page the gains to enter, with those before."""
+    for block in deployed_blocks(tuned):
+        starts = {v.name: v.start for v in ss.Fmu(folder / f"{block.name}.fmu").variables.values()}
+        own = {v.name: v.start for v in block.variables if v.role == "parameter"}
+        assert own == {name: starts[name] for name in own}
+        assert (folder / "deploy" / f"{block.name}.c").exists()
+    assert (folder / "deploy" / "added_force.xml").exists()
+    page = re.sub("<[^>]*>", "", (folder / "deploy" / "steps.html").read_text(encoding="utf-8"))
+    enter = next(line for line in page.splitlines() if "enter the tuned gains" in line.lower())
+    stop = page[page.index("Set the gain to 0 at once") :]
+    gains = 0
+    for one in tuned.document["tuning"]["parameters"]:
+        name = one["parameter"].removeprefix("controller.")
+        is_gain = name != one["parameter"] and number(one["before"]) != number(one["after"])
+        gains += is_gain
+        for text, when in ((enter, "after"), (enter, "before"), (stop, "before")):
+            shown = f"{name} = {number(one[when])} {one['unit']}"
+            assert (shown in text) == is_gain
+    assert gains > 1
+    assert "not added yet" in enter
+    of_all = [one for one in tuned.document["tuning"]["ratios"] if one["of"] == "RMS"]
+    assert len(of_all) > 3
+    for one in of_all:
+        left = number(100.0 * one["ratio"], 2)
+        assert f"{one['motion']}, {one['figure']}: {left} %" in page
 
 
 def test_ratios_are_of_all_drives_and_of_each():
