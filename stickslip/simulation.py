@@ -68,22 +68,52 @@ class RunOptions(TypedDict, total=False):
     isolation: cosim.Isolated
 
 
+class SweepOptions(RunOptions, total=False):
+    """How systems are run side by side; see ``sweep``."""
+
+    inputs: Inputs | None
+    workers: int
+    where: str
+    progress: Any
+
+
+class SearchOptions(SweepOptions, total=False):
+    """How a search runs systems; see ``optimise``."""
+
+    evaluations: int
+    algorithm: str
+    seed: int
+
+
+DEFAULTS: dict[str, Any] = {
+    **{name: one.default for name, one in signature(cosim.System.prepare).parameters.items()},
+    **dict.fromkeys(("start", "stop", "step", "inputs")),
+    "workers": 1,
+    "where": "threads",
+    "progress": False,
+    "evaluations": 300,
+    "algorithm": "default",
+    "seed": 0,
+}
 F = TypeVar("F", bound=Callable[..., object])
 
 
-def with_run_options(function: F) -> F:
-    """Name in the signature of a function what its ``**options`` take, so that it is completed."""
-    own, known = signature(function), signature(cosim.System.prepare).parameters
-    named = [one for one in own.parameters.values() if one.kind is not Parameter.VAR_KEYWORD]
-    for name, kind in RunOptions.__annotations__.items():
-        default = None if name in ("start", "stop", "step") else known[name].default
-        one = Parameter(name, Parameter.KEYWORD_ONLY, default=default)
-        named.append(one.replace(annotation=kind.__forward_arg__))
-    vars(function)["__signature__"] = own.replace(parameters=named)
-    return function
+def named(options: type) -> Callable[[F], F]:
+    """Name keywords of a function in its signature in place of ``**options``, to be completed."""
+
+    def changed(function: F) -> F:
+        own = signature(function)
+        parameters = [one for one in own.parameters.values() if one.kind is not one.VAR_KEYWORD]
+        for name, kind in options.__annotations__.items():
+            one = Parameter(name, Parameter.KEYWORD_ONLY, default=DEFAULTS[name])
+            parameters.append(one.replace(annotation=kind.__forward_arg__))
+        vars(function)["__signature__"] = own.replace(parameters=parameters)
+        return function
+
+    return changed
 
 
-@with_run_options
+@named(RunOptions)
 def simulate(
     path: cosim.System | cosim.Fmu | Path | str,
     *,

@@ -30,7 +30,7 @@ from stickslip.fmi.description.variables import FLOATS
 from stickslip.fmi.messages import printable
 from stickslip.ga.execution.evaluation import DIED, Evaluator
 from stickslip.ga.problem.problem import Array
-from stickslip.simulation import Model, RunOptions, with_run_options
+from stickslip.simulation import Model, RunOptions, named
 
 _log = logging.getLogger(__name__)
 
@@ -64,7 +64,7 @@ class Optimum:
         return f"{len(self.table)} runs; {self.stopped}"
 
 
-@with_run_options
+@named(RunOptions)
 def sweep(
     system: cosim.System | cosim.Fmu | Path | str,
     parameters: Mapping[str, Iterable[float | str]],
@@ -143,7 +143,7 @@ def sweep(
     return table.fillna({"reason": ""}) if failed else table
 
 
-@with_run_options
+@named(RunOptions)
 def optimise(
     system: cosim.System | cosim.Fmu | Path | str,
     ranges: Mapping[str, Sequence[float]],

@@ -7,17 +7,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Unpack
 
 from stickslip.cosim.system import system
-from stickslip.simulation import RunOptions, simulate, with_run_options
+from stickslip.simulation import RunOptions, SearchOptions, SweepOptions, named, simulate
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from stickslip import output
     from stickslip.cosim import DefaultExperiment, Result
     from stickslip.cosim.component import Interface
     from stickslip.cosim.signals.tables import Inputs
     from stickslip.figures import Figure
-    from stickslip.sweeping import Optimum, Progress
+    from stickslip.sweeping import Optimum
 
 
 class System(system.System):
@@ -54,7 +53,7 @@ class System(system.System):
 
         super().add(name, component(fmu), parameters, interface=interface)
 
-    @with_run_options
+    @named(RunOptions)
     def simulate(
         self,
         *,
@@ -65,63 +64,26 @@ class System(system.System):
         """Run the system once and return what it recorded; see ``ss.simulate``."""
         return simulate(self, parameters=parameters, inputs=inputs, **options)
 
-    @with_run_options
+    @named(SweepOptions)
     def sweep(
         self,
         parameters: Mapping[str, Iterable[float | str]],
         figures: Mapping[str, Figure],
-        *,
-        inputs: Inputs | None = None,
-        workers: int = 1,
-        where: str = "threads",
-        progress: Progress | bool = False,
-        **options: Unpack[RunOptions],
+        **options: Unpack[SweepOptions],
     ) -> pd.DataFrame:
         """Run the system for every combination of parameter values; see ``ss.sweep``."""
         from stickslip.sweeping import sweep  # late, for those who start quickly
 
-        return sweep(
-            self,
-            parameters,
-            figures,
-            inputs=inputs,
-            workers=workers,
-            where=where,
-            progress=progress,
-            **options,
-        )
+        return sweep(self, parameters, figures, **options)
 
-    @with_run_options
+    @named(SearchOptions)
     def optimise(
-        self,
-        ranges: Mapping[str, Sequence[float]],
-        cost: Figure,
-        *,
-        inputs: Inputs | None = None,
-        evaluations: int = 300,
-        algorithm: str = "default",
-        seed: int = 0,
-        workers: int = 1,
-        where: str = "threads",
-        progress: output.Progress | Progress | bool = False,
-        **options: Unpack[RunOptions],
+        self, ranges: Mapping[str, Sequence[float]], cost: Figure, **options: Unpack[SearchOptions]
     ) -> Optimum:
         """Search the parameters for which a cost is least; see ``ss.optimise``."""
         from stickslip.sweeping import optimise  # late, for those who start quickly
 
-        return optimise(
-            self,
-            ranges,
-            cost,
-            inputs=inputs,
-            evaluations=evaluations,
-            algorithm=algorithm,
-            seed=seed,
-            workers=workers,
-            where=where,
-            progress=progress,
-            **options,
-        )
+        return optimise(self, ranges, cost, **options)
 
 
 def read_ssp(

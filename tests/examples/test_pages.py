@@ -203,6 +203,15 @@ def test_the_tutorial_finds_the_values_that_it_names(tutorial):
 
 
 @pytest.mark.slow
+def test_the_readme_shows_the_verdict_that_is_printed(tutorial):
+    """The words are compared, for lines of the page are those of a narrow terminal."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    [shown] = re.findall(r"^```text\n(.*?)^```", text, flags=re.S | re.M)
+    assert shown.count("\n") > 10
+    assert " ".join(shown.split()) in " ".join("".join(tutorial[1]).split())
+
+
+@pytest.mark.slow
 def test_a_sliding_stage_follows_its_closed_form(printed):
     """Constant force and friction: m dv/dt = u - F_c - b v."""
     [velocity] = re.findall(r"([\d.]+) m/s", "".join(printed("README")))

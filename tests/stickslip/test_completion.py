@@ -8,7 +8,7 @@ from IPython.core.completer import provisionalcompleter
 from IPython.core.interactiveshell import InteractiveShell
 
 import stickslip as ss
-from stickslip.simulation import RunOptions
+from stickslip.simulation import DEFAULTS, RunOptions, SearchOptions, SweepOptions
 from stickslip.thresholds import harm
 
 RUNS = (ss.simulate, ss.sweep, ss.optimise, ss.System.simulate, ss.System.sweep, ss.tune)
@@ -45,6 +45,17 @@ def test_a_run_takes_what_preparing_it_takes(function):
     assert Parameter.VAR_KEYWORD not in {one.kind for one in taken.values()}
     for name in {*known} - {"self", "start", "stop", "step"}:
         assert taken[name].default == known[name].default
+
+
+@pytest.mark.parametrize(
+    ("function", "options"), [(ss.sweep, SweepOptions), (ss.optimise, SearchOptions)]
+)
+def test_a_method_takes_what_its_function_takes(function, options):
+    taken = signature(function).parameters
+    assert {name: taken[name].default for name in options.__annotations__} == {
+        name: DEFAULTS[name] for name in options.__annotations__
+    }
+    assert {*taken} == {*options.__annotations__, *[*taken][:3]}
 
 
 def test_learning_takes_the_fields_of_its_settings():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Unpack
+from typing import Any, Unpack
 
 from stickslip import cosim
 from stickslip.cosim.signals.tables import Inputs
@@ -13,7 +13,7 @@ from stickslip.figures import Figure
 from stickslip.learned.file import LearnedFile
 from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Rig
-from stickslip.simulation import RunOptions, with_run_options
+from stickslip.simulation import RunOptions, named
 from stickslip.studies.tune import MOTIONS
 from stickslip.studies.tune.on_rig import tune_on_rig
 from stickslip.studies.tune.run import EVALUATIONS, TunedDrive, TuneSettings, tune_drive
@@ -21,7 +21,7 @@ from stickslip.studies.tune.signal_cost import read_cost
 from stickslip.sweeping import Optimum, optimise
 
 
-@with_run_options
+@named(RunOptions)
 def tune(
     system: cosim.System | cosim.Fmu | Path | str,
     ranges: Mapping[str, Sequence[float]] | None = None,
@@ -69,6 +69,8 @@ def tune(
         When a motion of the rig did not end as commanded; LimitError, which is one, when a limit
         ended one of the present loop.
     """
+    budget: dict[str, Any] = {"evaluations": evaluations, "algorithm": algorithm}
+    budget |= {"seed": seed, "workers": workers}
     if isinstance(system, Path | str) and Path(system).suffix == ".json":
         try:
             spans = {
@@ -80,15 +82,7 @@ def tune(
         if given := [name for name, value in of_system.items() if value]:
             raise UsageError(f"{system}: {given[0]} is of a system, and this is a learned drive")
         learned = LearnedFile(Path(system))
-        settings = TuneSettings(
-            spans,
-            tuple(fixed),
-            force_limit=force_limit,
-            evaluations=evaluations,
-            algorithm=algorithm,
-            seed=seed,
-            workers=workers,
-        )
+        settings = TuneSettings(spans, tuple(fixed), force_limit, **budget)
         if rig is not None:
             return tune_on_rig(rig, learned, settings, motions, progress=progress)
         return tune_drive(learned, settings, progress)
@@ -100,16 +94,5 @@ def tune(
             raise UsageError("a system is tuned with ranges and a cost")
         cost = read_cost(Path(cost))
         options.setdefault("record", cost.record)
-    return optimise(
-        system,
-        ranges or {},
-        cost,
-        inputs=inputs,
-        evaluations=evaluations,
-        algorithm=algorithm,
-        seed=seed,
-        workers=workers,
-        where=where,
-        progress=progress,
-        **options,
-    )
+    budget |= {"inputs": inputs, "where": where, "progress": progress, **options}
+    return optimise(system, ranges or {}, cost, **budget)
