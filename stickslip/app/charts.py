@@ -54,21 +54,16 @@ def thinned(values: np.ndarray, most: int = MOST) -> np.ndarray:
     return np.array(ends)
 
 
-def signals(
-    time: np.ndarray, of: Mapping[str, np.ndarray], before: Mapping[str, Any] | None = None
-) -> Options:
-    """Draw signals over time; ``before`` are pairs of times and values that are drawn pale."""
+def signals(of: Mapping[str, Any], before: Any = None) -> Options:
+    """Draw pairs of times and values by name, and one ``before``, which is dashed."""
+    pale = {"width": 1.2, "type": "dashed", "opacity": 0.6}
+    drawn = [("", before, pale)] if before else []
+    drawn += [(name, pair, {"width": 1.4}) for name, pair in of.items()]
     series = []
-    for k, (name, values) in enumerate(of.items()):
-        look = {"type": "line", "showSymbol": False, "itemStyle": {"color": COLOURS[k % 6]}}
-        if before and name in before:
-            t, old = before[name]
-            at = thinned(old)
-            pale = {"width": 1.2, "type": "dashed", "opacity": 0.6}
-            series.append({**look, "data": _points(t[at], old[at]), "lineStyle": pale})
-        at = thinned(values)
-        width = {"lineStyle": {"width": 1.4}}
-        series.append({**look, **width, "name": name, "data": _points(time[at], values[at])})
+    for k, (name, (time, values), style) in enumerate(drawn):
+        at, colour = thinned(values), {"color": COLOURS[max(k - len(drawn) + len(of), 0) % 6]}
+        look = {"type": "line", "showSymbol": False, "itemStyle": colour, "lineStyle": style}
+        series.append({**look, "name": name, "data": _points(time[at], values[at])})
     return _chart(
         xAxis=_axis("time [s]", type="value", max="dataMax", min="dataMin"),
         yAxis=_axis("", type="value", scale=True),

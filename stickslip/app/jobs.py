@@ -77,14 +77,14 @@ class _Warnings(logging.Handler):
 def learn(
     told: Told,
     folder: Path,
-    log: Path,
+    logs: list[str],
     description: ss.Description,
     *,
     force: bool,
     **settings: Any,
 ) -> Lines:
-    """Learn a log and write what is found."""
-    learned = ss.learn(log, description, progress=told, **settings)
+    """Learn the logs of a drive together and write what is found."""
+    learned = ss.learn(logs, description, progress=told, **settings)
     told.stage("writing the results")
     warnings = [f"warning: {line}" for line in learned.warnings]
     return [*ss.write_learned(learned, folder, force=force).sentences, *warnings]

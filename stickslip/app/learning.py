@@ -32,6 +32,7 @@ class LogForm:
     )
 
     def __init__(self) -> None:
+        self.first = ""  # the log that it describes
         self.base = ss.Description()
         self.columns: dict[str, dict[str, Any]] = {}
         self.single: dict[str, Any] = {}
@@ -103,10 +104,11 @@ class LogForm:
 
 
 def learn_part(work: Workbench) -> None:
-    """Choose a log, correct what its columns mean, and learn from it."""
+    """Choose logs of a drive, correct what their columns mean, and learn from them together."""
     form = LogForm()
     with ui.row().classes("w-full items-end gap-4"):
-        log = ui.select(work.files(LOGS), label="Log", with_input=True).classes("grow min-w-60")
+        log = ui.select(work.files(LOGS), label="Logs", multiple=True, with_input=True)
+        log.classes("grow min-w-60").props("use-chips")
         config = ui.select({}, label="Description (TOML)", clearable=True).classes("w-56")
 
         async def uploaded(event: events.UploadEventArguments) -> None:
@@ -119,20 +121,23 @@ def learn_part(work: Workbench) -> None:
             upload.reset()
             ui.notify(f"saved as {path}")
             logs = work.files(LOGS)
-            log.set_options(logs, value=str(path) if str(path) in logs else log.value)
+            log.set_options(logs, value=[*log.value, *{str(path)}.intersection(logs)])
 
-        upload = ui.upload(on_upload=uploaded, auto_upload=True, label="Drop a log here")
-        upload.props("flat bordered").classes("w-56")
+        upload = ui.upload(on_upload=uploaded, auto_upload=True, multiple=True)
+        upload.props("flat bordered label='Drop logs here'").classes("w-56")
     body = ui.column().classes("w-full")
     outcome = ui.column().classes("w-full")
     with body:
-        ui.label(f"Choose a log of {work.folder}, or drop one: it is saved there.").classes(QUIET)
+        ui.label(
+            f"Choose one or several logs of a drive in {work.folder}, or drop them: they are saved"
+            " there. All have the description of the first."
+        ).classes(QUIET)
 
     async def chosen() -> None:
-        if not log.value:
+        if not log.value or form.first == log.value[0]:
             return
-        path = Path(log.value)
-        own = path.with_suffix(".toml")
+        form.first = log.value[0]
+        own = Path(log.value[0]).with_suffix(".toml")
         configs, before = work.files({".toml"}), config.value
         config.set_options(configs, value=str(own) if str(own) in configs else None)
         if config.value == before:  # else its change does
@@ -147,7 +152,7 @@ def learn_part(work: Workbench) -> None:
         body.clear()
         with body:
             ui.spinner()
-        names = await attempt(ss.log_columns, log.value, base) or {}
+        names = await attempt(ss.log_columns, log.value[0], base) or {}
         body.clear()
         with body:
             form.build(base, names)
@@ -168,8 +173,8 @@ def learn_part(work: Workbench) -> None:
                 told(message_of(fault))
                 return
             job = work.begin(
-                *("learn", log.value, jobs.learn),
-                log=Path(log.value),
+                *("learn", log.value[0], jobs.learn),
+                logs=list(log.value),
                 description=description,
                 law=law.value,
                 compensator=compensator.value or "auto",
@@ -184,19 +189,26 @@ def learn_part(work: Workbench) -> None:
                 spinner = ui.spinner()
                 try:
                     description = form.description()
-                    checked: Any = await run.io_bound(ss.check_log, log.value, description)
+                    checked = [
+                        await run.io_bound(ss.check_log, one, description) for one in log.value
+                    ]
                 except FAULTS as fault:
                     lines_of([f"error: {message_of(fault)}"])
                     return
                 finally:
                     spinner.delete()
-                reading, findings = checked
-                form.detected(reading)
+                form.detected(checked[0][0])
                 for name in ("position", "velocity", "force"):
-                    if (values := getattr(reading.recording, name)) is not None:
-                        drawn = charts.signals(reading.recording.t, {name: values})
-                        chart(f"{name} (SI)", drawn, "h-40")
-                lines_of(map(str, findings))
+                    draw(name, [reading.recording for reading, _ in checked])
+                for reading, findings in checked:
+                    ui.label(reading.recording.source).classes(QUIET)
+                    lines_of(map(str, findings))
+
+        def draw(name: str, recordings: list[Any]) -> None:
+            shown = [one for one in recordings if getattr(one, name) is not None]
+            drawn = {one.source: (one.t, getattr(one, name)) for one in shown}
+            if drawn:
+                chart(f"{name} (SI)", charts.signals(drawn), "h-40")
 
         await check()
 

@@ -125,8 +125,8 @@ class Bench:
             return
         options = {}
         for name in self.signals.value:
-            before = {name: (first.time, first[name])} if self.moved else None
-            options[name] = charts.signals(last.time, {name: last[name]}, before)
+            before = (first.time, first[name]) if self.moved else None
+            options[name] = charts.signals({name: (last.time, last[name])}, before)
         shown = [child for child in self.plots.descendants() if isinstance(child, ui.echart)]
         if len(shown) == len(options):
             for old, new in zip(shown, options.values(), strict=True):

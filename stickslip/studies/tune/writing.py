@@ -119,14 +119,14 @@ def tuned_document(found: TunedDrive) -> dict[str, Any]:
     return document
 
 
-def write_tuned(found: TunedDrive, folder: Path) -> None:
+def write_tuned(found: TunedDrive, folder: Path | str) -> None:
     """Write tuned.json, tables, the page, the compensators and, in ``deploy``, how to use them.
 
     Raises OSError when a file cannot be written.
     """
     command = {"name": "tune", "learned": str(found.learned.path), "seed": found.settings.seed}
     frames = {PARAMETERS: parameters(found).frame(), SEARCH: found.history}
-    with completed(folder, command, FILES, frames) as staging:
+    with completed(Path(folder), command, FILES, frames) as staging:
         write_json(tuned_document(found), staging / DOCUMENT)
         learned = LearnedFile(staging / DOCUMENT)  # the blocks are those that export would give
         for name, part in deploying.deployed_parts(learned).items():
