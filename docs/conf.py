@@ -2,6 +2,9 @@
 
 import shutil
 import sys
+from contextlib import suppress
+from importlib import metadata
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -22,19 +25,53 @@ def _list(_: Sphinx, page: str, source: list[str]) -> None:
         source[0] += "\n```{toctree}\n:hidden:\n:glob:\n\n[0-9a-z]*\n```\n"
 
 
-def _refer(*event: Any) -> None:
-    """Show the section Source of docstrings as numpydoc's References."""
-    lines = event[-1]
-    for k, line in enumerate(lines[:-1]):
-        if line == "Source" and lines[k + 1] == "------":
-            lines[k : k + 2] = ["References", "----------"]
+def _adapt(*event: Any) -> None:
+    """Show the section Source as numpydoc's References, and what a parameter is in one paragraph.
+
+    numpydoc would take the first line of ``name : what it is`` for a type.
+    """
+    lines, section, adapted = event[-1], "", []
+    for k, line in enumerate(lines):
+        if k + 1 < len(lines) and set(lines[k + 1]) == {"-"}:
+            section = line
+            line = line.replace("Source", "References")
+        elif section == "Source":
+            line, section = "----------", ""
+        name, colon, what = line.partition(" : ")
+        if section in ("Parameters", "Attributes") and colon and not line.startswith(" "):
+            adapted += [name, f"    {what}"]
+        else:
+            adapted.append(line)
+    lines[:] = adapted
+
+
+def _name_defaults(_: Sphinx, function: Any, *__: Any) -> None:
+    """Show a default value that has no literal by its class."""
+    with suppress(AttributeError, TypeError, ValueError):
+        own = signature(function)
+        parameters = [
+            one.replace(default=Named(one.default)) if " at 0x" in repr(one.default) else one
+            for one in own.parameters.values()
+        ]
+        function.__signature__ = own.replace(parameters=parameters)
+
+
+class Named:
+    """A value that shows its class."""
+
+    def __init__(self, value: object) -> None:
+        self._name = type(value).__name__
+
+    def __repr__(self) -> str:
+        return f"{self._name}(...)"
 
 
 def setup(app: Sphinx) -> None:
     """Connect what this project adds to Sphinx and numpydoc."""
     NumpyDocString.sections["Source"] = []
     app.connect("source-read", _list)
-    app.connect("autodoc-process-docstring", _refer, priority=400)
+    app.connect("autodoc-before-process-signature", _name_defaults)
+    app.connect("autodoc-process-docstring", _adapt, priority=400)
 
 
 project = "stickslip"
@@ -58,6 +95,7 @@ extensions = [
     "sphinx_design",
 ]
 suppress_warnings = ["myst.header"]  # a README of a model begins where its table does
+autosummary_context = {"used": generate.uses()}
 templates_path = [str(HERE / "_templates")]  # else it is below the root
 
 smartquotes = False  # two hyphens begin an option
@@ -67,12 +105,12 @@ nb_execution_mode = "off"  # notebooks are stored with outputs, which tests comp
 
 toc_object_entries_show_parents = "hide"
 autodoc_member_order = "bysource"
-autodoc_preserve_defaults = True
 autodoc_typehints = "signature"
 python_maximum_signature_line_length = 88
 numpydoc_show_class_members = False
 
-html_title = "stickslip"
+release = metadata.version("stickslip")
+html_title = f"stickslip {release}"
 html_theme = "pydata_sphinx_theme"
 html_static_path = ["_static", "_generated/static"]
 html_css_files = ["site.css"]

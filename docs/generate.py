@@ -9,6 +9,8 @@ import json
 import re
 import sys
 import textwrap
+from collections.abc import Iterator
+from importlib import import_module
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
@@ -45,7 +47,7 @@ def write(folder: Path) -> None:
     _samples(folder / "samples")
     pages: dict[str, str | bytes] = {"api.rst": _api(), "cli.rst": _commands()}
     pages |= {"check-rules.inc": rules.table(), "hostile-cases.inc": _hostile()}
-    pages["thresholds.inc"] = _thresholds()
+    pages |= {"thresholds.inc": _thresholds(), "errors.inc": _errors()}
     pages |= {"drives.inc": _drives(), "drives.png": _friction_curves()}
     for path in sorted((ROOT / "notebooks").glob("*.ipynb")):
         pages[f"{path.stem}.png"] = _picture(path)
@@ -84,6 +86,36 @@ def _api() -> str:
         lines += ["   :nosignatures:", ""]
         lines += [*(f"   {name}" for name in sorted(group, key=str.lower)), ""]
     return "\n".join(lines)
+
+
+def uses() -> dict[str, list[tuple[str, str]]]:
+    """Return title and name of the pages and notebooks that use a public name, by its full name."""
+    found: dict[str, list[tuple[str, str]]] = {}
+    for path in (*sorted(ROOT.glob("docs/*.md")), *sorted(ROOT.glob("notebooks/*.ipynb"))):
+        text = path.read_text(encoding="utf-8")
+        if path.suffix == ".ipynb":
+            sources = ("".join(cell["source"]) for cell in json.loads(text)["cells"])
+            text = "\n".join(sources)
+        title = re.search(r"^# (.+)", text, re.MULTILINE)
+        place = f"/{path.relative_to(ROOT).with_suffix('').as_posix()}"
+        for name in sorted({*re.findall(r"\bss\.((?:[a-z]+\.)?\w+)", text)}):
+            found.setdefault(f"stickslip.{name}", []).append((title[1] if title else name, place))
+    return found
+
+
+def _errors() -> str:
+    """Return the errors that a user can cause, each below what it is a kind of."""
+
+    def lines(kind: type, depth: int) -> Iterator[str]:
+        what = (kind.__doc__ or "").strip().partition("\n")[0]
+        yield f"{'  ' * depth}- `{kind.__module__.partition('.errors')[0]}.{kind.__name__}`: {what}"
+        for below in sorted(kind.__subclasses__(), key=lambda one: one.__name__):
+            if below.__module__.startswith("stickslip"):
+                yield from lines(below, depth + 1)
+
+    for module in ("cosim", "ga", "models", "fmucheck", "studies.arena.comparison"):
+        import_module(f"stickslip.{module}")
+    return "\n".join(lines(stickslip.Fault, 0)) + "\n"
 
 
 def _package(name: str) -> str:

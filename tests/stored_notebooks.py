@@ -66,7 +66,7 @@ def execute(path: Path) -> nbformat.NotebookNode:
         "language_info": {"name": "python"},
     }
     for cell in notebook.cells:
-        cell.metadata = {}
+        cell.metadata = {name: one for name, one in cell.metadata.items() if name == "mystnb"}
         if cell.cell_type == "code":
             cell.execution_count = None
             for output in cell.outputs:

@@ -75,7 +75,7 @@ def test_is_stored_with_outputs_and_without_traces_of_a_machine(name):
     assert set(notebook.metadata) <= {"kernelspec", "language_info"}
     for cell in code_cells(notebook):
         assert cell.execution_count is None
-        assert not cell.metadata
+        assert {*cell.metadata} <= {"mystnb"}
         assert not [
             o for o in cell.outputs if o.output_type == "error" or o.get("name") == "stderr"
         ]
