@@ -108,9 +108,12 @@ def _errors() -> str:
 
     def lines(kind: type, depth: int) -> Iterator[str]:
         what = (kind.__doc__ or "").strip().partition("\n")[0]
-        yield f"{'  ' * depth}- `{kind.__module__.partition('.errors')[0]}.{kind.__name__}`: {what}"
+        place = kind.__module__.partition(".errors")[0]
+        if not hasattr(import_module(place), kind.__name__):
+            place = kind.__module__
+        yield f"{'  ' * depth}- `{place}.{kind.__name__}`: {what}"
         for below in sorted(kind.__subclasses__(), key=lambda one: one.__name__):
-            if below.__module__.startswith("stickslip"):
+            if below.__module__.startswith("stickslip") and below.__name__[0] != "_":
                 yield from lines(below, depth + 1)
 
     for module in ("cosim", "ga", "models", "fmucheck", "studies.arena.comparison"):
