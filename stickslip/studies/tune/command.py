@@ -97,24 +97,19 @@ def _of_drive(
 ) -> dict[str, Any]:
     from stickslip.learned.file import LearnedFile
     from stickslip.studies.learn import tables
-    from stickslip.studies.tune.on_rig import tune_on_rig
-    from stickslip.studies.tune.run import TuneSettings, tune_drive
+    from stickslip.studies.tune.interface import tune
     from stickslip.studies.tune.writing import parameters, tuned_document, write_tuned
 
-    names = ("force_limit", "evaluations", "algorithm", "seed", "workers")
-    given = {name: getattr(options, name) for name in names}
-    settings = TuneSettings(ranges, tuple(options.fixed), **given)
+    names = ("fixed", "force_limit", "motions", "evaluations", "algorithm", "seed", "workers")
+    given: dict[str, Any] = {name: getattr(options, name) for name in names}
     learned = LearnedFile(options.file)
     with (
         TerminalProgress(live=options.live) as progress,
         rig_of(options.rig, options.out, learned.law.name) as (rig, _),
     ):
-        if rig is None:
-            found = tune_drive(learned, settings, progress)
-        else:
-            if "observer.fmu" in learned.written:
-                warn("an observer would have to run in the drive: the loop is tuned without it")
-            found = tune_on_rig(rig, learned, settings, options.motions, progress=progress)
+        if rig is not None and "observer.fmu" in learned.written:
+            warn("an observer would have to run in the drive: the loop is tuned without it")
+        found: Any = tune(options.file, ranges, rig=rig, progress=progress, **given)
     print(parameters(found).text())
     for figure, table in tables.errors(found.benefit):
         print(
@@ -134,20 +129,18 @@ def _of_system(
     options: argparse.Namespace, ranges: dict[str, tuple[float, float]]
 ) -> dict[str, Any]:
     from stickslip import cosim
-    from stickslip.studies.tune.signal_cost import read_cost
+    from stickslip.studies.tune.interface import tune
     from stickslip.studies.tune.writing import changed, sentence_of, write_optimised
-    from stickslip.sweeping import optimise
 
     if not (ranges and options.cost):
         raise UsageError(f"{options.file}: a system is tuned with --set-range and --cost")
     names = ("evaluations", "algorithm", "seed", "workers", "stop", "step")
     given: dict[str, Any] = {name: getattr(options, name) for name in names}
-    cost = read_cost(options.cost)
     if options.input:
         given["inputs"] = cosim.read_tables(options.input)
     with TerminalProgress(live=options.live) as progress:
         progress.stage(f"tuning {', '.join(ranges)}")
-        found = optimise(options.file, ranges, cost, record=cost.record, progress=progress, **given)
+        found: Any = tune(options.file, ranges, options.cost, progress=progress, **given)
     print(changed(found).text(), f"\n{sentence_of(found)}", sep="\n")
     if options.out:
         write_optimised(found, options.file, options.cost, options.out)

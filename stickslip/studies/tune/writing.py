@@ -32,10 +32,8 @@ FIGURE = "errors"
 WIDTH = 0.5  # of the levels of friction beside each other in it, over the distance of motions
 DOCUMENT, PARAMETERS, SEARCH, PAGE = "tuned.json", "parameters.csv", "search.csv", "report.html"
 FMUS = tuple(f"{part}.fmu" for part in deploying.PARTS)
-FILES = (
-    *(DOCUMENT, PARAMETERS, SEARCH, PAGE, *FMUS, *deploying.FILES),
-    *picture_files([FIGURE]),
-)
+OWN = (DOCUMENT, PARAMETERS, SEARCH, PAGE, *FMUS)
+FILES = (*OWN, *deploying.FILES, *picture_files([FIGURE]))
 """What ``write_tuned`` writes or removes."""
 STALE = (
     *("predicted_error", "tracking_error", "tracking", "hold", "compared", "validation_errors"),
