@@ -189,7 +189,7 @@ def learn_part(work: Workbench) -> None:
                 spinner = ui.spinner()
                 try:
                     description = form.description()
-                    checked = [
+                    checked: list[Any] = [
                         await run.io_bound(ss.check_log, one, description) for one in log.value
                     ]
                 except FAULTS as fault:
