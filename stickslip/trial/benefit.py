@@ -420,21 +420,21 @@ class Bench:
             if not command.drives or drive.name in command.drives
         ]
 
-    def swept(self, variant: Variant, most: float) -> Rows:
+    def swept(self, variant: Variant, most: float, *, beside: bool = False) -> Rows:
         """Try a variant in the sweep, until a ratio is above ``most``.
 
-        It begins where others harmed most. Whether a drive just breaks away without compensation
-        is chance, so that the error without it is the largest of that command and of those next to
-        it, relative to their speeds.
+        It begins where others harmed most. Whether a drive just breaks away without compensation is
+        chance: with ``beside`` the error without it is the largest of that command and of those
+        next to it, relative to their speeds.
         """
         found = Rows()
         deciding = [one for one in self.drives if one.decides]
         for command in sorted(self.sweep, key=lambda one: -self._worst[one]):
             cells = [(drive, command) for drive in deciding]
             without = [(0.0,)] * len(cells)
-            for one in self._beside[command]:
-                beside = self._errors(NONE, [(drive, one) for drive in deciding])
-                relative = [(error * command.speed / one.speed,) for error, *_ in beside]
+            for one in self._beside[command] if beside else (command,):
+                near = self._errors(NONE, [(drive, one) for drive in deciding])
+                relative = [(error * (command.speed / one.speed),) for error, *_ in near]
                 without = list(map(max, without, relative))
             found += (own := rows_of(cells, without, self._errors(variant, cells)))
             self._worst[command] = worst = max(row.ratio for row in own)
