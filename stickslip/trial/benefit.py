@@ -420,19 +420,19 @@ class Bench:
             if not command.drives or drive.name in command.drives
         ]
 
-    def swept(self, variant: Variant, most: float, *, beside: bool = False) -> Rows:
+    def swept(self, variant: Variant, most: float) -> Rows:
         """Try a variant in the sweep, until a ratio is above ``most``.
 
         It begins where others harmed most. Whether a drive just breaks away without compensation is
-        chance: with ``beside`` the error without it is the largest of that command and of those
-        next to it, relative to their speeds.
+        chance, so that the error without it is the largest of that command and of those next to
+        it, relative to their speeds.
         """
         found = Rows()
         deciding = [one for one in self.drives if one.decides]
         for command in sorted(self.sweep, key=lambda one: -self._worst[one]):
             cells = [(drive, command) for drive in deciding]
             without = [(0.0,)] * len(cells)
-            for one in self._beside[command] if beside else (command,):
+            for one in self._beside[command]:
                 near = self._errors(NONE, [(drive, one) for drive in deciding])
                 relative = [(error * (command.speed / one.speed),) for error, *_ in near]
                 without = list(map(max, without, relative))
@@ -445,7 +445,7 @@ class Bench:
     @cached_property
     def _beside(self) -> dict[Command, Sequence[Command]]:
         """Each command of the sweep with those of its name that are next to it."""
-        found = {}
+        found: dict[Command, Sequence[Command]] = {}
         for _, group in groupby(self.sweep, key=lambda one: one.name):
             every = list(group)
             found |= {one: every[max(k - 1, 0) : k + 2] for k, one in enumerate(every)}

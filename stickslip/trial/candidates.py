@@ -272,22 +272,14 @@ class _Candidates(ExitStack):
         return rows
 
     def swept(self, found: CompensatorComparison) -> CompensatorComparison:
-        """Return the same after what would be written was tried in the sweep of the bench.
-
-        Where nothing passes it, each is compared with the moves beside it, too.
-        """
-        tried = self._passing(found, beside=False)
-        is_written = tried.chosen.benefit is not None and tried.chosen.acceptable
-        return tried if is_written else self._passing(found, beside=True)
-
-    def _passing(self, found: CompensatorComparison, *, beside: bool) -> CompensatorComparison:
+        """Return the same after what would be written was tried in the sweep of the bench."""
         while (row := found.chosen).benefit and row.acceptable and not row.benefit.swept:
-            safe = replace(row, benefit=self._safe(row.benefit, beside=beside))
+            safe = replace(row, benefit=self._safe(row.benefit))
             rows = tuple(safe if one is row else one for one in found.rows)
             found = replace(found, rows=rows)
         return found
 
-    def _safe(self, benefit: Benefit, *, beside: bool) -> Benefit:
+    def _safe(self, benefit: Benefit) -> Benefit:
         """Return a compensator at the largest share that harms nowhere in the sweep."""
         shares = [one for one in FORCES if one <= benefit.share]
         for share in shares if benefit.variant.has_feedforward else shares[:1]:
@@ -295,8 +287,7 @@ class _Candidates(ExitStack):
             if share != benefit.share:
                 (other,) = self.bench.benefits([shared], shares=(1.0,))
                 benefit = replace(benefit, share=share, rows=other.rows, beyond=other.beyond)
-            swept = self.bench.swept(shared, benefit.most, beside=beside)
-            benefit = replace(benefit, swept=swept)
+            benefit = replace(benefit, swept=self.bench.swept(shared, benefit.most))
             if benefit.acceptable:
                 break
         return benefit

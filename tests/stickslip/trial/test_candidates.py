@@ -169,12 +169,12 @@ def test_less_force_or_another_is_written_where_a_small_move_harms(compared, mon
     assert whole.benefit.share > 0.5
     swept = Bench.swept
 
-    def harms(bench, variant, most, beside, above):
+    def harms(bench, variant, most, above):
         F_c = variant.feedforward.get("F_c", 0.0)
         row = TrialError(0.01, "a drive", 1.0, 2.0, SWEEP[0])
         if F_c > above * FRICTION["F_c"]:
             return (row,)
-        return swept(bench, variant, most, beside=beside)
+        return swept(bench, variant, most)
 
     monkeypatch.setattr(Bench, "swept", partialmethod(harms, above=0.5))
     less = compared(asked="lugre").chosen
@@ -222,7 +222,7 @@ def test_a_drive_that_breaks_away_by_chance_is_compared_with_its_next_moves(monk
                 ]
 
             monkeypatch.setattr(Bench, "_errors", errors)
-            return max(one.ratio for one in bench.swept(feedforward(FRICTION), np.inf, beside=True))
+            return max(one.ratio for one in bench.swept(feedforward(FRICTION), np.inf))
 
         lucky = (moves[3:4], moves[3:6], moves)
         assert list(map(worst, lucky)) == pytest.approx([1.0, 10.0, 10.0])
