@@ -276,8 +276,6 @@ def _planned(drive: Drive, folder: Path, *, several: bool) -> dict[Path, pd.Data
     """Return what ``stickslip plan`` proposes for the limits of the drive, by its log's path."""
     limits = {name: getattr(drive, name) for name in ("stroke", "speed", "acceleration")}
     limits |= {"duration": DURATION, "rate": 1.0 / drive.parameters["T_s"]}
-    if several:
-        limits["duration"] = DURATION / 2.0
     options = [f"--{name}={value:.6g}" for name, value in limits.items()]
     if drive.axis in ARMS:
         options.append(f"--travel={0.5 * drive.stroke:.6g}")

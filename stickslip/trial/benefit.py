@@ -18,7 +18,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import chain
+from itertools import chain, groupby
 from pathlib import Path
 
 import numpy as np
@@ -200,7 +200,7 @@ class Benefit:
         """The rows by level of friction, motion and figure."""
         return by_motion(self.rows)
 
-    @property
+    @cached_property
     def acceptable(self) -> bool:
         """Whether the error is in no motion worse, and no drive loses more than all gain."""
         return self.is_safe and is_acceptable(self.rows)
@@ -210,7 +210,7 @@ class Benefit:
         """Largest ratio that may be: no drive may lose more than all gain in the mean."""
         return 2.0 - self.mean_ratio
 
-    @property
+    @cached_property
     def is_safe(self) -> bool:
         """Whether the velocity error of no drive grows by more than that in the sweep."""
         return all(row.ratio <= self.most for row in self.swept)
@@ -219,17 +219,17 @@ class Benefit:
         """Return the factor from SI to the unit in which a row is shown, and that unit."""
         return (1e3, self.unit) if row.figure == "velocity" else (1e6, f"u{self.unit[1:-2]}")
 
-    @property
+    @cached_property
     def mean_ratio(self) -> float:
         """Geometric mean of the ratios of the errors."""
         return geometric_mean(self.rows)
 
-    @property
+    @cached_property
     def fitted_ratio(self) -> float:
         """The same on the first drive, that with friction as fitted."""
         return geometric_mean([row for row in self.rows if row.drive == self.rows[0].drive])
 
-    @property
+    @cached_property
     def worst_ratio(self) -> float:
         """Largest ratio."""
         return max(row.ratio for row in self.rows)
@@ -243,7 +243,7 @@ class Benefit:
         motion = max(by_motion(rows), key=lambda one: one.worst.ratio)
         row = motion.worst
         where = f"at {1e3 * row.speed:.3g} {self.unit}"
-        if row.command in (CREEP, *MOVES, SWEEP):
+        if row.command in (CREEP, *MOVES, *SWEEP):
             where = f"in {row.command} of up to {1e3 * row.speed:.3g} {self.unit}"
         friction = "friction as learned"
         if row.level != 1.0:
@@ -423,16 +423,32 @@ class Bench:
     def swept(self, variant: Variant, most: float) -> Rows:
         """Try a variant in the sweep, until a ratio is above ``most``.
 
-        It begins where others harmed most.
+        It begins where others harmed most. Whether a drive just breaks away without compensation is
+        chance, so that the error without it is the largest of that command and of those next to
+        it, relative to their speeds.
         """
         found = Rows()
         deciding = [one for one in self.drives if one.decides]
         for command in sorted(self.sweep, key=lambda one: -self._worst[one]):
-            rows = self._tried(variant, [(drive, command) for drive in deciding])
-            found += (own := tuple(row for row in rows if row.figure == FIGURES[0]))
+            cells = [(drive, command) for drive in deciding]
+            without = [(0.0,)] * len(cells)
+            for one in self._beside[command]:
+                near = self._errors(NONE, [(drive, one) for drive in deciding])
+                relative = [(error * (command.speed / one.speed),) for error, *_ in near]
+                without = list(map(max, without, relative))
+            found += (own := rows_of(cells, without, self._errors(variant, cells)))
             self._worst[command] = worst = max(row.ratio for row in own)
             if worst > most:
                 break
+        return found
+
+    @cached_property
+    def _beside(self) -> dict[Command, Sequence[Command]]:
+        """Each command of the sweep with those of its name that are next to it."""
+        found: dict[Command, Sequence[Command]] = {}
+        for _, group in groupby(self.sweep, key=lambda one: one.name):
+            every = list(group)
+            found |= {one: every[max(k - 1, 0) : k + 2] for k, one in enumerate(every)}
         return found
 
     def _tried(self, variant: Variant, cells: Sequence[Cell]) -> Rows:

@@ -119,7 +119,7 @@ MOVES = {MICRO: (4.0, 10.0, 0.01), "short moves": (60.0, 100.0, 0.1)}
 """Lengths of small moves: in presliding deflections of the drive, at least in encoder steps, and at
 most as a share of the travel."""
 PRESLIDING = ("sigma_0", "sigma_1")  # what does not follow the level of friction, in a drawn drive
-SWEEP = "any small move"
+SWEEP = ("any small move", "creep at any speed")
 SWEPT_MOVES, SWEPT_CREEPS = 12, (0.08, 0.15, 0.3, 0.6, 1.2)
 """Number of moves in the sweep, and its speeds of creep over the Stribeck velocity."""
 LENGTHS = 4  # deflections of drives whose law has none
@@ -258,15 +258,18 @@ def sweep(
         for (times, _, share), own in zip(MOVES.values(), (min(bent), max(bent)), strict=True)
     )
     lengths = np.geomspace(shortest, longest, SWEPT_MOVES).tolist()
-    found = [_moves(length, command, T_s) for length in lengths]
+    found = [Command(SWEEP[0], _moves(length, command, T_s)) for length in lengths]
     level = [one.parameters for one in drives if one.level == 1.0] or [drives[0].parameters]
     shares: tuple[float, ...] = CREEPS_OF_LEVEL
     if rising := [one["v_s"] for one in level if one.get("F_s", 0.0) > one["F_c"]]:
         slow = float(np.median(rising)) / abs(command.height)
         shares = tuple(min(max(k * slow, SLOWEST), FASTEST) for k in SWEPT_CREEPS)
     force = max(max(one.get("F_s", 0.0), one["F_c"]) for one in level)
-    found += [_creep(command, share, T_s, force / stiffness) for share in dict.fromkeys(shares)]
-    return tuple(Command(SWEEP, one) for one in found)
+    found += [
+        Command(SWEEP[1], _creep(command, share, T_s, force / stiffness))
+        for share in dict.fromkeys(shares)
+    ]
+    return tuple(found)
 
 
 def onsets(

@@ -2,6 +2,7 @@
 
 from contextlib import closing
 from dataclasses import replace
+from functools import partialmethod
 
 import numpy as np
 import pytest
@@ -170,15 +171,17 @@ def test_less_force_or_another_is_written_where_a_small_move_harms(compared, mon
 
     def harms(bench, variant, most, above):
         F_c = variant.feedforward.get("F_c", 0.0)
-        row = TrialError(0.01, "a drive", 1.0, 2.0, SWEEP)
-        return (row,) if F_c > above * FRICTION["F_c"] else swept(bench, variant, most)
+        row = TrialError(0.01, "a drive", 1.0, 2.0, SWEEP[0])
+        if F_c > above * FRICTION["F_c"]:
+            return (row,)
+        return swept(bench, variant, most)
 
-    monkeypatch.setattr(Bench, "swept", lambda *args: harms(*args, above=0.5))
+    monkeypatch.setattr(Bench, "swept", partialmethod(harms, above=0.5))
     less = compared(asked="lugre").chosen
     assert less.benefit.share == 0.5
     assert less.acceptable == (less.mean <= offer.GAIN)
     assert less.mean > whole.mean
-    monkeypatch.setattr(Bench, "swept", lambda *args: harms(*args, above=0.0))
+    monkeypatch.setattr(Bench, "swept", partialmethod(harms, above=0.0))
     refused = compared(asked="lugre").chosen
     assert not refused.acceptable
     assert "in any small move" in refused.benefit.refusal
@@ -201,6 +204,28 @@ def test_a_rise_along_the_way_lets_no_drive_jump():
             max(one.ratio for one in bench.swept(x, np.inf)) for x in (rise, feedforward(rigid))
         ]
     assert worst[0] < 0.8 * worst[1]
+
+
+def test_a_drive_that_breaks_away_by_chance_is_compared_with_its_next_moves(monkeypatch):
+    """Without compensation one move has a tenth of the relative error of all others, or all do."""
+    sheet = Datasheet(peak_force=1e4, tau_i=AXIS.tau_i, encoder_step=1e-6)
+    drives = [Drive("a drive", "lugre", FRICTION)]
+    with bench_of(LAW, LOOP, FRICTION, drives, VALIDATION, sheet) as bench:
+        moves = [one for one in bench.sweep if one.name == SWEEP[0]]
+
+        def worst(lucky):
+            def errors(_, variant, cells):
+                small = [one in lucky and not variant.chain for _, one in cells]
+                return [
+                    ((0.1 if tenth else 1.0) * one.speed,)
+                    for tenth, (_, one) in zip(small, cells, strict=True)
+                ]
+
+            monkeypatch.setattr(Bench, "_errors", errors)
+            return max(one.ratio for one in bench.swept(feedforward(FRICTION), np.inf))
+
+        lucky = (moves[3:4], moves[3:6], moves)
+        assert list(map(worst, lucky)) == pytest.approx([1.0, 10.0, 10.0])
 
 
 def test_the_law_is_that_of_the_compensator():
