@@ -1,5 +1,6 @@
 """Commands as whole processes, CPU time: their start, and what a step of the ring costs them."""
 
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -70,4 +71,6 @@ def _least(cases: dict[str, Callable[[], object]]) -> dict[str, float]:
 
 
 def _run(*command: object) -> None:
-    subprocess.run([*map(str, command)], check=True, capture_output=True)
+    """Run a command, with modules compiled as in an installation."""
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    subprocess.run([*map(str, command)], check=True, capture_output=True, env=kept)

@@ -1,8 +1,8 @@
 """``python -m stickslip.precompile`` makes what a wheel carries.
 
-These are, compiled, the kernel, the wrapper of FMI 1.0 and all models with all friction laws, as
-FMI 2.0 and 3.0, for all platforms; start values are written into them later. Besides them, BokehJS
-for the figures of reports, if the package ``bokeh`` is installed.
+These are, compiled for all platforms, the kernel, the wrapper of FMI 1.0, a filter, and all models
+with all friction laws, as FMI 2.0 and 3.0; start values are written into them later. Besides them,
+BokehJS for the figures of reports, if the package ``bokeh`` is installed.
 """
 
 import io
@@ -21,6 +21,7 @@ from stickslip.fmi.process import Threads
 from stickslip.fmi.toolchain import PLATFORMS, Platform, compiler_version
 from stickslip.fmi.toolchain.compiler import ARCHIVE
 from stickslip.presentation.interactive import CARRIED, bokeh
+from stickslip.servo.measurement import section_library
 
 
 def precompile(
@@ -50,6 +51,7 @@ def _jobs(platforms: list[Platform], names: Iterable[str]) -> Iterator[Callable[
         yield partial(kernel.built, marked=marked, platform=platform)
     for platform in platforms:
         yield partial(fmi1_wrapper, platform)
+        yield partial(section_library, platform)
     for name in names:
         laws = models.law_names() if models.load_model(name).law else [None]
         for law, platform in product(laws, platforms):

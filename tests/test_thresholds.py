@@ -744,7 +744,8 @@ def is_low_passed():
     """Return whether a force behind a low-pass of 10 Hz, which leaves 0.4 % of it, is found."""
     drive, share = rigid_drive(F_c=0.3), -np.expm1(-0.02 * np.pi)
     force = scipy.signal.lfilter([share], [1.0, share - 1.0], drive.force)
-    return force_path._low_passed(replace(drive, force=force)) is not None
+    shown = replace(drive, force=force)
+    return force_path._low_passed(shown, motion.force_delay(shown)) is not None
 
 
 def saturates(level, samples, asked=None, limit=10.0):

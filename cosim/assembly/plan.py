@@ -29,8 +29,8 @@ T = TypeVar("T", float, Array)
 class Layout:
     """Columns of a row: exposed inputs, then per component its linked and its other outputs.
 
-    Where the rows are the record, components come in the order of the system, else in one that
-    costs least.
+    Components come in the order that costs least; that of the system where rows of steps in turn
+    are the record.
 
     Attributes
     ----------
@@ -55,6 +55,12 @@ class Layout:
             return 0
         return len(self.columns) if self.whole else len(self.recorded) / record.every
 
+    @cached_property
+    def places(self) -> list[int] | None:
+        """Where the recorded signals are in rows that are the record; None if in order."""
+        found = [self.columns[name] for name in self.recorded]
+        return found if self.whole and found != sorted(found) else None
+
     @classmethod
     def of(cls, system: System, record: Record, turn: Iterable[str] | None = None) -> Layout:
         """Lay out a system; ``turn`` is the order of the steps where each sees those before it."""
@@ -70,7 +76,8 @@ class Layout:
         usual = _columns(system, outputs, outputs)
         recorded = sorted(kept, key=usual.__getitem__)
         whole = len(recorded) == len(usual) and record.every == 1 and record.keep == "all"
-        columns = usual if whole else _columns(system, outputs, turn or _neighbours(system))
+        order = turn or _neighbours(system)
+        columns = usual if whole and turn else _columns(system, outputs, order)
         return cls(columns, outputs, linked, recorded, whole, texts)
 
 

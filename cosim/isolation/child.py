@@ -135,11 +135,11 @@ class _Served:
         report = (lambda t: self._reply(progress=t)) if progress else None
         result: Result = getattr(simulation, how)(**arguments, progress=report)
         pacing = simulation.pacing
-        place = self._room(result.values.shape)
-        if place.ctypes.data != result.values.ctypes.data or not result.values.flags.c_contiguous:
-            place[:] = result.values.copy()
+        place = self._room(result.rows.shape)
+        if place.ctypes.data != result.rows.ctypes.data or not result.rows.flags.c_contiguous:
+            place[:] = result.rows.copy()
         return {
-            "shape": result.values.shape,
+            "shape": result.rows.shape,
             "points": result.points,
             "times": (result.time if len(result.time) <= _FEW else result.time[[0, -1]]).tolist(),
             "stopped": result.stopped,

@@ -193,9 +193,9 @@ class IsolatedSimulation(Simulation):
             if len(time) < n or time[-1] != end:  # an FMU has ended the run
                 time = np.append(time[: n - 1], end)
         values = self._living().shared.numbers[: n * width].reshape(n, width).copy()
-        names, system = self._plan.layout.recorded, self.spec.system
-        stopped, texts, points = reply["stopped"], reply["texts"], reply["points"]
-        return Result(time, values, names, system, stopped, texts, points)
+        layout, kept = self._plan.layout, (reply["stopped"], reply["texts"], reply["points"])
+        names, system = layout.recorded, self.spec.system
+        return Result(time, values, names, system, *kept, places=layout.places)
 
     def _ask(
         self,

@@ -42,7 +42,8 @@ class Result:
     points : how many points in time the values are of: n, or those of a range
     stopped : who asked to end the run before its time and when; None where the run is whole
     names : of the signals
-    values : (n, len(names)) float64, each in its unit
+    values : (n, len(names)) float64, each in its unit; put in order when asked for as a whole
+    rows : the same as the kernel has them, with the signals at ``places``, by default in order
     changes : variable of type String -> times (s) and what it holds from each on
     texts : the same by points: what it holds at each, n of them
     """
@@ -50,17 +51,18 @@ class Result:
     def __init__(
         self,
         time: Array,
-        values: Array,
+        rows: Array,
         names: Sequence[str],
         system: System,
         stopped: str | None = None,
         changes: Changes | None = None,
         points: int | None = None,
+        places: Sequence[int] | None = None,
     ) -> None:
         self.points = len(time) if points is None else points
         self.stopped = stopped
         self.time = time
-        self.values = values
+        self.rows, self._places = rows, places
         self.names = tuple(names)
         self.changes = changes or {}
         self._system = system
@@ -69,10 +71,21 @@ class Result:
         if not isinstance(name, str):
             raise self._unknown(name)
         if (column := self._column(name)) is not None:
-            return self.values[:, column]
+            return self._signal(column)
         if (array := self._array(name)) is not None:
             return array
         raise self._unknown(name)
+
+    @cached_property
+    def values(self) -> Array:
+        """The signals, in the order of their names."""
+        return self._part(slice(None))
+
+    def _part(self, points: slice) -> Array:
+        return self.rows[points] if self._places is None else self.rows[points, self._places]
+
+    def _signal(self, column: int) -> Array:
+        return self.rows[:, column if self._places is None else self._places[column]]
 
     def _unknown(self, name: object) -> KeyError:
         """Return what is wrong with a name that is no column."""
@@ -132,7 +145,7 @@ class Result:
         for name, column in zip(names or self.names, columns, strict=True):
             if column is None:
                 raise self._unknown(name)
-            chosen[self.names[column]] = self.values[:, column]
+            chosen[self.names[column]] = self._signal(column)
         return _draw(self.time, chosen, self.units, axes)
 
     @cached_property
@@ -171,10 +184,10 @@ class Result:
         yield _lines([["time", *self.names, *self.texts]])
         n = max(1, _NUMBERS // (1 + len(self.names)))
         for i in range(0, len(self.time), n):
-            rows = slice(i, i + n)
-            numbers = np.column_stack([self.time[rows], self.values[rows]])
+            points = slice(i, i + n)
+            numbers = np.column_stack([self.time[points], self._part(points)])
             if self.texts:
-                texts = zip(*(text[rows] for text in self.texts.values()), strict=True)
+                texts = zip(*(text[points] for text in self.texts.values()), strict=True)
                 yield _lines(map(operator.add, numbers.tolist(), map(list, texts)))
             else:
                 yield kernel.lines_of(numbers)

@@ -84,13 +84,13 @@ class Reuse:
             earlier = {**before, **values} if unset else {}
             self._repeat(values, earlier, external, go, result, left)
             if same_as is not None and self._deterministic:
-                first = (same_as, values, _digest(external)), _digest(result.time, result.values)
+                first = (same_as, values, _digest(external)), _digest(result.time, result.rows)
                 if self._first and self._first[0] == first[0] and self._first[1] != first[1]:
                     self._deterministic = False
                     what = "this run is not the first one again"
                     resets.declare_erratic(self._system, self._plan.order, what)
         elif self._first is None and same_as is not None:
-            found = _digest(result.time, result.values)
+            found = _digest(result.time, result.rows)
             self._first = (same_as, dict(values), _digest(external)), found
         if resumed:
             self._traces.add(_RESUMED)
@@ -205,5 +205,5 @@ def _digest(*arrays: Array) -> int:
 def _same(one: Result, other: Result) -> bool:
     return one.stopped == other.stopped and all(
         np.array_equal(a, b) or np.array_equal(a, b, equal_nan=True)  # the former takes a tenth
-        for a, b in ((one.time, other.time), (one.values, other.values))
+        for a, b in ((one.time, other.time), (one.rows, other.rows))
     )

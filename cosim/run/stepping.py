@@ -309,8 +309,9 @@ class Stepper:
     def _result(
         self, time: Array, values: Array, points: int, stopped: str | None = None
     ) -> Result:
-        names = self.plan.layout.recorded
-        return Result(time, values, names, self._system, stopped, self._texts.changes, points)
+        layout, changes = self.plan.layout, self._texts.changes
+        kept = (time, values, layout.recorded, self._system)
+        return Result(*kept, stopped, changes, points, places=layout.places)
 
 
 def last_outputs(slot: structures.Component) -> Array:

@@ -9,12 +9,15 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from functools import partial
 from multiprocessing import get_context, parent_process
+from multiprocessing.context import BaseContext
 from numbers import Integral
 from typing import Any, ParamSpec, TypeVar
 
@@ -117,9 +120,12 @@ class Processes(Executor):
             self.shutdown(cancel_futures=error is not None)
 
     def _made(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(
-            self._workers, mp_context=get_context("spawn"), initializer=_depend_on_parent
-        )
+        context: BaseContext = get_context("spawn")
+        if sys.platform == "linux":  # from a server that has loaded this, once for all pools
+            context = get_context("forkserver")
+            context.set_forkserver_preload([__name__, "stickslip.cosim"])
+        begin = partial(_depend_on_parent, dict(os.environ))
+        return ProcessPoolExecutor(self._workers, mp_context=context, initializer=begin)
 
 
 def _called(call: bytes) -> Any:
@@ -130,7 +136,9 @@ def _called(call: bytes) -> Any:
         raise Raised(pickled(fault)) from fault
 
 
-def _depend_on_parent() -> None:
+def _depend_on_parent(environment: dict[str, str]) -> None:
+    os.environ.clear()
+    os.environ.update(environment)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

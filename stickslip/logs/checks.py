@@ -155,14 +155,16 @@ def check_recording(
     findings = [*_signals(recording, controller)]
     if any(finding.severity == "error" for finding in findings):
         return tuple(findings)
-    shown, lost, sure = excitation(recording), lost_rows(recording), sure_delay(recording)
+    shown, lost, delay = excitation(recording), lost_rows(recording), force_delay(recording)
+    sure = sure_delay(recording, delay)
     late = 0 if sure is None or sure.at_bound else round(sure.value / recording.T_s)
+    prompt = aligned(recording, late)
     return (
         *findings,
-        *([lost] if lost else force_path(aligned(recording, late))),  # the cause of the rest
+        *([lost] if lost else force_path(prompt, force_delay(prompt) if late else delay)),
         *saturation(recording, force_limit),
         *_quantisation(recording, shown),
-        *_delays(recording, sure, late),
+        *_delays(recording, sure, delay, late),
         *((*_duration(recording), *_visibility(recording, shown)) if alone else ()),
     )
 
@@ -214,9 +216,10 @@ def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:
         yield Finding("note", "the position is quantised", figure)
 
 
-def _delays(recording: Recording, sure: Delay | None, late: int) -> Iterator[Finding]:
+def _delays(
+    recording: Recording, sure: Delay | None, delay: Delay | None, late: int
+) -> Iterator[Finding]:
     """Yield delays of signals relative to each other; that of the force may be sure."""
-    delay = sure or force_delay(recording)
     if sure and sure.at_bound:
         figure = f"{1e3 * sure.value:.4g} ms, the largest that is looked for, explains most of it"
         advice = "log force and position of the same instants, or shift the force by its delay"

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
-from stickslip.logs.motion import force_delay, kinematics, left, rigid, rigid_columns
+from stickslip.logs.motion import Delay, kinematics, left, rigid, rigid_columns
 from stickslip.logs.recording import Finding, Recording
-from stickslip.servo.measurement import Array, smoothed
+from stickslip.servo.measurement import Array, filter_by_section, smoothed
 from stickslip.thresholds import log_content, log_force
 
 LEVELS = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.925, 0.95, 0.97, 0.98, 0.99, 0.995)
@@ -20,8 +20,8 @@ LAGS = np.geomspace(0.5, 100.0, 20)  # time constants of a low-pass that are tri
 OWN = (0.0, 0.5, 0.7, 0.85, 1.0)  # shares of a low-pass's time constant that are tried as its delay
 
 
-def force_path(recording: Recording) -> Iterator[Finding]:
-    """Yield how the logged force, without its delay, differs from that which moves the drive."""
+def force_path(recording: Recording, delay: Delay | None) -> Iterator[Finding]:
+    """Yield how the logged force, of a short delay, differs from that which moves the drive."""
     force = recording.force
     if force is None:
         return
@@ -29,7 +29,7 @@ def force_path(recording: Recording) -> Iterator[Finding]:
     clipped = next(filter(None, (_clipped(recording, one) for one in both_or_one_way)), None)
     limits = (_before_limit(recording, force), clipped)
     # A limit delays the force, too.
-    yield from filter(None, limits if any(limits) else [_low_passed(recording)])
+    yield from filter(None, limits if any(limits) else [_low_passed(recording, delay)])
 
 
 def _before_limit(recording: Recording, force: Array) -> Finding | None:
@@ -92,7 +92,7 @@ def _clipped(recording: Recording, force: Array) -> Finding | None:
     return Finding("warning", what, figure, advice, spoils="values")
 
 
-def _low_passed(recording: Recording) -> Finding | None:
+def _low_passed(recording: Recording, delay: Delay | None) -> Finding | None:
     """Return a finding where a low-pass explains the force better than a delay does.
 
     A low-pass takes the steps of a coarse encoder out of the motion, too. That explains the force
@@ -101,27 +101,23 @@ def _low_passed(recording: Recording) -> Finding | None:
     motion = kinematics(recording)
     if (drive := rigid(recording, motion)) is None:
         return None
-    delay = force_delay(recording)
     late = delay.value if delay and not delay.at_bound else 0.0
     spline, t = scipy.interpolate.CubicSpline(recording.t, drive.force), recording.t[drive.used]
     every = rigid_columns(motion, recording.T_s)
     force = spline(recording.t + late)
-    plain, mass = _fitted(drive.columns, force[drive.used])
+    [plain], [mass] = _fitted(drive.columns, force[drive.used, None])
     whole = float(np.sum(drive.force[drive.used] ** 2))
     if mass <= 0.0 or plain <= log_force.EXACT**2 * whole:  # else of a drive that hardly slides
         return None
     trials = []
     for lag in LAGS:
         share = -np.expm1(-1.0 / lag)
-        both = scipy.signal.lfilter(
-            [share], [1.0, share - 1.0], np.column_stack([every, force]), axis=0
-        )
+        section = np.array([share, 0.0, 0.0, 1.0, share - 1.0, 0.0])
+        both = filter_by_section(section, np.column_stack([every, force]).T).T
         delayed, alike = both[drive.used, :-1], both[drive.used, -1]
-        filtered = _fitted(delayed, alike)[0]
-        trials += [
-            (*_fitted(delayed, spline(t + late - own * lag * recording.T_s)), lag, filtered)
-            for own in OWN
-        ]
+        shifted = [spline(t + late - own * lag * recording.T_s) for own in OWN]
+        (filtered, *rests), (_, *masses) = _fitted(delayed, np.column_stack([alike, *shifted]))
+        trials += [(*one, lag, filtered) for one in zip(rests, masses, strict=True)]
     rest, unfiltered, lag, filtered = min(trials)
     if not _is_low_pass(rest, plain, filtered, abs(unfiltered / mass - 1.0)):
         return None
@@ -140,8 +136,7 @@ def _is_low_pass(rest: float, plain: float, filtered: float, change: float) -> b
     return rest <= most and change >= log_force.ATTENUATED
 
 
-def _fitted(columns: Array, force: Array) -> tuple[float, float]:
-    """Return the sum of squares [N^2] that columns (k, 4) leave of a force (k,), and the mass."""
-    fit = np.linalg.lstsq(columns, force, rcond=None)[0]
-    rest = force - columns @ fit
-    return float(rest @ rest), float(fit[0])
+def _fitted(columns: Array, forces: Array) -> tuple[Array, Array]:
+    """Return the sums of squares [N^2] that columns (k, 4) leave of forces (k, c), and masses."""
+    fits = np.linalg.lstsq(columns, forces, rcond=None)[0]
+    return np.sum((forces - columns @ fits) ** 2, axis=0), fits[0]

@@ -233,13 +233,13 @@ def _best_trial(signal: scipy.interpolate.CubicSpline, t: Array, base: Array) ->
     return float(delays[k])
 
 
-def sure_delay(recording: Recording) -> Delay | None:
-    """Return the delay of the force where it is sure and no loop explains it.
+def sure_delay(recording: Recording, delay: Delay | None) -> Delay | None:
+    """Return the delay of the force, as found, where it is sure and no loop explains it.
 
     A sampled loop and its amplifier account for less than two samples. Saturation and noise make
     delays, too; taking those out explains no more of the force.
     """
-    delay, T_s = force_delay(recording), recording.T_s
+    T_s = recording.T_s
     if delay is None or not (delay.at_bound or delay.is_large(T_s)):
         return None
     return delay if _explains(recording, round(delay.value / T_s)) else None
@@ -247,7 +247,7 @@ def sure_delay(recording: Recording) -> Delay | None:
 
 def samples_late(recording: Recording) -> int:
     """Return by how many samples the force shows late for sure, 0 where it may be even more."""
-    delay = sure_delay(recording)
+    delay = sure_delay(recording, force_delay(recording))
     return 0 if delay is None or delay.at_bound else round(delay.value / recording.T_s)
 
 

@@ -123,9 +123,10 @@ def _likeness(a: Array, b: Array, late: float) -> tuple[float, float, float]:
     sizes = float(np.std(a)), float(np.std(b))
     if min(sizes) == 0:
         return np.nan, np.nan, np.nan
-    lags = scipy.signal.correlate(b / sizes[1], a / sizes[0], mode="full", method="fft") / len(a)
     reach = int(late * len(a))
-    lags = lags[len(a) - 1 - reach : len(a) + reach]
+    n = scipy.fft.next_fast_len(2 * len(a) - 1, real=True)
+    both = scipy.fft.rfft(b / sizes[1], n) * scipy.fft.rfft(a[::-1] / sizes[0], n)
+    lags = scipy.fft.irfft(both, n)[len(a) - 1 - reach : len(a) + reach] / len(a)
     return sizes[1] / sizes[0], float(lags.max()), float(lags.min())
 
 

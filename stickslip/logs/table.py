@@ -40,7 +40,7 @@ class LogTable:
 
     def part(self, rows: NDArray[np.intp]) -> LogTable:
         """Return a table without columns that has some rows (k,) of this one."""
-        numbers = np.array([self.row(int(k)) for k in rows], dtype=np.intp)
+        numbers = rows + 1 if self.rows is None else self.rows[rows]
         return LogTable(self.path, self.names, {}, scalars=self.scalars, rows=numbers)
 
     def find(self, key: str | int, role: str) -> str:

@@ -165,6 +165,18 @@ def test_every_signal_is_that_of_the_plain_c_loop_to_the_bit(system, loops, coup
         np.testing.assert_array_equal(simulation.run()["mass.x"][1:], expected[:, 2])
 
 
+@pytest.mark.parametrize("isolation", [None, "process"])
+def test_signals_come_in_the_order_of_the_system(system, isolation, tmp_path):
+    """The rows of a run in Jacobi order are in another one."""
+    with prepare(system, 50, isolation=isolation) as simulation:
+        result = simulation.run()
+    assert result.names == ("controller.u", "mass.v", "mass.x", "friction.f")
+    written = np.loadtxt(result.to_csv(tmp_path / "x.csv"), delimiter=",", skiprows=1)
+    for k, name in enumerate(result):
+        np.testing.assert_array_equal(result[name], result.values[:, k])
+        np.testing.assert_array_equal(result[name], written[:, k + 1])
+
+
 @pytest.mark.parametrize("coupling", ["jacobi", "gauss_seidel"])
 def test_a_candidate_costs_what_the_c_loop_says_to_the_bit(system, version, loops, coupling):
     compiled = version == 2 and coupling == "gauss_seidel"

@@ -212,6 +212,16 @@ def test_a_script_without_a_guard_runs_once_and_its_functions_in_workers(argumen
     assert (tmp_path / "begun").read_text() == "x"
 
 
+def test_a_process_sees_the_environment_and_folder_of_its_pool(tmp_path, monkeypatch):
+    for cache in ("one", "two"):
+        monkeypatch.setenv("STICKSLIP_CACHE", cache)
+        (tmp_path / cache).mkdir()
+        monkeypatch.chdir(tmp_path / cache)
+        with ga.executor("processes", 1) as one:
+            assert one.submit(os.getenv, "STICKSLIP_CACHE").result() == cache
+            assert one.submit(os.getcwd).result() == str(tmp_path / cache)
+
+
 def test_a_process_that_may_have_no_children_says_so(monkeypatch):
     monkeypatch.setitem(multiprocessing.current_process()._config, "daemon", True)
     message = "cannot be started: daemonic .*; use threads"

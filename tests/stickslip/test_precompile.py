@@ -11,6 +11,7 @@ from stickslip.fmi import toolchain
 from stickslip.fmi.binary import read_library
 from stickslip.fmi.toolchain import PLATFORMS, compiler, host_platform
 from stickslip.precompile import precompile
+from stickslip.servo.measurement import section_library
 
 
 @pytest.fixture(scope="module")
@@ -43,10 +44,10 @@ def test_a_model_is_the_one_that_is_compiled(law, fmi, tmp_path, without_compile
 
 
 def test_what_runs_fmus_is_there(without_compiler):
-    compiled = [kernel.built(), kernel.built(marked=True), fmi1_wrapper()]
+    compiled = [kernel.built(), kernel.built(marked=True), fmi1_wrapper(), section_library()]
     with without_compiler():
         build = kernel.built.__wrapped__  # which is cached
-        shipped = [build(), build(marked=True), fmi1_wrapper()]
+        shipped = [build(), build(marked=True), fmi1_wrapper(), section_library()]
     assert not set(shipped) & set(compiled)
     assert [path.read_bytes() for path in shipped] == [path.read_bytes() for path in compiled]
 

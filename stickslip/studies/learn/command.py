@@ -158,6 +158,7 @@ def run(options: argparse.Namespace) -> Answer:
         if refused:
             raise refused[0]
         return Answer({"findings": [str(finding) for finding in every]})
+    TerminalProgress().stage("loading what learning takes")
     from stickslip.studies.learn.folder import FILES
     from stickslip.trial.candidates import law_of
 

@@ -129,7 +129,8 @@ def test_of_a_force_that_switches(mass, viscous, late):
     drive = Recording(t, shown, logged, encoder_step=1e-7)
     found = force_delay(drive)
     assert found.value / 1e-3 == pytest.approx(late + 0.55, abs=0.1)  # held forces show half late
-    assert not list(force_path(aligned(drive, samples_late(drive))))
+    prompt = aligned(drive, samples_late(drive))
+    assert not list(force_path(prompt, force_delay(prompt)))
 
 
 T_S, N = 1e-3, 12_000
