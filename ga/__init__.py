@@ -26,7 +26,6 @@ from stickslip.ga.errors import (
     NothingLearned,
     SettingsError,
     StateError,
-    WorkersLost,
 )
 from stickslip.ga.execution.executors import executor
 from stickslip.ga.execution.learning import SearchResult, learn
@@ -61,7 +60,6 @@ __all__ = [
     "SettingsError",
     "SimulatedCost",
     "StateError",
-    "WorkersLost",
     "crossover_probability",
     "executor",
     "fitness",
