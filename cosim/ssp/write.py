@@ -131,7 +131,7 @@ class End(NamedTuple):
 
 
 class _Structure:
-    """The description of a system that is made anew."""
+    """The description of a system without a package."""
 
     def __init__(self, system: System, version: str) -> None:
         self._system, self._version = system, version

@@ -126,7 +126,7 @@ def test_start_values_and_times_are_written_into_the_package(pack, tmp_path):
     assert third.parameters == {"c.k": -1.0, "outer/a.k": start}
 
 
-def test_another_structure_is_written_anew(pack, tmp_path):
+def test_another_structure_is_written_from_scratch(pack, tmp_path):
     system, _ = cosim.read_ssp(pack(NESTED))
     system.add("outer/inner/d", system.components["c"], {"k": 5.0})
     del system.connections["c.u"], system.links["c.u"]
