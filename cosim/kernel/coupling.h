@@ -70,8 +70,8 @@ typedef struct Coupling {
     double inner;          /* the step to try next, s */
     const double *nominal; /* (width) */
     int64_t steps, sweeps, rejected;
-    double t, h;   /* the step that is tried, s */
-    int64_t swept; /* not 0: the FMUs are no longer at its begin */
+    double t, h;        /* the step that is tried, s */
+    int64_t swept;      /* not 0: the FMUs are no longer at its begin */
     const double *ends; /* (n_steps + 1, n_external): inputs from outside at the end of the step
                            before each point in time; others than there where they jump;
                            NULL: the same */
