@@ -7,10 +7,7 @@ from stickslip import cosim
 
 @pytest.mark.parametrize(
     ("connected", "interface"),
-    [
-        (("Int32_out", "Int32_in"), "co_simulation"),
-        (("Float64_out", "Float64_in"), "model_exchange"),
-    ],
+    [("Int32", "co_simulation"), ("Float64", "model_exchange")],
 )
 def test_integers_and_model_exchange_are_refused(export, tmp_path, connected, interface):
     system = cosim.System("two")
@@ -24,6 +21,7 @@ def test_integers_and_model_exchange_are_refused(export, tmp_path, connected, in
 
 def test_outputs_that_are_no_doubles_are_not_shown(export, tmp_path):
     system = cosim.System("one")
-    system.add("a", export("feedthrough", 3, "CS"))
+    system.add("a", export("feedthrough", 2, "CS"))
     shown = cosim.Fmu(cosim.write_fmu(system, tmp_path / "a.fmu", step=0.1)).variables
-    assert [v.type for v in shown.values() if v.causality == "output"] == ["Real"]
+    assert "a.Float64_out" in shown
+    assert {v.type for v in shown.values() if v.causality == "output"} == {"Real"}
