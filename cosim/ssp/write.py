@@ -136,7 +136,7 @@ class _Structure:
     def __init__(self, system: System, version: str) -> None:
         self._system, self._version = system, version
         self._root = new_root("ssd:SystemStructureDescription", system.name, version)
-        self._bodies = {(): add(self._root, "ssd:System", name=system.name)}
+        self._bodies: dict[Path, Any] = {(): add(self._root, "ssd:System", name=system.name)}
         self._names: dict[tuple[Path, End], str] = {}  # of the way of a signal through a system
         self._connectors: set[tuple[Path, str]] = set()
 
