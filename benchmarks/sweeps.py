@@ -8,7 +8,7 @@ from benchmarks.common import cpu, interleaved
 from benchmarks.coupling import ring
 
 RUNS, STEPS, REPEATS = 1000, 1000, 5
-WHERE = {"threads": 2, "processes": 2}  # and how many workers
+WHERE = {"threads": 2, "processes": 2, "local": 2}  # and how many workers; local: Dask
 
 
 def measure(folder: Path) -> dict[str, float]:

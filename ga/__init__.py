@@ -26,6 +26,7 @@ from stickslip.ga.errors import (
     NothingLearned,
     SettingsError,
     StateError,
+    WorkersLost,
 )
 from stickslip.ga.execution.executors import executor
 from stickslip.ga.execution.learning import SearchResult, learn
@@ -60,6 +61,7 @@ __all__ = [
     "SettingsError",
     "SimulatedCost",
     "StateError",
+    "WorkersLost",
     "crossover_probability",
     "executor",
     "fitness",

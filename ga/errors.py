@@ -35,6 +35,10 @@ class NothingLearned(GaError):
     """Every candidate of the first generation failed. The message gives the first reason."""
 
 
+class WorkersLost(GaError, RuntimeError):
+    """A Dask cluster cannot be reached any more, or has no workers."""
+
+
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C during a run. The message says what is kept and how to go on.
 

@@ -86,7 +86,8 @@ def sweep(
     parameters : ``component.variable``, or ``variable`` of one FMU, -> values in its unit
     figures : name -> a function of the result that gives a number
     inputs : signals by exposed input, as of ``simulate``; the same in every run
-    workers, where : how many, and ``threads`` or ``processes``
+    workers, where : how many, and ``threads``, ``processes``, ``local`` or the address of a Dask
+        scheduler
     progress : whether to show a bar; or a function of how many runs are done and how many there are
     options : of ``System.prepare``, such as ``stop`` and ``step`` [s] instead of those that a file
         proposes, and ``record``
@@ -242,6 +243,7 @@ def _evaluated(
     begin, size = 0, workers
     try:
         while begin < len(grid):
+            size = max(size, getattr(executor, "parts", 0))  # of a cluster, which may grow
             started, end = time.monotonic(), begin + size
             ahead = grid[end : end + size]
             for found, reason in evaluator.outcomes(grid[begin:end], ahead, begins=False):

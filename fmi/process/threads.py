@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import suppress
+from threading import Thread
 from typing import Any, ParamSpec, TypeVar
 
 from stickslip.fmi.process.interruption import held
@@ -11,6 +13,8 @@ T = TypeVar("T")
 R = TypeVar("R")
 LOOK = 0.1
 """How often (s) a thread that waits looks for signals."""
+PATIENCE = 5.0
+"""How long (s) cancelling may take."""
 
 
 class Threads(ThreadPoolExecutor):
@@ -60,7 +64,15 @@ def wait_first(futures: Collection[Future[T]]) -> set[Future[T]]:
 
 
 def cancel_all(futures: Iterable[Future[Any]]) -> None:
-    """Cancel the futures that have not begun."""
-    with held():
-        for future in list(futures):
-            future.cancel()
+    """Cancel the futures that have not begun; of Dask, as long as its scheduler answers."""
+    listed = list(futures)
+
+    def cancel() -> None:
+        for future in listed:
+            with suppress(Exception):
+                future.cancel()
+
+    with held():  # Dask waits without end for a scheduler that is lost
+        thread = Thread(target=cancel, daemon=True)
+        thread.start()
+        thread.join(PATIENCE)

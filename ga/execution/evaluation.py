@@ -49,6 +49,7 @@ class Evaluator:
         self._evaluate: Evaluate | Packed = packed(evaluate) if packed else evaluate
         self._executor, self._parts = executor, parts
         self._begun: dict[bytes, _Place] = {}
+        self._last: list[_Place | None] = []
 
     def outcomes(self, population: Array, ahead: Array, *, begins: bool) -> list[Outcome]:
         """Return cost and reason of every row (n, k), in order, whatever the executor.
@@ -72,6 +73,7 @@ class Evaluator:
         except BaseException:
             cancel_all(place.task.future for place in sent)
             raise
+        self._last = places  # Dask would release these first, and send the next 10 ms later
         return [
             self._alone(row, self._executor, begins and index == 0) if outcome is None else outcome
             for index, (row, outcome) in enumerate(zip(population, outcomes, strict=True))
@@ -88,11 +90,13 @@ class Evaluator:
         """Give rows (n, k) to the workers."""
         if not len(rows):
             return []
-        parts = np.array_split(rows, min(self._parts or len(rows), len(rows)))
-        futures = [
-            executor.submit(evaluate_rows, self._evaluate, part, begins and not n)
-            for n, part in enumerate(parts)
-        ]
+        wanted = getattr(executor, "parts", self._parts or len(rows))
+        parts = np.array_split(rows, min(wanted, len(rows)))
+        calls = [(self._evaluate, part, begins and not n) for n, part in enumerate(parts)]
+        if together := getattr(executor, "submit_all", None):
+            futures = together(evaluate_rows, calls)
+        else:
+            futures = [executor.submit(evaluate_rows, *call) for call in calls]
         return [
             _Place(task, index)
             for task, part in zip(map(_Task, futures), parts, strict=True)
@@ -122,8 +126,8 @@ class _Task:
 
 def received(future: Future[T]) -> T | None:
     """Wait for what a worker sends, and return it; None if the worker died."""
-    try:
-        return result_of(future)
+    try:  # futures of Dask are not those of concurrent.futures
+        return result_of(future) if isinstance(future, Future) else future.result()
     except BrokenExecutor:
         return None
     except Raised as raised:
@@ -131,6 +135,8 @@ def received(future: Future[T]) -> T | None:
     except Exception as error:
         if isinstance(error, _UNPICKLABLE) and "pickle" in str(error):
             raise _unsent(error) from None
+        if type(error).__name__ == "KilledWorker":  # of distributed, which need not be there
+            return None
         raise
 
 
@@ -203,11 +209,11 @@ class _Place:
 class Packed:
     """A cost on its way to another process, where it is unpacked once and not for each task.
 
-    Its name is a hash of the content.
+    Its name is a hash of the content, which is None where processes have received it by `keep`.
     """
 
     name: str
-    content: bytes
+    content: bytes | None
 
     @classmethod
     def of(cls, evaluate: Evaluate) -> Packed:
@@ -215,14 +221,26 @@ class Packed:
         content = pickled(evaluate)
         return cls(hashlib.sha256(content).hexdigest(), content)
 
+    def keep(self) -> None:
+        """Store the content in this process, for tasks that come without."""
+        if self.content is not None:
+            _kept[self.name] = self.content
+
+    def forget(self) -> None:
+        """Drop what was kept."""
+        _kept.pop(self.name, None)
+        _unpacked.pop(self.name, None)
+
     def unpacked(self) -> Evaluate:
         """Return the cost, which stays for the next task."""
         if self.name not in _unpacked:
+            content = self.content or _kept[self.name]
             _unpacked.clear()
-            _unpacked[self.name] = unpickled(self.content)
+            _unpacked[self.name] = unpickled(content)
         return _unpacked[self.name]
 
 
+_kept: dict[str, bytes] = {}
 _unpacked: dict[str, Evaluate] = {}
 
 

@@ -1,4 +1,4 @@
-"""Where candidates are evaluated: threads or processes.
+"""Where candidates are evaluated: threads, processes, or a Dask cluster.
 
 A worker that dies takes no result with it: its candidates are evaluated again, see
 ``ga/execution/evaluation.py``.
@@ -20,6 +20,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from stickslip.fmi.process import Threads, held
 from stickslip.ga.errors import SettingsError
+from stickslip.ga.execution.cluster import cluster
 from stickslip.ga.execution.evaluation import Evaluate, Packed, Raised, pickled, unpickled
 from stickslip.ga.execution.starting import process_start
 
@@ -33,8 +34,10 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
 
     Parameters
     ----------
-    where : ``threads`` or ``processes``
-    workers : how many
+    where : ``threads`` or ``processes`` of this machine; ``local``, a Dask cluster that is started
+        on it; or the address of a running Dask scheduler, e.g. ``tcp://10.0.0.1:8786``, whose
+        workers must have the same packages and see the same files
+    workers : how many; a running scheduler has its own
 
     Yields
     ------
@@ -42,7 +45,10 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
 
     Raises
     ------
-    SettingsError : no such place, or no worker at all
+    SettingsError : no such place, no worker at all, no scheduler that answers at the address, or
+        ``distributed`` is not installed
+    WorkersLost : the connection to the scheduler is lost, it has not answered for 10 s, or it
+        has had no workers for a minute
     """
     if not isinstance(workers, Integral) or workers < 1:
         raise SettingsError(f"workers must be a whole number and at least 1, got {workers!r}")
@@ -55,8 +61,14 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
     elif where == "processes":
         with Processes(workers) as processes:
             yield processes
+    elif where == "local" or "://" in where:
+        with cluster(where, workers) as dask:
+            yield dask
     else:
-        raise SettingsError(f"no workers {where!r}; expected threads or processes")
+        raise SettingsError(
+            f"no workers {where!r}; expected threads, processes, local or the address of a Dask "
+            "scheduler such as tcp://10.0.0.1:8786"
+        )
 
 
 class Processes(Executor):

@@ -31,13 +31,25 @@ def add_worker_options(parser: argparse._ActionsContainer, what: str) -> None:
     """Declare where work is done."""
     workers = f"number of {what} that run in parallel (default: number of processors)"
     add_options(parser, {"--workers N": workers}, type=at_least(1), default=processors())
-    parser.add_argument(
+    place = parser.add_mutually_exclusive_group()
+    place.add_argument(
         "--pool",
         dest="where",
         choices=["threads", "processes"],
         default="threads",
-        help="kind of workers",
+        help="kind of workers on this machine",
     )
+    dask = "run on Dask: the address of a scheduler (tcp://...), or 'local' to start one here"
+    add_options(place, {"--cluster ADDRESS": dask}, dest="where", type=_address)
+
+
+def _address(text: str) -> str:
+    known = {"local", "threads", "processes"}  # argparse gives it the default, too
+    if text not in known and "://" not in text:
+        raise argparse.ArgumentTypeError(
+            f"{text!r}; expected local or the address of a scheduler, such as tcp://10.0.0.1:8786"
+        )
+    return text
 
 
 def add_execution_options(parser: argparse._ActionsContainer) -> None:
@@ -74,12 +86,12 @@ def execution_of(options: argparse.Namespace, checkpoint: Path | None) -> Iterat
         check(path)
     try:
         yield execution
-    except KeyboardInterrupt as stop:
+    except (KeyboardInterrupt, ga.WorkersLost) as stop:
         kept = _kept(execution, options)
         if not kept or (isinstance(stop, ga.Interrupted) and _seeds(options) == 1):
             raise
         files = ", ".join(map(str, kept))
-        raise stopped(f"the state of the search is kept in {files}") from None
+        raise stopped(stop, f"the state of the search is kept in {files}") from None
     if options.checkpoint is None:
         for path in _kept(execution, options):
             path.unlink(missing_ok=True)

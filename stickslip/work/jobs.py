@@ -28,7 +28,9 @@ class Execution:
     # candidates side by side; also, in threads, the runs of an experiment while what a search found
     # is fitted
     workers: int = 1
-    where: str = "threads"  # of candidates, or ``processes``
+    # of candidates: ``threads``, ``processes``, ``local`` or the address of a Dask scheduler, see
+    # ``ga.executor``
+    where: str = "threads"
     checkpoint: Path | None = None  # what was learned so far, kept after every generation
     resume: bool = False  # go on from the checkpoint, if it exists
 
@@ -52,9 +54,11 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
-def stopped(kept: str) -> KeyboardInterrupt:
-    """Return the interruption that also says what is kept and how to go on."""
+def stopped(stop: KeyboardInterrupt | ga.WorkersLost, kept: str) -> BaseException:
+    """Return the same error, which also says what is kept and how to go on."""
     kept = with_settings(f"{kept}; continue with <resume>")
+    if isinstance(stop, ga.WorkersLost):
+        return ga.WorkersLost(f"{stop}; {kept}")
     return KeyboardInterrupt(f"interrupted; {kept}")
 
 
@@ -78,7 +82,7 @@ class _Stop(StickslipError):
 
 
 def _worded(options: bool, job: Job, *given: object) -> Outcome:
-    """Do a job whose messages are those of a command, or of Python, in whatever process."""
+    """Do a job whose messages are those of a command, or of Python, on whatever machine."""
     name_options(yes=options)
     return job(*given)
 
@@ -97,7 +101,8 @@ def run_jobs(
     A process that dies takes down all that were running; these are then tried alone, one after the
     other, so that the one that kills is known and the others have their result.
 
-    Raises KeyboardInterrupt at Ctrl-C, when all jobs have ended.
+    Raises KeyboardInterrupt at Ctrl-C, when all jobs have ended, or WorkersLost when the cluster is
+    gone.
     """
     with threadpool_limits(limits=1, user_api="blas"), ga.executor(where, workers) as executor:
         if executor is None:
@@ -112,11 +117,15 @@ def run_jobs(
 
         further = (check,) if isinstance(executor, Threads) else ()
 
+        def at_once() -> int:
+            """Return two for each thread of a cluster, whose workers may become more or fewer."""
+            return 2 * getattr(executor, "parts", 0) or workers
+
         def submit(item: Item) -> Future[Outcome]:
             return executor.submit(_worded, names_options(), job, item, seed, *further)
 
         try:
-            suspects = _together(submit, items, workers, on_done)
+            suspects = _together(submit, items, at_once, on_done)
             for item in suspects:
                 on_done(item, _alone(submit, item))
         finally:
@@ -139,14 +148,14 @@ def ended_by_signals() -> Iterator[None]:
 def _together(
     submit: Callable[[Item], Future[Outcome]],
     items: Sequence[Item],
-    at_once: int,
+    at_once: Callable[[], int],
     on_done: Callable[[Item, Outcome], object],
 ) -> list[Item]:
     """Run as many jobs side by side as there are workers; return those whose worker died."""
     waiting, running, suspects = deque(items), dict[Future[Outcome], Item](), list[Item]()
     try:
         while waiting or running:
-            while waiting and len(running) < at_once:
+            while waiting and len(running) < at_once():
                 item = waiting.popleft()
                 running[submit(item)] = item
             for future in wait_first(running):

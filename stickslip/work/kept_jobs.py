@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from stickslip import ga
 from stickslip.errors import UsageError
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
 from stickslip.storage import MANIFEST, UNFINISHED, complete, refuse_foreign, staged
@@ -78,9 +79,9 @@ class KeptJobs:
         execution = self.execution
         try:
             run_jobs(job, left, self.seed, execution.where, workers=execution.workers, on_done=take)
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, ga.WorkersLost) as stop:
             done = f"{len(self.documents)} of {total} {self.items} are kept in {self.folder}"
-            raise stopped(done) from None
+            raise stopped(stop, done) from None
 
 
 def _read(path: Path, expected: Mapping[str, Any]) -> dict[str, Any] | None:

@@ -4,11 +4,14 @@ import hashlib
 import platform
 import struct
 import sys
+from concurrent.futures import Future
+from threading import Event
 
 import pytest
 
 from stickslip import models
 from stickslip.fmi import toolchain
+from stickslip.fmi.process import cancel_all, threads
 from stickslip.fmi.process.permitted import ALLOWED
 from stickslip.fmi.process.sandbox import numbers
 from stickslip.fmi.toolchain import (
@@ -58,6 +61,28 @@ def test_without_it_the_cache_is_the_users(monkeypatch, tmp_path, system, variab
     monkeypatch.setattr(sys, "platform", system)
     monkeypatch.setenv(variable, str(tmp_path / "base"))
     assert cache_directory() == tmp_path / place
+
+
+class Lost(Future[None]):
+    """A future of a cluster that does not answer."""
+
+    def cancel(self) -> bool:
+        Event().wait()
+        return True
+
+
+class Broken(Future[None]):
+    """A future of a cluster that was closed."""
+
+    def cancel(self) -> bool:
+        raise RuntimeError("closed")
+
+
+def test_cancelling_ends_though_a_future_does_not_answer(monkeypatch):
+    monkeypatch.setattr(threads, "PATIENCE", 0.1)
+    waiting = [Future[None]() for _ in range(2)]
+    cancel_all(one for one in (waiting[0], Broken(), waiting[1], Lost()))
+    assert all(one.cancelled() for one in waiting)
 
 
 START_VALUES = {"A[1,1]": 4.25, "D": 1e-300}

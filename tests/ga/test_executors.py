@@ -1,11 +1,14 @@
-"""Threads and processes: the same bytes, also when workers die."""
+"""Threads, processes and Dask: the same bytes, also when workers die."""
 
+import asyncio
 import importlib.util
 import multiprocessing
 import os
+import socket
 import subprocess
 import sys
 import threading
+from functools import partial
 
 import numpy as np
 import pytest
@@ -29,26 +32,49 @@ def processes():
         yield executor
 
 
-def test_serial_threads_and_processes_agree_bit_for_bit(processes):
+@pytest.fixture(scope="module")
+def cluster():
+    dask = pytest.importorskip("dask")
+    pytest.importorskip("distributed")  # its defaults would go with ours, if they came after
+    with (
+        dask.config.set(
+            {
+                "distributed.scheduler.allowed-failures": 0,
+                "distributed.worker.daemon": True,
+                "distributed.logging.distributed": "critical",
+            }
+        ),
+        ga.executor("local", 2) as executor,
+    ):
+        yield executor
+
+
+@pytest.fixture(params=["processes", "cluster"])
+def apart(request):
+    """Workers that are processes of their own."""
+    return request.getfixturevalue(request.param)
+
+
+def test_serial_threads_processes_and_dask_agree_bit_for_bit(apart):
     serial = history(sometimes_fails).to_csv()
     with ga.executor("threads", 2) as threads:
         assert history(sometimes_fails, threads).to_csv() == serial
-    assert history(sometimes_fails, processes).to_csv() == serial
+    assert history(sometimes_fails, apart).to_csv() == serial
 
 
-def test_a_worker_that_dies_takes_no_result_with_it(processes, tmp_path):
+def test_a_worker_that_dies_takes_no_result_with_it(apart, tmp_path):
     once = tmp_path / "once"
     once.touch()
-    died = history(KillsItsWorker(os.getpid(), once=once), processes)
+    died = history(KillsItsWorker(os.getpid(), once=once), apart)
     assert not once.exists()
     assert died.to_csv() == history(quadratic).to_csv()
 
 
 @pytest.mark.slow
-def test_a_candidate_that_kills_its_worker_costs_infinity(processes):
+def test_a_candidate_that_kills_its_worker_costs_infinity(apart):
     costs = history(quadratic)["a"]
     limit = float(np.sort(costs)[-2])  # one candidate is above, in one of the generations
-    killed = history(KillsItsWorker(os.getpid(), limit), processes)
+    killed = history(KillsItsWorker(os.getpid(), limit), apart)
     failed = killed[killed["a"] > limit]
     assert len(failed) >= 1
     assert (failed["cost"] == np.inf).all()
@@ -66,12 +92,68 @@ def test_a_single_thread_is_the_callers_own():
     [
         ("threads", 0, "at least 1, got 0"),
         ("greenlets", 2, "no workers 'greenlets'"),
-        ("tcp://", 2, "no workers 'tcp://'; expected threads or processes"),
+        ("tcp://", 2, "no Dask scheduler at 'tcp://'"),
+        ("http://127.0.0.1:1", 2, "no Dask scheduler at 'http"),
     ],
 )
 def test_a_place_that_cannot_be_is_named(where, workers, message):
     with pytest.raises(ga.SettingsError, match=message), ga.executor(where, workers):
         pass
+
+
+def test_no_client_is_begun_where_no_scheduler_answers(cluster, monkeypatch):
+    """A client that fails would be closed by the garbage collector, in whatever thread it runs."""
+    import dask
+    import distributed
+
+    monkeypatch.setattr(distributed, "Client", None)
+    worker = next(iter(cluster._client.ncores()))
+    with pytest.raises(ga.SettingsError, match="there is a "), ga.executor(worker, 2):
+        pass
+    with (
+        socket.create_server(("127.0.0.1", 0)) as silent,
+        dask.config.set({"distributed.comm.timeouts.connect": "200ms"}),
+        pytest.raises(ga.SettingsError, match=r"timed out after 0\.2 s"),
+        ga.executor(f"tcp://127.0.0.1:{silent.getsockname()[1]}", 2),
+    ):
+        pass
+
+
+def test_what_is_not_installed_is_named(monkeypatch):
+    monkeypatch.setattr("stickslip.ga.execution.cluster.find_spec", lambda _: None)
+    needed = r"distributed.*\[dask\]"
+    with pytest.raises(ga.SettingsError, match=needed), ga.executor("local", 2):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("fate", "message"),
+    [
+        ("empty", r"had no workers for 0\.3 s; start some"),
+        ("closed", "the connection .* is lost"),
+        ("stopped", r"has not answered for 0\.3 s"),
+    ],
+)
+def test_a_cluster_that_is_lost_or_empty_ends_in_one_line(fate, message, monkeypatch, caplog):
+    distributed = pytest.importorskip("distributed")
+    module = "stickslip.ga.execution.cluster"
+    monkeypatch.setattr(f"{module}.WITHOUT_WORKERS", 0.3 if fate == "empty" else 60.0)
+    monkeypatch.setattr(f"{module}.ANSWER", 0.3 if fate == "stopped" else 60.0)
+    monkeypatch.setattr(f"{module}.LOOK", 0.1)
+    with distributed.LocalCluster(n_workers=0, dashboard_address=":0") as empty:
+        if fate == "closed":
+            threading.Timer(0.3, empty.close).start()
+        if fate == "stopped":
+            answers = empty.scheduler.handlers
+            silent = partial(answers.__setitem__, "ncores", lambda **_: asyncio.sleep(3.0))
+            threading.Timer(0.3, silent).start()
+        with (
+            pytest.raises(ga.WorkersLost, match=message),
+            ga.executor(empty.scheduler_address, 2) as executor,
+        ):
+            history(quadratic, executor)
+    (told,) = [r.getMessage() for r in caplog.records if r.name.startswith("stickslip")]
+    assert "has no workers; waiting up to" in told
 
 
 def test_a_cost_that_does_not_pickle_is_named(processes):

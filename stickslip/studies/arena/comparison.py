@@ -169,8 +169,8 @@ def arena(
     compensators : names, such as ``pi``, ``static`` or ``lugre+ekbf``; all by default
     drives : a file, or name -> ``{"law": ..., "parameters": ..., "loop": ..., "nominal": ...}``,
         as in docs/arena.md; by default those of the command
-    workers, where : how many, and ``threads`` or ``processes`` (the default for more than one); the
-        result does not depend on it
+    workers, where : how many, and ``threads``, ``processes`` (the default for more than one) or
+        the address of a Dask scheduler; the result does not depend on it
     folder : in which the cells are kept while the arena runs; none by default
     resume : go on with the cells in the folder
     progress : called with how many cells are done, how many there are, and the last one's name

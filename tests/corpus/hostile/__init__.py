@@ -6,7 +6,7 @@ from tests.corpus.hostile.case import GROUPS, Case
 
 _MODULES = (
     *("archives", "xml", "descriptions", "binaries", "statuses", "systems", "tables", "learning"),
-    *("folders", "rigs", "arena", "arguments", "options", "exports", "consoles"),
+    *("folders", "rigs", "arena", "arguments", "options", "exports", "clusters"),
 )
 CASES: list[Case] = [
     case for name in _MODULES for case in import_module(f"{__name__}.{name}").CASES

@@ -90,6 +90,6 @@ GROUPS = {
     27: "values on the command line",
     28: "exports",
     29: "the sandbox",
-    30: "caches and consoles",
+    30: "clusters and consoles",
 }
 """What a case attacks."""

@@ -18,9 +18,10 @@ from stickslip.ga.execution import checkpoint
 from stickslip.work.jobs import Execution, Outcome, processors, run_jobs
 
 
-class Pool(ThreadPoolExecutor):
+class Cluster(ThreadPoolExecutor):
     """Counts the jobs that wait or run at the same time."""
 
+    parts = 2
     most = 0
 
     def submit(self, fn, /, *args):
@@ -34,22 +35,22 @@ def echoed(item: int, seed: int) -> Outcome:
 
 
 @pytest.fixture
-def pool(monkeypatch):
-    with Pool(max_workers=1) as pool:
-        monkeypatch.setattr(ga, "executor", lambda *_: nullcontext(pool))
-        yield pool
+def cluster(monkeypatch):
+    with Cluster(max_workers=2) as cluster:
+        monkeypatch.setattr(ga, "executor", lambda *_: nullcontext(cluster))
+        yield cluster
 
 
-def test_workers_get_a_few_jobs_at_a_time_so_that_an_interruption_leaves_few(pool):
+def test_a_cluster_gets_a_few_jobs_at_a_time_so_that_an_interruption_leaves_few(cluster):
     done = {}
-    run_jobs(echoed, range(100), 1, "processes", 2, done.__setitem__)
+    run_jobs(echoed, range(100), 1, "tcp://somewhere", 1, done.__setitem__)
     assert {item: outcome.learned for item, outcome in done.items()} == {
         item: str(item + 1) for item in range(100)
     }
-    assert pool.most <= 2
+    assert cluster.most <= 2 * cluster.parts
 
 
-@pytest.mark.usefixtures("pool")
+@pytest.mark.usefixtures("cluster")
 def test_an_interruption_leaves_no_more_than_what_runs():
     begun = []
 
@@ -61,8 +62,8 @@ def test_an_interruption_leaves_no_more_than_what_runs():
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run_jobs(job, range(1000), 0, "processes", 2, interrupt)
-    assert len(begun) <= 2
+        run_jobs(job, range(1000), 0, "tcp://somewhere", 1, interrupt)
+    assert len(begun) <= 2 * Cluster.parts
 
 
 def chosen(*arguments):
@@ -83,6 +84,7 @@ def test_options_become_an_execution(tmp_path):
     assert execution() == Execution(processors(), "threads", path)
     there = execution("--workers", "3", "--pool", "processes", "--resume")
     assert there == Execution(3, "processes", path, resume=True)
+    assert execution("--cluster", "tcp://h:1").where == "tcp://h:1"
     assert execution("--checkpoint", "mine.json").checkpoint.name == "mine.json"
     assert chosen("--preset", "paper").algorithm == chosen("--algorithm", "paper").algorithm
 

@@ -199,7 +199,7 @@ def _check(options: argparse.Namespace) -> None:
     coarse = "--coarse", bool(options.coarse)
     algorithm = f"--algorithm {options.algorithm}", options.algorithm not in ("default", "paper")
     files = ("--resume", options.resume), ("--checkpoint", options.checkpoint is not None)
-    pool = "--pool", options.where != "threads"
+    pool = "--pool or --cluster", options.where != "threads"
     steps = "--complete", complete
     exclusive = {
         "--mode record": (record, coarse, steps),

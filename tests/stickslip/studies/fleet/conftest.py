@@ -1,4 +1,4 @@
-"""Tables of drives."""
+"""Workers, and tables of drives."""
 
 import sys
 from pathlib import Path
@@ -8,6 +8,25 @@ import pytest
 from stickslip.studies.fleet.table import read_fleet
 
 sys.path.insert(0, str(Path(__file__).parent))  # fleet_jobs; workers import it
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    """Return the address of a Dask scheduler with two workers, which are not idle for nothing."""
+    dask = pytest.importorskip("dask")
+    distributed = pytest.importorskip("distributed")
+    quiet = {
+        "distributed.scheduler.allowed-failures": 0,
+        "distributed.worker.daemon": True,
+        "distributed.logging.distributed": "critical",
+    }
+    with (
+        dask.config.set(quiet),
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs="CRITICAL"
+        ) as local,
+    ):
+        yield local.scheduler_address
 
 
 @pytest.fixture

@@ -31,9 +31,9 @@ def test_a_drive_that_kills_its_worker_fails_and_no_other(drives, tmp_path):
     assert fleet.learned == alone.learned
 
 
-def test_a_worker_that_dies_costs_nothing(drives, tmp_path):
+def test_a_worker_of_a_cluster_that_dies_costs_nothing(cluster, drives, tmp_path):
     (tmp_path / "once").touch()
-    job, execution = Deadly(os.getpid(), tmp_path / "once"), Execution(2, "processes")
+    job, execution = Deadly(os.getpid(), tmp_path / "once"), Execution(2, cluster)
     names = ("a", "kills_once", "b")
     fleet = learn_fleet(drives(*names), tmp_path / "out", execution=execution, job=job)
     assert not (tmp_path / "once").exists()
@@ -114,12 +114,12 @@ def test_files_of_the_user_survive_a_study_that_fails_and_resumes(drives, tmp_pa
 SHORT = replace(LINEAR, duration=2.0)
 
 
-def test_a_fleet_is_the_same_in_processes(log, files, tmp_path, capsys):
+def test_a_fleet_is_the_same_in_processes_of_dask(log, cluster, files, tmp_path, capsys):
     table = tmp_path / "table.csv"
     table.write_text(f"name,log\ngood,{log}\nmissing,none.csv\n")
     where = {
         "here": ["--workers", "1"],
-        "there": ["--workers", "2", "--pool", "processes"],
+        "dask": ["--cluster", cluster],
     }
     for name, options in where.items():
         assert main(["fleet", str(table), "--out", str(tmp_path / name), *options]) == 1
@@ -131,7 +131,7 @@ def test_a_fleet_is_the_same_in_processes(log, files, tmp_path, capsys):
     names = {f"fleet.{ending}" for ending in ("csv", "html", "json", "png", "svg")}
     names |= {"learned.json", "manifest.json", "summary.csv"}
     assert {path.name for path in results} == names
-    assert files(tmp_path / "there") == results
+    assert files(tmp_path / "dask") == results
     rows = pd.read_csv(tmp_path / "here" / "fleet.csv").set_index(["name", "parameter"])
     assert rows["value"]["good", "m"] == pytest.approx(8.0, rel=0.05)  # 2 s at 1 kHz
     assert rows["value"]["good", "F_c"] == pytest.approx(4.0, rel=0.05)
