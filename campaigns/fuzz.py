@@ -41,8 +41,6 @@ from stickslip.ga.execution import checkpoint
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import Description, load_description, raise_errors, read_and_check
 from stickslip.logs.formats import read_table
-from stickslip.models.errors import LtiError
-from stickslip.models.lti.system import read_lti
 from stickslip.studies.fleet.table import read_fleet
 from tests.corpus.defects import reference
 from tests.corpus.hostile import CASES
@@ -217,11 +215,6 @@ K_x = 10
 K_p = 3.5
 K_i = "ki"
 """
-SYSTEMS = [
-    b'{"A": [[-1.0]], "B": [[1.0]], "C": [[1.0]], "D": [[0.0]], "inputs": {"u": "N"}}',
-    b'{"num": [1], "den": [1, 0.5], "dt": 0.1, "outputs": ["y"]}',
-    b'{"num": [[[1], [2]], [[3], [4]]], "den": [[[1, 1], [1, 2]], [[1, 3], [1, 4]]]}',
-]
 _load = cache(models.load_model)  # which does not depend on the input
 
 
@@ -388,7 +381,6 @@ PARSERS = {
         by_words,
         (ga.StateError,),
     ),
-    "lti": Parser("system.json", read_lti, lambda: SYSTEMS, by_words, (LtiError,)),
     "ssp": Parser("system.ssp", read_package, system_packages, by_member, (cosim.CosimError,)),
     "state": Parser("half.state", Checkpoint.read, states, by_member, (cosim.SimulationError,)),
     "check": Parser(

@@ -27,11 +27,10 @@ from stickslip.cosim.function import Function
 from stickslip.cosim.run.guards import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
-from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Signal, SineSweep, Table, Trapezoid
 from stickslip.cosim.signals.tables import read_tables, signals_of
 from stickslip.cosim.ssp import read_ssp, variants, write_ssp
-from stickslip.cosim.system.scaling import Link, Scaling, ValueMap
+from stickslip.cosim.system.scaling import Link, Scaling
 from stickslip.cosim.system.settings import (
     Adaptive,
     Coupling,
@@ -64,7 +63,6 @@ __all__ = [
     "Record",
     "Result",
     "Scaling",
-    "Scenario",
     "SharedSimulation",
     "Signal",
     "SignalError",
@@ -77,7 +75,6 @@ __all__ = [
     "Table",
     "Trapezoid",
     "Unit",
-    "ValueMap",
     "Variable",
     "read_ssp",
     "read_tables",

@@ -48,7 +48,7 @@ class Function(Component):
 
     >>> system.add("gain", cosim.Function(lambda t, u: -2.0 * u["x"], {"x": "m"}, {"F": "N"}))
 
-    It can be coupled, iterated, scaled, recorded and disturbed as an FMU, and its state is saved.
+    It can be coupled, iterated, scaled and recorded as an FMU, and its state is saved.
     It runs in this process only: SSP files, containers and isolation need FMUs. It pickles where
     ``step`` does.
 

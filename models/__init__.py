@@ -21,7 +21,7 @@ from stickslip.models.export.package import (
 )
 from stickslip.models.export.sources import FmiVersion
 from stickslip.models.lti.package import export_lti
-from stickslip.models.lti.system import LinearSystem, LtiFile, read_lti
+from stickslip.models.lti.system import LinearSystem
 
 __all__ = [
     "DescriptionError",
@@ -30,7 +30,6 @@ __all__ = [
     "LawParameter",
     "LinearSystem",
     "LtiError",
-    "LtiFile",
     "Model",
     "ModelError",
     "Ports",
@@ -45,5 +44,4 @@ __all__ = [
     "load_model",
     "model_names",
     "model_of",
-    "read_lti",
 ]

@@ -11,7 +11,6 @@ from stickslip.cosim import Fmu as Fmu
 from stickslip.cosim import Function as Function
 from stickslip.cosim import Record as Record
 from stickslip.cosim import Result as Result
-from stickslip.cosim import Scenario as Scenario
 from stickslip.cosim import Simulation as Simulation
 from stickslip.cosim import SineSweep as SineSweep
 from stickslip.cosim import Specification as Specification

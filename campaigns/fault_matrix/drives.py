@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 
 import stickslip as ss
-from stickslip import cosim
 from stickslip.logs import Column, Description
 from stickslip.planning import plan
 from stickslip.rigs.contract import COMMISSIONING
@@ -116,8 +115,8 @@ def record(
         limit = float(np.quantile(np.abs(sound["force"]), experiment.limit))
         static = drive.start.get("F_s", drive.start["F_c"])
         parameters["drive.u_max"] = max(limit, MOVES * static)
-    scenario = _drift(drive, experiment.drift, table["time"]) if experiment.drift else None
-    log = _run(fmus, loop, table, parameters, scenario)
+    tunable = _drift(drive, experiment.drift, table["time"]) if experiment.drift else {}
+    log = _run(fmus, loop, table, parameters, tunable)
     columns = {name: Column(name) for name in log}
     return log, Description(columns=columns, controller="PI", gains=gains_of(loop))
 
@@ -127,7 +126,7 @@ def _run(
     loop: VelocityLoop,
     table: pd.DataFrame,
     parameters: dict[str, float | bool],
-    scenario: cosim.Scenario | None,
+    tunable: dict[str, ss.Table],
 ) -> pd.DataFrame:
     v_cmd = table["velocity_command"].to_numpy()
     system, inputs = servo_loop(fmus, loop), {"v_cmd": v_cmd}
@@ -138,19 +137,18 @@ def _run(
         inputs["x_cmd"] = table["position_command"].to_numpy()
     stop = (len(v_cmd) - 1) * loop.T_s
     with system.prepare(step=loop.T_s, stop=stop, record=tuple(MEASURED.values())) as simulation:
-        result = simulation.run(parameters, inputs, scenario=scenario)
+        result = simulation.run(parameters, inputs, tunable=tunable)
     measured = {name: result[variable] for name, variable in MEASURED.items()}
     measured["force_command"] = np.append(measured["force_command"][1:], 0.0)  # of that sample
     return table.assign(**measured)
 
 
-def _drift(drive: Drive, drift: float, time: pd.Series) -> cosim.Scenario:
+def _drift(drive: Drive, drift: float, time: pd.Series) -> dict[str, ss.Table]:
     """Return friction that falls in steps of 1 %."""
-    t, start = time.to_numpy(), drive.start
-    scenario = ss.Scenario()
-    for lost in np.arange(0.01, drift + 0.005, 0.01):
-        at = float(t[round(lost / drift * 0.95 * (len(t) - 1))])
-        for name in ("F_c", "F_s"):
-            if name in start:
-                scenario = scenario.set(f"drive.{name}", (1.0 - lost) * float(start[name]), at)
-    return scenario
+    t, lost = time.to_numpy(), np.arange(0.0, drift + 0.005, 0.01)
+    at = t[np.round(lost / drift * 0.95 * (len(t) - 1)).astype(int)]
+    return {
+        f"drive.{name}": ss.Table(at, (1.0 - lost) * float(drive.start[name]), held=True)
+        for name in ("F_c", "F_s")
+        if name in drive.start
+    }

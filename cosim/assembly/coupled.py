@@ -80,7 +80,6 @@ class Coupled:
             degree=self._coupling.degree,
             past=(ctypes.c_double * (tables.MAX_PAST * width))(),
             next=(ctypes.c_double * width)(),
-            given=(ctypes.c_double * (2 * width))(),
             tolerance=adaptive.tolerance if adaptive else 0.0,
             predicted=min(self._coupling.degree, self._sees - 1),
             min_step=max(adaptive.min_step, countable) if adaptive else 0.0,
@@ -114,8 +113,6 @@ class Coupled:
         if not hasattr(self, "_table"):
             return {}
         memory = {name: place.copy() for name, place in self._places().items()}
-        if not self._run.disturbed:  # what is given is what is received
-            memory["given"] = np.append(memory["past"][: len(self._names)], memory["next"])
         memory["counts"] = np.array([getattr(self._table, name) for name in _COUNTS])
         memory["known"] = np.array([loop.known for loop in self._loops])
         return memory
@@ -138,7 +135,6 @@ class Coupled:
         """Return the kernel's own memory, by name."""
         table, width = self._table, len(self._names)
         rooms = {"past": (table.past, tables.MAX_PAST * width), "next": (table.next, width)}
-        rooms["given"] = (table.given, 2 * width)
         rooms |= {f"inverse{i}": (loop.inverse, loop.n**2) for i, loop in enumerate(self._loops)}
         places = {name: as_array(room, (n,)) for name, (room, n) in rooms.items() if n}
         return places | {"times": as_array(table.times)}

@@ -1,23 +1,22 @@
-"""Exposed inputs over a run, and what a scenario does to signals and tunable parameters."""
+"""Exposed inputs and tunable parameters over a run."""
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from stickslip.cosim.assembly.general_path import GeneralComponent
-from stickslip.cosim.assembly.plan import Layout
+from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.component import component_of, converted, integer_range, variable_of
 from stickslip.cosim.errors import ParameterError, SignalError
 from stickslip.cosim.fmu.instance import Batch
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.kernel import structures
-from stickslip.cosim.signals.scenario import Disturbance, Tables
 from stickslip.cosim.signals.signals import Array, Input, Table, ends_of, sampled, shifted, slack
-from stickslip.cosim.system.scaling import IDENTITY, Scaling
+from stickslip.cosim.system.scaling import IDENTITY
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import suggestion
@@ -124,12 +123,6 @@ class InputEvents:
         run.event_inputs = structures.doubles(self.values)
 
 
-def joined(time: Array, ends: Array, values: Array) -> Table:
-    """Return straight lines between points in time, each from a value to the end of its step."""
-    jumps = np.flatnonzero(ends != values)
-    return Table(np.insert(time, jumps, time[jumps]), np.insert(values, jumps, ends[jumps]))
-
-
 def courses(system: System, component: str, tables: Mapping[str, Table]) -> dict[str, Table]:
     """Return the tables that inputs, but for clocks, of a component follow, in their units."""
     found = {}
@@ -156,83 +149,41 @@ def _between(
     return times[apart], steps[apart]
 
 
-def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Tables]:
-    """Return what happens to signals, an input standing for its only source, and to parameters."""
-    sources = system.sources() if tables.keys() - layout.columns.keys() else {}
-    signals: dict[str, Disturbance] = {}
-    for name, table in tables.items():
-        if name in sources or name in layout.columns:
-            source = sources.get(name, name)
-            if source in signals:
-                raise SignalError(
-                    f"scenario: {name} is {source}, which occurs already; name it once"
-                )
-            signals[source] = table if source == name else _at_source(name, table, sources, system)
-    others = {name: t for name, t in tables.items() if name not in (layout.columns | sources)}
-    for name in others:
-        try:
-            variable = system.variable(name, SignalError)
-        except SignalError:
-            variable = None
-        if variable is None or variable.causality != "parameter":
-            raise SignalError(
-                f"scenario: {name!r} is not a signal of the run that is read or recorded, nor a"
-                f" parameter{suggestion(name, layout.columns)}"
-            )
-        if variable.variability != "tunable" or not variable.is_signal or variable.array:
-            kind = "array" if variable.array or variable.dimensions else variable.type
-            raise SignalError(
-                f"scenario: {name} is a {variable.variability} parameter ({kind}); only tunable"
-                " ones that are a number or Boolean change during a run; set it before"
-            )
-    return signals, others
-
-
-def _at_source(
-    name: str, table: Disturbance, sources: Mapping[str, str], system: System
-) -> Disturbance:
-    """Return what happens to an input as if it happened to its source."""
-    source = sources[name]
-    if receivers := [target for target in sources if sources[target] == source and target != name]:
-        raise SignalError(
-            f"scenario: {name} is connected to {source}, which is also connected to "
-            f"{', '.join(receivers)} and is disturbed as a whole: name {source}"
-        )
-    line = system.scaling(source, name)
-    if not isinstance(line, Scaling) or line.factor == 0:
-        raise SignalError(f"scenario: the values of {name} are mapped; name {source}")
-    return table.in_unit(line.factor, line.offset)
-
-
 def tune(
-    tables: Tables,
+    tunable: Mapping[str, Input],
     values: Mapping[str, Value],
-    system: System,
+    plan: Plan,
     libraries: Mapping[str, Library],
     general_components: Mapping[str, GeneralComponent],
-    order: Sequence[str],
 ) -> list[tuple[int, structures.Change, Any]]:
     """Return the changes of parameters in the order of time: step, change and what it points to."""
     changes = []
-    for name, table in tables.items():
-        variable = system.variable(name)
+    system, time = plan.spec.system, plan.time
+    for name, signal in tunable.items():
+        variable = system.variable(name, SignalError)
+        if variable.causality != "parameter" or variable.variability != "tunable":
+            what = f"{name} is a {variable.variability} {variable.causality}"
+            raise SignalError(f"{what}; only tunable parameters change during a run")
+        if not variable.is_signal or variable.array:
+            kind = "array" if variable.array or variable.dimensions else variable.type
+            raise SignalError(f"{name} is of type {kind}, expected a number or Boolean to change")
         start = values.get(name, variable.start)
         if not isinstance(start, int | float):
-            raise SignalError(f"scenario: {name} has no start value; set one")
-        series = table.at_points(np.full(len(table.keep), float(start)))
-        before = np.append(float(start), series[:-1])
+            raise SignalError(f"{name} has no start value; set one")
+        if isinstance(signal, Table) and variable.is_discrete:
+            signal = signal.hold(time)
+        series = np.broadcast_to(sampled(name, signal, time), time.shape)
         component = component_of(name)
-        for step in np.flatnonzero(series != before):
+        for step in np.flatnonzero(series != np.append(float(start), series[:-1])):
             value = float(series[step])
             try:
-                whole = int(value) if value.is_integer() else value
-                checked = converted(variable, whole, name)
+                checked = converted(variable, int(value) if value.is_integer() else value, name)
             except ParameterError as fault:
-                raise SignalError(f"scenario: {fault}") from None
+                raise SignalError(str(fault)) from None
             batch = Batch(libraries[component], [variable], "Set")
             batch.put(variable, checked)
             setting, kept = _setting(batch, general_components.get(component))
-            change = structures.Change(int(step), order.index(component), setting)
+            change = structures.Change(int(step), plan.order.index(component), setting)
             changes.append((int(step), change, (batch, kept)))
     return sorted(changes, key=lambda change: change[0])
 
@@ -250,51 +201,3 @@ def _setting(batch: Batch, general: GeneralComponent | None) -> tuple[structures
         values=ctypes.cast(values, ctypes.c_void_p),
     )
     return setting, values
-
-
-def disturb(
-    tables: Tables,
-    layout: Layout,
-    run: structures.Run,
-    slots: Mapping[str, structures.Component],
-    external: Array,
-    ends: Array,
-) -> None:
-    """Prepare a run, changing inputs (n, number) at the points and at the ends before each."""
-    inputs = list(layout.columns)[: external.shape[1]]
-    for column, name in enumerate(inputs):
-        if name in tables:
-            ends[:, column] = tables[name].at_ends(ends[:, column], external[:, column])
-            external[:, column] = tables[name].at_points(external[:, column])
-    run.disturbed = len(tables.keys() - inputs)
-    for component, slot in slots.items():
-        mine = [name for name in layout.outputs[component] if name in tables]
-        slot.n_disturbances = len(mine)
-        slot.disturbances = (structures.Disturbance * len(mine))(
-            *(_entry(layout.columns[name], tables[name]) for name in mine)
-        )
-
-
-def _entry(column: int, table: Disturbance) -> structures.Disturbance:
-    return structures.Disturbance(
-        column, *map(structures.doubles, (table.keep, table.add, table.ends))
-    )
-
-
-def held_values(slots: Mapping[str, structures.Component], row: Array, done: int) -> Array:
-    """Return the value that each signal keeps if it sticks after the step ``done``, (width,)."""
-    values = row.copy()
-    for entry in _entries(slots):
-        if np.isnan(entry.keep[done]):
-            values[entry.column] = entry.held
-    return values
-
-
-def hold_values(slots: Mapping[str, structures.Component], values: Array) -> None:
-    """Let signals that stick keep the values (width,) that ``held_values`` returned."""
-    for entry in _entries(slots):
-        entry.held = values[entry.column]
-
-
-def _entries(slots: Mapping[str, structures.Component]) -> list[structures.Disturbance]:
-    return [slot.disturbances[i] for slot in slots.values() for i in range(slot.n_disturbances)]

@@ -188,7 +188,7 @@ class Plan:
     @cached_property
     def time(self) -> Array:
         """The points in time, (n_steps + 1,) s; raises ExperimentError without room for a run."""
-        self.check_memory()
+        check_memory(self.n_steps + 1, 1 + len(self.spec.system.inputs) + self._kept)
         return self.at(np.arange(self.n_steps + 1, dtype=np.float64))
 
     def at(self, step: T) -> T:
@@ -205,11 +205,6 @@ class Plan:
         """How many rows a result may have; an FMU that ends a run adds one."""
         few = {"last": 1, "range": 3}
         return few.get(self.record.keep, self.n_steps // self.record.every + 2)
-
-    def check_memory(self, per_point: float = 0) -> None:
-        """Check that there is room for a run, with so many numbers more at each point in time."""
-        per_point += 1 + len(self.spec.system.inputs) + self._kept
-        check_memory(self.n_steps + 1, per_point)
 
     def step_at(self, until: float | None) -> int:
         """Return the number of the step that ends at a time (s), by default of the last."""

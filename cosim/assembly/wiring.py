@@ -19,7 +19,7 @@ from stickslip.cosim.fmu.instance import batches
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.signals.signals import Array
-from stickslip.cosim.system.scaling import IDENTITY, Scaling, Transform, ValueMap
+from stickslip.cosim.system.scaling import IDENTITY
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Value, Variable
 
@@ -67,7 +67,8 @@ def wire(
         slot.input_references = _references(system, [target for _, target in inputs[name]])
         scales = [system.scaling(sources[target], target) for _, target in inputs[name]]
         scaled = any(scaling != IDENTITY for scaling in scales)
-        _transform(slot, scales)
+        if scaled:
+            slot.scales = _doubles([s.factor for s in scales] + [s.offset for s in scales])
         if not offsets:
             slot.inputs = kernel.NONE
         elif offsets == list(range(offsets[0], offsets[0] + len(offsets))) and not scaled:
@@ -103,18 +104,6 @@ def wire(
         block=max(1, min(_BLOCK_STEPS, _BLOCK_VALUES // max(1, width))),
     )
     return run, general_components
-
-
-def _transform(slot: structures.Component, transforms: Sequence[Transform]) -> None:
-    """Let the inputs of a component be scaled or mapped."""
-    lines = [t if isinstance(t, Scaling) else IDENTITY for t in transforms]
-    if any(line != IDENTITY for line in lines):
-        slot.scales = _doubles([s.factor for s in lines] + [s.offset for s in lines])
-    if any(isinstance(t, ValueMap) for t in transforms):
-        pairs = [t.pairs if isinstance(t, ValueMap) else () for t in transforms]
-        slot.maps = (structures.Map * len(pairs))(
-            *(structures.Map(len(p), _doubles([x for pair in p for x in pair])) for p in pairs)
-        )
 
 
 def _doubles(numbers: Sequence[float]) -> ctypes.Array[ctypes.c_double]:

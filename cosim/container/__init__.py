@@ -35,9 +35,7 @@ from stickslip.fmi.standard import standard_files
 from stickslip.fmi.toolchain import Platform
 
 _KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "steps.h"]
-_KERNEL += ["instance.c", "general_path.h", "cvode.h"]
-_GENERAL = ["general_path.c", "general_calls.c", "values.c", "events.c", "exchange.c"]
-_GENERAL += ["saving.c"]
+_KERNEL += ["instance.c"]
 
 
 def write_fmu(
@@ -71,8 +69,8 @@ def write_fmu(
     Raises
     ------
     ConnectionFault, ParameterError, ExperimentError, FmuError : when the system has what a
-        container cannot hold: a component of FMI 1.0 or with structural parameters, algebraic
-        loops, Model Exchange on a platform without its solver
+        container cannot hold: a component of FMI 1.0, by Model Exchange, with an event mode,
+        with arrays, or with signals that are no 64-bit floating-point numbers; algebraic loops
     toolchain.ToolchainError
     OSError : when the file cannot be written
     """
@@ -105,7 +103,12 @@ def write_fmu(
     jacobi = coupling == "jacobi"
     run, general = wire(system, layout, order, libraries, jacobi=jacobi, tolerance=None)
     folders = _folders(components)
-    header = system_header(system, run, general, order, layout, shown, folders, step)
+    for name in general:
+        raise FmuError(
+            f"{labels[name]} cannot go into a container: it needs Model Exchange, events, arrays or"
+            " signals other than 64-bit floating-point numbers; leave it in a package of SSP"
+        )
+    header = system_header(system, run, order, layout, shown, folders, step)
     identifier = re.sub(r"\W", "_", system.name, flags=re.ASCII)
     identifier = identifier if re.match(r"[A-Za-z_]", identifier) else f"_{identifier}"
     times = experiment or DefaultExperiment()
@@ -122,11 +125,11 @@ def write_fmu(
             shown,
             DefaultExperiment(times.start, times.stop, step, times.tolerance),
             varies_step=all(fmu.varies_step for fmu in fmus),
-            restores_state=not general and all(fmu.restores_state for fmu in fmus),
-            serializes=not general and all(fmu.serializes and fmu.restores_state for fmu in fmus),
+            restores_state=all(fmu.restores_state for fmu in fmus),
+            serializes=all(fmu.serializes and fmu.restores_state for fmu in fmus),
         )
 
-    sources = _sources(fmi, [*_KERNEL, *_GENERAL] if general else _KERNEL)
+    sources = _sources(fmi, _KERNEL)
     if unrolled := unroll(run):
         sources["steps.h"] = unrolled
     content = repr([described(""), header, *sources.values()])
@@ -137,8 +140,6 @@ def write_fmu(
         "documentation/index.html": index(system, order, step, jacobi=jacobi).encode(),
         "documentation/licenses/license.txt": licences(system).encode(),
     }
-    if any(fmu.interface == "model_exchange" for fmu in fmus):
-        members |= solver_members(targets)
     inside: dict[str, bytes] = {}
     for name, folder in folders.items():
         inside |= _component(components[name], labels[name], folder, targets)
@@ -211,36 +212,3 @@ def _sources(fmi: int, wanted: Iterable[str]) -> dict[str, str]:
     }
     files |= {f"system/{file.name}": file for file in headers}
     return {name: file.read_text(encoding="utf-8") for name, file in sorted(files.items())}
-
-
-# Those of macOS are for both processors.
-_FOLDERS = {
-    "x86_64-linux": "x86_64-linux",
-    "x86_64-windows": "x86_64-windows",
-    "x86_64-darwin": "aarch64-darwin",
-    "aarch64-darwin": "aarch64-darwin",
-}
-_LICENCE = "licenses/LICENSE.txt"  # FMPy's own and that of SUNDIALS, of which CVode is a part
-
-
-def solver_members(targets: Iterable[Platform]) -> dict[str, bytes]:
-    """Return the files, by path in the container."""
-    import fmpy  # large, and not needed before
-
-    members = {}
-    for target in targets:
-        folder = Path(fmpy.__file__).parent / "sundials" / _FOLDERS.get(target.tuple, "-")
-        if not folder.is_dir():
-            raise FmuError(
-                f"Model Exchange needs the solver CVode, which FMPy has for {', '.join(_FOLDERS)},"
-                f" not for {target.tuple}; use Co-Simulation, or leave the platform out"
-            )
-        for file in sorted(folder.iterdir()):
-            members[f"resources/cvode/{target.tuple}/{file.name}"] = file.read_bytes()
-    from importlib import metadata  # late, for those who start quickly
-
-    licence = metadata.distribution("fmpy").read_text(_LICENCE)
-    if licence is None:
-        raise FmuError(f"FMPy is installed without {_LICENCE}; install it again")
-    members["documentation/licenses/sundials.txt"] = licence.encode()
-    return members

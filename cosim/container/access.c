@@ -21,7 +21,7 @@ typedef union {
     access->member = (__typeof__(access->member))library_function(                                 \
         access->library, c->version == 3 ? "fmi3" name3 : "fmi2" name2);
 
-void access_load_values(Access *access, int version) {
+static void load_values(Access *access, int version) {
     static const char *const types[2][N_TYPES] = {{"Real", "Integer", "Boolean"},
                                                   {"Float64", "Int32", "Boolean"}};
     for (int type = 0; type < N_TYPES; type++) {
@@ -40,7 +40,7 @@ const char *access_load(Access *access, Component *c) {
     } else {
         FMI3_CALLS(TAKE3)
     }
-    access_load_values(access, c->version);
+    load_values(access, c->version);
     TAKE_STATE(save, "GetFMUState", "GetFMUstate")
     TAKE_STATE(restore, "SetFMUState", "SetFMUstate")
     TAKE_STATE(forget, "FreeFMUState", "FreeFMUstate")
@@ -54,34 +54,31 @@ static int pass(const Instance *x, int part, void (*function)(void), uint32_t re
                 void *value) {
     typedef int Pass2(void *, const uint32_t *, size_t, void *);
     typedef int Pass3(void *, const uint32_t *, size_t, void *, size_t);
-    void *instance = PARTS[part].general ? x->general[part].instance : x->components[part].instance;
+    void *instance = x->components[part].instance;
     if (!function || !instance) {
         return ERROR;
     }
-    return version_of(part) == 2 ? ((Pass2 *)function)(instance, &reference, 1, value)
-                                 : ((Pass3 *)function)(instance, &reference, 1, value, 1);
+    return x->components[part].version == 2
+               ? ((Pass2 *)function)(instance, &reference, 1, value)
+               : ((Pass3 *)function)(instance, &reference, 1, value, 1);
 }
 
 int access_set(Instance *x, int part, Type type, uint32_t reference, double value) {
     PLAIN_HERE;
-    void (*function)(void) = x->access[part].set[type];
     Value v = {.real = value};
-    if (type == BOOLEAN && version_of(part) == 3) {
+    if (type == BOOLEAN && x->components[part].version == 3) {
         v.boolean = value != 0.0;
     } else if (type != REAL) {
         v.integer = (int32_t)value;
     }
-    if (function && PARTS[part].general && x->general[part].running) {
-        return general_put(x, part, function, reference, &v);
-    }
-    return pass(x, part, function, reference, &v);
+    return pass(x, part, x->access[part].set[type], reference, &v);
 }
 
 int access_get(const Instance *x, int part, Type type, uint32_t reference, double *value) {
     PLAIN_HERE;
     Value v = {.real = 0.0};
     const int status = pass(x, part, x->access[part].get[type], reference, &v);
-    const bool is_short = type == BOOLEAN && version_of(part) == 3;
+    const bool is_short = type == BOOLEAN && x->components[part].version == 3;
     *value = type == REAL ? v.real : is_short ? v.boolean : v.integer;
     return status;
 }

@@ -62,7 +62,7 @@ static bool instantiate_part(Instance *x, int i) {
         report(x, ERROR, "the path of the resources is too long: %s", x->resources);
         return false;
     }
-    if (version_of(i) == 2) {
+    if (part->wiring.version == 2) {
         uri_of_path(path, resources, sizeof resources);
     } else {
         snprintf(resources, sizeof resources, "%s/", path);
@@ -83,13 +83,13 @@ static bool load_part(Instance *x, int i) {
     c->log = &x->logs[i];
     c->gathered = x->gathered[i];
     snprintf(path, sizeof path, "%s/%s/binaries/%s/%s" SUFFIX, x->resources, part->folder,
-             version_of(i) == 2 ? FOLDER2 : FOLDER3, part->identifier);
+             part->wiring.version == 2 ? FOLDER2 : FOLDER3, part->identifier);
     x->access[i].library = library_open(path, reason, sizeof reason);
     if (!x->access[i].library) {
         report(x, ERROR, "%s cannot be loaded: %s", part->name, reason);
         return false;
     }
-    const char *missing = part->general ? general_load(x, i) : access_load(&x->access[i], c);
+    const char *missing = access_load(&x->access[i], c);
     if (missing) {
         report(x, ERROR, "%s: its binary lacks the function %s", part->name, missing);
         return false;
@@ -147,7 +147,6 @@ Instance *instance_new(const char *name, const char *token, const char *resource
     if (alive) {
         path_of_uri(resources, x->resources, sizeof x->resources);
     }
-    alive = alive && solver_load(x);
     for (int i = 0; alive && i < N_PARTS; i++) {
         alive = load_part(x, i);
     }
@@ -161,15 +160,9 @@ Instance *instance_new(const char *name, const char *token, const char *resource
 void instance_free(Instance *x) {
     for (int i = 0; x && i < N_PARTS; i++) {
         release(&x->components[i]);
-        if (PARTS[i].general) {
-            general_unload(x, i);
-        }
         if (x->access[i].library) {
             library_close(x->access[i].library);
         }
-    }
-    if (x) {
-        solver_unload(x);
     }
     free(x);
 }

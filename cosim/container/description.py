@@ -30,11 +30,6 @@ TYPES = {
 }
 
 
-# What passes through the kernel as a number, and has a value in both standards.
-_SIGNALS = TYPES | dict.fromkeys(("Int8", "UInt8", "Int16", "UInt16", "Enumeration"), "INTEGER")
-_SIGNALS["Float32"] = "REAL"
-
-
 @dataclass(frozen=True)
 class ContainerVariable:
     """A variable whose value reference is its place; ``source`` is what it stands for."""
@@ -67,19 +62,15 @@ def _input(system: System, name: str) -> ContainerVariable:
     start = system.parameters.get(target, variable.start)
     unit, start = system.unit_of(name), 0.0 if start is None else start
     described = variable.description
-    if variable.type not in _SIGNALS:
+    if not variable.is_plain:
         raise ConnectionFault(
             f"input {name} is a {variable.type}, which a container does not show; leave it out"
         )
-    return ContainerVariable(
-        name, "INPUT", _SIGNALS[variable.type], name, unit, start, description=described
-    )
+    return ContainerVariable(name, "INPUT", "REAL", name, unit, start, description=described)
 
 
 def _outputs(system: System, patterns: Sequence[str] | None) -> list[ContainerVariable]:
-    every = _variables(
-        system, lambda v: v.causality == "output" and v.type in _SIGNALS and not v.dimensions
-    )
+    every = _variables(system, lambda v: v.causality == "output" and v.is_plain)
     if hidden := [name for name, source in system.outputs.items() if source not in every]:
         raise ConnectionFault(
             f"output {hidden[0]} is an array or of a type that a container does not show"
@@ -116,9 +107,7 @@ def _shown(system: System, name: str, role: Role, v: Variable, source: str) -> C
     start = None if role == "OUTPUT" else system.parameters.get(source, v.start)
     limits = (v.minimum, v.maximum, v.nominal)
     unit = system.unit_of(source)
-    return ContainerVariable(
-        name, role, _SIGNALS[v.type], source, unit, start, *limits, v.description
-    )
+    return ContainerVariable(name, role, TYPES[v.type], source, unit, start, *limits, v.description)
 
 
 def _matching(

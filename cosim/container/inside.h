@@ -7,13 +7,10 @@
 #define COSIM_INSIDE_H
 
 #include "calls.h"
-#include "cvode.h"
 #include "face.h"
-#include "general_path.h"
 #include "kernel.h"
 
 enum { N_TYPES = STRING }; /* of values: reals, integers, Booleans */
-enum { N_SOLVER = 5 };     /* libraries that CVode consists of */
 
 typedef enum {
     TIME,      /* of the container */
@@ -39,8 +36,6 @@ typedef struct {
     const char *folder;     /* in the resources */
     const char *identifier; /* of the binary */
     Component wiring;
-    const GeneralComponent *general; /* NULL where the kernel's loop steps it as it is */
-    bool coupled;                    /* its inputs come from other components */
 } Part;
 
 /* Functions of a component that the kernel does not call: values other than its signals, and its
@@ -59,9 +54,6 @@ struct Instance {
     Run run;
     Component components[N_PARTS];
     Access access[N_PARTS];
-    GeneralComponent general[N_PARTS];
-    Cvode cvode;
-    void *solver[N_SOLVER]; /* its libraries */
     Log logs[N_PARTS];
     double gathered[N_PARTS][MOST_INPUTS];
     double rows[2 * WIDTH]; /* of the present and of the next point in time */
@@ -75,26 +67,6 @@ struct Instance {
 /* Take all functions from the binary of a component. Returns the name of one that is missing, or
  * NULL. */
 const char *access_load(Access *access, Component *c);
-void access_load_values(Access *access, int version); /* those for values other than signals */
-
-/* Let a component be on the general path, with the functions of its binary. Likewise. */
-const char *general_load(Instance *x, int part);
-void general_unload(Instance *x, int part);
-/* Set a tunable parameter between two steps, by an event where it has events. */
-int general_put(Instance *x, int part, void (*set)(void), uint32_t reference, void *value);
-
-/* Let the errors that the solver of a coupled component makes in a run stay below the coupling's.
- */
-void general_tighten(Instance *x, int part);
-
-/* Model Exchange: load the solver from the resources. Reports why that fails. */
-bool solver_load(Instance *x);
-void solver_unload(Instance *x);
-
-/* The version of FMI of a component's binary. */
-static inline int version_of(int part) {
-    return (int)(PARTS[part].general ? PARTS[part].general->version : PARTS[part].wiring.version);
-}
 
 /* Set or get one value of a component. Returns an FMI status. */
 int access_set(Instance *x, int part, Type type, uint32_t reference, double value);

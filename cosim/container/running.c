@@ -41,11 +41,6 @@ Status instance_set_up(Instance *x, double start_time, bool stop_defined, double
     }
     x->run.start = start_time;
     x->run.stop = stop_defined ? stop : INFINITY;
-    for (int i = 0; i < N_PARTS; i++) {
-        if (PARTS[i].coupled && PARTS[i].general) {
-            general_tighten(x, i);
-        }
-    }
     return OK;
 }
 

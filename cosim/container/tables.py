@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import ctypes
 import json
 from collections.abc import Mapping, Sequence
 
-from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.plan import Layout
 from stickslip.cosim.component import component_of
 from stickslip.cosim.container.description import TYPES, ContainerVariable
@@ -19,14 +17,13 @@ from stickslip.fmi.description.variables import Value
 def system_header(
     system: System,
     run: structures.Run,
-    general: Mapping[str, GeneralComponent],
     order: Sequence[str],
     layout: Layout,
     shown: Sequence[ContainerVariable],
     folders: Mapping[str, str],
     step: float,
 ) -> str:
-    """Return ``system.h`` without the token; ``run`` and ``general`` are those of ``wire``."""
+    """Return ``system.h`` without the token; ``run`` is that of ``wire``."""
     parts = [run.components[i] for i in range(len(order))]
     place = {name: i for i, name in enumerate(order)}
     starts = [_start(system, place, *item) for item in system.parameters.items()]
@@ -34,8 +31,6 @@ def system_header(
         f"#define STEP {step!r}",
         f"#define JACOBI {int(run.jacobi)}",
         f"#define VARIES_STEP {int(all(c.varies_step for c in system.components.values()))}",
-        f"#define GENERAL {int(bool(general))}",
-        f"#define EXCHANGE {int(any(found.c.model_exchange for found in general.values()))}",
         "typedef struct { int part; Type type; uint32_t reference; double value; } Start;",
         "enum {",
         f"N_PARTS = {len(parts)}, N_INPUTS = {len(system.inputs)}, WIDTH = {max(1, run.width)},",
@@ -44,14 +39,10 @@ def system_header(
     ]
     for i, part in enumerate(parts):
         lines += _lists(i, part)
-        if found := general.get(order[i]):
-            lines += _general(i, found.c, part, run, step)
     fmus = [system.components[name] for name in order]
-    coupled = {component_of(target) for target in system.connections}
     wired = [
         f"{{{_text(name)}, {_text(fmu.token)}, {_text(folders[name])}, {_text(fmu.binary.stem)},"
-        f" {_wiring(i, part)}, {f'&general{i}' if name in general else 'NULL'},"
-        f" {int(name in coupled)}}}"
+        f" {_wiring(i, part)}}}"
         for i, (name, fmu, part) in enumerate(zip(order, fmus, parts, strict=True))
     ]
     return "\n".join(
@@ -95,62 +86,6 @@ def _wiring(i: int, part: structures.Component) -> str:
         "tolerance": repr(part.tolerance),
     }
     return _struct(members)
-
-
-def _general(
-    i: int,
-    c: structures.GeneralComponent,
-    part: structures.Component,
-    run: structures.Run,
-    step: float,
-) -> list[str]:
-    """Return what a component on the general path begins with; the rest is made when it runs."""
-    lines = []
-    offsets = part.input_offsets or range(part.input_offset, part.input_offset + c.n_inputs)
-    for port, offset in zip(c.input_ports[: c.n_inputs], offsets[: c.n_inputs], strict=True):
-        if offset % run.width < run.n_external:
-            port.ahead = False  # what the importing tool sets holds for the whole step
-    for side, groups in (("taken", c.inputs), ("given", c.outputs)):
-        entries = []
-        for k in range(groups.n):
-            g, name = groups.groups[k], f"{side}{i}_{k}"
-            stored = list(structures.STORED.values())[g.stored]
-            values = ctypes.cast(g.values, ctypes.POINTER(stored))[: g.n_values]
-            lines += [
-                f"static const uint32_t {name}[] = {{{', '.join(map(str, g.references[: g.n]))}}};",
-                f"static double {name}_values[] = {{{', '.join(repr(float(v)) for v in values)}}};",
-            ]
-            members = {"name": _text(g.name.decode()), "references": name}
-            members |= {k: getattr(g, k) for k in ("stored", "discrete", "clock", "n", "n_values")}
-            entries.append(_struct(members | {"values": f"{name}_values"}))
-        lines.append(f"static Group {side}{i}[] = {{{', '.join(entries) or '{0}'}}};")
-    for side, ports, n in (
-        ("taken", c.input_ports, c.n_inputs),
-        ("given", c.output_ports, part.n_outputs),
-    ):
-        rows = [f"{{{p.group}, {p.place}, {p.ahead}}}" for p in ports[:n]]
-        lines.append(f"static const Port {side}{i}_ports[] = {{{', '.join(rows) or '{0}'}}};")
-    fields = ("reference", "asked", "interval", "shift")
-    clocks = [_struct({k: getattr(clock, k) for k in fields}) for clock in c.clocks[: c.n_clocks]]
-    lines.append(f"static Clock clocks{i}[] = {{{', '.join(clocks) or '{0}'}}};")
-    members = {
-        "version": c.version,
-        "model_exchange": c.model_exchange,
-        "event_mode": c.event_mode,
-        "notes_steps": c.notes_steps,
-        "inputs": f"{{{c.inputs.n}, taken{i}}}",
-        "outputs": f"{{{c.outputs.n}, given{i}}}",
-        "input_ports": f"taken{i}_ports",
-        "output_ports": f"given{i}_ports",
-        "n_inputs": c.n_inputs,
-        "tolerance": repr(c.tolerance),
-        "n_states": c.n_states,
-        "n_indicators": c.n_indicators,
-        "near": repr(1e-6 * step),
-        "n_clocks": c.n_clocks,
-        "clocks": f"clocks{i}",
-    }
-    return [*lines, f"static const GeneralComponent general{i} = {_struct(members)};"]
 
 
 def _start(system: System, place: Mapping[str, int], name: str, value: Value) -> str:

@@ -32,7 +32,6 @@ __all__ = [
     "MeasuredResponse",
     "linearise",
     "measure_response",
-    "nonlinear_system",
 ]
 
 
@@ -90,29 +89,6 @@ def linearise(
     n = len(x)
     return control.ss(
         *(jacobian[:n, :n], jacobian[:n, n:], jacobian[n:, :n], jacobian[n:, n:], found.dt),
-        **_names(found, dot="_"),
-    )
-
-
-def nonlinear_system(
-    model: Fmu | System | str | os.PathLike[str],
-    *,
-    parameters: Mapping[str, object] | None = None,
-    outputs: Sequence[str] | None = None,
-    step: float | None = None,
-    isolation: Isolated = "foreign",
-) -> control.NonlinearIOSystem:
-    """Return an FMU or a system as a nonlinear I/O system of python-control.
-
-    Arguments and errors are those of ``linearise``. In continuous time its events are not followed:
-    it stays in the mode in which it starts. In discrete time every step is a run from its state.
-    """
-    found = _dynamics(model, parameters, outputs, step, isolation)
-    found.put(found.x0, found.u0)
-    return control.NonlinearIOSystem(
-        lambda t, x, u, _: found.rates(t, np.atleast_1d(x), np.atleast_1d(u)),
-        lambda t, x, u, _: found.shown(t, np.atleast_1d(x), np.atleast_1d(u)),
-        dt=found.dt,
         **_names(found, dot="_"),
     )
 
@@ -199,8 +175,7 @@ def _differences(dynamics: Dynamics, x: Array, u: Array, share: float) -> Array:
             moved = point.copy()
             moved[k] = end
             parts = (moved[: len(x)], moved[len(x) :])
-            values = [dynamics.rates(0.0, *parts), dynamics.shown(0.0, *parts)]
-            ends.append((end, np.concatenate(values)))
+            ends.append((end, dynamics.values(*parts)))
         (high, above), (low, below) = ends
         columns.append((above - below) / (high - low))
     return np.array(columns).T

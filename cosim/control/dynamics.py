@@ -87,21 +87,15 @@ class Exchange:
         self._take_events()
 
     @plain_arithmetic()
-    def rates(self, t: float, x: Array, u: Array) -> Array:
-        """Return f, (n,)."""
-        self._set(x, u, t)
+    def values(self, x: Array, u: Array) -> Array:
+        """Return f and g, (n + p,)."""
+        self._set(x, u)
         dx = (fmi3Float64 * len(x))()
         if self._version3:
             self._api.getContinuousStateDerivatives(dx, len(x))
         else:
             self._api.getDerivatives(dx, len(x))
-        return np.array(dx)
-
-    @plain_arithmetic()
-    def shown(self, t: float, x: Array, u: Array) -> Array:
-        """Return g, (p,)."""
-        self._set(x, u, t)
-        return self._get(self.outputs)
+        return np.append(np.array(dx), self._get(self.outputs))
 
     @plain_arithmetic()
     def jacobian(self, x: Array, u: Array) -> Array | None:
@@ -140,8 +134,8 @@ class Exchange:
                 break
         self._api.enterContinuousTimeMode()
 
-    def _set(self, x: Array, u: Array, t: float = 0.0) -> None:
-        self._api.setTime(t)
+    def _set(self, x: Array, u: Array) -> None:
+        self._api.setTime(0.0)
         if len(x):
             self._api.setContinuousStates((fmi3Float64 * len(x))(*x), len(x))
         references = [self._references[name] for name in self.inputs]
@@ -192,13 +186,9 @@ class IsolatedDynamics:
         """Go to an operating point, see Exchange and StepMap."""
         self._call(_ask, ("put", x, u))
 
-    def rates(self, t: float, x: Array, u: Array) -> Array:
-        """Return f, (n,)."""
-        return np.array(self._call(_ask, ("rates", t, x, u)), dtype=float)
-
-    def shown(self, t: float, x: Array, u: Array) -> Array:
-        """Return g, (p,)."""
-        return np.array(self._call(_ask, ("shown", t, x, u)), dtype=float)
+    def values(self, x: Array, u: Array) -> Array:
+        """Return f and g, (n + p,)."""
+        return np.array(self._call(_ask, ("values", x, u)), dtype=float)
 
     def jacobian(self, x: Array, u: Array) -> Array | None:
         """Return d(f, g) / d(x, u), (n + p, n + m), as the FMU gives it; None when it does not."""

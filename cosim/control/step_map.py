@@ -119,15 +119,10 @@ class StepMap:
         off = np.abs(found - expected).max(axis=0) > allowed
         return ", ".join(name for name, wrong in zip(self._watched, off, strict=True) if wrong)
 
-    def rates(self, t: float, x: Array, u: Array) -> Array:  # noqa: ARG002 - one face
-        """Return f, (n,): the states after the step."""
-        after: Array = self._run(x, [u] * 3, self.states)[1]
-        return after
-
-    def shown(self, t: float, x: Array, u: Array) -> Array:  # noqa: ARG002 - one face
-        """Return g, (p,)."""
-        begun: Array = self._run(x, [u] * 3, self.outputs)[0]
-        return begun
+    def values(self, x: Array, u: Array) -> Array:
+        """Return f, the states after the step, and g, (n + p,)."""
+        run = self._run(x, [u] * 3, (*self.states, *self.outputs))
+        return np.append(run[1, : len(x)], run[0, len(x) :])
 
     def jacobian(self, x: Array, u: Array) -> None:
         """Return None: a step has no derivatives of its own."""

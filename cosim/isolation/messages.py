@@ -32,7 +32,6 @@ from stickslip.cosim.errors import FmuCrashed
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.kernel.structures import Mark
-from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Array, Input, sampled
 from stickslip.cosim.system.system import Specification, System
 
@@ -280,12 +279,6 @@ def pack(specification: Specification, **more: object) -> bytes:
 def portable_inputs(inputs: Mapping[str, Input], time: Array) -> dict[str, Input]:
     """Return inputs that another process understands: our signals as they are, others sampled."""
     return {name: _portable(name, signal, time) for name, signal in inputs.items()}
-
-
-def portable_scenario(scenario: Scenario, time: Array) -> Scenario:
-    """Return a scenario whose signals another process understands."""
-    events = (replace(e, value=_portable(e.name, e.value, time)) for e in scenario.events)
-    return replace(scenario, events=tuple(events))
 
 
 def _portable(name: str, signal: Input, time: Array) -> Input:

@@ -14,12 +14,7 @@ import numpy as np
 
 from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.errors import FmuCrashed, ParameterError
-from stickslip.cosim.isolation.messages import (
-    Reply,
-    called,
-    portable_inputs,
-    portable_scenario,
-)
+from stickslip.cosim.isolation.messages import Reply, called, portable_inputs
 from stickslip.cosim.isolation.process import Process
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.guards import Exclusive, RealTimePacing
@@ -122,7 +117,7 @@ class IsolatedSimulation(Simulation):
         del arguments["self"]
         self.pacing = None
         progress, real_time = arguments["progress"], arguments["real_time"]
-        inputs, scenario = signals_of(arguments["inputs"]), arguments["scenario"]
+        inputs, tunable = (signals_of(arguments[name]) for name in ("inputs", "tunable"))
         pacing = None if real_time is None else RealTimePacing.of(real_time)
         slack = max(self.spec.step, pacing.interval, 1.0) / pacing.speed if pacing else 0.0
         if how == "resume":
@@ -131,8 +126,8 @@ class IsolatedSimulation(Simulation):
             starts = by_name("parameters", arguments["parameters"], ParameterError)
             arguments["parameters"] = starts
         arguments |= {
-            "inputs": inputs and portable_inputs(inputs, self.time),
-            "scenario": scenario and portable_scenario(scenario, self.time),
+            "inputs": portable_inputs(inputs, self.time),
+            "tunable": portable_inputs(tunable, self.time),
             "progress": progress is not None,
             "how": how,
         }

@@ -164,7 +164,7 @@ __attribute__((noinline)) static bool step_until(Run *run, int64_t end) {{
 def unroll(run: Run) -> str | None:
     """Return ``steps.h`` for the components of a run; None where the tables serve better."""
     n = run.n_components
-    if not 0 < n <= MOST_COMPONENTS or any(run.components[i].maps for i in range(n)):
+    if not 0 < n <= MOST_COMPONENTS:
         return None
     size = _GROUP if run.jacobi else 1
     lists, calls = [], []

@@ -6,22 +6,10 @@
  * misses by more than the tolerance, the FMUs go back and try a shorter step. */
 #include "calls.h"
 #include "coupling.h"
-#include "disturbance.h"
 #include <math.h>
 #include <string.h>
 
 static const double SAFETY = 0.9, SHRINK = 0.1, GROW = 2.0;
-
-static bool is_disturbed(const Run *run, const Component *c, int64_t column) {
-    for (size_t i = 0; run->disturbed && i < c->n_disturbances; i++) {
-        const Disturbance *d = &c->disturbances[i];
-        const double *keep = d->keep + run->done, *add = d->add + run->done;
-        if (d->column == column && (keep[0] != 1 || keep[1] != 1 || add[0] != 0 || add[1] != 0)) {
-            return true;
-        }
-    }
-    return false;
-}
 
 /* The greatest miss in tolerances. */
 static double prediction_error(const Run *run) {
@@ -32,9 +20,6 @@ static double prediction_error(const Run *run) {
             const double wanted = k->next[i];
             const Polynomial before = hold(run, i, false, k->t, k->h, k->predicted);
             const double error = wanted - value_at(before, k->h);
-            if (is_disturbed(run, c, i)) {
-                continue; /* a scenario jumps, and shorter steps would not help */
-            }
             const double scale = fmax(fabs(wanted), k->nominal[i]);
             worst = fmax(worst, fabs(error) / scale / k->tolerance);
         }
@@ -66,8 +51,7 @@ static bool step_adaptively(Run *run, const double *inputs, double t, double h) 
     for (double now = t;;) {
         const bool last = k->inner >= 0.999 * (end - now);
         const double reached = last ? end : now + fmin(k->inner, (end - now) / 2.0);
-        k->share = last ? 1.0 : (reached - t) / h;
-        interpolate(run, before, inputs, k->share);
+        interpolate(run, before, inputs, last ? 1.0 : (reached - t) / h);
         TRY(attempt(run, now, reached - now));
         const double error = prediction_error(run);
         if (error > 1.0 && k->h > 1.01 * k->min_step) {
@@ -98,15 +82,7 @@ static bool step_coupled(Run *run, double *row, double t, double h) {
         const Component *c = &run->components[i];
         const bool reached = (run->done + 1) % k->members[i].every == 0;
         const size_t size = c->n_outputs * sizeof *row;
-        if (!run->disturbed) {
-            memcpy(row + c->column, (reached ? k->next : k->past) + c->column, size);
-            continue;
-        }
-        if (reached) {
-            memcpy(k->given + c->column, k->given + run->width + c->column, size);
-        }
-        memcpy(row + c->column, k->given + c->column, size);
-        disturb(run, c, row, run->done + 1);
+        memcpy(row + c->column, (reached ? k->next : k->past) + c->column, size);
     }
     if (stepped) {
         keep(run, row, t + h);

@@ -128,15 +128,6 @@ INLINE bool do_step(Run *run, const Component *c, int version) {
     return do_step_over(run, c, version, run->t, run->h, true);
 }
 
-static inline void map_inputs(const Component *c, double *values) {
-    for (size_t i = 0; i < c->n_inputs; i++) {
-        const double x = values[i], *pair = c->maps[i].pairs;
-        for (size_t j = 0; j < c->maps[i].n; j++) {
-            values[i] = pair[2 * j] == x ? pair[2 * j + 1] : values[i];
-        }
-    }
-}
-
 __attribute__((noinline, unused)) static const double *gather_any(const Component *c,
                                                                   const double *row) {
     for (size_t i = 0; i < c->n_inputs; i++) {
@@ -144,9 +135,6 @@ __attribute__((noinline, unused)) static const double *gather_any(const Componen
     }
     for (size_t i = 0; c->scales && i < c->n_inputs; i++) {
         c->gathered[i] = c->scales[i] * c->gathered[i] + c->scales[c->n_inputs + i];
-    }
-    if (c->maps) {
-        map_inputs(c, c->gathered);
     }
     return c->gathered;
 }

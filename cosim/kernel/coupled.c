@@ -1,7 +1,6 @@
 /* A step of components whose inputs follow polynomials, with loops among them. */
 #include "calls.h"
 #include "coupling.h"
-#include "disturbance.h"
 #include <string.h>
 
 Polynomial hold(const Run *run, int64_t column, bool fresh, double t, double h, int64_t degree) {
@@ -83,9 +82,6 @@ static bool set_held_inputs(Run *run, int64_t index, double t, double h, enum Pa
     if (n == 0) {
         return true;
     }
-    if (c->maps) {
-        map_inputs(c, m->values);
-    }
     TRY(plain(set(run, c, c->version, c->input_references, n, m->values)));
     if (!m->interpolates) {
         return true;
@@ -110,22 +106,6 @@ static bool step_member(Run *run, int64_t i, double t, double h, bool final) {
            do_step_over(run, c, c->version, late, t + h - late, final);
 }
 
-/* Change the outputs of a component at the end of the step that is tried. Polynomials follow a
- * change from its value at one communication point to that just before the next, as they follow
- * inputs from outside; with degree 0 it has the value at one of them. */
-static void disturb_coupled(const Run *run, const Component *c, double *next) {
-    const Coupling *k = run->coupling;
-    const bool there = k->share == 1.0;
-    for (size_t i = 0; i < c->n_disturbances; i++) {
-        const Disturbance *d = &c->disturbances[i];
-        const double now = d->add[run->done], end = d->ends[run->done + 1];
-        const double add = there ? end : now + k->share * (end - now);
-        const int64_t n = run->done + there;
-        next[d->column] = k->degree > 0 ? disturbed(d, run->done, next[d->column], add)
-                                        : disturbed(d, n, next[d->column], d->add[n]);
-    }
-}
-
 /* Once through the components of a loop, or the one that is in none. */
 static bool sweep(Run *run, Loop *loop) {
     Coupling *k = run->coupling;
@@ -139,24 +119,8 @@ static bool sweep(Run *run, Loop *loop) {
         const double h = (double)k->members[i].every * k->h;
         TRY(step_member(run, i, k->t, h, !loop->rollback) &&
             get_outputs(run, c, c->n_outputs, k->next));
-        if (run->disturbed) {
-            memcpy(k->given + run->width + c->column, k->next + c->column,
-                   c->n_outputs * sizeof *k->next);
-            disturb_coupled(run, c, k->next);
-        }
     }
     return true;
-}
-
-/* What a component gave when it stepped, as it is disturbed now. */
-static void give_again(const Run *run, int64_t first, int64_t end) {
-    const Coupling *k = run->coupling;
-    for (int64_t i = first; run->disturbed && i < end; i++) {
-        const Component *c = &run->components[i];
-        memcpy(k->next + c->column, k->given + run->width + c->column,
-               c->n_outputs * sizeof *k->next);
-        disturb_coupled(run, c, k->next);
-    }
 }
 
 bool attempt(Run *run, double t, double h) {
@@ -167,7 +131,6 @@ bool attempt(Run *run, double t, double h) {
     for (int64_t i = 0; i < k->n_loops; i++) {
         Loop *loop = &k->loops[i];
         if (run->done % k->members[loop->first].every) {
-            give_again(run, loop->first, loop->end);
             continue; /* it has stepped beyond this point already */
         }
         k->swept = false;
@@ -187,8 +150,7 @@ bool attempt(Run *run, double t, double h) {
  * jump. */
 static void carry_past(Run *run, const double *row) {
     const Coupling *k = run->coupling;
-    const int64_t n = run->disturbed ? run->width : run->n_external;
-    for (int64_t i = 0; i < n; i++) {
+    for (int64_t i = 0; i < run->n_external; i++) {
         const double left = k->next[i];
         for (int64_t j = 0; row[i] != left && j < k->n_past; j++) {
             double *past = &k->past[j * run->width + i];
@@ -214,16 +176,11 @@ bool begin_coupled(Run *run) {
     k->inner = run->step;
     memcpy(k->next, run->rows, (size_t)run->width * sizeof *k->next);
     keep(run, run->rows, run->start);
-    k->share = 1.0;
     for (int64_t i = 0; i < k->n_loops; i++) {
         k->loops[i].known = false; /* so that a run depends on nothing before it */
     }
     for (int64_t i = 0; i < k->n_members; i++) {
         k->members[i].proven = false;
-    }
-    for (int64_t i = 0; run->disturbed && i < k->n_members; i++) {
-        const Component *c = &run->components[i];
-        TRY(get_outputs(run, c, c->n_outputs, k->given));
     }
     return true;
 }

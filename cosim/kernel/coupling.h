@@ -70,11 +70,8 @@ typedef struct Coupling {
     double inner;          /* the step to try next, s */
     const double *nominal; /* (width) */
     int64_t steps, sweeps, rejected;
-    double t, h;   /* the step that is tried, s */
-    double share;  /* of the step between two communication points that it will have done */
-    int64_t swept; /* not 0: the FMUs are no longer at its begin */
-    double *given; /* (2, width): outputs before a scenario changed them, of components with a rate
-                      of their own: those that hold now, and those of the step they are in */
+    double t, h;        /* the step that is tried, s */
+    int64_t swept;      /* not 0: the FMUs are no longer at its begin */
     const double *ends; /* (n_steps + 1, n_external): inputs from outside at the end of the step
                            before each point in time; others than there where they jump;
                            NULL: the same */

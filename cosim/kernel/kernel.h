@@ -71,28 +71,12 @@ typedef struct {
     const void *values;         /* n, of the type that set takes */
 } Setting;
 
-/* What a scenario does to one signal: value = keep * value + add; where keep is not a number, value
- * = held + add. */
-typedef struct {
-    int64_t column;
-    const double *keep; /* n_steps + 1 */
-    const double *add;  /* n_steps + 1 */
-    const double *ends; /* n_steps + 1: add at the end of the step before each point in time */
-    double held;        /* the value at the last point at which it was free */
-} Disturbance;
-
 /* Values that a component is given when a step is done. */
 typedef struct {
     int64_t step;
     int64_t component;
     Setting setting;
 } Change;
-
-/* Pairs x, y of values that an input maps: x becomes y, any other value stays. */
-typedef struct {
-    size_t n;            /* 0: the input is not mapped */
-    const double *pairs; /* n pairs */
-} Map;
 
 /* Messages of a component since the start of the last run. */
 typedef struct {
@@ -128,15 +112,14 @@ typedef struct {
     const int64_t *input_offsets; /* of each input, and where they are gathered, if scattered */
     double *gathered;
     const double *scales; /* n_inputs factors, then as many offsets; NULL where nothing is scaled */
-    const Map *maps;      /* n_inputs; NULL where nothing is mapped */
     size_t n_linked;      /* the first outputs: those that other components read */
     int64_t used;         /* not 0: must be reset before the next run */
     size_t n_settings;
     const Setting *settings;
     Log *log;
-    size_t n_disturbances;
-    Disturbance *disturbances;
     double tolerance; /* relative, of its own solver; 0 where it is given none */
+    double apart[3];  /* room: at 216 bytes, and a Run of 376, steps took twice as long in one
+                         process of three, as memory happened to lie */
 } Component;
 
 /* What FMI 3.0 FMUs say about their last step. They need to be asked for all of it, but not to be
@@ -198,7 +181,6 @@ typedef struct {
     struct Coupling *coupling; /* NULL where inputs hold and nothing is solved or repeated */
     struct Loop *unsolved;
     int64_t allows_nan;    /* not 0: values need not be finite */
-    int64_t disturbed;     /* not 0: some components have disturbances */
     const Change *changes; /* n_changes, in the order of their steps */
     int64_t n_changes, next_change;
     int64_t halt; /* the step after which to hand back; n_steps to go through to the end */
@@ -208,9 +190,9 @@ typedef struct {
     double *parts;              /* (2, width), where a step is done in parts */
     int64_t event;              /* the next one */
     int64_t event_end;          /* the number of its step's end; 0 where none follows */
-    int64_t within;             /* not 0: in a part of a step that another one follows */
-    uint8_t *moved; /* n_components, or NULL: is set where outputs are not what they began with */
-    double *began;  /* (width), or NULL: the first row */
+    uint8_t *moved;   /* n_components, or NULL: is set where outputs are not what they began with */
+    double *began;    /* (width), or NULL: the first row */
+    int64_t apart[2]; /* likewise */
 } Run;
 
 EXPORT void instantiate(Component *c, const char *name, const char *token, const char *resources);

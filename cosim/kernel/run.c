@@ -1,6 +1,5 @@
 #include "calls.h"
 #include "coupling.h"
-#include "disturbance.h"
 #include "steps.h"
 #include <math.h>
 #include <string.h>
@@ -22,30 +21,10 @@ void mark_in(Mark *place) { mark = place; }
 #define FOR_EACH_COMPONENT(c)                                                                      \
     for (Component *c = run->components, *end = c + run->n_components; c != end; c++)
 
-/* For both couplings: where all inputs are from row now, the order is free. */
-static inline bool step_disturbed(Run *run, const double *now, double *next) {
-    const Component *end = run->components + run->n_components;
-    for (const Component *c = run->components; c != end; c++) {
-        TRY(set_inputs(run, c, now) && do_step(run, c, c->version) &&
-            get_outputs(run, c, c->n_outputs, next));
-        if (run->within) {
-            disturb_within(c, next, run->done);
-        } else {
-            disturb(run, c, next, run->done + 1);
-        }
-    }
-    return true;
-}
-
-__attribute__((noinline)) static bool walk_disturbed(Run *run, int64_t end) {
-    return walk(run, end, step_disturbed, run->width, run->constant_step);
-}
-
 /* Before the first step rows 0 and 1 are the same point in time: a fresh input reads the latter. */
 static bool get_initial(Run *run, const Component *c) {
     double *values = run->rows + c->column;
     TRY(get_outputs(run, c, c->n_linked, run->rows));
-    disturb(run, c, run->rows, 0);
     memcpy(values + run->width, values, c->n_linked * sizeof *values);
     return true;
 }
@@ -86,10 +65,7 @@ static bool initialise(Run *run) {
     FOR_EACH_COMPONENT(c) { TRY(set_inputs(run, c, run->rows) && get_initial(run, c)); }
     TRY(!run->initial || solve_initial(run));
     FOR_EACH_COMPONENT(c) { TRY(exit_initialization(run, c)); }
-    FOR_EACH_COMPONENT(c) {
-        TRY(get_outputs(run, c, c->n_outputs, run->rows));
-        disturb(run, c, run->rows, 0);
-    }
+    FOR_EACH_COMPONENT(c) { TRY(get_outputs(run, c, c->n_outputs, run->rows)); }
     return true;
 }
 
@@ -227,9 +203,7 @@ static bool step_block(Run *run, int64_t end) {
         memcpy(row_of(run, n), run->external + n * run->n_external,
                (size_t)run->n_external * sizeof(double));
     }
-    const bool stepped = run->coupling                   ? couple_until(run, end)
-                         : UNLIKELY(run->disturbed != 0) ? walk_disturbed(run, end)
-                                                         : step_until(run, end);
+    const bool stepped = run->coupling ? couple_until(run, end) : step_until(run, end);
     restore_plain();
     TRY(stepped || trace_back(run, first + 1));
     return close_rows(run);

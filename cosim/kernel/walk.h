@@ -30,7 +30,6 @@ __attribute__((cold, noinline, unused)) static bool step_in_parts(Run *run, cons
         const double *inputs = last ? next : run->event_inputs + run->event * (int64_t)n_external;
         memcpy(to, inputs, n_external * sizeof *to);
         run->h = end - run->t;
-        run->within = !last;
         const bool stepped = step_all(run, from, to);
         if (last || !stepped) {
             memcpy(next + n_external, to + n_external, (width - n_external) * sizeof *next);

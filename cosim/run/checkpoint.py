@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.cosim.assembly.inputs import held_values, hold_values
 from stickslip.cosim.assembly.plan import Plan
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.run.stepping import Stepper, last_outputs
@@ -26,7 +25,7 @@ from stickslip.fmi.files import atomic_write, read_limited
 from stickslip.fmi.messages import printable
 
 MOST_BYTES = 1 << 30
-FORMAT = 3
+FORMAT = 4
 _MOST_NAMED = 3  # differences in a message
 _MOST_SHOWN = 80  # characters of each
 _DAMAGES = (
@@ -53,7 +52,7 @@ class Checkpoint:
     step : number of steps done
     row : all signals at that time
     states : component -> state of its FMU
-    starts : start values that are numbers, to which a scenario may go back
+    starts : start values that are numbers
     memory : ``component/name`` of the general path, ``/name`` of the coupling
     """
 
@@ -162,7 +161,6 @@ def taken(stepper: Stepper) -> Checkpoint:
         )
     row, done = fmus.memory.row(), fmus.run.done
     memory = {f"/{name}": values for name, values in fmus.coupled.memory().items()}
-    memory["/held"] = held_values(fmus.slots, row, done)
     for owner, general in fmus.general.items():
         memory |= {f"{owner}/{name}": values for name, values in general.memory().items()}
     for name, slot in fmus.slots.items():
@@ -185,7 +183,6 @@ def put_back(stepper: Stepper, checkpoint: Checkpoint, path: str | os.PathLike[s
                 raise SimulationError(f"{name}: {call} failed on resuming")
         fmus.coupled.recall(checkpoint.memory_of(""))
         fmus.memory.go_on(checkpoint.step, checkpoint.row)
-        hold_values(fmus.slots, checkpoint.memory["/held"])
     except (KeyError, ValueError, IndexError, TypeError, OverflowError) as fault:
         raise SimulationError(f"{path}: the saved state is damaged: {fault!r}") from fault
     for name, slot in fmus.slots.items():  # the outputs are those that they were

@@ -22,7 +22,6 @@ from stickslip.cosim.run.instances import Instances
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.reuse import Reuse
 from stickslip.cosim.run.stepping import Discarded, NotReset, Stepper
-from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Array, Table
 from stickslip.cosim.signals.tables import Inputs, signals_of
 from stickslip.cosim.system.system import Specification
@@ -89,7 +88,7 @@ class Simulation:
         parameters: Mapping[str, object] | None = None,
         inputs: Inputs | None = None,
         *,
-        scenario: Scenario | None = None,
+        tunable: Inputs | None = None,
         until: float | None = None,
         real_time: RealTimePacing | float | None = None,
         progress: Callable[[float], object] | None = None,
@@ -107,7 +106,8 @@ class Simulation:
             of pandas over time [s], or number; or a data frame with a column of each. The value at
             t[n] holds until t[n + 1], or until a Table jumps; Model Exchange follows the lines of a
             Table. An input left out keeps the start value of its first target
-        scenario : what happens to signals on the way
+        tunable : tunable parameter -> value over time, as of an input. It changes at a point in
+            time, before the step from there; where an FMU knows events, by one
         until : a point of ``time`` (s) to halt at, so that the state can be saved; the stop if
             left out
         real_time : simulated s per s, or a RealTimePacing that also says how often to look at the
@@ -127,14 +127,15 @@ class Simulation:
         last = self._plan.step_at(until)
         signals = signals_of(inputs)
         jumps = any(isinstance(signal, Table) for signal in signals.values())
-        same_as = None if scenario or jumps else last
+        changes = signals_of(tunable)
+        same_as = None if changes or jumps else last
 
         def go(repeated: bool) -> Result:
             self.pacing = None if real_time is None else RealTimePacing.of(real_time)
             return self._stepper.go(0, last, self.pacing, None if repeated else progress)
 
         def attempt() -> Result:
-            external = self._stepper.follow(values, signals, scenario)
+            external = self._stepper.follow(values, signals, changes)
             repeats = real_time is None
             return self._reuse.run(values, external, go, repeats=repeats, same_as=same_as)
 
@@ -228,7 +229,7 @@ class Simulation:
         path: str | os.PathLike[str],
         inputs: Inputs | None = None,
         *,
-        scenario: Scenario | None = None,
+        tunable: Inputs | None = None,
         until: float | None = None,
         real_time: RealTimePacing | float | None = None,
         progress: Callable[[float], object] | None = None,
@@ -257,7 +258,7 @@ class Simulation:
                 f"{path} is at t = {reached:.9g} s already, there is no step left"
             )
         parameters = self.spec.system.parameters
-        signals = signals_of(inputs)
+        signals, changes = signals_of(inputs), signals_of(tunable)
 
         def go(_: bool) -> Result:
             put_back(self._stepper, checkpoint, path)
@@ -265,7 +266,7 @@ class Simulation:
             return self._stepper.go(checkpoint.step, last, self.pacing, progress)
 
         def attempt() -> Result:
-            external = self._stepper.follow({**parameters, **checkpoint.starts}, signals, scenario)
+            external = self._stepper.follow({**parameters, **checkpoint.starts}, signals, changes)
             return self._reuse.run(parameters, external, go, repeats=False, resumed=True)
 
         with self._exclusive:

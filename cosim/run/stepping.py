@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -13,12 +13,9 @@ from stickslip.cosim import kernel
 from stickslip.cosim.assembly.inputs import (
     InputEvents,
     courses,
-    disturb,
-    joined,
     put_inputs,
     sample_ends,
     sample_inputs,
-    split,
     tune,
 )
 from stickslip.cosim.component import component_of
@@ -29,12 +26,10 @@ from stickslip.cosim.kernel import structures
 from stickslip.cosim.run.guards import RealTimePacing
 from stickslip.cosim.run.instances import Instances
 from stickslip.cosim.run.result import Result
-from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Array, Input, Table
 from stickslip.fmi.description.variables import Value
 from stickslip.fmi.process import check_interruption
 
-_PER_SIGNAL = 6  # numbers at each point for what a scenario does to a signal, and to make them
 _LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3  # of ``fmi2StatusKind``
 _GETTERS = {2: "fmi2GetReal", 3: "fmi3GetFloat64"}
 
@@ -58,7 +53,7 @@ class NotReset(SimulationError):
 class Stepper:
     """Takes FMUs through a run: by `follow`, `begin`, `go` and `advance`, or `start` and `step`.
 
-    It has the start values of the run, and the names of parameters that its scenario changes.
+    It has the start values of the run, and the names of parameters that change in it.
     """
 
     def __init__(self, fmus: Instances) -> None:
@@ -71,51 +66,34 @@ class Stepper:
         self._first_output = sum(name in self._system.inputs for name in recorded)
 
     def follow(
-        self, values: Mapping[str, Value], inputs: Mapping[str, Input], scenario: Scenario | None
+        self,
+        values: Mapping[str, Value],
+        inputs: Mapping[str, Input],
+        tunable: Mapping[str, Input],
     ) -> Array:
         """Return the exposed inputs at the points in time; between them they are attached."""
         system, run = self._system, self.fmus.run
         time = self.plan.time if system.inputs else np.empty(0)
         external = sample_inputs(system, values, inputs, time)
-        ends = external
-        if scenario or run.coupling:
-            ends = sample_ends(system, inputs, time, external)
-        touched = self._disturb(scenario, external, ends, values)
-        free = {name: signal for name, signal in inputs.items() if name not in touched}
-        tables = {name: signal for name, signal in free.items() if isinstance(signal, Table)}
+        ends = sample_ends(system, inputs, time, external) if run.coupling else external
+        self._tune(tunable, values)
+        tables = {name: signal for name, signal in inputs.items() if isinstance(signal, Table)}
         run.n_events = run.event_end = 0
         if tables and not (run.coupling or run.constant_step) and self._varies_step:
-            self._events = InputEvents(system, free, tables, time, external)
+            self._events = InputEvents(system, inputs, tables, time, external)
             self._events.attach(run)
-        for i, name in enumerate(system.inputs):
-            if name in touched:
-                tables[name] = joined(time, ends[:, i], external[:, i])
         for name, general in self.fmus.general.items():
             general.follow(courses(system, name, tables))
         self.fmus.coupled.follow(ends)
         return external
 
-    def _disturb(
-        self, scenario: Scenario | None, external: Array, ends: Array, values: Mapping[str, Value]
-    ) -> Collection[str]:
-        """Prepare what a scenario does; return the names of the signals that it touches."""
-        fmus, run, layout = self.fmus, self.fmus.run, self.plan.layout
-        self.starts = values
-        self.changed = frozenset()
-        if not (scenario or run.disturbed or run.n_changes):
-            return ()
-        if scenario:
-            self.plan.check_memory(_PER_SIGNAL * len({event.name for event in scenario.events}))
-        tables = scenario.tables(self.plan.time) if scenario else {}
-        self._disturbances, changed = split(tables, layout, self._system)
-        disturb(self._disturbances, layout, run, fmus.slots, external, ends)
-        self._changes = tune(
-            changed, values, self._system, fmus.libraries, fmus.general, self.plan.order
-        )
+    def _tune(self, tunable: Mapping[str, Input], values: Mapping[str, Value]) -> None:
+        """Prepare the changes of parameters."""
+        fmus, run = self.fmus, self.fmus.run
+        self.starts, self.changed = values, frozenset(tunable)
+        self._changes = tune(tunable, values, self.plan, fmus.libraries, fmus.general)
         run.n_changes = len(self._changes)
         run.changes = (structures.Change * run.n_changes)(*(c for _, c, _ in self._changes))
-        self.changed = frozenset(changed)
-        return self._disturbances.keys()
 
     def begin(self, values: Mapping[str, Value], external: Array, *, apart: bool = False) -> None:
         """Make FMUs, start values and memory, apart for a repetition, ready for a new run."""
@@ -163,7 +141,7 @@ class Stepper:
         """Begin a run by steps; return the outputs at its start."""
         fmus, run, spec = self.fmus, self.fmus.run, self.plan.spec
         self._given = sample_inputs(self._system, values, inputs, np.array([spec.start]))
-        self._disturb(None, self._given, self._given, values)
+        self._tune({}, values)
         run.n_events = run.event_end = 0
         fmus.begin(values)
         fmus.memory.prepare_steps(self._given[0])

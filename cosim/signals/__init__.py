@@ -1,1 +1,1 @@
-"""Inputs, tables and scenarios."""
+"""Inputs and tables."""

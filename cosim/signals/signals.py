@@ -1,4 +1,4 @@
-"""Signals over time for the exposed inputs of a system, and spans of time."""
+"""Signals over time for the exposed inputs of a system."""
 
 from __future__ import annotations
 
@@ -24,24 +24,6 @@ def slack(t: Any, step: float) -> Any:
     as those of a clock that counts from 1970, that is more.
     """
     return 1e-6 * step + np.spacing(np.abs(t))
-
-
-@dataclass(frozen=True)
-class Span:
-    """From ``begin`` up to, not including, ``end`` (s)."""
-
-    begin: float
-    end: float
-
-    def __post_init__(self) -> None:
-        if not self.begin < self.end:
-            raise SignalError(f"from {self.begin} s to {self.end} s: expected begin before end")
-
-    def covers(self, time: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return which of the points in time (n,) of a run lie in it, (n,)."""
-        near: NDArray[np.float64]
-        near = slack(time, float(time[-1] - time[0]) / max(1, len(time) - 1))
-        return (time >= self.begin - near) & (time < self.end - near)
 
 
 Array = NDArray[np.float64]

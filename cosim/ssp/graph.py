@@ -9,10 +9,10 @@ from typing import Any
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.ssp.connectors import Connector, Items, check_types, transform_of
+from stickslip.cosim.ssp.connectors import Connector, Items, check_types, scaling_of
 from stickslip.cosim.ssp.markup import NAMESPACES, Path, attribute, component, place, truth
 from stickslip.cosim.ssp.structure import Node
-from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link, Scaling, Transform, conversion
+from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link, Scaling, conversion
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import FAMILY, Variable, converts, parse_element
 from stickslip.fmi.messages import suggestion
@@ -36,7 +36,7 @@ class Edge:
 
     source: End
     target: End
-    scaling: Transform
+    scaling: Scaling
     convert: bool
     element: Any
 
@@ -137,27 +137,26 @@ class Graph:
         variable = self.variable(end)
         return self.fmus[end[0]].unit(variable) if variable else None
 
-    def scaling(self, way: list[Edge], unit: Unit | None) -> Transform:
-        """Return the transformation of a number in ``unit`` on a way, up to the FMU at its end."""
-        total: Transform = IDENTITY
+    def scaling(self, way: list[Edge], unit: Unit | None) -> Scaling:
+        """Return the scaling of a number in ``unit`` on a way, up to the FMU at its end."""
+        total: Scaling = IDENTITY
         last = self.inner_unit(way[-1].target)
         unit = unit and unit.like(last)
         for edge in way:
             there = self.unit(edge.target)
             there = there and there.like(unit or last)
             if edge.convert:
-                total = _then(total, _converted(unit, there, edge), edge)
-            total = _then(total, edge.scaling, edge)
+                total = total.then(_converted(unit, there, edge))
+            total = total.then(edge.scaling)
             unit = there or (unit if edge.convert and edge.scaling == IDENTITY else None)
-        return _then(total, _converted(unit, last, way[-1]), way[-1])
+        return total.then(_converted(unit, last, way[-1]))
 
     def link(self, way: list[Edge]) -> Link:
         """Return a way from an FMU or from a connector of the whole as a single connection."""
         source, target = way[0].source, way[-1].target
         inner, start = self.inner_unit(source), self.unit(source)
         start = start and start.like(inner)
-        first = _converted(inner, start, way[0])
-        total = _then(first, self.scaling(way, start), way[0])
+        total = _converted(inner, start, way[0]).then(self.scaling(way, start))
         scaled = [i for i, edge in enumerate(way) if edge.scaling != IDENTITY]
         if all(edge.convert for edge in way) and len(scaled) <= 1:
             wanted = self.inner_unit(target)
@@ -177,7 +176,7 @@ class Graph:
             start, end = end, start
         check_types(element, [(label(e), self.type(e)) for e in (start, end)])
         convert = not truth(element, "suppressUnitConversion")
-        scaling = transform_of(element, self.items(start), self.items(end))
+        scaling = scaling_of(element)
         self.put(Edge(start, end, scaling, convert, element))
 
     def _end(self, node: Node, element: Any, which: str) -> End:
@@ -243,16 +242,6 @@ class Graph:
             return "either"
         gives = kind in _GIVES
         return "give" if gives != (path == system) else "take"
-
-
-def _then(first: Transform, following: Transform, edge: Edge) -> Transform:
-    try:
-        return first.then(following)
-    except TypeError:
-        raise SspError(
-            f"{place(edge.element)}: a LinearTransformation and pairs of values meet on the way to"
-            f" {label(edge.target)}; let the one or the other stand alone"
-        ) from None
 
 
 def _converted(unit: Unit | None, other: Unit | None, edge: Edge) -> Scaling:

@@ -253,14 +253,6 @@ def group(parent: Any, name: str) -> Any:
     return new
 
 
-def discard(element: Any) -> None:
-    """Remove an element, and its parent if that is empty then."""
-    parent = element.getparent()
-    parent.remove(element)
-    if not len(parent) and local(parent) in {"Connectors", "Connections", "Elements"}:
-        parent.getparent().remove(parent)
-
-
 def add_connector(
     root: Any,
     element: Any,

@@ -12,7 +12,7 @@ from typing import Any
 from stickslip.cosim.component import component_of, variable_of
 from stickslip.cosim.errors import CosimError, SspError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.ssp.connectors import Definitions, Items, pairs_of_names, transform_of
+from stickslip.cosim.ssp.connectors import Definitions, Items, scaling_of
 from stickslip.cosim.ssp.graph import End, Graph, expand, label
 from stickslip.cosim.ssp.markup import (
     ANNOTATION,
@@ -24,7 +24,6 @@ from stickslip.cosim.ssp.markup import (
     component,
     find,
     inside,
-    integer,
     local,
     number,
     parse,
@@ -33,7 +32,7 @@ from stickslip.cosim.ssp.markup import (
     truth,
 )
 from stickslip.cosim.ssp.structure import Node, Package, read_structure
-from stickslip.cosim.system.scaling import IDENTITY, Link, Transform, ValueMap, conversion
+from stickslip.cosim.system.scaling import IDENTITY, Link, Scaling, conversion
 from stickslip.cosim.system.system import Origin, System
 from stickslip.fmi.archive import unpack
 from stickslip.fmi.description.model import DefaultExperiment
@@ -166,7 +165,6 @@ def _blaming(element: Any) -> Iterator[None]:
 
 
 _SET, _MAPPING = "application/x-ssp-parameter-set", "application/x-ssp-parameter-mapping"
-_WORDS = {"true": 1, "false": 0}
 Raw = float | str | tuple[float, ...]
 """A number, the numbers of an array, or any other value as text."""
 
@@ -183,7 +181,7 @@ class ParameterValue:
     unit: Unit | None
     element: Any
     convert: bool = True
-    scaling: Transform = IDENTITY
+    scaling: Scaling = IDENTITY
     items: Items | None = None
 
     def at(self, unit: Unit | None, items: Items) -> Raw:
@@ -312,11 +310,8 @@ def _mapped(entry: Any, given: dict[str, ParameterValue]) -> ParameterValue:
         raise SspError(
             f"{place(entry)}: there is no parameter {source!r}{suggestion(source, given)}"
         )
-    value = given[source]
-    if pairs := pairs_of_names(entry):
-        return replace(value, value=pairs.get(str(value.value), value.value), element=entry)
     convert = not truth(entry, "suppressUnitConversion")
-    return replace(value, convert=convert, scaling=transform_of(entry, {}, {}), element=entry)
+    return replace(given[source], convert=convert, scaling=scaling_of(entry), element=entry)
 
 
 def _resolve(
@@ -341,12 +336,9 @@ def _resolve(
         raise SspError(f"{place(given.element)}: no parameter {name!r}{suggestion(name, known)}")
 
 
-def _scaled(value: Raw, scaling: Transform, element: Any) -> Raw:
+def _scaled(value: Raw, scaling: Scaling, element: Any) -> Raw:
     if scaling == IDENTITY:
         return value
-    if isinstance(scaling, ValueMap):
-        text = str(value).strip()
-        return str(int(scaling(_WORDS[text] if text in _WORDS else integer(text, element))))
     if isinstance(value, str):
         value = _numbers(value, element)
     return tuple(map(scaling, value)) if isinstance(value, tuple) else scaling(value)

@@ -1,57 +1,54 @@
 """Writes a system as an SSP 1.0 or 2.0 package.
 
-A system that was read from a package is written by changing that package where the system differs
-from it, so that geometry, annotations, other variants and files stay as they were.
+A system that was read from a package and has other start values or times only is written as that
+package with these, so that geometry, annotations, other variants and files stay as they were.
 """
 
 from __future__ import annotations
 
-import math
 import os
-from collections.abc import Iterable, Mapping
+from collections import defaultdict
+from collections.abc import Mapping
+from itertools import takewhile
 from pathlib import Path as File
-from typing import Literal
+from typing import Any, Literal, NamedTuple
 
 from lxml import etree
 
 from stickslip.cosim.component import component_of, variable_of
 from stickslip.cosim.errors import CosimError, SspError
-from stickslip.cosim.ssp.bindings import edit_parameters
-from stickslip.cosim.ssp.connectors import Definitions
-from stickslip.cosim.ssp.edit import Editor
-from stickslip.cosim.ssp.graph import End, Graph, expand
 from stickslip.cosim.ssp.markup import (
     ANNOTATION,
-    NAMESPACES,
+    FMU,
     OSP,
-    ROOTS,
     STRUCTURE,
     VERSIONS,
     Members,
+    Path,
     add,
+    add_connector,
+    add_units,
     file_name,
+    find,
     free_name,
     group,
     new_root,
     path_of,
-    short,
     tag,
     text_of,
-    violation,
 )
 from stickslip.cosim.ssp.read import read_experiment, read_package
-from stickslip.cosim.ssp.structure import Document, Node, Package
-from stickslip.cosim.system.scaling import PLAIN, Link, Scaling
+from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link
 from stickslip.cosim.system.system import System
 from stickslip.fmi.archive import zipped
 from stickslip.fmi.description.model import DefaultExperiment
-from stickslip.fmi.description.variables import Value
+from stickslip.fmi.description.units import Unit
+from stickslip.fmi.description.variables import FLOATS, Value, Variable
 from stickslip.fmi.files import atomic_write
-from stickslip.fmi.process import temporary_folder
-from stickslip.fmi.xml import Malformed, parse_xml
 
-_WHOLE = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
-_OLD_NAMES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_WHOLE, "Integer")}
+_TYPES = {bool: "Boolean", int: "Integer", float: "Real", str: "String"}
+_TEXTS = {"String", "Binary"}
+_PARTS = ("connections", "links", "inputs", "input_units", "outputs")
 
 
 def write_ssp(
@@ -75,8 +72,8 @@ def write_ssp(
 
     Raises
     ------
-    SspError : when an FMU is no longer where it was read from, a nested system that lies in a file
-        of its own would have to be changed, or the version cannot express the package
+    SspError : when an FMU is no longer where it was read from, or the version cannot express the
+        system
     OSError : when the file cannot be written
     """
     if version not in {None, *VERSIONS}:
@@ -91,214 +88,260 @@ def write_ssp(
 
 
 def _members(system: System, experiment: DefaultExperiment | None, version: str | None) -> Members:
-    package = system.origin
-    if package is None:
-        before, graph, members = _nothing(system, version or "1.0")
-    else:
-        before, _, graph = read_package(package)
-        members = {
-            file.relative_to(package.folder).as_posix(): file.read_bytes()
-            for file in sorted(package.folder.rglob("*"))
-            if file.is_file()
-        }
-    structure = package.structure if package else STRUCTURE
-    document = graph.nodes[()].document
-    graph.lengths = {path_of(name): system.lengths(name) for name in system.components}
-    unchanged = etree.tostring(document.root)
-    editor = Editor(graph, version or document.root.get("version"))
-    _edit_components(editor, before, system, members)
-    edit_parameters(editor, before, system, members, package)
-    _edit_connections(editor, before, system)
-    _edit_outside(editor, before, system)
-    _edit_times(editor, experiment)
-    changed = etree.tostring(document.root) != unchanged
-    if changed or not package:
-        members[structure] = text_of(document.root)
-    if package and version:
-        members = {name: _converted(name, data, version) for name, data in members.items()}
-    if package and changed:
-        _verify(members, structure, system)
+    if (package := system.origin) is None:
+        return _Structure(system, version or "1.0").members(experiment)
+    before, times, graph = read_package(package)
+    root, times = graph.nodes[()].document.root, experiment or times
+    known = {name: fmu.path for name, fmu in before.fmus("an SSP").items()}
+    same = {name: fmu.path for name, fmu in system.fmus("an SSP").items()} == known
+    same = same and all(getattr(before, part) == getattr(system, part) for part in _PARTS)
+    if not same or version not in (None, root.get("version")):
+        return _Structure(system, version or root.get("version")).members(times)
+    members = {
+        file.relative_to(package.folder).as_posix(): file.read_bytes()
+        for file in sorted(package.folder.rglob("*"))
+        if file.is_file()
+    }
+    unchanged = etree.tostring(root)
+    if values := _changed_values(before, system):
+        _bind(find(root, "ssd:System"), system, values, members)
+    _propose(root, experiment)
+    if etree.tostring(root) != unchanged:
+        members[package.structure] = text_of(root)
     return members
 
 
-def _nothing(system: System, version: str) -> tuple[System, Graph, Members]:
-    root = new_root("ssd:SystemStructureDescription", system.name, version)
-    body = add(root, "ssd:System", name=system.name)
-    document = Document(File(STRUCTURE), File(), root, Definitions.of(root))
-    graph = Graph(Node((), document, None, body, document, {}), {})
-    return System(system.name), graph, {STRUCTURE: b""}
+def _changed_values(before: System, system: System) -> dict[str, Value]:
+    values = {n: v for n, v in system.parameters.items() if before.parameters.get(n) != v}
+    for name in before.parameters.keys() - system.parameters.keys():
+        start = system.variable(name).start
+        if start is None:
+            raise SspError(f"{name} has no start value in its FMU to go back to")
+        values[name] = start
+    return values
 
 
-def _edit_components(editor: Editor, before: System, system: System, members: Members) -> None:
-    for name in before.components.keys() - system.components.keys():
-        editor.remove(path_of(name))
-    for i, (name, fmu) in enumerate(system.fmus("an SSP").items()):
-        known = before.fmus("an SSP").get(name)
-        if known and known.path == fmu.path:
+class End(NamedTuple):
+    """A connector of a component or system, indices of its element, and the FMU's variable."""
+
+    path: Path
+    name: str
+    indices: str = ""
+    variable: str = ""
+
+
+class _Structure:
+    """The description of a system without a package."""
+
+    def __init__(self, system: System, version: str) -> None:
+        self._system, self._version = system, version
+        self._root = new_root("ssd:SystemStructureDescription", system.name, version)
+        self._bodies: dict[Path, Any] = {(): add(self._root, "ssd:System", name=system.name)}
+        self._names: dict[tuple[Path, End], str] = {}  # of the way of a signal through a system
+        self._connectors: set[tuple[Path, str]] = set()
+
+    def members(self, experiment: DefaultExperiment | None) -> Members:
+        """Return the files of the package."""
+        system, members = self._system, {STRUCTURE: b""}
+        values: dict[str, dict[str, Value]] = defaultdict(dict)
+        for name, value in system.parameters.items():
+            values[component_of(name)][name] = value
+        for i, (name, fmu) in enumerate(system.fmus("an SSP").items()):
+            source = free_name(f"resources/{file_name(i, name)}", ".fmu", members)
+            members[source] = fmu.path.read_bytes()
+            path = path_of(name)
+            elements = group(self._body(path[:-1]), "ssd:Elements")
+            self._bodies[path] = add(
+                elements, "ssd:Component", name=path[-1], type=FMU, source=source
+            )
+            for v in fmu.variables.values():
+                arrays = bool(v.dimensions) and self._is_new and v.type not in _TEXTS
+                exists = v.type != "Clock" or self._is_new
+                if v.causality == "output" and exists and (v.is_signal or arrays):
+                    self._end(f"{name}.{v.name}")
+            add_units(self._root, "ssd:Units", fmu.units.values())
+        for name, own in values.items():
+            stem = file_name(list(system.components).index(name), name)
+            _bind(self._bodies[path_of(name)], system, own, members, stem)
+        for target, source in system.sources().items():
+            link, total = system.links.get(target, PLAIN), system.scaling(source, target)
+            # Other tools convert no units, so the conversion is written out.
+            written = link if total == link.scaling else Link(total, convert=False)
+            self._connect(self._source(source), self._end(target), written)
+        for name, source in system.outputs.items():
+            self._declare((), name, "output", source)
+            self._connect(self._end(source), End((), name), PLAIN)
+        _propose(self._root, experiment)
+        members[STRUCTURE] = text_of(self._root)
+        return members
+
+    @property
+    def _is_new(self) -> bool:
+        """Whether the version has arrays and clocks."""
+        return self._version != "1.0"
+
+    def _body(self, path: Path) -> Any:
+        if path not in self._bodies:
+            elements = group(self._body(path[:-1]), "ssd:Elements")
+            self._bodies[path] = add(elements, "ssd:System", name=path[-1])
+        return self._bodies[path]
+
+    def _source(self, name: str) -> End:
+        if name not in self._system.inputs:
+            return self._end(name)
+        first, unit = self._system.inputs[name][0], self._system.unit_of(name)
+        self._declare((), name, "input", first, unit)
+        return End((), name)
+
+    def _end(self, name: str) -> End:
+        """Return a variable of a component as an end; it has a connector then."""
+        path, variable, indices = path_of(component_of(name)), self._system.variable(name), ""
+        own = variable.name
+        if variable.array and self._is_new:
+            own, indices = variable.array, own[len(variable.array) + 1 : -1].replace(",", " ")
+        self._declare(path, own, variable.causality, f"{component_of(name)}.{own}")
+        return End(path, own, indices, name)
+
+    def _declare(
+        self, path: Path, name: str, kind: str, like: str, unit: Unit | None = None
+    ) -> None:
+        """Make a connector, once, for a signal like a variable of a component."""
+        if (path, name) in self._connectors:
+            return
+        self._connectors.add((path, name))
+        variable = self._system.variable(like)
+        if variable.type == "Clock" and not self._is_new:
+            where = ".".join(("/".join(path), name))
+            raise SspError(f"{where} is a clock, which SSP 1.0 has not; write SSP 2.0")
+        unit, element = unit or self._system.unit_of(like), self._bodies[path]
+        add_connector(self._root, element, name, kind, variable, self._version, unit)
+        if unit:
+            add_units(self._root, "ssd:Units", [unit])
+
+    def _connect(self, source: End, target: End, link: Link) -> None:
+        """Connect two ends, through connectors of the systems between them."""
+        both = zip(source.path[:-1], target.path[:-1], strict=False)
+        common = tuple(name for name, _ in takewhile(lambda pair: pair[0] == pair[1], both))
+        start = self._led_out(source, common, "output")
+        end = self._led_out(target, common, "input")
+        self._line(common, start, end, link)
+
+    def _led_out(self, end: End, common: Path, kind: str) -> End:
+        """Return the connector of a system inside ``common`` that leads to an end in it."""
+        path = end.path[:-1]
+        while len(path) > len(common):
+            name = self._names.get((path, end))
+            outside = End(path, name or self._free(path, end), "", end.variable)
+            if name is None:
+                self._names[path, end] = outside.name
+                self._declare(path, outside.name, kind, end.variable)
+                ends = (end, outside) if kind == "output" else (outside, end)
+                self._line(path, *ends, PLAIN)
+            end, path = outside, path[:-1]
+        return end
+
+    def _free(self, path: Path, end: End) -> str:
+        name = f"{end.path[-1]}_{end.name}"  # FMPy reads a dot as a path
+        name += f"[{end.indices.replace(' ', ',')}]" if end.indices else ""
+        while (path, name) in self._connectors:
+            name += "_"
+        return name
+
+    def _line(self, system: Path, source: End, target: End, link: Link) -> None:
+        attributes = {}
+        for which, end in (("start", source), ("end", target)):
+            if end.path != system:
+                attributes[f"{which}Element"] = end.path[-1]
+            attributes[f"{which}Connector"] = end.name
+            if end.indices:
+                attributes[f"{which}Indices"] = end.indices
+        if not link.convert:
+            attributes["suppressUnitConversion"] = "true"
+        lines = group(self._bodies[system], "ssd:Connections")
+        element = add(lines, "ssd:Connection", **attributes)
+        if link.scaling != IDENTITY:
+            line = {"factor": repr(link.scaling.factor), "offset": repr(link.scaling.offset)}
+            add(element, "ssc:LinearTransformation", **line)
+
+
+def _bind(
+    element: Any, system: System, values: Mapping[str, Value], members: Members, stem: str = ""
+) -> None:
+    """Bind values to the component of a file's stem; else to the system, where they go first."""
+    version = element.getroottree().getroot().get("version")
+    # One name for all components: ecos applies the parameter set of a name to all that have it.
+    root = new_root("ssv:ParameterSet", "parameters" if stem else "settings", version)
+    parameters = group(root, "ssv:Parameters")
+    values = values if version == "1.0" else _whole_arrays(values, system)
+    for name, value in values.items():
+        owner, variable = component_of(name), system.variable(name)
+        prefix = "" if stem else ".".join(path_of(owner)) + "."
+        parameter = add(parameters, "ssv:Parameter", name=prefix + variable_of(name))
+        kind = _type_of(variable, value, version)
+        if kind is None:
+            raise SspError(
+                f"{name}: SSP {version} has no values that are arrays or binary; write"
+                " version='2.0'"
+            )
+        written = add(parameter, f"ssv:{kind}", value=_text_of_value(value))
+        for length in variable.dimensions:
+            add(parameter, "ssc:Dimension", size=str(length))
+        unit = system.components[owner].unit(variable)
+        if kind in FLOATS and unit and unit.exponents:
+            written.set("unit", unit.name)
+            add_units(root, "ssv:Units", [unit])
+    source = free_name(f"resources/{stem or 'settings'}", ".ssv", members)
+    members[source] = text_of(root)
+    add(group(element, "ssd:ParameterBindings"), "ssd:ParameterBinding", source=source)
+
+
+def _text_of_value(value: Value) -> str:
+    """Return a value as XML wants it, arrays row by row."""
+    if isinstance(value, tuple):
+        return " ".join(map(_text_of_value, value))
+    if isinstance(value, bytes):
+        return value.hex()
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _whole_arrays(values: Mapping[str, Value], system: System) -> dict[str, Value]:
+    """Return values in which those of single elements have become those of their arrays."""
+    result: dict[str, Value] = {}
+    for name, value in values.items():
+        variable = system.variable(name)
+        if variable.array is None:
+            result[name] = value
             continue
-        source = free_name(f"resources/{file_name(i, name)}", ".fmu", members)
-        members[source] = fmu.path.read_bytes()
-        if known and known.folder != fmu.folder:
-            editor.replace(path_of(name), source)
-        elif not known:
-            editor.add(path_of(name), fmu, source)
+        array = f"{component_of(name)}.{variable.array}"
+        before = result.get(array, system.parameters.get(array, system.variable(array).start))
+        if not isinstance(before, tuple) or isinstance(value, tuple):
+            raise SspError(f"{array}: its other elements have no start value; set it as a whole")
+        i = variable.element
+        result[array] = (*before[:i], value, *before[i + 1 :])
+    return result
 
 
-def _edit_connections(editor: Editor, before: System, system: System) -> None:
-    old, new = before.sources(), system.sources()
-    for target, source in old.items():
-        end = _end(target)
-        same = new.get(target) == source and before.links.get(target) == system.links.get(target)
-        if not same and end in editor.graph.edges:
-            editor.disconnect(end)
-    missing = {t: s for t, s in new.items() if _end(t) not in editor.graph.edges}
-    for target, source in missing.items():
-        end = _end(target)
-        if end in editor.graph.edges:
-            continue  # with the rest of its array
-        if editor.has_arrays and (whole := _whole(system, missing, target)):
-            editor.connect(_end(whole[0]), _end(whole[1]))
-            expand(editor.graph)
-            continue
-        if source in system.inputs:
-            editor.expose(source, "input", end, system.unit_of(source))
-        start: End = ((), source) if source in system.inputs else _end(source)
-        try:
-            editor.connect(start, end, _written_out(system, source, target))
-        except SspError as fault:
-            raise SspError(f"{source} to {target}: {fault}") from None
+def _type_of(variable: Variable, value: Value, version: str) -> str | None:
+    if version != "1.0" and variable.type != "Enumeration":
+        return variable.type
+    return _TYPES.get(type(value[0] if version != "1.0" and isinstance(value, tuple) else value))
 
 
-def _whole(system: System, sources: Mapping[str, str], target: str) -> tuple[str, str] | None:
-    """Return source and target as arrays, where all their elements are connected as they are."""
-    names = [sources[target], target]
-    if names[0] in system.inputs:
-        return None
-    owners = [system.variable(name).array for name in names]
-    if None in owners:
-        return None
-    arrays = [f"{component_of(name)}.{owner}" for name, owner in zip(names, owners, strict=True)]
-    starts, ends = (
-        [f"{component_of(array)}.{v.name}" for v in system.variable(array).elements()]
-        for array in arrays
-    )
-    pairs = dict(zip(ends, starts, strict=False))
-    plain = len(starts) == len(ends) and not pairs.keys() & system.links.keys()
-    return (arrays[0], arrays[1]) if plain and pairs.items() <= sources.items() else None
-
-
-def _written_out(system: System, source: str, target: str) -> Link:
-    """Return a link that says the conversion of units too, for tools that convert none."""
-    link, total = system.links.get(target, PLAIN), system.scaling(source, target)
-    return link if total == link.scaling else Link(total, convert=False)
-
-
-def _edit_outside(editor: Editor, before: System, system: System) -> None:
-    for name in before.inputs.keys() - system.inputs.keys():
-        editor.conceal(name)
-    for name, source in before.outputs.items():
-        if system.outputs.get(name) != source:
-            editor.conceal(name)
-    for name, source in system.outputs.items():
-        if before.outputs.get(name) != source:
-            editor.expose(name, "output", _end(source), system.unit_of(source))
-            editor.connect(_end(source), ((), name))
-
-
-def _edit_times(editor: Editor, experiment: DefaultExperiment | None) -> None:
-    root = editor.document.root
-    before = read_experiment(root)
-    if experiment is None or experiment == before:
+def _propose(root: Any, experiment: DefaultExperiment | None) -> None:
+    if experiment is None or experiment == read_experiment(root):
         return
     element = group(root, "ssd:DefaultExperiment")
     for name, time in (("startTime", experiment.start), ("stopTime", experiment.stop)):
         element.attrib.pop(name, None)
         if time is not None:
             element.set(name, repr(float(time)))
-    if experiment.step != before.step:
-        annotations = group(element, "ssd:Annotations")
-        for annotation in annotations.findall(f"{tag('ssc:Annotation')}[@type='{ANNOTATION}']"):
-            annotations.remove(annotation)
-        if experiment.step is not None:
-            annotation = add(annotations, "ssc:Annotation", type=ANNOTATION)
-            algorithm = etree.SubElement(annotation, f"{{{OSP}}}Algorithm")
-            fixed = etree.SubElement(algorithm, f"{{{OSP}}}FixedStepAlgorithm")
-            fixed.set("baseStepSize", repr(float(experiment.step)))
-        elif not len(annotations):
-            element.remove(annotations)
-
-
-def _end(name: str) -> End:
-    return path_of(component_of(name)), variable_of(name)
-
-
-def _converted(name: str, data: bytes, version: str) -> bytes:
-    """Return a member of a package in a version of SSP; those of that version stay untouched."""
-    part = name.rpartition(".")[2]
-    if part not in ROOTS:
-        return data
-    try:
-        root = parse_xml(data, remarks=True)
-    except Malformed as fault:
-        raise SspError(f"{name}: {fault}") from fault
-    roots = [element for kind in ROOTS.values() for element in root.iter(tag(kind))]
-    if all(element.get("version") == version for element in roots):
-        return data
-    for element in roots:
-        element.set("version", version)
-    if version == "1.0":
-        for prefix in ("ssc", "ssv"):
-            for new, old in _OLD_NAMES.items():
-                for element in root.iter(f"{{{NAMESPACES[prefix]}}}{new}"):
-                    element.tag = f"{{{NAMESPACES[prefix]}}}{old}"
-    if breach := violation(root, part, version):
-        raise SspError(
-            f"{name}, line {breach[0]}: SSP {version} cannot express this: {short(breach[1])}"
-        )
-    text: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
-    return text
-
-
-def _verify(members: Members, structure: str, system: System) -> None:
-    """Read a changed package back; a binding may still name a component that was removed."""
-    with temporary_folder() as folder:
-        for member, data in members.items():
-            file = folder / member
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_bytes(data)
-        try:
-            again = read_package(Package(folder / structure, folder, structure))[0]
-        except CosimError as fault:
-            raise SspError(f"the changed package would be broken: {fault}") from fault
-    names = system.parameters
-    wanted, found = _meaning(system, names), _meaning(again, names)
-    for part, value in wanted.items():
-        if not _same(found[part], value):
-            raise SspError(f"the changed package would have {part} {found[part]}, not {value}")
-
-
-def _meaning(system: System, parameters: Iterable[str]) -> dict[str, object]:
-    scalings = {
-        f"the scaling of {target}": system.scaling(source, target)
-        for target, source in system.sources().items()
-    }
-    starts = {f"the start value of {name}": _start_value(system, name) for name in parameters}
-    parts = {f"the {part}": getattr(system, part) for part in ("connections", "inputs", "outputs")}
-    return {**parts, **scalings, **starts}
-
-
-def _same(one: object, other: object) -> bool:
-    if not (isinstance(one, Scaling) and isinstance(other, Scaling)):
-        return one == other
-    factors, offsets = (one.factor, other.factor), (one.offset, other.offset)
-    return math.isclose(*factors, rel_tol=1e-12) and math.isclose(
-        *offsets, rel_tol=1e-12, abs_tol=1e-300
-    )
-
-
-def _start_value(system: System, name: str) -> Value | None:
-    """Return a start value; of an element it may be that in its array."""
-    variable = system.variable(name)
-    whole = system.parameters.get(f"{component_of(name)}.{variable.array}")
-    inside = whole[variable.element] if isinstance(whole, tuple) else None
-    return system.parameters.get(name, inside)
+    annotations = group(element, "ssd:Annotations")
+    for annotation in annotations.findall(f"{tag('ssc:Annotation')}[@type='{ANNOTATION}']"):
+        annotations.remove(annotation)
+    if experiment.step is not None:
+        annotation = add(annotations, "ssc:Annotation", type=ANNOTATION)
+        algorithm = etree.SubElement(annotation, f"{{{OSP}}}Algorithm")
+        fixed = etree.SubElement(algorithm, f"{{{OSP}}}FixedStepAlgorithm")
+        fixed.set("baseStepSize", repr(float(experiment.step)))
+    elif not len(annotations):
+        element.remove(annotations)

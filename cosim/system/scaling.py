@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Self
 
-from stickslip.cosim.component import component_of, converted
-from stickslip.cosim.errors import ConnectionFault, ParameterError
+from stickslip.cosim.component import component_of
+from stickslip.cosim.errors import ConnectionFault
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable, converts
 
@@ -23,12 +21,10 @@ class Scaling:
         """Return y."""
         return x if self == IDENTITY else self.factor * x + self.offset
 
-    def then(self, following: Transform) -> Transform:
-        """Return what does this one, then ``following``; TypeError for a line and a map."""
+    def then(self, following: Scaling) -> Scaling:
+        """Return what does this one, then ``following``."""
         if IDENTITY in (self, following):
             return following if self == IDENTITY else self
-        if isinstance(following, ValueMap):
-            raise TypeError
         factor = following.factor * self.factor
         return Scaling(factor, following(self.offset))
 
@@ -58,52 +54,13 @@ def conversion(unit: Unit, other: Unit) -> Scaling | None:
 
 
 @dataclass(frozen=True)
-class ValueMap:
-    """Pairs of values; one end at least is an integer, a Boolean (0 and 1) or an enumeration.
-
-    Attributes
-    ----------
-    pairs : (x, y), each x once; any other x stays as it is, or what the type of the target makes of
-        it: an integer part, true unless it is 0
-    """
-
-    pairs: tuple[tuple[int, int], ...]
-
-    @classmethod
-    def of(cls, pairs: Mapping[int, int]) -> Self:
-        """Return the map of x -> y."""
-        return cls(tuple((int(x), int(y)) for x, y in pairs.items()))
-
-    def __call__(self, x: float) -> float:
-        """Return y."""
-        return next((y for other, y in self.pairs if other == x), x)
-
-    def then(self, following: Transform) -> Transform:
-        """Return what does this one, then ``following``; TypeError for a map and a line."""
-        if following == IDENTITY:
-            return self
-        if isinstance(following, Scaling):
-            raise TypeError
-        known = dict.fromkeys(x for x, _ in (*self.pairs, *following.pairs))
-        return ValueMap(tuple((x, int(following(self(x)))) for x in known))
-
-    def inverse(self, y: float) -> float:
-        """Return an x that leads to y, which is y itself where no pair does."""
-        return next((x for x, other in self.pairs if other == y), y)
-
-
-Transform = Scaling | ValueMap
-
-
-@dataclass(frozen=True)
 class Link:
     """How a connection treats the number that it carries.
 
-    Where ``convert``, it is first converted to the unit of the target. Then ``scaling`` is applied:
-    a ValueMap for signals that are no floating-point numbers.
+    Where ``convert``, it is first converted to the unit of the target. Then ``scaling`` is applied.
     """
 
-    scaling: Transform = IDENTITY
+    scaling: Scaling = IDENTITY
     convert: bool = True
 
 
@@ -147,10 +104,10 @@ def pairs(source: End, target: End) -> list[tuple[str, str]]:
     return list(zip(*names, strict=True))
 
 
-def transform(source: End, target: End, link: Link) -> Transform:
-    """Return the transform of a number from one end to the other."""
+def transform(source: End, target: End, link: Link) -> Scaling:
+    """Return the scaling of a number from one end to the other."""
     unit, wanted = source.unit, target.unit
-    if isinstance(link.scaling, ValueMap) or not (unit and wanted and link.convert):
+    if not (unit and wanted and link.convert):
         return link.scaling
     scaling = conversion(unit, wanted)
     if scaling is None:
@@ -168,19 +125,8 @@ def check_connection(source: End, target: End, link: Link) -> None:
     target.check("input", purpose)
     start, end = source.variable, target.variable
     types = f"{source.name} is a {start.type}, {target.name} a {end.type}"
-    if isinstance(link.scaling, ValueMap):
-        if start.family == end.family == "number":
-            raise ConnectionFault(
-                f"{purpose}: {types}; pairs of values need an integer, Boolean or enumeration"
-            )
-        for _, value in link.scaling.pairs:
-            try:
-                converted(end, value, target.name)
-            except ParameterError as fault:
-                raise ConnectionFault(f"{purpose}: {fault}") from None
-    elif not converts(start.family, end.family):
+    if not converts(start.family, end.family):
         raise ConnectionFault(
-            f"{purpose}: {types}, which loses a part of the value; give pairs of values (ValueMap);"
-            " a number without a pair then loses what follows its decimal point"
+            f"{purpose}: {types}, which loses a part of the value; put a component between"
         )
     transform(source, target, link)

@@ -26,7 +26,7 @@ from stickslip.cosim.system.scaling import (
     PLAIN,
     End,
     Link,
-    Transform,
+    Scaling,
     check_connection,
     pairs,
     transform,
@@ -272,8 +272,8 @@ class System:
             return self.input_units.get(name) or self.unit_of(self.inputs[name][0])
         return self._component(name).unit(self.variable(name))
 
-    def scaling(self, source: str, target: str) -> Transform:
-        """Return the transform of a number from the source of an input to this input."""
+    def scaling(self, source: str, target: str) -> Scaling:
+        """Return the scaling of a number from the source of an input to this input."""
         like = self.inputs[source][0] if source in self.inputs else source
         start = End(source, self.variable(like), self.unit_of(source))
         end = End(target, self.variable(target), self.unit_of(target))

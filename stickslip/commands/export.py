@@ -1,4 +1,4 @@
-"""``stickslip export``: the tuned compensator, an observer, a drive, a linear system or a loop.
+"""``stickslip export``: the tuned compensator, an observer, a drive or a loop.
 
 stickslip export compensator --parameters axis/learned.json --as c --out firmware
 stickslip export drive --of emps --out robot
@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from stickslip.commandline import FLAG, add_options, complete_with, warn, written
+from stickslip.commandline import add_options, complete_with, warn, written
 from stickslip.commandline.assignments import add_set_option, split_assignments
 from stickslip.commandline.platforms import add_fmu_options, fmu_options
 from stickslip.commands.export_compensator import add_compensators
@@ -23,11 +23,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
     """Declare what the command exports."""
     exports = parser.add_subparsers(
         dest="what",
-        metavar="compensator|observer|position_force|deploy|components|drive|lti|rig|FILE.ssp",
+        metavar="compensator|observer|position_force|deploy|components|drive|rig|FILE.ssp",
         required=True,
     )
     exports.choices = exports._name_parser_map = _Parsers()  # noqa: SLF001 - no public way
-    for add in (add_compensators, add_drive, add_lti, add_rig, add_system):
+    for add in (add_compensators, add_drive, add_rig, add_system):
         add(exports)
 
 
@@ -71,36 +71,6 @@ def export_drive(options: argparse.Namespace) -> Answer:
     path = robots.export_drive(drive, options.out, options.form)
     for sentence in robots.robot_model(drive, options.form).lost:
         warn(f"{path}: {sentence}")
-    return written(path)
-
-
-def add_lti(exports: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = exports.add_parser("lti", help="a state space or transfer function as an FMU")
-    parser.add_argument(
-        "file", type=Path, metavar="FILE.toml|FILE.json", help="see models/lti/README.md"
-    )
-    times = dict.fromkeys(("--step S", "--stop S"), "proposed by the FMU (default: from the poles)")
-    add_options(parser, times, type=float)
-    held = "outputs with direct gain hold the last sample, for controllers in discrete time"
-    add_options(parser, {"--held": held}, **FLAG)
-    add_fmu_options(parser)
-    parser.set_defaults(run=export_lti)
-
-
-def export_lti(options: argparse.Namespace) -> Answer:
-    """Write DIR/NAME.fmu and print its path."""
-    from stickslip import models
-
-    described = models.read_lti(options.file)
-    path = models.export_lti(
-        described.system,
-        options.out,
-        step=described.step if options.step is None else options.step,
-        stop=described.stop if options.stop is None else options.stop,
-        held=options.held,
-        **fmu_options(options),
-    )
     return written(path)
 
 

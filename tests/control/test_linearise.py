@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim, models
-from stickslip.cosim.control import LinearisationError, linearise, nonlinear_system
-from tests.conformance.equations import lugre, stage
+from stickslip.cosim.control import LinearisationError, linearise
 from tests.cosim.single import members, repacked
 
 POINT = {"states": {"v": -2e-3, "z": 4e-6}, "inputs": {"u": 2.0}}
@@ -40,26 +39,6 @@ def test_differences_give_what_derivatives_give(version, tmp_path):
     chosen = linearise(path, **POINT, parameters=PARAMETERS, outputs=["F_f"])
     assert chosen.output_labels == ["F_f"]
     np.testing.assert_array_equal(chosen.C, found.C[2:])
-
-
-def test_a_stage_moves_in_python_control(version, tmp_path):
-    """The system moves as the equations of the paper, integrated by python-control."""
-    path = models.build_fmu("stage", tmp_path, fmi=version)
-    system = nonlinear_system(path, parameters=PARAMETERS)
-    t = np.linspace(0, 0.2, 101)
-    options = {"solve_ivp_kwargs": {"rtol": 1e-9, "atol": 1e-12}}
-
-    def rates(_, x, u, __):
-        found = stage(lugre, {"x": x[0], "v": x[1], "z": x[2], "u": u[0]}, PARAMETERS)
-        return [found[f"der({name})"] for name in "xvz"]
-
-    reference = control.nlsys(rates, None, states=3, inputs=1)
-    moved, expected = (
-        control.input_output_response(one, t, 15 * np.sin(40 * t), [0.0, 0.01, 0.0], **options)
-        for one in (system, reference)
-    )
-    np.testing.assert_allclose(moved.states, expected.states, rtol=0, atol=1e-7)
-    np.testing.assert_array_equal(moved.outputs[:2], moved.states[:2])
 
 
 def random_system(dt: float) -> control.StateSpace:
@@ -152,9 +131,6 @@ def test_in_a_process_of_its_own_it_is_the_same_bit_for_bit(step, tmp_path):
     here, there = (linearise(path, step=step, isolation=i) for i in (None, "process"))
     for name in "ABCD":
         np.testing.assert_array_equal(getattr(there, name), getattr(here, name))
-    system = nonlinear_system(path, step=step, isolation="process")
-    x = np.arange(5.0)
-    np.testing.assert_allclose(system.dynamics(0, x, np.ones(2)), here.A @ x + here.B @ [1, 1])
     with pytest.raises(LinearisationError, match="no output 'z'"):
         linearise(path, step=step, outputs=["z"], isolation="process")
 
@@ -216,12 +192,11 @@ def test_nothing_hidden_nothing_refused(plant, version, tmp_path):
 @each_plant
 def test_a_declared_state_that_cannot_be_set(plant, version, tmp_path):
     path = hide(lti(plant, tmp_path, version), "x[1]", listed=True)
-    for function in (linearise, nonlinear_system):
-        with pytest.raises(LinearisationError) as error:
-            function(path, step=STEP)
-        assert "fmu (plant.fmu): a step cannot start from a given value of x[1]" in str(error.value)
-        assert "export it for Model Exchange" in str(error.value)
-        assert "measure_response" in str(error.value)
+    with pytest.raises(LinearisationError) as error:
+        linearise(path, step=STEP)
+    assert "fmu (plant.fmu): a step cannot start from a given value of x[1]" in str(error.value)
+    assert "export it for Model Exchange" in str(error.value)
+    assert "measure_response" in str(error.value)
 
 
 def test_model_exchange_is_advised_where_there_is_one(version, tmp_path):

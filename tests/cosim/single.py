@@ -67,8 +67,7 @@ def halves(
     path: Path,
     *given: Any,
     until: float,
-    scenario: cosim.Scenario | None = None,
-    first: cosim.Scenario | None = None,
+    tunable: dict[str, Any] | None = None,
     **how: Any,
 ) -> tuple[cosim.Result, cosim.Result]:
     """Return a whole run, and the rest of one that was halted, saved and resumed elsewhere.
@@ -76,15 +75,14 @@ def halves(
     Parameters
     ----------
     given : parameters and inputs
-    first : the scenario of the run that is halted, where it is another
     """
     with system.prepare(**how) as simulation:
-        whole = simulation.run(*given, scenario=scenario)
-        begun = simulation.run(*given, scenario=first or scenario, until=until)
+        whole = simulation.run(*given, tunable=tunable)
+        begun = simulation.run(*given, tunable=tunable, until=until)
         np.testing.assert_array_equal(begun.values, whole.values[: len(begun.time)])
         simulation.save(path)
     with system.prepare(**how) as another:
-        return whole, another.resume(path, *given[1:], scenario=scenario)
+        return whole, another.resume(path, *given[1:], tunable=tunable)
 
 
 def members(path: Path) -> dict[str, bytes]:

@@ -75,10 +75,10 @@ def alone(fmu, *, exposed=True):
     return system
 
 
-def fresh(system, parameters=None, inputs=None, scenario=None, **options):
+def fresh(system, parameters=None, inputs=None, tunable=None, **options):
     """Return the result of a simulation that is new."""
     with system.prepare(step=STEP, stop=STOP, **options) as simulation:
-        return simulation.run(parameters, inputs, scenario=scenario)
+        return simulation.run(parameters, inputs, tunable=tunable)
 
 
 def same(result, expected):
@@ -155,13 +155,14 @@ def test_a_first_run_at_rest_proves_nothing(write, version, caplog):
     assert len(lines(caplog)) == 1
 
 
-def test_parameters_that_a_scenario_changed(write, version, caplog):
+def test_parameters_that_changed_in_a_run(write, version, caplog):
     system = alone(write("a", version, RESETS["keeps parameters"]))
-    change = cosim.Scenario().set("a.k", 3.0, at=0.2)
-    expected = {None: fresh(system), change: fresh(system, scenario=change)}
+    k = system.variable("a.k").start
+    change = {"a.k": cosim.Table([0.0, 0.2], [k, 3.0], held=True)}
+    expected = [fresh(system), fresh(system, tunable=change)]
     with system.prepare(step=STEP, stop=STOP) as simulation:
-        for scenario in (change, None, change, change, None):
-            same(simulation.run(scenario=scenario), expected[scenario])
+        for changes in (True, False, True, True, False):
+            same(simulation.run(tunable=change if changes else None), expected[changes])
     assert len(lines(caplog)) == 1
 
 

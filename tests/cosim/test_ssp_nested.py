@@ -107,28 +107,38 @@ def test_an_unchanged_system_is_written_as_it_was_read_to_the_byte(pack, tmp_pat
     assert members(again) == members(package)
 
 
-def test_a_change_is_written_into_the_nesting_and_keeps_what_is_not_known(pack, tmp_path):
+def test_start_values_and_times_are_written_into_the_package(pack, tmp_path):
+    system, _ = cosim.read_ssp(pack(NESTED))
+    system.set("c.k", 10.0)
+    system.set("outer/a.k", 3.0)
+    written = cosim.write_ssp(system, tmp_path / "b.ssp", cosim.DefaultExperiment(0, 1, 0.25))
+    again, experiment = cosim.read_ssp(written)
+    assert again.parameters == system.parameters
+    assert (again.connections, again.links) == (system.connections, system.links)
+    assert experiment == cosim.DefaultExperiment(0.0, 1.0, 0.25)
+    text = members(written)["SystemStructure.ssd"].decode()
+    assert "kept" in text
+    assert "ElementGeometry" in text
+    again.set("c.k", -1.0)
+    del again.parameters["outer/a.k"]
+    third, _ = cosim.read_ssp(cosim.write_ssp(again, tmp_path / "c.ssp"))
+    start = again.variable("outer/a.k").start
+    assert third.parameters == {"c.k": -1.0, "outer/a.k": start}
+
+
+def test_another_structure_is_written_from_scratch(pack, tmp_path):
     system, _ = cosim.read_ssp(pack(NESTED))
     system.add("outer/inner/d", system.components["c"], {"k": 5.0})
     del system.connections["c.u"], system.links["c.u"]
     system.connect("outer/inner/d.y", "c.u", Link(Scaling(2.0, 1.0)))
     system.connect("outer/a.y", "outer/inner/d.u")
     system.set("c.k", 10.0)
-    written = cosim.write_ssp(system, tmp_path / "b.ssp", cosim.DefaultExperiment(0, 1, 0.25))
-    again, experiment = cosim.read_ssp(written)
-    assert again.connections == system.connections
-    assert again.links == system.links
-    assert again.parameters == system.parameters
-    assert again.outputs == system.outputs
-    assert experiment.step == 0.25
+    again, _ = cosim.read_ssp(cosim.write_ssp(system, tmp_path / "b.ssp"))
+    for name in ("connections", "inputs", "outputs", "parameters"):
+        assert getattr(again, name) == getattr(system, name)
+    for target, source in system.sources().items():
+        assert again.scaling(source, target) == system.scaling(source, target)
     assert end(again, x=1.0) == end(system, x=1.0) == pytest.approx(10 * (2 * 10 + 1))
-    text = members(written)["SystemStructure.ssd"].decode()
-    assert "kept" in text
-    assert "ElementGeometry" in text
-    again.set("c.k", -1.0)  # in place this time: no binding is added
-    third = cosim.write_ssp(again, tmp_path / "c.ssp")
-    assert members(third).keys() == members(written).keys()
-    assert cosim.read_ssp(third)[0].parameters["c.k"] == -1.0
 
 
 def test_components_are_removed_and_replaced(pack, make, tmp_path):
@@ -163,13 +173,9 @@ def test_names_with_slashes_are_written_as_nested_systems(make, tmp_path, versio
 
 
 ENTRY = '<ssm:MappingEntry source="p.{}" target="{}"{}>{}</ssm:MappingEntry>'
-FLIP = (
-    '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/>'
-    '<ssc:MapEntry source="false" target="true"/></ssc:BooleanMappingTransformation>'
-)
 
 
-def test_mapped_parameters_are_converted_scaled_and_looked_up(pack):
+def test_mapped_parameters_are_converted_and_scaled(pack):
     parameters = "".join(
         f'<ssv:Parameter name="{name}"><ssv:{value}/></ssv:Parameter>'
         for name, value in [
@@ -186,7 +192,7 @@ def test_mapped_parameters_are_converted_scaled_and_looked_up(pack):
         ENTRY.format("force", "u", "", line(1, 5))
         + ENTRY.format("force", "k", ' suppressUnitConversion="true"', line(3))
         + ENTRY.format("mode", "n", "", "")
-        + ENTRY.format("on", "flag", "", FLIP)
+        + ENTRY.format("on", "flag", "", "")
         + '<ssm:MappingEntry source="" target="fault"/>'  # keeps its value
     )
     bindings = binding("resources/a.ssv", "resources/a.ssm").replace(
@@ -199,7 +205,7 @@ def test_mapped_parameters_are_converted_scaled_and_looked_up(pack):
         "resources/a.ssm": document("ssm:ParameterMapping", entries),
     }
     system, _ = cosim.read_ssp(pack(members))
-    assert system.parameters == {"a.u": 2005.0, "a.k": 6.0, "a.n": 7, "a.flag": False}
+    assert system.parameters == {"a.u": 2005.0, "a.k": 6.0, "a.n": 7, "a.flag": True}
 
 
 def test_outer_bindings_go_before_inner_ones_and_reach_in_by_name_and_connector(pack, tmp_path):
@@ -247,15 +253,6 @@ def test_a_signal_dictionary_is_a_bus_across_systems(pack, tmp_path):
     assert (again.connections, again.inputs) == (system.connections, system.inputs)
 
 
-def test_a_change_that_would_break_the_package_is_refused(pack, tmp_path):
-    """An outer binding names the component that is gone."""
-    system, _ = cosim.read_ssp(pack(one(gain("a") + gain("b"), before=bind(("a.k", 2)))))
-    del system.components["a"], system.parameters["a.k"]
-    with pytest.raises(cosim.SspError, match=r"would be broken: .*no parameter 'a\.k'"):
-        cosim.write_ssp(system, tmp_path / "b.ssp")
-    assert not (tmp_path / "b.ssp").exists()
-
-
 def test_variants_are_listed_and_chosen_by_name_or_file(pack, tmp_path):
     other = structure(gain("b"), times="", name="other")
     package = pack(one(gain("a")) | {"light.ssd": other})
@@ -290,9 +287,6 @@ def test_a_system_may_lie_in_a_file_of_its_own(pack, tmp_path):
     system.set("n/a.k", 3.0)
     again, _ = cosim.read_ssp(cosim.write_ssp(system, tmp_path / "b.ssp"))
     assert again.parameters == {"n/a.k": 3.0}
-    system.add("n/b", system.components["n/a"])
-    with pytest.raises(cosim.SspError, match="'n' lies in a file of its own"):
-        cosim.write_ssp(system, tmp_path / "b.ssp")
 
 
 def test_versions_turn_into_each_other_where_they_can(pack, tmp_path):
@@ -303,6 +297,3 @@ def test_versions_turn_into_each_other_where_they_can(pack, tmp_path):
     read_ssd(str(old))
     new = cosim.write_ssp(cosim.read_ssp(old)[0], tmp_path / "new.ssp", version="2.0")
     assert 'version="2.0"' in members(new)[STRUCTURE].decode()
-    system, _ = cosim.read_ssp(pack(one(two.replace("Float64", "Clock"), version="2.0")))
-    with pytest.raises(cosim.SspError, match=r"line 1: SSP 1\.0 cannot express this"):
-        cosim.write_ssp(system, tmp_path / "old.ssp", version="1.0")

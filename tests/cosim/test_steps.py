@@ -189,7 +189,7 @@ def test_it_comes_back_bit_for_bit(tmp_path):
         ("row", "no saved state"),
         ("state:a", "damaged"),
         ("identity", "no saved state"),
-        ("format", "of format 1, this version of cosim reads 3; run again"),
+        ("format", "of format 1, this version of cosim reads 4; run again"),
         ("", "damaged"),  # a row of another length
     ],
 )

@@ -9,7 +9,7 @@ from campaigns.fuzz import PARSERS, run
 pytestmark = pytest.mark.slow
 
 N = {"mat": 20, "ssp": 50}  # each starts a process, or unpacks two FMUs
-TEXTS = ("description", "csv", "config", "learned", "lti", "checkpoint")
+TEXTS = ("description", "csv", "config", "learned", "checkpoint")
 N |= dict.fromkeys((*TEXTS, "library", "state"), 500)
 
 

@@ -37,14 +37,13 @@ def observe(fmus: Path) -> Callable[..., cosim.Result]:
         name: str | Path,
         signals: Mapping[str, np.ndarray],
         record: tuple[str, ...] | None = None,
-        scenario: cosim.Scenario | None = None,
         **parameters: float,
     ) -> cosim.Result:
         path = fmus / f"{name}.fmu" if isinstance(name, str) else name
         system = exposed(path, parameters, "fmu")
         stop = 5e-4 * (len(next(iter(signals.values()))) - 1)
         options = {"step": 5e-4, "stop": stop, "record": record}
-        return system.prepare(constant_step=True, **options).run(inputs=signals, scenario=scenario)
+        return system.prepare(constant_step=True, **options).run(inputs=signals)
 
     return observe
 

@@ -87,17 +87,17 @@ def test_two_runs_are_one_without_an_interruption(fmus, name):
     begin = n + rest - 1  # of the second run: a sample of the rest
     with simulation(fmus / f"{name}.fmu", len(whole)) as prepared:
         given = inputs(prepared, signals(whole))
-        pause = cosim.Scenario().set(switch, 0.0, at=(n - 1) * T)
-        pause = pause.set(switch, learning, at=(begin + few) * T)
-        whole_run = prepared.run(parameters, given, scenario=pause)["c.F"][begin + few :]
+        times = np.array([0, n - 1, begin + few]) * T
+        pause = {switch: cosim.Table(times, [learning, 0.0, learning], held=True)}
+        whole_run = prepared.run(parameters, given, tunable=pause)["c.F"][begin + few :]
     with simulation(fmus / f"{name}.fmu", n) as prepared:
         prepared.run(parameters, {key: x[:n] for key, x in given.items()})
         kept = prepared.learned()
     with simulation(fmus / f"{name}.fmu", n + 1) as prepared:
         later = {key: x[begin:] for key, x in given.items()}
-        pause = cosim.Scenario().set(switch, learning, at=few * T)
+        pause = {switch: cosim.Table([0.0, few * T], [0.0, learning], held=True)}
         second, untrained = (
-            prepared.run({**parameters, switch: 0.0, **weights}, later, scenario=pause)["c.F"][few:]
+            prepared.run({**parameters, switch: 0.0, **weights}, later, tunable=pause)["c.F"][few:]
             for weights in (kept, {})
         )
     assert second.tobytes() == whole_run.tobytes()

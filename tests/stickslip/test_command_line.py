@@ -458,16 +458,6 @@ def test_design_prints_what_was_asked_for(tmp_path, capsys):
     assert "K_p" in capsys.readouterr().out
 
 
-def test_export_makes_an_fmu_of_a_linear_system(tmp_path, capsys):
-    file = tmp_path / "lag.toml"
-    file.write_text('num = [2.0]\nden = [0.5, 1.0]\ninputs = { u = "N" }\noutputs = { y = "m" }')
-    assert main(["export", "lti", str(file), "--fmi", "3", "--out", str(tmp_path)]) == 0
-    fmu = tmp_path / "lag.fmu"
-    assert capsys.readouterr().out.split() == [str(fmu)]
-    run = ss.simulate(fmu, parameters={"u": 3.0}, stop=1.0, step=0.1)
-    assert run["lag.y"] == pytest.approx(6 * (1 - np.exp(-2 * run.time)))
-
-
 @pytest.mark.slow
 def test_validate_evaluates_given_parameters_on_a_given_drive(results, tmp_path, capsys):
     learned = str(results / "learned.json")
@@ -499,7 +489,6 @@ def test_validate_evaluates_given_parameters_on_a_given_drive(results, tmp_path,
         ("expected a file .ssp or .fmu", "info a.xml"),
         ("out of reach", "design --phase-margin 89"),
         ("half the sample rate", "design --sample-period 1e-8"),
-        ("expected a .json or .toml", "export lti a.mat"),
     ],
 )
 def test_an_error_is_one_line(message, arguments, stage, capsys):

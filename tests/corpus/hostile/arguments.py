@@ -22,11 +22,6 @@ def _driven(name: str, about: str, says: str, signal: str) -> Case:
     )
 
 
-def _scenario(name: str, about: str, says: str, scenario: str) -> Case:
-    run = f"s.prepare(step=0.1, stop=1.0).run(scenario=ss.Scenario().{scenario})"
-    return _python(f"scenario-{name}", f"a scenario {about}", says, _SYSTEM + run)
-
-
 def _swept(name: str, about: str, says: str, parameters: str, figures: str) -> Case:
     return _python(
         f"sweep-{name}",
@@ -53,9 +48,6 @@ CASES = [
     _driven("fall", "a trapezoid of negative slope, whose times would fall", "expected a slope above 0", "ss.Trapezoid(1.0, -1.0, 0.1)"),
     _driven("back", "a sweep of -1 s, which would be silent", "a positive duration", "ss.SineSweep((1.0, 2.0), (1.0, 1.0), -1.0)"),
     _python("stop-text", "a stop that is text", "stop is '1', expected a number", 'ss.simulate("a.fmu", step=0.1, stop="1")'),
-    _scenario("never", "that ends before it begins, and would never act", "from 0.5 s to 0.2 s: expected begin before end", 'stick("u", 0.5, 0.2)'),
-    _scenario("nan", "that is reset at NaN, and would never be", "from nan s .*expected begin before end", 'reset("u", np.nan)'),
-    _scenario("offset-nowhere", "with an offset on what is not there", "w", 'offset("w", 1.0, 0.5)'),
     _swept("scalar", "of a number in place of values", "k: expected its values in a list, got 5", '{"k": 5}', _ONE),
     _swept("text", "of a word", "k: expected a value of type Real, got 'a'", '{"k": [1, "a"]}', _ONE),
     _swept("twice", "of one parameter under two names", "a parameter comes twice", '{"k": [1], "reference.k": [2]}', _ONE),

@@ -1,10 +1,9 @@
 """Names and forms in which nothing can be exported."""
 
-from tests.corpus.hostile.case import Case, family
+from tests.corpus.hostile.case import Case
 from tests.corpus.hostile.sound import sound
 
 _SYSTEM = 's = ss.System("s"); s.add("a", "a.fmu")\n'
-_lti = family(28, "lti", "export lti system.json", file="system.json", begins="system.json: .*")
 
 
 def _python(name: str, about: str, says: str, code: str) -> Case:
@@ -35,7 +34,4 @@ CASES = [
     _python("fmu-up", "an FMU named ../../x", "'../../x' cannot name a model", 'ss.build_fmu("stage", "out", called="../../x")'),
     _python("fmu-version", "an FMU of FMI 1.0", "fmi is 1; expected 2 or 3", 'ss.build_fmu("stage", "out", fmi=1)'),
     _python("fmu-start", "an FMU whose mass is a list", "m: expected a number, got \\[1, 2\\]", 'ss.build_fmu("stage", "out", start={"m": [1, 2]})'),
-    _lti("long-name", "an input of 5,000 letters, which the compiler refused", "5000 characters, expected at most 255", '{"D": [[1]], "inputs": ["' + "u" * 5000 + '"]}'),
-    _lti("time", "an input named time", "'time' cannot name a variable", '{"D": [[1]], "inputs": ["time"]}'),
-    _lti("name", "a name that leaves the folder", "'../x' cannot name an FMU", '{"D": [[1]], "name": "../x"}'),
 ]  # fmt: skip

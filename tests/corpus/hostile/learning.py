@@ -40,11 +40,6 @@ def changed(*path: str, to: Any) -> bytes:
     return json.dumps(document).encode()
 
 
-def _lti(name: str, about: str, says: str, text: str) -> Case:
-    files = {"system.json": text}
-    return Case(23, f"lti-{name}", about, f"system.json: .*{says}", "export lti system.json", files)
-
-
 def _zip(**members: bytes) -> bytes:
     stream = BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
@@ -99,10 +94,6 @@ STATES = [
 ]  # fmt: skip
 
 SYSTEMS = [
-    _lti("nan", "a matrix with NaN", "NaN is no number", '{"D": [[NaN]]}'),
-    _lti("names", "names that are numbers", "expected a list of names", '{"D": [[1]], "inputs": [1]}'),
-    _lti("improper", "a differentiator", "improper", '{"num": [1, 0, 0], "den": [1]}'),
-    _lti("zero", "a transfer function over 0", "polynomial that is 0", '{"num": [1], "den": [0]}'),
 ]  # fmt: skip
 
 CASES = [*DOCUMENTS, *CHECKPOINTS, *OPTIONS, *FLEETS, *STATES, *SYSTEMS]

@@ -64,15 +64,11 @@ def test_a_jump_at_most_the_slack_behind_a_point_lies_at_it(export, version):
             assert np.argmax(result["a.level"] == 10) == row
 
 
-def test_with_constant_steps_or_a_scenario_a_jump_waits_for_the_next_point(export):
+def test_with_constant_steps_a_jump_waits_for_the_next_point(export):
     system = one(export("stair", 2, "CS"), u="trigger")
     jump = {"u": cosim.Table([0.0, 0.33], [0, 1])}
     with system.prepare(step=STEP, stop=STOP) as simulation:
         assert simulation.run(inputs=jump)["a.level"][4] == 10
-        waits = cosim.Scenario().add_noise("u", 0.0, seed=0)
-        np.testing.assert_array_equal(
-            simulation.run(inputs=jump, scenario=waits)["a.level"][4:6], [0, 10]
-        )
     with system.prepare(step=STEP, stop=STOP, constant_step=True) as simulation:
         np.testing.assert_array_equal(simulation.run(inputs=jump)["a.level"][4:6], [0, 10])
 
@@ -88,24 +84,3 @@ def test_model_exchange_has_the_events_of_fmpy_at_jumps(export, version):
     )
     np.testing.assert_allclose(ours, theirs, atol=1e-6)
     np.testing.assert_array_equal(gain, gain_of_fmpy)
-
-
-@pytest.mark.parametrize("disturbed", ["a.gain", "b.position"])
-def test_within_a_step_in_parts_a_scenario_does_what_it_did_at_its_begin(export, disturbed):
-    """An override that begins at 0.4 and ends at 0.6 does not act on parts of other steps."""
-    system = one(export("oscillator", 2, "CS"))
-    system.add("b", export("oscillator", 3, "CS"), {"position": 0.0})
-    system.connect("a.gain", "b.force")
-    system.expose("u", "a.force")
-    scenario = cosim.Scenario().override(disturbed, 5.0, begin=0.375, end=0.625)
-    table = cosim.Table([0.0, 0.3125, 0.4375, 0.5625, 0.6875], [0, 1, 2, 3, 4], held=True)
-    fine = {"step": 0.0625, "stop": 1.0, "coupling": "jacobi"}
-    coarse = {**fine, "step": 0.125}
-    ours, theirs = (
-        system.prepare(**how).run(inputs={"u": table}, scenario=scenario) for how in (coarse, fine)
-    )
-    np.testing.assert_array_equal(ours["a.position"], theirs["a.position"][::2])
-    np.testing.assert_array_equal(ours[disturbed] == 5.0, theirs[disturbed][::2] == 5.0)
-    stuck = cosim.Scenario().stick(disturbed, 0.375, 0.625)
-    ours = system.prepare(**coarse).run(inputs={"u": table}, scenario=stuck)
-    assert set(ours[disturbed][3:5]) == {ours[disturbed][2]}

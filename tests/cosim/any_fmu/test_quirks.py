@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim import Scenario
 from stickslip.cosim.fmu import instance as once
 from stickslip.simulation import simulate
 from tests.cosim.single import halves, one, repacked, saves
@@ -122,10 +121,16 @@ def test_what_is_no_tolerance_is_refused(export, tolerance):
 STEP, N = 0.1, 20
 
 
-def run(system, scenario, **how):
+def steps(name, *values):
+    """Return a parameter that has the first value, and others from their times on."""
+    times, values = zip((0.0, values[0]), *values[1:], strict=True)
+    return {name: cosim.Table(times, values, held=True)}
+
+
+def run(system, tunable, **how):
     with system.prepare(step=STEP, stop=N * STEP, **how) as simulation:
         plain = simulation.run().values
-        result = simulation.run(scenario=scenario)
+        result = simulation.run(tunable=tunable)
         np.testing.assert_array_equal(simulation.run().values, plain)  # nothing stays behind
     return result
 
@@ -140,7 +145,7 @@ def ball(export, version, interfaces, **parameters):
 def test_a_ball_bounces_with_the_new_restitution(export, version, interfaces):
     """It first falls to the ground at t = 0.45 s, so a change at 0.3 s is as good as a start."""
     fine = {"tolerance": 1e-8}  # of the solver
-    late = run(ball(export, version, interfaces), Scenario().set("a.e", 0.3, at=0.3), **fine)
+    late = run(ball(export, version, interfaces), steps("a.e", 0.9, (0.3, 0.3)), **fine)
     start = run(ball(export, version, interfaces, e=0.3), None, **fine)
     old = run(ball(export, version, interfaces), None, **fine)
     error = 1e-5 if interfaces == "ME" else 0.0
@@ -163,58 +168,60 @@ def gain(make, request):
     ],
 )
 def test_from_its_time_on_each_step_has_the_new_value(gain, compiled, coupling, record):
-    scenario = Scenario().set("a.k", 5.0, at=0.5).override("a.k", 7.0, 1.0, 1.5)
+    tunable = steps("a.k", 2.0, (0.5, 5.0), (1.0, 7.0), (1.5, 5.0))
     expected = np.full(N + 1, 2.0)
     expected[6:] = 5.0  # the output at t[6] is that of the step from t[5]
     expected[11:16] = 7.0
     how = {"compiled": compiled, "coupling": coupling, "record": record}
     with gain.prepare(step=STEP, stop=N * STEP, **how) as simulation:
-        result = simulation.run(inputs={"x": 1.0}, scenario=scenario)
+        result = simulation.run(inputs={"x": 1.0}, tunable=tunable)
         np.testing.assert_array_equal(result["a.y"], expected)
-        given = simulation.run({"a.k": 3.0}, inputs={"x": 1.0}, scenario=scenario)
-        np.testing.assert_array_equal(given["a.y"], np.where(expected == 2.0, 3.0, expected))
-        noisy = simulation.run(inputs={"x": 1.0}, scenario=Scenario().add_noise("a.k", 0.1, 3))
-        noise = 0.1 * np.random.default_rng(3).standard_normal(N + 1)
-        np.testing.assert_array_equal(noisy["a.y"][1:], 2.0 + noise[:-1])
+        given = simulation.run({"a.k": 3.0}, inputs={"x": 1.0}, tunable=tunable)
+        np.testing.assert_array_equal(given["a.y"], [3.0, *expected[1:]])
+        noise = np.random.default_rng(3).standard_normal(N + 1)
+        noisy = simulation.run(inputs={"x": 1.0}, tunable={"a.k": noise})
+        np.testing.assert_array_equal(noisy["a.y"][1:], noise[:-1])
         plain = simulation.run(inputs={"x": 1.0})
         np.testing.assert_array_equal(plain["a.y"], np.full(N + 1, 2.0))
 
 
 def test_integers_and_booleans_change_too(make):
     system = one(make("gain"))
-    scenario = Scenario().set("a.n", 4, at=0.5).set("a.flag", 1, at=1.0)
-    result = run(system, scenario, record=["a.sum"])["a.sum"]
+    tunable = steps("a.n", 0, (0.5, 4)) | steps("a.flag", 0, (1.0, 1))
+    result = run(system, tunable, record=["a.sum"])["a.sum"]
     np.testing.assert_array_equal(result, np.repeat([0.0, 4.0, 14.0], [6, 5, 10]))
 
 
 def test_changes_go_on_in_a_resumed_run(export, tmp_path):
     system = one(export("ball", 3, "CS events", saves(3)))
     for at in (0.3, 1.0, 1.2):
-        scenario = Scenario().override("a.e", 0.3, at, 1.6)  # then back to what the run began with
-        how = {"step": STEP, "stop": N * STEP, "until": 1.0, "scenario": scenario}
+        tunable = steps("a.e", 0.9, (at, 0.3), (1.6, 0.9))
+        how = {"step": STEP, "stop": N * STEP, "until": 1.0, "tunable": tunable}
         whole, rest = halves(system, tmp_path / "a.state", {"a.e": 0.9}, **how)
         np.testing.assert_array_equal(rest.values, whole.values[10:])
 
 
 @pytest.mark.parametrize(
-    ("scenario", "message"),
+    ("tunable", "message"),
     [
-        (Scenario().set("a.fault_time", 1.0, 0.5), "a.fault_time is a fixed parameter"),
-        (Scenario().set("a.k", 1e9, 0.5), "outside its range -1000.0 .. 1000.0"),
-        (Scenario().set("a.q", 1.0, 0.5), "not a signal of the run .* nor a parameter"),
-        (Scenario().set("a.text", 1.0, 0.5), "a.text is a fixed parameter"),
+        ({"a.fault_time": 1.0}, "a.fault_time is a fixed parameter"),
+        ({"a.k": 1e9}, "outside its range -1000.0 .. 1000.0"),
+        ({"a.q": 1.0}, "no variable 'q'"),
+        ({"a.k": np.zeros(3)}, "shape"),
+        ({"a.k": np.nan}, "not finite"),
+        ({"a.text": 1.0}, "a.text is a fixed parameter"),
     ],
 )
-def test_what_cannot_change_is_refused(gain, scenario, message):
+def test_what_cannot_change_is_refused(gain, tunable, message):
     with pytest.raises(cosim.SignalError, match=message):
-        run(gain, scenario)
+        run(gain, tunable)
 
 
 def test_arrays_are_refused(export):
     system = one(export("state_space", 3, "CS"))
     for name in ("a.A", "a.A[1,1]"):
-        with pytest.raises(cosim.SignalError, match=r"tunable parameter \(array\)"):
-            run(system, Scenario().set(name, 1.0, 0.5))
+        with pytest.raises(cosim.SignalError, match="is of type array"):
+            run(system, {name: 1.0})
 
 
 def described(path, other, *changes):

@@ -1,4 +1,4 @@
-"""Packages with signals that are no scalar numbers: mapped values, enumerations, arrays."""
+"""Packages with signals that are no scalar numbers: enumerations, arrays."""
 
 import zipfile
 from functools import partial
@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim import Link, ValueMap
 from stickslip.cosim.ssp.markup import violation
 from stickslip.cosim.ssp.structure import Package
 from tests.corpus.hostile import packages
@@ -31,11 +30,6 @@ def pack(tmp_path):
     return pack
 
 
-def pairs(kind, *pairs):
-    entries = "".join(f'<ssc:MapEntry source="{x}" target="{y}"/>' for x, y in pairs)
-    return f"<ssc:{kind}MappingTransformation>{entries}</ssc:{kind}MappingTransformation>"
-
-
 def two(*connections, connectors="", of_a="", of_b=""):
     """Return a description of two components of one FMU."""
     elements = (packages.component(name, of, fmu="a") for name, of in (("a", of_a), ("b", of_b)))
@@ -52,57 +46,6 @@ def is_valid(path):
     return True
 
 
-MAPPED = [
-    ("Boolean", pairs("Boolean", ("true", "false"), ("0", "1")), {1: 0, 0: 1}),
-    ("Int16", pairs("Integer", (1, 5), (7, 0)), {1: 5, 7: 0}),
-    ("Enumeration", pairs("Integer", (1, 2)), {1: 2}),
-    ("Enumeration", pairs("Enumeration", ("a", "b"), ("b", "a")), {1: 2, 2: 1}),
-]
-
-
-@pytest.mark.parametrize(("kind", "text", "expected"), MAPPED)
-def test_mapped_connections_are_read_run_and_written(export, pack, tmp_path, kind, text, expected):
-    body = two(connection(f"a.{kind}_out", f"b.{kind}_in", text))
-    package = pack(export("feedthrough", 3), body)
-    system, _ = cosim.read_ssp(package)
-    assert system.links == {f"b.{kind}_in": Link(ValueMap.of(expected))}
-    assert cosim.write_ssp(system, tmp_path / "same.ssp").stat().st_size
-    system.expose("u", f"a.{kind}_in")
-    result = system.prepare(step=0.1, stop=0.2).run(inputs={"u": np.array([0, 1, 1])})
-    assert result[f"b.{kind}_out"][-1] == expected[1]
-    again, _ = cosim.read_ssp(cosim.write_ssp(system, tmp_path / "b.ssp"))
-    assert again.links == system.links
-
-
-@pytest.mark.parametrize("version", ["1.0", "2.0"])
-def test_a_new_system_with_maps_is_written_and_read_back(export, tmp_path, version):
-    system = cosim.System("maps")
-    for name in ("a", "b"):
-        system.add(name, export("feedthrough", 2 if version == "1.0" else 3))
-    links = {"Boolean": {1: 0, 0: 1}, "Enumeration": {1: 2, 2: 1}, "Int32": {4: 5}}
-    for kind, given in links.items():
-        system.connect(f"a.{kind}_out", f"b.{kind}_in", Link(ValueMap.of(given)))
-    system.expose("u", "a.Enumeration_in")
-    system.expose_output("y", "b.Boolean_out")
-    path = cosim.write_ssp(system, tmp_path / "a.ssp", version=version)
-    again, _ = cosim.read_ssp(path)
-    assert (again.links, again.connections) == (system.links, system.connections)
-    assert (again.inputs, again.outputs) == (system.inputs, system.outputs)
-    assert is_valid(path)
-    text = zipfile.ZipFile(path).read("SystemStructure.ssd").decode()
-    for kind in ("Boolean", "Enumeration", "Integer"):
-        assert f"ssc:{kind}MappingTransformation" in text
-
-
-def test_what_ssp_has_no_words_for_is_refused(export, tmp_path):
-    system = cosim.System("maps")
-    for name in ("a", "b"):
-        system.add(name, export("feedthrough", 3))
-    system.connect("a.Boolean_out", "b.Int8_in", Link(ValueMap.of({1: 5})))
-    with pytest.raises(cosim.SspError, match=r"b\.Int8_in: SSP has no pairs of Boolean and Int8"):
-        cosim.write_ssp(system, tmp_path / "a.ssp", version="2.0")
-
-
 def bound(values, mapping=""):
     inside = f"<ssv:Parameters>{values}</ssv:Parameters>"
     held = packages.document("ssv:ParameterSet", inside, "2.0")
@@ -112,44 +55,6 @@ def bound(values, mapping=""):
 
 def parameter(name, kind, value, rest=""):
     return f'<ssv:Parameter name="{name}"><ssv:{kind} value="{value}" {rest}/></ssv:Parameter>'
-
-
-def mapping(*entries):
-    lines = "".join(
-        f'<ssm:MappingEntry source="{source}" target="{target}">{text}</ssm:MappingEntry>'
-        for source, target, text in entries
-    )
-    held = packages.document("ssm:ParameterMapping", lines, "2.0")
-    return f"<ssd:ParameterMapping>{held}</ssd:ParameterMapping>"
-
-
-def test_mapped_parameters_take_pairs_of_every_type(export, pack, tmp_path):
-    values = (
-        parameter("on", "Boolean", "true")
-        + parameter("n", "Int32", 4)
-        + parameter("m", "Int32", 9)
-        + parameter("speed", "Enumeration", "fast", 'name="Speed"')
-    )
-    entries = mapping(
-        ("on", "Boolean_in", pairs("Boolean", ("true", "false"))),
-        ("n", "Int8_in", pairs("Integer", (4, 40))),
-        ("m", "Int16_in", pairs("Integer", (4, 40))),  # has no pair and stays
-        ("speed", "Enumeration_in", pairs("Enumeration", ("fast", "b"))),
-        ("speed", "UInt8_in", pairs("Integer", (2, 200))),
-    )
-    body = two(of_a=bound(values, entries))
-    system, _ = cosim.read_ssp(pack(export("feedthrough", 3), body))
-    assert system.parameters == {
-        "a.Boolean_in": False,
-        "a.Int8_in": 40,
-        "a.Int16_in": 9,
-        "a.Enumeration_in": 2,
-        "a.UInt8_in": 200,
-    }
-    system.set("a.Int8_in", 41)
-    system.set("a.Boolean_in", True)
-    again, _ = cosim.read_ssp(cosim.write_ssp(system, tmp_path / "b.ssp"))
-    assert again.parameters == system.parameters
 
 
 def declared(name, kind, value="Float64"):
@@ -205,7 +110,6 @@ def test_a_new_system_of_arrays_is_written_and_read_back(export, tmp_path, names
     assert again.parameters == system.parameters
     text = zipfile.ZipFile(path).read("SystemStructure.ssd").decode()
     assert 'size="2"' in text
-    assert text.count("Indices") == 1  # of x; y goes to u as a whole
     del again.connections[f"{b}.u[1]"]  # one of a connection of both
     third, _ = cosim.read_ssp(cosim.write_ssp(again, tmp_path / "b.ssp"))
     assert third.connections == {f"{b}.u[2]": f"{a}.y[2]"}
@@ -219,8 +123,11 @@ def test_a_new_system_of_arrays_is_written_and_read_back(export, tmp_path, names
         cosim.write_ssp(system, tmp_path / "c.ssp", version="1.0")
 
 
-def mapped(kind, text):
-    return "feedthrough", two(connection(f"a.{kind}_out", f"b.{kind}_in", text))
+MAP = (
+    '<ssc:IntegerMappingTransformation><ssc:MapEntry source="1" target="3"/>'
+    "</ssc:IntegerMappingTransformation>"
+)
+DOUBLE = '<ssc:LinearTransformation factor="2"/>'
 
 
 def otherwise(*connector):
@@ -237,17 +144,12 @@ def elements(source, target, /, *more, size="", **indices):
     ("packed", "message"),
     [
         (
-            mapped("Int8", pairs("Boolean", ("true", "false"))),
-            r"BooleanMappingTransformation is for Boolean values, a\.Int8_out is of the type Int8",
+            ("feedthrough", two(connection("a.Int8_out", "b.Int8_in", MAP))),
+            "a IntegerMappingTransformation is not supported; map the values in a component",
         ),
         (
-            mapped("Int8", pairs("Integer", (1, 300))),
-            r"b\.Int8_in: expected a value of type Int8, got 300",
-        ),
-        (mapped("Int8", pairs("Integer", (1, 3), (1, 4))), "maps '1' twice"),
-        (
-            mapped("Enumeration", pairs("Enumeration", ("a", "bb"))),
-            "'bb' is not a value of its type; did you mean 'b'",
+            ("feedthrough", two(connection("a.Boolean_out", "b.Boolean_in", DOUBLE))),
+            r"for integer and number values, b\.Boolean_in is of the type Boolean",
         ),
         (
             otherwise("input", "String"),

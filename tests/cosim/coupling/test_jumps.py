@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim import Adaptive, Coupling, Scenario, Table
+from stickslip.cosim import Adaptive, Coupling, Table
 from tests.cosim.single import one
 
 KINDS = {
@@ -84,34 +84,14 @@ def test_lines_that_jump_end_where_the_next_begins(linear, kind, coupling, start
 
 
 @each_kind
-@pytest.mark.parametrize("coupling", COUPLINGS | ADAPTIVE)
-def test_a_scenario_acts_on_an_input_at_its_time(linear, kind, coupling):
-    step = 0.1
-    scenario = Scenario().set("u", 3.0, at=0.5).override("u", -1.0, begin=1.2, end=1.5)
-    result = run(integrator(linear, kind), coupling, 0.0, step, 1.0, scenario=scenario)
-    u = np.repeat([1.0, 3.0, -1.0, 3.0], [5, 7, 3, 6])
-    np.testing.assert_array_equal(result["u"], u)
-    exact = step * np.append(0.0, np.cumsum(u[:-1]))
-    np.testing.assert_allclose(result["a.y1"], exact, atol=1e-7)
-
-
-@each_kind
 @pytest.mark.parametrize("start", STARTS)
-@pytest.mark.parametrize(
-    "scenario",
-    [None, Scenario(), Scenario().set("v", 1.0, at=0.0), Scenario().add_noise("b.y1", 1.0, 1)],
-    ids=["no scenario", "empty", "another input", "an output"],
-)
 @pytest.mark.parametrize("method", ["gauss_seidel", "jacobi"])
-def test_jumps_between_points_are_where_they_are(linear, kind, start, scenario, method):
-    """What a scenario does not touch goes on to jump between two points in time."""
+def test_jumps_between_points_are_where_they_are(linear, kind, start, method):
     start, step = STARTS[start]
     system = integrator(linear, kind)
-    system.add("b", system.components["a"])
-    system.expose("v", "b.u1")
     jump = start + 3 * step + np.ldexp(np.round(np.ldexp(step / 4, 22)), -22)  # a binary number
     table = Table([start, jump], [0.0, 1.0], held=True)
-    result = run(system, f"{method}, degree 0", start, step, table, scenario=scenario)
+    result = run(system, f"{method}, degree 0", start, step, table)
     exact = np.maximum(result.time - jump, 0.0)
     np.testing.assert_allclose(result["a.y1"], exact, atol=step * (2e-3 if start else 1e-6))
 

@@ -50,12 +50,11 @@ HOW = {
     "last": {"record": cosim.Record("mass.*", keep="last")},
     "compiled": {"compiled": True, "constant_step": True, "coupling": "jacobi"},
 }
-NOISE = cosim.Scenario().add_noise("mass.v", 0.1, seed=3).set("y", 0.2, at=0.1)
 RUNS = {
     "number": {"inputs": {"y": 0.3}, "parameters": {"controller.K_p": 50.0}},
     "function": {"inputs": {"y": lambda t: np.sin(t)}},
     "table": {"inputs": {"y": Table(np.array([0.0, 0.1003, 0.1003, 1]), np.array([0, 0, 1, 1.0]))}},
-    "scenario": {"inputs": {"y": 0.3}, "scenario": NOISE},
+    "tunable": {"inputs": {"y": 0.3}, "tunable": {"controller.K_p": lambda t: 40.0 + t}},
 }
 
 

@@ -1,6 +1,5 @@
 """Linear systems as FMUs, against python-control's responses and closed forms."""
 
-import json
 import math
 
 import control
@@ -198,60 +197,3 @@ def test_what_cannot_be_an_fmu_is_told(system, options, said, tmp_path):
         models.export_lti(system, tmp_path, **options)
     assert said in str(error.value)
     assert not list(tmp_path.iterdir())
-
-
-TOML = """
-name = "slide"
-A = [[0.0, 1.0], [-400.0, -4.0]]
-B = [[0.0], [0.18]]
-C = [[1.0, 0.0]]
-inputs = { F = "N" }
-outputs = { x = "m" }
-states = { position = "m", velocity = "m/s" }
-step = 1e-3
-stop = 3.0
-"""
-
-
-def test_files_in_toml_and_json(tmp_path):
-    (tmp_path / "a.toml").write_text(TOML)
-    transfer = {"num": [0.18], "den": [1.0, 4.0, 400.0], "inputs": ["F"], "outputs": {"x": "m"}}
-    (tmp_path / "b.json").write_text(json.dumps(transfer))
-    results = []
-    for name in ("a.toml", "b.json"):
-        described = models.read_lti(tmp_path / name)
-        path = models.export_lti(
-            described.system, tmp_path, step=described.step, stop=described.stop
-        )
-        results.append(run(path, 1e-3, 500, [2.0])["f.x"])
-        assert cosim.Fmu(path).variables["x"].unit == "m"
-    assert cosim.Fmu(tmp_path / "slide.fmu").experiment.stop == 3.0
-    np.testing.assert_allclose(results[0], results[1], rtol=0, atol=1e-15)
-    assert results[0].max() > 1e-3
-
-
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        ("A = [[1", "Unclosed array"),
-        ("", "expected A, B, C and D, or num and den"),
-        ("A = [[1.0]]\nB = [[1.0]]\nC = [[1.0], [2.0, 3.0]]", "C: expected numbers in rows"),
-        ("A = [[1.0]]\nB = [[1.0], [2.0]]\nC = [[1.0]]", "B is (2, 1), expected (1, 1)"),
-        ("A = [1.0]\nB = [[1.0]]\nC = [[1.0]]", "A: expected rows of numbers"),
-        ("D = [[1.0]]\nsample = 1", "unknown key 'sample'"),
-        ("D = [[1.0]]\ndt = true", "dt is True"),
-        ("D = [[1.0]]\ndt = -1.0", "dt is -1.0 s"),
-        ("D = [[1.0]]\ninputs = ['a', 'b']", "inputs: 2 names for 1"),
-        ("num = [1.0]", "den is missing"),
-        ("num = [[[1.0], [2.0]]]\nden = [[[1.0]]]", "num and den differ"),
-        ("num = ['a']\nden = [1.0]", "num: expected numbers"),
-    ],
-)
-def test_wrong_files_are_told_in_one_line(content, said, tmp_path):
-    path = tmp_path / "system.toml"
-    path.write_text(content)
-    with pytest.raises(models.LtiError) as error:
-        models.read_lti(path)
-    assert said in str(error.value)
-    assert str(error.value).startswith(str(path))
-    assert "\n" not in str(error.value)
