@@ -87,7 +87,7 @@ FLEETS = [
     _fleet("ragged", "a row that is too long", "row 2: expected 2 cells", b"name,log\na,b,c\n"),
     _fleet("name", "a name that is a path", "row 2, column name", b"name,log\n../a,b\n"),
     _fleet("twice", "two drives of one name", "is there already", b"name,log\na,b\nA,c\n"),
-    _fleet("set", "a variant without a value", "row 2, column set", b"name,set\na,drive.m\n"),
+    _fleet("log", "a drive without a log", "row 2, column log", b"name,log\na,\n"),
     _fleet("binary", "bytes that are no text", "not a CSV file in UTF-8", bytes(range(256))),
 ]  # fmt: skip
 
