@@ -233,17 +233,15 @@ def fleet(file: Path) -> None:
 
 
 def learned_files() -> list[bytes]:
-    """Return the paper's learned.json, and with what a compensator learned while it ran."""
-    plain = (Path(__file__).parents[1] / "results" / "paper" / "learned.json").read_bytes()
-    adapted = {"scale": {"model": "adaptive_scale", "parameters": {"s_0": 0.75, "rate": 0.05}}}
-    return [plain, json.dumps(json.loads(plain) | {"components": adapted}).encode()]
+    """Return the paper's learned.json."""
+    return [(Path(__file__).parents[1] / "results" / "paper" / "learned.json").read_bytes()]
 
 
 def read_learned(file: Path) -> None:
     learned = LearnedFile(file)
     for entry in (
         *("compensator", "drive", "drive_errors", "standard_errors", "feed", "loop"),
-        *("validation", "datasheet", "behind"),
+        *("validation", "datasheet"),
     ):
         getattr(learned, entry)
 

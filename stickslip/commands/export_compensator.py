@@ -1,4 +1,4 @@
-"""``stickslip export compensator``, ``observer``, ``components``, ``deploy``: FMU or code."""
+"""``stickslip export compensator``, ``observer``, ``position_force``, ``deploy``: FMU or code."""
 
 from __future__ import annotations
 
@@ -49,10 +49,6 @@ def add_compensators(exports: argparse._SubParsersAction[Any]) -> None:
     out = {"--out DIR": "folder to write into (default deploy)"}
     add_options(parser, out, type=Path, default=Path("deploy"))
     parser.set_defaults(run=export_deployment)
-    _add(
-        *(exports, "components", export_components, f"compensators that learn: {forms}"),
-        parameters="a learned.json or winner.json with components",
-    )
 
 
 def _add(
@@ -61,7 +57,7 @@ def _add(
     run: Callable[[argparse.Namespace], Answer],
     text: str,
     parameters: str,
-    force: str = "",
+    force: str,
 ) -> None:
     parser = exports.add_parser(name, help=text)
     add_options(parser, {"--parameters FILE.json": parameters}, type=Path, required=True)
@@ -70,8 +66,7 @@ def _add(
     )
     forms = ["fmu", "c", "st", "plcopen"]
     parser.add_argument("--as", dest="form", choices=forms, default="fmu", help=form)
-    if force:
-        add_options(parser, {"--force": force}, **FLAG)
+    add_options(parser, {"--force": force}, **FLAG)
     add_fmu_options(parser)
     parser.set_defaults(run=run)
 
@@ -233,23 +228,3 @@ def export_deployment(options: argparse.Namespace) -> Answer:
     from stickslip.learned.file import LearnedFile
 
     return written(*write_deployment(LearnedFile(options.parameters), options.out))
-
-
-def export_components(options: argparse.Namespace) -> Answer:
-    """Write each component under its name and print the paths."""
-    from stickslip.learned.file import LearnedFile
-
-    learned = LearnedFile(options.parameters)
-    components = learned.components
-    if not components:
-        raise UsageError(f"{options.parameters}: contains no components")
-    paths: list[Path] = []
-    for name, model in components.items():
-        given: dict[str, Any] = {
-            "start": {v.name: v.start for v in model.variables if v.role == "parameter"},
-            "law": model.law.name if model.law else None,
-            "called": name,
-            "rotary": learned.rotary,
-        }
-        paths += write_as(options, model.name, **given)
-    return written(*paths)

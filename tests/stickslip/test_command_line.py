@@ -467,22 +467,6 @@ def test_export_makes_an_fmu_of_a_linear_system(tmp_path, capsys):
     assert run["lag.y"] == pytest.approx(6 * (1 - np.exp(-2 * run.time)))
 
 
-@pytest.mark.slow
-def test_validate_evaluates_given_parameters_on_a_given_drive(results, tmp_path, capsys):
-    learned = str(results / "learned.json")
-    arguments = ["validate", "--parameters", learned, "--out", str(tmp_path)]
-    assert main(arguments) == 0
-    same = pd.read_csv(tmp_path / "table4.csv")
-    expected = pd.read_csv(results / "table4.csv")
-    assert same["with"].to_numpy() == pytest.approx(expected["with"].to_numpy(), rel=1e-12)
-    assert main([*arguments, "--set", "drive.F_c=3"]) == 0
-    other = pd.read_csv(tmp_path / "table4.csv")
-    assert (other["with"] > 3 * expected["with"]).all()  # the wrong friction is compensated
-    assert "E_rms" in capsys.readouterr().out
-    assert main([*arguments, "--velocity-filter"]) == 0
-    assert (pd.read_csv(tmp_path / "table4.csv").reduction > 0.95).all()
-
-
 @pytest.mark.parametrize(
     ("message", "arguments"),
     [

@@ -41,7 +41,7 @@ def _link(path: Path) -> None:
 
 CASES = [
     _case("results-into-a-file", "a file of the name that the folder of results is to have", ".*file: cannot write there .*choose another folder", "identify --out file", {"file": "of someone"}),
-    _case("results-into-a-long-name", "a folder whose name is longer than the file system takes", ".*cannot write there .*choose another folder", f"validate --parameters learned.json --out {'x' * 300}", {"learned.json": LEARNED}),
+    _case("results-into-a-long-name", "a folder whose name is longer than the file system takes", ".*cannot write there .*choose another folder", f"compare learned.json --out {'x' * 300}", {"learned.json": LEARNED}),
     _case("results-of-another-process", "a folder that another process writes at this moment", ".*out: process 4711 is writing there; wait", "reproduce --out out", OUT | {"out/.stickslip-lock": _held}),
     _case("lock-as-a-link", "a lock that is a link to somebody's file", ".*is a symbolic link, expected a plain file", "reproduce --out out", OUT | {"file": "of someone", "out/.stickslip-lock": _link}),
     _case("two-learnings-one-checkpoint", "the checkpoint of another learning in the folder", ".*learning.checkpoint.seed0.json: an earlier run did not end; continue with --resume", "reproduce --out out", OUT | {"out/learning.checkpoint.seed0.json": "{}"}),
