@@ -74,8 +74,8 @@ def _add(
 def export_compensator(options: argparse.Namespace) -> Answer:
     """Write the compensator with its learned start values and print the paths.
 
-    What the guards find goes to standard error. The force is reduced to the largest share that
-    makes the loop worse nowhere; where there is none, nothing is written.
+    Warnings go to standard error. The force is reduced to the largest share that makes the loop
+    worse nowhere; where there is none, nothing is written.
     """
     from stickslip import models
     from stickslip.learned.file import LearnedFile
@@ -103,7 +103,8 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
     refused it, and is not forced.
     """
     from stickslip.studies.learn.tables import benefit_text
-    from stickslip.trial.guards import Variant, retried
+    from stickslip.trial.benefit import NONE, Variant
+    from stickslip.trial.hold import holds, hunting_at_rest
 
     path, loop = learned.path, learned.loop
     refusal = f"learn refused it: {learned.refusal}" if learned.refusal else ""
@@ -129,11 +130,16 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
             f"{path}: validation: {duration:g} s with a sample every {loop.T_s:g} s; expected at "
             f"most {MOST_SAMPLES} samples"
         )
-    friction, variant = learned.friction, Variant("feedforward", (one,))
+    variant = Variant("feedforward", (one,))
     with learned.bench(loop) as bench:
-        benefit, found = retried(bench, friction, variant, learned.standard_errors, force=force)
-    for finding in found:
-        warn(str(finding))
+        (benefit,) = bench.benefits([variant], shares=(1.0,))
+        if not benefit.acceptable:
+            (benefit,) = bench.benefits([variant])
+        if loop.K_x:
+            shared = variant.share(bench.law, 1.0 if force else benefit.share)
+            held = holds(bench, [NONE, shared])
+            for warning in hunting_at_rest(held, shared, bench.datasheet.encoder_step):
+                warn(warning)
     if not benefit.acceptable:
         print(benefit_text(benefit, "the compensator"), file=sys.stderr)
         if not force:

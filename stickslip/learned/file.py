@@ -52,7 +52,8 @@ from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import FEEDS, Compensator, Feed, deployed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
-from stickslip.trial.guards import Bench, Drive, Evidence, bench_of, family
+from stickslip.trial.benefit import Bench, bench_of
+from stickslip.trial.family import Drive, Evidence, family
 
 _UNITS = {"loop": LOOP_UNITS, "validation": TRAPEZOID, "datasheet": DATASHEET}
 _UNFIT = (AttributeError, KeyError, TypeError, ValueError, OverflowError)
@@ -217,11 +218,6 @@ class LearnedFile:
     def _observer(self) -> dict[str, Any]:
         entry = self.document.get("observer")
         return entry if isinstance(entry, dict) else {}
-
-    @property
-    def standard_errors(self) -> dict[str, float]:
-        """Standard errors of the friction by name in SI units, where the file has them."""
-        return {k: v for k, v in self.drive_errors.items() if k in self.law.parameters}
 
     @property
     def drive_errors(self) -> dict[str, float]:

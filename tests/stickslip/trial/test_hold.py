@@ -7,9 +7,9 @@ from scipy.integrate import solve_ivp
 from stickslip.catalog.parameters import friction_law
 from stickslip.servo.axis import Axis, Datasheet
 from stickslip.servo.velocity_loop import close_velocity_loop
-from stickslip.trial.family import Command
-from stickslip.trial.guards import NONE, Bench, Drive, feedforward, holds, hunting_at_rest
-from stickslip.trial.hold import _motions, hold_time, reversals
+from stickslip.trial.benefit import NONE, Bench, feedforward
+from stickslip.trial.family import Command, Drive
+from stickslip.trial.hold import _motions, hold_time, holds, hunting_at_rest, reversals
 from tests.kept import further
 
 LAW = friction_law("coulomb_stribeck")
