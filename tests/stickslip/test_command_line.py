@@ -161,8 +161,8 @@ def test_rare_options_of_learn_are_listed_on_request_in_groups_of_five(capsys):
         with pytest.raises(SystemExit, match="0"):
             run("learn", option)
         shown.append(capsys.readouterr().out)
-    assert "--checkpoint" not in shown[0]
-    assert "--checkpoint" in shown[1]
+    assert "--criterion" not in shown[0]
+    assert "--criterion" in shown[1]
     groups = re.split(r"^\S.*:$", shown[1], flags=re.MULTILINE)
     assert all(len(re.findall(r"^  --\w", group, re.MULTILINE)) <= 5 for group in groups)
 

@@ -8,20 +8,12 @@ from typing import Any
 
 from tests.corpus.hostile.case import Case, family
 from tests.corpus.hostile.sound import sound
-from tests.corpus.hostile.tables import LOG
 
 LEARNED = Path(__file__).parents[3] / "results" / "paper" / "learned.json"
 
 
 _learned = family(
     23, "learned", "{} --parameters learned.json", file="learned.json", begins="learned.json: .*"
-)
-_resumed = family(
-    23,
-    "checkpoint",
-    "learn --log log.csv --resume --checkpoint run.json --judge inverse",
-    file="run.json",
-    log_csv=LOG,
 )
 _set = family(23, "set", "reproduce --out out --set")
 _fleet = family(23, "fleet", "fleet fleet.csv --out out", file="fleet.csv", begins="fleet.csv: .*")
@@ -66,9 +58,6 @@ DOCUMENTS = [
 ]  # fmt: skip
 
 CHECKPOINTS = [
-    _resumed("text", "a checkpoint that is text", "run.json: this is no checkpoint", b"hello"),
-    _resumed("version", "a checkpoint of another version", "no checkpoint of format", json.dumps({"format": 99, "seed": 0}).encode()),
-    _resumed("seed", "a checkpoint whose seed is text", "its seed is 'x'", json.dumps({"format": 2, "seed": "x"}).encode()),
 ]  # fmt: skip
 
 OPTIONS = [
