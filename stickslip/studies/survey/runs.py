@@ -161,8 +161,7 @@ EQUAL, NEAR = 1e-12, 1e-3
 tolerance of usual solvers."""
 NO_BINARY = ("no binary for this machine", "cannot be simulated on the current platform")
 _TAGS: dict[str, Interface] = {"CoSimulation": "co_simulation", "ModelExchange": "model_exchange"}
-TOOLS = ("here", "FMPy")  # what failed in each
-COLUMNS = ("file", "interface", "outcome", "difference", "signal", *TOOLS)
+COLUMNS = ("file", "interface", "outcome", "difference", "signal", "here", "FMPy")
 
 
 def tasks(folder: Path) -> Iterator[Task]:
