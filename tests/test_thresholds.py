@@ -853,7 +853,7 @@ def models(starts, ends=(), default=9.0):
         LawSearch=search,
     ):
         rig = namespace(law=namespace(name="lugre"))
-        found = drive_model.fit_models(namespace(rig=rig), execution=namespace(opened=nullcontext))
+        found = drive_model.fit_models(namespace(rig=rig))
     return [one.law for one in found], searched
 
 
