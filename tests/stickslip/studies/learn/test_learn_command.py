@@ -130,7 +130,6 @@ def test_a_live_view_of_drives_shows_how_far_their_parameters_lie_apart(monkeypa
     assert "--live: expected a terminal" in caplog.text
 
 
-@pytest.mark.usefixtures("untried")
 def test_with_other_workers_no_byte_differs(log, folder, tmp_path):
     out = tmp_path / "out"
     assert main(["learn", "--log", str(log), *ARGUMENTS, "--workers", "3", "--out", str(out)]) == 0
