@@ -59,7 +59,8 @@ from stickslip.logs.excitation import Excitation, TurnAround, is_one_way
 from stickslip.logs.joined import join
 from stickslip.loops.family_cost import FamilyCost
 from stickslip.loops.other_gains import OtherGains
-from stickslip.planning import Limits
+from stickslip.planning import LINEAR, Limits, arrange
+from stickslip.planning.shown import DataSheet, not_shown
 from stickslip.rigs import ads_rig, contract, remote, served_drive
 from stickslip.rigs.ads_rig import AdsRig
 from stickslip.rigs.contract import Command, Log
@@ -356,6 +357,12 @@ def gives_rise(deflection):
     """Return whether the curve gives F_s of a drive whose bristles bend, over the travel needed."""
     start = Start({}, SPACE, namespace(near=1.0))
     return not start.is_bent({"F_c": deflection, "sigma_0": 1.0})
+
+
+def least_shown(**sheet):
+    """Return the Stribeck velocity that a plan is said to show of a drive [mm/s]."""
+    said, *_ = not_shown(DataSheet(**sheet), LINEAR, arrange(), ("mm", 1e-3))
+    return float(said.partition("below ")[2].split()[0])
 
 
 def not_explained(apart=0.0, varying=0.0, **_):
@@ -1132,6 +1139,9 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "experiment.SLOWEST": (lambda: is_planned(rate=150.0), True, False),
     "experiment.FASTEST/2": (lambda: is_planned(rate=8e4), True, False),
     "experiment.SAMPLES/2": (lambda: is_planned(duration=300.0, rate=5e4), True, False),
+    "experiment.RISE": (lambda: least_shown(friction=8.0, K_i=8e3), 2.0, 4.1),
+    "experiment.STICKS": (lambda: least_shown(friction=8.0, K_p=1e3), 1.6, 3.2),
+    "experiment.STEPS": (lambda: least_shown(encoder=1e-4), 4.1, 8.2),
 }
 
 

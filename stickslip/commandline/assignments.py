@@ -4,7 +4,7 @@ import math
 from argparse import ArgumentParser, _ActionsContainer
 from collections.abc import Collection, Iterable
 
-from stickslip.commandline import SEVERAL, add_options
+from stickslip.commandline import SEVERAL, add_old_spelling, add_options
 from stickslip.errors import UsageError
 from stickslip.fmi.messages import suggestion
 
@@ -19,13 +19,14 @@ def add_set_option(parser: ArgumentParser, what: str = "") -> None:
 
 def add_source_option(parser: ArgumentParser) -> None:
     """Declare ``--source``, with which signal the compensator is driven."""
-    parser.add_argument(
+    action = parser.add_argument(
         "--source",
         dest="feed",
         choices=("nominal", "command"),
         default="nominal",
         help="velocity input of the compensator: that of the nominal loop, or the command",
     )
+    add_old_spelling(parser, "--feed", action)
 
 
 def add_law_option(parser: _ActionsContainer, *further: str, more: str = "") -> None:

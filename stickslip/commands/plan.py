@@ -1,7 +1,7 @@
 """``stickslip plan``: write the command of an experiment from which a drive can be learned.
 
 stickslip plan --stroke 0.2 --speed 0.1 --out next.csv
-stickslip plan --show sigma_0 sigma_1 --out next.csv
+stickslip plan --show sigma_0 sigma_1 --encoder 1e-6 --out next.csv
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.commandline import FLAG, SEVERAL, add_options, warn
+from stickslip.commandline import FLAG, SEVERAL, add_options, positive, warn
+from stickslip.commandline.assignments import split_assignments
 from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write
 from stickslip.logs.recording import Motion
@@ -19,6 +20,7 @@ from stickslip.logs.units import QUANTITIES, Unit, motion_of, parse_quantity, un
 from stickslip.output import Answer
 from stickslip.planning import LINEAR, ROTARY, SET, Limits, Stretch, arrange, plan
 from stickslip.planning.experiment import SHOWN
+from stickslip.planning.shown import DataSheet, not_shown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,7 +33,12 @@ _OPTIONS = {
     "jerk": ("jerk", "M/S3", "highest jerk"),
     "duration": ("time", "S", "duration of the experiment"),
 }
-"""What an option measures, its unit where none is given, and its help."""
+_KNOWN = {
+    "friction": ("force", "N", "Coulomb friction, about"),
+    "encoder": ("position", "M", "step of the encoder"),
+}
+"""What an option measures, its unit where none is given, and its help: limits, and what is known
+of the drive beforehand."""
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -53,6 +60,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, rate, type=float)
     show = f"give more time to these parameters: {', '.join(SHOWN)} (gravity, cogging)"
     add_options(parser, {"--show PARAMETER": show}, **SEVERAL)
+    group = parser.add_argument_group("the drive", "With these, it is printed what will not show.")
+    for name, (_, unit, text) in _KNOWN.items():
+        add_options(group, {f"--{name} {unit}": text})
+    gain = {"--gain NAME=VALUE": "K_p and K_i of the velocity loop; SI units"}
+    add_options(group, gain, **SEVERAL)
     out = {"--out FILE.csv": "file of the command (default plan.csv)"}
     add_options(parser, out, type=Path, default=Path("plan.csv"))
     whole = {
@@ -73,14 +85,15 @@ def run(options: argparse.Namespace) -> Answer:
         raise UsageError(f"{out}: expected a file name that ends in .csv")
     if out.is_file() and not out.is_symlink() and not options.force:
         raise UsageError(f"{out} exists; --force overwrites it, --out names another file")
-    limits, length = _limits(options)
+    limits, length, sheet = _limits(options)
     table, stretches = plan(limits, options.show), arrange(limits, options.show)
     atomic_write(out, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
     _print_parts(table, stretches, length)
     _warn_of_speed(table, limits, length)
-    print(out)
+    missing = list(not_shown(sheet, limits, stretches, (length.name, length.factor)))
+    print(*missing, out, sep="\n")
     parts = [_part(table, one) for one in stretches]
-    return Answer({"written": [out], "parts": parts})
+    return Answer({"written": [out], "parts": parts, "not_shown": missing})
 
 
 def _write_set(options: argparse.Namespace) -> Answer:
@@ -91,7 +104,8 @@ def _write_set(options: argparse.Namespace) -> Answer:
     for path in (*paths.values(), table):
         if path.exists() and not options.force:
             raise UsageError(f"{path} exists; --force overwrites it, --out names another folder")
-    limits, length = _limits(options)
+    limits, length, sheet = _limits(options)
+    stretches: list[Stretch] = []
     folder.mkdir(parents=True, exist_ok=True)
     for name, among in SET.items():
         command, own = plan(limits, options.show, among), arrange(limits, options.show, among)
@@ -99,14 +113,17 @@ def _write_set(options: argparse.Namespace) -> Answer:
         atomic_write(paths[name], text)
         print(f"{name}, {paths[name]}:")
         _print_parts(command, own, length)
+        stretches += own
+    missing = list(not_shown(sheet, limits, stretches, (length.name, length.factor)))
     rows = [f"{name}_log.csv,{name},," for name in SET]
     atomic_write(table, "\n".join(("log,kind,load,gains", *rows)) + "\n")
+    print(*missing, sep="\n")
     print(f"record each, save its log under the name in {table}, and: stickslip learn {table}")
-    return Answer({"written": [*paths.values(), table]})
+    return Answer({"written": [*paths.values(), table], "not_shown": missing})
 
 
-def _limits(options: argparse.Namespace) -> tuple[Limits, Unit]:
-    """Return the limits, and the unit of length in which they were given."""
+def _limits(options: argparse.Namespace) -> tuple[Limits, Unit, DataSheet]:
+    """Return the limits, the unit of length in which they were given, and what is known."""
     values: dict[str, Any] = {}
     units: list[tuple[str, Unit]] = []
 
@@ -117,9 +134,15 @@ def _limits(options: argparse.Namespace) -> tuple[Limits, Unit]:
             units.append((name, unit))
         return value
 
-    for name, (quantity, *_) in _OPTIONS.items():
+    known: dict[str, float] = {}
+    for name, (quantity, *_) in (_OPTIONS | _KNOWN).items():
         if (text := getattr(options, name)) is not None:
-            values[name] = read(name, text, quantity)
+            (values if name in _OPTIONS else known)[name] = read(name, text, quantity)
+    for name, value in split_assignments(options.gain, "--gain", ("K_p", "K_i")).items():
+        try:
+            known[name] = positive(value)
+        except argparse.ArgumentTypeError as error:
+            raise UsageError(f"--gain {name}: {error}") from None
     if options.travel:
         below, *above = (read("travel", text, "position") for text in options.travel[:2])
         if len(options.travel) > 2:
@@ -133,12 +156,16 @@ def _limits(options: argparse.Namespace) -> tuple[Limits, Unit]:
     for name, unit in units:
         if motion_of(unit) not in (None, chosen):
             raise UsageError(f"--{name} is in {unit.name}, but the motion is {chosen}")
-    lengths = [unit_named(unit.name.split("/")[0]) for _, unit in units]
+    lengths = [
+        unit_named(unit.name.split("/")[0])
+        for name, unit in units
+        if name in _OPTIONS or name == "travel"
+    ]
     kind = QUANTITIES[chosen]["position"]
     given = [unit for unit in lengths if unit and unit.quantity == kind]
     fallback = Unit("rad", "angle", 1.0) if chosen == "rotary" else Unit("m", "length", 1.0)
     limits = replace(ROTARY if chosen == "rotary" else LINEAR, **values)
-    return limits, (*given, fallback)[0]
+    return limits, (*given, fallback)[0], DataSheet(**known)
 
 
 def _part(table: pd.DataFrame, stretch: Stretch) -> dict[str, Any]:

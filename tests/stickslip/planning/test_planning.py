@@ -128,6 +128,8 @@ def test_the_command_writes_what_simulate_takes(tmp_path, capsys):
         (["--stroke", "9deg", "--speed", "3mm/s"], "--speed is in mm/s, but the motion is rotary"),
         (["--stroke", "9mm", "--motion", "rotary"], "--stroke is in mm"),
         (["--travel", "1", "2", "3"], "one or two values, got 3"),
+        (["--gain", "K_p=soft"], "--gain K_p: expected a positive number"),
+        (["--encoder", "-1um"], "encoder = "),
         (["--out", "file.csv"], "file.csv exists; --force overwrites it"),
         (["--out", "file/plan.csv"], "file"),
     ],
@@ -141,6 +143,29 @@ def test_an_invalid_plan_is_reported_in_one_line(wrong, message, capsys, tmp_pat
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1
     assert message in lines[0]
+
+
+def test_what_will_not_show_is_said_beforehand(capsys, tmp_path):
+    """Each gain and the encoder's step tell a speed; the largest of them is printed."""
+
+    def least(*known):
+        planned(tmp_path, *known)
+        text = capsys.readouterr().out
+        return float(text.partition("v_s below ")[2].split()[0]), text
+
+    creeps, text = least("--friction", "6")
+    assert "creeps no slower" in text
+    assert "sigma_0 and sigma_1:" not in text
+    stiff, text = least("--friction", "6", "--gain", "K_p=1e4", "K_i=1e6")
+    assert stiff == pytest.approx(creeps, rel=0.1)
+    soft, text = least("--friction", "6", "--gain", "K_p=1000", "K_i=1e6")
+    assert soft > creeps
+    assert "a higher K_p helps" in text
+    assert least("--friction", "6", "--gain", "K_i=1e3")[0] > soft
+    assert "a higher K_i helps" in least("--friction", "6", "--gain", "K_i=1e3")[1]
+    coarse, text = least("--encoder", "0.1mm")
+    assert coarse > creeps
+    assert "breaks away within 0.001 m" in text
 
 
 def planned(folder, *arguments):
