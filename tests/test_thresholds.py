@@ -276,6 +276,13 @@ def compared(shared, repetitions=8):
     return compared_logs.common(*logs)
 
 
+def parts(repetitions):
+    """Return whether repetitions of a command are the parts over which errors are compared."""
+    command = np.tile(np.append(np.sin(np.linspace(0.0, 6.2, 990)), np.zeros(10)), repetitions)
+    stretch = compared_logs.Overlap(0, 0, len(command))
+    return compared_logs._parts(command, [stretch], 1e-3)[1]
+
+
 def faults(delay=5.0, change=(0.0, 0.1)):
     """Return what is found wrong with a fit by its delay [samples] and a change of friction."""
     ends = {"lower": np.array([-5.0]), "upper": np.array([20.0]), "units": np.array([T_S])}
@@ -982,6 +989,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "transfer.OFFSET": (lambda: changed("F_0", 0.3), True, False),
     "transfer.INTERVAL": (lambda: explained(0.2), False, True),
     "transfer.IN_COMMON": (lambda: raises(lambda: compared(0.3), Exception), False, True),
+    "transfer.REPETITIONS": (lambda: parts(4), True, False),
     "loop_fit.MODEL_ERROR": (lambda: "drive holds" in verdict(ratio=3.0), False, True),
     "loop_fit.RUNS_AWAY": (
         lambda: raises(lambda: require_bounded(np.full(9, 15.0), 1.0), Diverged),

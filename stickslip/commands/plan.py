@@ -7,7 +7,9 @@ stickslip plan --show sigma_0 sigma_1 --encoder 1e-6 --out next.csv
 from __future__ import annotations
 
 import argparse
+import io
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +26,7 @@ from stickslip.planning.shown import DataSheet, not_shown
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
 
 
 _OPTIONS = {
@@ -72,6 +75,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "duration, and runs.csv, the table that learns their logs together; --out is a folder"
     }
     add_options(parser, whole, **FLAG)
+    add_options(parser, {"--plot FILE.png": "also draw the command"}, type=Path)
     add_options(parser, {"--force": "overwrite files that exist"}, **FLAG)
     parser.set_defaults(run=run)
 
@@ -80,25 +84,31 @@ def run(options: argparse.Namespace) -> Answer:
     """Write the command, and print when each part runs and how far it travels."""
     if options.set:
         return _write_set(options)
-    out = options.out
-    if out.suffix.lower() != ".csv":
-        raise UsageError(f"{out}: expected a file name that ends in .csv")
-    if out.is_file() and not out.is_symlink() and not options.force:
-        raise UsageError(f"{out} exists; --force overwrites it, --out names another file")
+    for path, suffix in ((options.out, ".csv"), (options.plot, ".png")):
+        if path and path.suffix.lower() != suffix:
+            raise UsageError(f"{path}: expected a file name that ends in {suffix}")
+        if path and path.is_file() and not path.is_symlink() and not options.force:
+            raise UsageError(f"{path} exists; --force overwrites it, --out names another file")
     limits, length, sheet = _limits(options)
     table, stretches = plan(limits, options.show), arrange(limits, options.show)
-    atomic_write(out, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
+    atomic_write(options.out, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
+    if options.plot:
+        atomic_write(options.plot, _picture(table, stretches, length))
     _print_parts(table, stretches, length)
     _warn_of_speed(table, limits, length)
     missing = list(not_shown(sheet, limits, stretches, (length.name, length.factor)))
-    print(*missing, out, sep="\n")
+    print(*missing, sep="\n")
+    written = [path for path in (options.out, options.plot) if path]
+    print(*written, sep="\n")
     parts = [_part(table, one) for one in stretches]
-    return Answer({"written": [out], "parts": parts, "not_shown": missing})
+    return Answer({"written": written, "parts": parts, "not_shown": missing})
 
 
 def _write_set(options: argparse.Namespace) -> Answer:
     """Write an experiment for each kind of motion, and the table of the logs to be recorded."""
     folder = options.out.with_suffix("") if options.out.suffix == ".csv" else options.out
+    if options.plot:
+        raise UsageError("--plot draws one experiment; expected no --set with it")
     paths = {name: folder / f"{name}.csv" for name in SET}
     table = folder / "runs.csv"
     for path in (*paths.values(), table):
@@ -198,4 +208,61 @@ def _warn_of_speed(table: pd.DataFrame, limits: Limits, length: Unit) -> None:
         warn(
             f"the speed {limits.speed * per:.4g} {unit}/s is not reached within "
             f"{', '.join(within)}: {reached * per:.4g} {unit}/s is"
+        )
+
+
+def _picture(table: pd.DataFrame, stretches: tuple[Stretch, ...], length: Unit) -> bytes:
+    """Return a PNG file of a plan: velocity, position, and the first two parts enlarged."""
+    from stickslip.presentation.style import PAGE, RESOLUTION, house_style, new_figure
+
+    unit = "mm" if length.name == "m" else length.name
+    large = 1e3 if length.name == "m" else 1 / length.factor
+    small, fine = (1e6, "µm") if length.quantity == "length" else (1e3 * large, f"m{unit}")
+    with house_style():
+        figure = new_figure(PAGE, 125.0)
+        grid = figure.add_gridspec(3, 2, height_ratios=(1.25, 1.0, 1.25))
+        velocity = figure.add_subplot(grid[0, :])
+        position = figure.add_subplot(grid[1, :], sharex=velocity)
+        moves, slow = figure.add_subplot(grid[2, 0]), figure.add_subplot(grid[2, 1])
+        _draw(velocity, table, "velocity_command", large, label=f"(a) velocity [{unit}/s]")
+        _draw(position, table, "position_command", large, label=f"(b) position [{unit}]")
+        _shade((velocity, position), table, stretches)
+        first, second = (table[s.begin : s.end] for s in stretches[:2])
+        _draw(moves, first, "position_command", small, label=f"(c) small moves [{fine}]")
+        moves.set_yscale("symlog", linthresh=1.0)
+        moves.set_ylim(bottom=0.0)
+        _draw(slow, second, "velocity_command", large, label=f"(d) creep [{unit}/s]")
+        for axes in (position, moves, slow):
+            axes.set_xlabel("time [s]")
+        stream = io.BytesIO()
+        figure.savefig(stream, format="png", dpi=RESOLUTION, metadata={"Software": None})
+    return stream.getvalue()
+
+
+def _draw(axes: Axes, table: pd.DataFrame, column: str, scale: float, label: str) -> None:
+    from stickslip.presentation.style import THIN, WITH
+
+    axes.plot(table["time"], table[column] * scale, color=WITH, linewidth=THIN)
+    axes.set(ylabel=label, xlim=(table["time"].iloc[0], table["time"].iloc[-1]))
+
+
+def _shade(panels: tuple[Axes, Axes], table: pd.DataFrame, stretches: tuple[Stretch, ...]) -> None:
+    """Shade every other part, and name all above the upper panel."""
+    from stickslip.presentation.style import GREY, SHADE, SMALL
+
+    ends = [*(s.begin for s in stretches), stretches[-1].end]
+    times = table["time"].to_numpy()[ends]
+    top = panels[0]
+    for k, (begin, end) in enumerate(pairwise(times)):
+        for axes in panels if k % 2 == 0 else ():
+            axes.axvspan(begin, end, color=SHADE, linewidth=0)
+        top.text(
+            0.5 * (begin + end),
+            1.03,
+            stretches[k].part.name.replace(" ", "\n"),
+            transform=top.get_xaxis_transform(),
+            ha="center",
+            va="bottom",
+            color=GREY,
+            fontsize=SMALL,
         )

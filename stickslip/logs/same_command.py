@@ -1,4 +1,4 @@
-"""Where two logs were recorded with the same command, whenever it began."""
+"""Where two logs were recorded with the same command, whenever it began and in whatever order."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -29,21 +29,21 @@ class Overlap:
 def same_command(first: Array, second: Array, T_s: float) -> list[Overlap]:
     """Return the stretches in which two velocity commands (n,), (k,) [m/s] are the same.
 
-    They are those of the lag with the most motion in common, of the lags at which the correlation
-    of the commands or of their accelerations is highest.
+    No sample belongs to two stretches. The lag with the most motion in common comes first.
     """
     least = max(2, round(transfer.STRETCH / T_s))
-    best, most = list[Overlap](), 0
-    for one, other in ((np.diff(first), np.diff(second)), (first, second)):
-        values = correlate(one, other, method="fft")
-        lags = correlation_lags(len(one), len(other))
-        peaks = find_peaks(np.concatenate([[-np.inf], values, [-np.inf]]))[0] - 1
-        for k in peaks[np.argsort(-values[peaks], kind="stable")][:LAGS]:
-            found = [run for run in _runs(first, second, int(lags[k]), T_s) if run.n >= least]
-            motion = sum(_motion(first, run) for run in found)
-            if motion > most:
-                best, most = [run for run in found if _motion(first, run)], motion
-    return best
+    free = np.ones(len(first), dtype=bool), np.ones(len(second), dtype=bool)
+    found: list[Overlap] = []
+    lags = _lags(first, second)
+    while True:
+        candidates = [list(_runs(first, second, lag, free, T_s=T_s, least=least)) for lag in lags]
+        motion = [sum(_motion(first, run) for run in several) for several in candidates]
+        if not motion or not max(motion):
+            return sorted(found, key=lambda run: run.first)
+        for run in candidates[int(np.argmax(motion))]:
+            found.append(run)
+            free[0][run.first : run.first + run.n] = False
+            free[1][run.second : run.second + run.n] = False
 
 
 def is_moving(command: Array) -> NDArray[np.bool_]:
@@ -51,18 +51,88 @@ def is_moving(command: Array) -> NDArray[np.bool_]:
     return np.asarray(np.abs(command) > transfer.MOVING * np.max(np.abs(command), initial=0.0))
 
 
-def _runs(first: Array, second: Array, lag: int, T_s: float) -> Iterator[Overlap]:
-    """Yield the stretches in which second[i] is first[i + lag]."""
+def period(command: Array, T_s: float) -> int | None:
+    """Return after how many samples a velocity command (n,) repeats itself to its end, or None."""
+    n = len(command)
+    everywhere = np.ones(n, dtype=bool)
+    lags, difference = _difference(command, command)
+    for k in find_peaks(-difference)[0]:
+        lag = int(lags[k])
+        if not transfer.STRETCH / T_s < lag <= n / 2:
+            continue
+        found = list(_runs(command, command, lag, (everywhere, everywhere), T_s=T_s, least=1))
+        if [run.n for run in found] == [n - lag]:
+            return lag
+    return None
+
+
+def _lags(first: Array, second: Array) -> list[int]:
+    """Return by how many samples the second may be ahead of the first, likely ones first.
+
+    Where much is in common the mean square difference has a minimum. Where other parts hide it, the
+    correlation of the commands or of their accelerations has a peak.
+    """
+    lags, difference = _difference(first, second)
+    found = _highest(-difference, lags)
+    for one, other in ((np.diff(first), np.diff(second)), (first, second)):
+        correlation = correlate(one, other, method="fft")
+        found += _highest(correlation, correlation_lags(len(one), len(other)))
+    return list(dict.fromkeys(found))
+
+
+def _highest(values: Array, lags: NDArray[np.intp]) -> list[int]:
+    """Return the lags of the highest peaks of values (n,)."""
+    peaks = find_peaks(np.concatenate([[-np.inf], values, [-np.inf]]))[0] - 1
+    best = peaks[np.argsort(-values[peaks], kind="stable")][:LAGS]
+    return [int(lags[k]) for k in best]
+
+
+def _difference(first: Array, second: Array) -> tuple[NDArray[np.intp], Array]:
+    """Return lags, and the mean square difference of the commands at each, relative to their own.
+
+    It is 1 where the overlap has no motion.
+    """
+    lags = correlation_lags(len(first), len(second))
+    product, own, other, count = (
+        correlate(a, b, method="fft")
+        for a, b in (
+            (first, second),
+            (first**2, np.ones_like(second)),
+            (np.ones_like(first), second**2),
+            (np.ones_like(first), np.ones_like(second)),
+        )
+    )
+    energy = own + other
+    moved = (energy > 1e-6 * np.max(energy)) & (count > 1.5)
+    relative = (energy - 2.0 * product) / np.where(moved, energy, 1.0)
+    return lags, np.where(moved, relative, 1.0)
+
+
+def _runs(
+    first: Array,
+    second: Array,
+    lag: int,
+    free: tuple[NDArray[np.bool_], NDArray[np.bool_]],
+    T_s: float,
+    least: int,
+) -> Iterator[Overlap]:
+    """Yield the stretches in which second[i] is first[i + lag], and the drive is moved."""
     begin = max(0, lag)
-    n = max(min(len(first), len(second) + lag) - begin, 0)
-    a, b = first[begin : begin + n], second[begin - lag : begin - lag + n]
+    n = min(len(first), len(second) + lag) - begin
+    if n < least:
+        return
+    one, other = slice(begin, begin + n), slice(begin - lag, begin - lag + n)
+    a, b = first[one], second[other]
     reach = 2 * max(1, round(NEAR / T_s)) + 1
     tolerance = transfer.SAME * maximum_filter1d(np.abs(a), reach)
     tolerance = tolerance + ROUNDING * np.max(np.abs(first))
     # A sample more or less: the logs are not sampled at the same instants of the command.
     same = (b <= maximum_filter1d(a, 3) + tolerance) & (b >= minimum_filter1d(a, 3) - tolerance)
+    same &= free[0][one] & free[1][other]
     for left, right in runs(same):
-        yield Overlap(begin + left, begin - lag + left, right - left)
+        run = Overlap(begin + left, begin - lag + left, right - left)
+        if run.n >= least and _motion(first, run):
+            yield run
 
 
 def _motion(command: Array, run: Overlap) -> int:

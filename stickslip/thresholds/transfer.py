@@ -16,6 +16,8 @@ INTERVAL = Threshold(0.15, "decision 67")
 """Relative standard error up to which an interval explains errors; a wider one explains any."""
 IN_COMMON = Threshold(0.2)
 """Share of the shorter log's motion with the same command, below which logs are not compared."""
+REPETITIONS = Threshold(3)
+"""Repetitions of a command from which on they are the parts over which an interval is computed."""
 SAME = Threshold(0.01)
 """Difference of two commands up to which they are the same, as a share of the speed near by."""
 STRETCH = Threshold(0.3, unit="s")

@@ -16,7 +16,10 @@ from stickslip.identification.estimation import Estimation, LearnSettings, Searc
 from stickslip.logs import Recording, check_recording
 from stickslip.output import Progress
 from stickslip.papers.lugre.folder import command_of, write_loop
+from stickslip.papers.lugre.page import loops_section, validation_section
 from stickslip.papers.lugre.reproduction import BaseResult, Options, build_rig, validated
+from stickslip.papers.lugre.tables import table2_of_recording
+from stickslip.presentation.page import Section, picture_files
 from stickslip.rigs.contract import commissioning_loop
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
@@ -38,6 +41,10 @@ class RecordReproduction(BaseResult):
     """All that was computed from one recording."""
 
     learned: LearnedFromRecording
+
+    def table2(self) -> pd.DataFrame:
+        """Return Table 2 with what was learned."""
+        return table2_of_recording(self.learned.estimation, self.truth)
 
 
 def loops_of_drive(sheet: Datasheet, estimation: Estimation) -> Loops:
@@ -82,8 +89,10 @@ def reproduce_from_recording(
 
 
 RECORD_FILES = (
-    *("table4.csv", "recording.csv", "recording.toml"),
-    *("learned.json", "compensator.fmu", "loop.ssp", *REPORT),
+    *("table2.csv", "table4.csv", "fitness.csv", "profiles.csv"),
+    *("recording.csv", "recording.toml", "learned.json", "compensator.fmu", "loop.ssp"),
+    *picture_files(["fig2_loops", "fig6_tracking"]),
+    *REPORT,
 )
 """What ``write_record_results`` writes."""
 
@@ -97,13 +106,25 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
     learned, loop = reproduction.learned, reproduction.learned.designed.compensated
     estimation = learned.estimation
     with staged(folder, command_of(reproduction.options, mode="record")) as staging:
-        table4, recording = reproduction.validation.table(), _table(estimation.recording)
-        write_tables({"table4": table4, "recording": recording}, staging)
+        tables = {
+            "table2": reproduction.table2(),
+            "table4": reproduction.validation.table(),
+            "fitness": estimation.searches.algorithm.convergence(),
+            "profiles": estimation.fitted.profiles,
+            "recording": _table(estimation.recording),
+        }
+        write_tables(tables, staging)
         atomic_write(staging / "recording.toml", _description(reproduction))
         write_loop(reproduction.system, loop, staging / "loop.ssp", reproduction.options)
         write_json(recording_document(learned), staging / "learned.json")
         build_part(learned, deployed_feedforward(learned), "compensator", staging)
-        write_estimation_report(estimation, learned.findings, staging)
+        write_estimation_report(estimation, learned.findings, staging, _sections(reproduction))
+
+
+def _sections(reproduction: RecordReproduction) -> list[Section]:
+    validation = reproduction.validation
+    loops = loops_section("The loops", "record", reproduction)
+    return [validation_section(validation, validation.table()), loops]
 
 
 def _table(recording: Recording) -> pd.DataFrame:

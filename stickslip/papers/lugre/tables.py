@@ -10,8 +10,9 @@ from typing import Any
 
 import pandas as pd
 
-from stickslip.catalog.parameters import HIGH, LOW, PAPER, unit_of
+from stickslip.catalog.parameters import HIGH, LOW, PAPER, tabulated, unit_of
 from stickslip.evaluation.validation import PHASES, reduction
+from stickslip.identification.estimation import Estimation
 from stickslip.identification.stages import Estimate, Identification
 from stickslip.papers.lugre.loop_tuning import LoopTuning, spread
 from stickslip.papers.lugre.published import LOGARITHMIC, OURS, SQUARES, START, PublishedStudy
@@ -55,10 +56,7 @@ def table2(
         after = learned.estimates.get(name)
         rows.append(
             {
-                "parameter": name,
-                "unit": unit_of(name),
-                "paper": PAPER.get(name),
-                "drive": truth[name],
+                **_head(name, truth),
                 "identified": before.value,
                 "learned": after.value if after else None,
                 "spread": after.standard_error if after else None,
@@ -68,6 +66,35 @@ def table2(
             }
         )
     return pd.DataFrame(rows)
+
+
+def table2_of_recording(estimation: Estimation, truth: Mapping[str, float]) -> pd.DataFrame:
+    """Return Table 2 with what one recording gave, in SI units.
+
+    ``identified`` is what a straight line through the recorded force gives, which shows
+    nothing of friction but F_c. ``spread`` is the standard error of what was learned.
+    """
+    line = estimation.start.line
+    rows = []
+    for name in tabulated(estimation.law):
+        known = estimation.known[name]
+        rows.append(
+            {
+                **_head(name, truth),
+                "identified": line[name] if name in ("m", "b", "F_c") else None,
+                "learned": known.value,
+                "spread": known.standard_error,
+                "low": known.low,
+                "high": known.high,
+                "remark": known.sentence,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _head(name: str, truth: Mapping[str, float]) -> dict[str, Any]:
+    known = {"paper": PAPER.get(name), "drive": truth[name]}
+    return {"parameter": name, "unit": unit_of(name), **known}
 
 
 def _remark(

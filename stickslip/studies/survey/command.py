@@ -15,7 +15,7 @@ from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write
 from stickslip.output import Answer
 
-FILE = "survey.csv"
+FILE, PAGE = "survey.csv", "survey.html"
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +27,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("folder", type=Path, metavar="DIR")
     parser.add_argument("--with", dest="other", choices=("fmpy",), help="also run it in this tool")
-    add_options(parser, {"--out DIR": f"folder for {FILE}"}, type=Path)
+    add_options(parser, {"--out DIR": f"folder for {FILE} and {PAGE}"}, type=Path)
     limit = {"--timeout S": "time limit of each process (default 60)"}
     add_options(parser, limit, type=seconds, default=60.0)
     many = {"--workers N": "runs at a time (default 1)"}
@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> Answer:
     """Print a row for each run and the number of each outcome."""
     require_files(options.folder)
     from stickslip.fmi.process import Threads
-    from stickslip.studies.survey.runs import COLUMNS, surveyed, tasks
+    from stickslip.studies.survey.runs import COLUMNS, TOOLS, surveyed, tasks
 
     folder = options.folder.absolute()  # runs have working folders of their own
     found = list(tasks(folder))
@@ -61,10 +61,26 @@ def run(options: argparse.Namespace) -> Answer:
     for outcome, n in counts.most_common():
         print(f"{n:5}  {outcome}")
     if options.out:
+        from stickslip.presentation.page import Section, write_page
+        from stickslip.presentation.table import Column, Table
+
         table = io.StringIO()
         csv.writer(table).writerows([COLUMNS, *rows])
         options.out.mkdir(parents=True, exist_ok=True)
         print(atomic_write(options.out / FILE, table.getvalue()))
+        records = [dict(zip(COLUMNS, row, strict=True)) for row in rows]
+        faults = [f"{r['file']}: {name}: {r[name]}" for r in records for name in TOOLS if r[name]]
+        counted = [{"outcome": outcome, "runs": str(n)} for outcome, n in counts.most_common()]
+        tables = {
+            summary: Table([Column(name, head=name) for name in ("outcome", "runs")], counted),
+            "Runs": Table([Column(n, head=n) for n in COLUMNS if n not in TOOLS], records),
+        }
+        content = (
+            "{% for title, table in tables.items() %}{{ table.html(title) }}{% endfor %}"
+            '<div style="overflow-wrap: anywhere">{{ list(faults) }}</div>'
+        )
+        head = Section("", content, tables=tables, faults=faults)
+        print(*write_page(options.out, f"FMUs of {options.folder.resolve().name}", [head], PAGE))
     return Answer(
         {"runs": [dict(zip(COLUMNS, row, strict=True)) for row in rows], "counts": counts}
     )

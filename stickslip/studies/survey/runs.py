@@ -161,7 +161,8 @@ EQUAL, NEAR = 1e-12, 1e-3
 tolerance of usual solvers."""
 NO_BINARY = ("no binary for this machine", "cannot be simulated on the current platform")
 _TAGS: dict[str, Interface] = {"CoSimulation": "co_simulation", "ModelExchange": "model_exchange"}
-COLUMNS = ("file", "interface", "outcome", "difference", "signal", "here", "FMPy")
+TOOLS = ("here", "FMPy")  # what failed in each
+COLUMNS = ("file", "interface", "outcome", "difference", "signal", *TOOLS)
 
 
 def tasks(folder: Path) -> Iterator[Task]:

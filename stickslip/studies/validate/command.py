@@ -95,7 +95,7 @@ def _on_log(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
 
 
 def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
-    from stickslip.studies.validate.compared_logs import PARTS, sentences
+    from stickslip.studies.validate.compared_logs import sentences
     from stickslip.studies.validate.log_validation import compare_logs, read_log
     from stickslip.studies.validate.page.comparison import write_comparison
     from stickslip.studies.validate.tables import tracking
@@ -106,7 +106,7 @@ def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str,
     )
     found = compare_logs(compensated, without, learned)
     print(*sentences(found), sep="\n")
-    print(f"\ntracking errors, intervals from {PARTS} parts")
+    print(f"\ntracking errors, intervals from {found.parts} parts")
     print(tracking(found).text())
     if options.out:
         logs = (without.reading.recording.source, compensated.reading.recording.source)

@@ -1,7 +1,7 @@
 """A log with the compensator running against one without: tracking errors on the same command.
 
 Each log's own errors count, where the same command ran. The uncertainty of a reduction is a
-jackknife over parts of the logs.
+jackknife over repetitions of the command, or over parts of the logs where it does not repeat.
 """
 
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ from stickslip.evaluation.tracking import (
     measured_errors,
 )
 from stickslip.logs import Motion, Recording
-from stickslip.logs.same_command import Overlap, is_moving, same_command
+from stickslip.logs.same_command import Overlap, is_moving, period, same_command
 from stickslip.servo.measurement import Array
 from stickslip.studies.validate.log_prediction import Change
 from stickslip.thresholds import transfer
@@ -32,7 +32,7 @@ Samples = NDArray[np.intp]
 
 EDGE = 4.0
 """Periods of the low-pass of measured velocities at either end of a log that do not count."""
-PARTS = 10  # Parts of the logs
+PARTS = 10  # Parts of the logs where the command does not repeat
 
 
 @dataclass(frozen=True)
@@ -57,10 +57,16 @@ class LogComparison:
     v_cmd: Array  # (n,) [m/s]
     stretches: tuple[Overlap, ...]  # where in the two logs the command was the same
     part: Samples  # (n,) number of the part that each sample belongs to
+    repeated: bool  # whether the parts are repetitions of the command
     measured: TrackingComparison  # in the logs
     # of the learned drive along the same command; None where the loop is not known
     simulated: TrackingComparison | None = None
     fault: str = ""  # why that loop could not be simulated, or empty
+
+    @property
+    def parts(self) -> int:
+        """How many parts there are."""
+        return int(self.part.max()) + 1
 
 
 def common(without: Recording, compensated: Recording) -> tuple[Recording, list[Overlap]]:
@@ -111,11 +117,12 @@ def compare(without: Recording, compensated: Recording, stretches: list[Overlap]
     first = np.concatenate([np.arange(run.first, run.first + run.n) for run in stretches])
     second = np.concatenate([np.arange(run.second, run.second + run.n) for run in stretches])
     command = commanded_velocity(without)
-    part = np.arange(len(first)) * PARTS // len(first)
+    part, repeated = _parts(command, stretches, without.T_s)
     measured = compared(without, compensated, first, second, part=part)
     return LogComparison(
         *(without.motion, without.t[first], command[first], tuple(stretches)),
         part=part,
+        repeated=repeated,
         measured=measured,
     )
 
@@ -165,6 +172,31 @@ def sentences(found: LogComparison) -> tuple[str, ...]:
 
 def _percent(share: float) -> str:
     return f"{100.0 * share:.3g} %"
+
+
+def _parts(command: Array, stretches: list[Overlap], T_s: float) -> tuple[Samples, bool]:
+    """Return the part of each common sample: repetitions of the command, or equal parts."""
+    moving = is_moving(command)
+    longest = max(stretches, key=lambda run: run.n)
+    repeats = period(command[_moved(moving, longest)], T_s)
+    if repeats is not None:
+        parts, last = [], 0
+        for run in stretches:
+            moved = _moved(moving, run)
+            whole = max((moved.stop - moved.start) // repeats, 1)
+            own = (np.arange(run.first, run.first + run.n) - moved.start) // repeats
+            parts.append(last + np.clip(own, 0, whole - 1))
+            last += whole
+        if last >= transfer.REPETITIONS:
+            return np.concatenate(parts), True
+    n = sum(run.n for run in stretches)
+    return np.arange(n) * PARTS // n, False
+
+
+def _moved(moving: NDArray[np.bool_], run: Overlap) -> slice:
+    """Return the samples of a stretch from the first to the last in which the command moves."""
+    where = run.first + np.flatnonzero(moving[run.first : run.first + run.n])
+    return slice(int(where[0]), int(where[-1]) + 1)
 
 
 def _figures(velocity: Array, position: Array, part: Samples) -> dict[str, Array]:

@@ -19,9 +19,9 @@ LIMITS = {"F_c": 0.005, "sigma_0": 0.05, "sigma_1": 0.05, "m": 0.005, "F_s": 0.0
 
 
 def test_parameters_are_found(recorded):
-    known = recorded.learned.estimation.known
+    table = recorded.table2().set_index("parameter")
     for name, limit in LIMITS.items():
-        assert known[name].value == pytest.approx(recorded.truth[name], rel=limit), name
+        assert table.learned[name] == pytest.approx(table.drive[name], rel=limit), name
 
 
 def test_the_known_loop_judges_and_its_residual_is_what_encoder_and_noise_explain(recorded):
@@ -31,12 +31,11 @@ def test_the_known_loop_judges_and_its_residual_is_what_encoder_and_noise_explai
 
 
 def test_intervals_surround_their_values_and_most_hold_the_truth(recorded):
-    known = recorded.learned.estimation.known
-    assert {*LIMITS} < {*known}
-    for name, one in known.items():
-        assert one.low < one.value < one.high
-        # Factor 2 on the 95 % interval: a miss there would be one in ten thousand.
-        assert abs(recorded.truth[name] - one.value) < one.high - one.low, name
+    table = recorded.table2()
+    assert ((table["low"] < table["learned"]) & (table["learned"] < table["high"])).all()
+    # Factor 2 on the 95 % interval: a miss there would be one in ten thousand.
+    middle, half = table["learned"], (table["high"] - table["low"])
+    assert (np.abs(table["drive"] - middle) < half).all()
 
 
 def test_tracking_errors_fall(recorded):

@@ -108,12 +108,13 @@ def test_invalid_limits_are_refused(wrong):
 
 
 def test_the_command_writes_what_simulate_takes(tmp_path, capsys):
-    out = tmp_path / "plan.csv"
+    out, plot = tmp_path / "plan.csv", tmp_path / "plan.png"
     arguments = ["plan", "--motion", "rotary", "--speed", "3", "--duration", "5", "--rate", "500"]
-    assert main([*arguments, "--out", str(out)]) == 0
+    assert main([*arguments, "--out", str(out), "--plot", str(plot)]) == 0
     out_text = capsys.readouterr().out
     assert "small moves" in out_text
     assert "rad below the start" in out_text
+    assert plot.read_bytes().startswith(b"\x89PNG")
     table = pd.read_csv(out)
     assert list(table.columns) == ["time", "velocity_command", "position_command"]
     assert len(table) == 2501
@@ -130,14 +131,13 @@ def test_the_command_writes_what_simulate_takes(tmp_path, capsys):
         (["--travel", "1", "2", "3"], "one or two values, got 3"),
         (["--gain", "K_p=soft"], "--gain K_p: expected a positive number"),
         (["--encoder", "-1um"], "encoder = "),
-        (["--out", "file.csv"], "file.csv exists; --force overwrites it"),
+        (["--plot", "file.png"], "file.png exists; --force overwrites it"),
         (["--out", "file/plan.csv"], "file"),
     ],
 )
 def test_an_invalid_plan_is_reported_in_one_line(wrong, message, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name in ("file", "file.csv"):
-        (tmp_path / name).touch()
+    (tmp_path / "file").touch()
     (tmp_path / "file.png").touch()
     assert main(["plan", *wrong]) == 1
     lines = capsys.readouterr().err.splitlines()

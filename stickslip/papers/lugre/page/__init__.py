@@ -71,15 +71,14 @@ def sections(reproduction: Reproduction) -> Sequence[Section]:
         "identification_friction": partial(curves.draw_friction, reproduction),
         "identification_presliding": partial(curves.draw_presliding, reproduction),
     }
-    fig2 = partial(diagrams.draw_loops, loop, reproduction.truth, reproduction.options.law)
     of_stages = {"sliding": friction_map, "inertia": inertia}
     found = [
         _head(reproduction),
-        section("The loop", "loop", reproduction, {"fig2_loops": fig2}),
+        loops_section("The loop", "loop", reproduction),
         section("Identification", "identification", reproduction, experiments, **of_stages),
         section("Learning the friction", "learning", reproduction),
         _loop_learning(reproduction),
-        _validation(reproduction.validation, reproduction.table4()),
+        validation_section(reproduction.validation, reproduction.table4()),
     ]
     if reproduction.motions is not None:
         draw = {"steps": partial(curves.draw_steps, reproduction)}
@@ -116,6 +115,13 @@ def _head(reproduction: Reproduction) -> Section:
     )
 
 
+def loops_section(title: str, template: str, result: BaseResult) -> Section:
+    """Return a section with the loops, Fig. 2."""
+    plain, law = result.learned.designed.plain, result.options.law
+    draw = {"fig2_loops": partial(diagrams.draw_loops, plain, result.truth, law)}
+    return section(title, template, result, draw)
+
+
 def _loop_learning(reproduction: Reproduction) -> Section:
     """Return the learning of the loop: Figs. 3 to 5, and what was learned."""
     models = reproduction.loops.study.models
@@ -136,7 +142,7 @@ def _loop_learning(reproduction: Reproduction) -> Section:
     )
 
 
-def _validation(validation: Validation, table4: pd.DataFrame) -> Section:
+def validation_section(validation: Validation, table4: pd.DataFrame) -> Section:
     """Return the section on validation; Table 4 may have columns of the velocity filter."""
     draw = {"fig6_tracking": partial(curves.draw_tracking, validation)}
     values = {"table4": tables.table4(table4), "filtered": FILTERED in table4, "CUTOFF": CUTOFF}

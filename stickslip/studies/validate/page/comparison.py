@@ -16,7 +16,7 @@ from stickslip.storage import staged
 from stickslip.storage.writing import write_tables
 from stickslip.studies.learn.tables import tracking_scales
 from stickslip.studies.validate import tables
-from stickslip.studies.validate.compared_logs import PARTS, LogComparison, sentences
+from stickslip.studies.validate.compared_logs import LogComparison, sentences
 
 FIGURE = "comparison"
 FILES = ("tracking.csv", "report.html", *picture_files([FIGURE]))
@@ -55,7 +55,7 @@ def comparison_sections(
         {FIGURE: partial(draw_comparison, found)},
         tracking=tables.tracking(found),
         found=found,
-        n=PARTS,
+        n=found.parts,
         learned=learned,
         controller=controller,
     )

@@ -61,7 +61,7 @@ def test_each_run_has_its_outcome(fmpy, tmp_path, capsys, monkeypatch):
     assert found == ({name: WITH_FMPY.get(name, name) for name in ALONE} if fmpy else ALONE)
     assert document["counts"]["works in neither" if fmpy else "died"] == 2
     assert len((tmp_path / "out" / "survey.csv").read_text().splitlines()) == len(found) + 1
-    assert "no binary for this machine" in (tmp_path / "out" / "survey.csv").read_text()
+    assert "no binary for this machine" in (tmp_path / "out" / "survey.html").read_text()
 
 
 @pytest.mark.slow

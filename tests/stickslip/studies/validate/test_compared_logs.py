@@ -14,7 +14,7 @@ from stickslip.errors import UsageError
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import Column, Description, Recording
-from stickslip.logs.same_command import Overlap, same_command
+from stickslip.logs.same_command import Overlap, period, same_command
 from stickslip.studies.validate.compared_logs import common, compare
 from stickslip.studies.validate.log_validation import compare_logs, read_log
 
@@ -43,6 +43,11 @@ def test_a_command_at_another_speed_or_rate_is_another():
     assert not same_command(command, np.zeros(4000), T_S)
 
 
+def test_the_period_is_that_of_the_command():
+    assert period(np.tile(sweep(1500, 9.0), 3)[:4000], T_S) == 1500
+    assert period(sweep(4000), T_S) is None
+
+
 def logged(command, error, position_noise=0.0):
     t = np.arange(len(command)) * T_S
     rng = np.random.default_rng(0)
@@ -51,12 +56,13 @@ def logged(command, error, position_noise=0.0):
     return Recording(t, position, velocity_command=command, source="log.csv")
 
 
-def test_the_reduction_is_that_of_the_errors_with_an_interval_over_parts():
+def test_the_reduction_is_that_of_the_errors_with_an_interval_over_repetitions():
     """Errors are noise of the position; with the compensator it is 0.3 times as large."""
     command = np.tile(sweep(1500, 9.0), 12)
     without, compensated = logged(command, 0.0, 1e-5), logged(command[:15_000], 0.0, 3e-6)
     other, stretches = common(without, compensated)
     found = compare(without, other, stretches)
+    assert found.repeated
     for key in ("velocity_rms", "position_rms"):
         one = found.measured.reductions[key]
         assert one.low < 0.7 < one.high
@@ -128,6 +134,7 @@ def test_the_simulation_predicts_what_the_compensator_brought(logs):
     learned = LearnedFile(logs / "learned.json")
     read = [read_log(logs / name, description, learned) for name in ("with.csv", "without.csv")]
     found = compare_logs(*read, learned)
+    assert found.repeated
     for key, one in found.measured.reductions.items():
         assert one.value > 0.5
         assert found.simulated.reductions[key].value == pytest.approx(one.value, abs=0.05)
