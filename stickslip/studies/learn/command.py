@@ -97,7 +97,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_seed_option(search)
     add_algorithm_option(search)
     add_live_option(search)
-    add_workers_option(search, "runs")
+    add_workers_option(add_rare_group(parser, "where the search runs"), "candidates")
     parser.set_defaults(run=run)
 
 

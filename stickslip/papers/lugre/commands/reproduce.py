@@ -65,7 +65,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         default="CMA-ES for the loop, which needs half of the "
         "candidates of our genetic algorithm, and that for a recording",
     )
-    add_workers_option(parser, "runs")
+    add_workers_option(parser, "candidates")
     add_seed_option(parser)
     add_set_option(parser)
     add_law_option(parser)
