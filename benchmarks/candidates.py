@@ -15,8 +15,8 @@ from stickslip.servo.axis import Axis, Datasheet
 from stickslip.servo.observer import MASSES, design_observer
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import close_velocity_loop
+from stickslip.trial.benefit import bench_of
 from stickslip.trial.family import Evidence, family
-from stickslip.trial.guards import bench_of
 
 LAWS = ("lugre", "gms", "elasto_plastic", "dahl", "coulomb_stribeck", "armstrong")
 CANDIDATES, REPEATS = 10, 3  # as many as a generation has

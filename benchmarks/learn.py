@@ -20,7 +20,6 @@ from stickslip.rigs.contract import commissioning_loop
 from stickslip.servo.axis import Datasheet
 from stickslip.servo.systems import build_fmus, servo_loop
 from stickslip.studies.learn.recorded import gains_of
-from stickslip.work.jobs import Execution
 
 RUNS = 20
 
@@ -63,7 +62,7 @@ def measure(folder: Path) -> dict[str, float]:
     figures: dict[str, float] = {}
     for workers in (1, 2):
         stages = Stages()
-        search = Search(execution=Execution(workers=workers))
+        search = Search(workers=workers)
         ss.learn(path, description, search=search, progress=stages)
         stages.stage("")
         for (name, begin), (_, end) in pairwise(stages.begun):

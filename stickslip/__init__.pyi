@@ -28,8 +28,6 @@ from stickslip.fmi.errors import Fault as Fault
 from stickslip.fmucheck import check as check
 from stickslip.identification.estimation import LearnSettings as LearnSettings
 from stickslip.laws import run_law as run_law
-from stickslip.learned.file import load_learned as load_learned
-from stickslip.learned.file import save_learned as save_learned
 from stickslip.logs import Column as Column
 from stickslip.logs import Description as Description
 from stickslip.logs import Reading as Reading

@@ -148,16 +148,16 @@ def test_commands_do_their_work(run):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("run", ["wheel"], indirect=True)
-def test_learning_in_a_pool_of_processes(run):
+def test_learning_from_a_wheel(run):
     def stickslip(*arguments: str) -> str:
         return run("-m", "stickslip", *arguments)
 
     assert "F_c" in stickslip(
         *("learn", "--log", "log.csv", "--criterion", "inverse", "--out", "learned"),
-        *("--pool", "processes", "--workers", "2", "--force"),
+        *("--workers", "2", "--force"),
     )
     stickslip("verify", "learned")
-    stickslip("validate", "--parameters", "learned/learned.json", "--out", "validated")
+    stickslip("validate", "learned/learned.json", "--log", "log.csv", "--out", "validated")
 
 
 def test_the_wheel_holds_one_name_and_all_files(wheel):

@@ -1,4 +1,4 @@
-"""``stickslip export compensator``, ``observer``, ``components``, ``deploy``: FMU or code."""
+"""``stickslip export compensator``, ``observer``, ``position_force``, ``deploy``: FMU or code."""
 
 from __future__ import annotations
 
@@ -49,10 +49,6 @@ def add_compensators(exports: argparse._SubParsersAction[Any]) -> None:
     out = {"--out DIR": "folder to write into (default deploy)"}
     add_options(parser, out, type=Path, default=Path("deploy"))
     parser.set_defaults(run=export_deployment)
-    _add(
-        *(exports, "components", export_components, f"compensators that learn: {forms}"),
-        parameters="a learned.json or winner.json with components",
-    )
 
 
 def _add(
@@ -61,7 +57,7 @@ def _add(
     run: Callable[[argparse.Namespace], Answer],
     text: str,
     parameters: str,
-    force: str = "",
+    force: str,
 ) -> None:
     parser = exports.add_parser(name, help=text)
     add_options(parser, {"--parameters FILE.json": parameters}, type=Path, required=True)
@@ -70,8 +66,7 @@ def _add(
     )
     forms = ["fmu", "c", "st", "plcopen"]
     parser.add_argument("--as", dest="form", choices=forms, default="fmu", help=form)
-    if force:
-        add_options(parser, {"--force": force}, **FLAG)
+    add_options(parser, {"--force": force}, **FLAG)
     add_fmu_options(parser)
     parser.set_defaults(run=run)
 
@@ -79,8 +74,8 @@ def _add(
 def export_compensator(options: argparse.Namespace) -> Answer:
     """Write the compensator with its learned start values and print the paths.
 
-    What the guards find goes to standard error. The force is reduced to the largest share that
-    makes the loop worse nowhere; where there is none, nothing is written.
+    Warnings go to standard error. The force is reduced to the largest share that makes the loop
+    worse nowhere; where there is none, nothing is written.
     """
     from stickslip import models
     from stickslip.learned.file import LearnedFile
@@ -108,7 +103,8 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
     refused it, and is not forced.
     """
     from stickslip.studies.learn.tables import benefit_text
-    from stickslip.trial.guards import Variant, retried
+    from stickslip.trial.benefit import NONE, Variant
+    from stickslip.trial.hold import holds, hunting_at_rest
 
     path, loop = learned.path, learned.loop
     refusal = f"learn refused it: {learned.refusal}" if learned.refusal else ""
@@ -134,11 +130,16 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
             f"{path}: validation: {duration:g} s with a sample every {loop.T_s:g} s; expected at "
             f"most {MOST_SAMPLES} samples"
         )
-    friction, variant = learned.friction, Variant("feedforward", (one,))
+    variant = Variant("feedforward", (one,))
     with learned.bench(loop) as bench:
-        benefit, found = retried(bench, friction, variant, learned.standard_errors, force=force)
-    for finding in found:
-        warn(str(finding))
+        (benefit,) = bench.benefits([variant], shares=(1.0,))
+        if not benefit.acceptable:
+            (benefit,) = bench.benefits([variant])
+        if loop.K_x:
+            shared = variant.share(bench.law, 1.0 if force else benefit.share)
+            held = holds(bench, [NONE, shared])
+            for warning in hunting_at_rest(held, shared, bench.datasheet.encoder_step):
+                warn(warning)
     if not benefit.acceptable:
         print(benefit_text(benefit, "the compensator"), file=sys.stderr)
         if not force:
@@ -233,23 +234,3 @@ def export_deployment(options: argparse.Namespace) -> Answer:
     from stickslip.learned.file import LearnedFile
 
     return written(*write_deployment(LearnedFile(options.parameters), options.out))
-
-
-def export_components(options: argparse.Namespace) -> Answer:
-    """Write each component under its name and print the paths."""
-    from stickslip.learned.file import LearnedFile
-
-    learned = LearnedFile(options.parameters)
-    components = learned.components
-    if not components:
-        raise UsageError(f"{options.parameters}: contains no components")
-    paths: list[Path] = []
-    for name, model in components.items():
-        given: dict[str, Any] = {
-            "start": {v.name: v.start for v in model.variables if v.role == "parameter"},
-            "law": model.law.name if model.law else None,
-            "called": name,
-            "rotary": learned.rotary,
-        }
-        paths += write_as(options, model.name, **given)
-    return written(*paths)

@@ -1,1 +1,1 @@
-"""Metrics, validation, guards and comparisons."""
+"""Metrics, validation and comparisons."""

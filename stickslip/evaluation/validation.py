@@ -17,13 +17,12 @@ from scipy.integrate import cumulative_trapezoid
 
 from stickslip import cosim
 from stickslip.catalog.parameters import HIGH, LOW
-from stickslip.errors import RigError
 from stickslip.evaluation.motions import Regions, Span, regions_after, trapezoid, windows
 from stickslip.identification.criteria.runs import require_bounded
 from stickslip.rigs.contract import Rig
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.measurement import Array, measured_velocity
-from stickslip.servo.systems import Compensator, Feed, paper_loop
+from stickslip.servo.systems import Feed, paper_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 
 Key = TypeVar("Key", bound=Hashable)
@@ -186,7 +185,6 @@ def validate(
     command: cosim.Trapezoid,
     feed: Feed = "nominal",
     plain: VelocityLoop | None = None,
-    behind: Sequence[Compensator] = (),
     phases: Sequence[float] = ONCE,
 ) -> Validation:
     """Run the trapezoid without and with compensation.
@@ -197,7 +195,6 @@ def validate(
     ----------
     plain : the loop of the run without compensation, by default ``loop``. A velocity filter that
         counts on a compensator follows worse without: compare it with the loop it replaces.
-    behind : further compensators, behind this one; only on a simulated drive
     phases : where a simulated drive begins
 
     Raises
@@ -208,10 +205,9 @@ def validate(
         When the drive runs away in a run.
     """
     v_cmd = command.sample(rig.samples(trapezoid(command).duration))
-    chains = ((plain or loop, None, ()), (loop, compensator, behind))
     without, compensated = (
-        next(runs_of(rig, used, [values], v_cmd, feed=feed, phases=phases, behind=more))
-        for used, values, more in chains
+        next(runs_of(rig, used, [values], v_cmd, feed=feed, phases=phases))
+        for used, values in ((plain or loop, None), (loop, compensator))
     )
     for run in (*without, *compensated):
         for v in run.v.values():
@@ -227,21 +223,17 @@ def runs_of(
     v_cmd: Array,
     feed: Feed = "nominal",
     phases: Sequence[float] = ONCE,
-    behind: Sequence[Compensator] = (),
 ) -> Iterator[list[Run]]:
     """Run a velocity command (n,) [m/s], one value a sample, with each of several compensators.
 
     A simulated drive does so at every phase, and is prepared once.
     """
     if not isinstance(rig, FmuRig):
-        if behind:
-            what = "compensators with feedback run in the drive, not beside it"
-            raise RigError(f"{rig.name}: {what}")
         for compensator in compensators:
             yield [_moved(rig, loop, compensator, v_cmd, feed=feed)]
         return
     connected: dict[str, float] | None = None if compensators[0] is None else {}
-    system = paper_loop(rig.fmus, loop, connected, feed, behind=behind)
+    system = paper_loop(rig.fmus, loop, connected, feed)
     stop, commands = (len(v_cmd) - 1) * rig.T_s, loop.commands(v_cmd)
     starts = beginnings(system, phases) if tuple(phases) != ONCE else [{}]
     with system.prepare(step=rig.T_s, stop=stop, record=RECORD) as simulation:

@@ -8,15 +8,12 @@
 Values are in SI units. The loop has m b tau_i T_s tau_f K_p K_i, and where they are used m_ff,
 the gains L_x L_v L_d of a velocity filter, and K_x velocity_feedforward of a cascade. ``law`` names
 the friction law where it is not LuGre.
-``components`` has compensators that learn while they run, and all their parameters as numbers in
-SI units: {"scale": {"model": "adaptive_scale", "parameters": {"s_0": 0.8, "rate": 0.05, ...}}}.
 Only ``parameters`` is needed to read a file. ``schema`` counts changes of keys: 1, that of files
 without it, has ``judge`` and ``visible`` where 2 has ``criterion`` and ``identifiability``.
 """
 
 import dataclasses
 import math
-import re
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from functools import cached_property
@@ -26,7 +23,7 @@ from typing import Any, cast
 import numpy as np
 
 from stickslip.catalog.parameters import estimated, friction_law, unit_of
-from stickslip.cosim import SignalError, Simulation, Trapezoid
+from stickslip.cosim import SignalError, Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
@@ -49,83 +46,25 @@ from stickslip.learned.writing import (
     TRAPEZOID,
 )
 from stickslip.logs import Recording
-from stickslip.models import Law, Model, StartValueError, UnknownLaw, UnknownModel, load_model
+from stickslip.models import Law, Model, StartValueError, UnknownLaw, load_model
 from stickslip.models.export.units import motion_unit
 from stickslip.servo.axis import LOOP, Axis, Datasheet
-from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed, deployed
+from stickslip.servo.systems import FEEDS, Compensator, Feed, deployed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
-from stickslip.storage.writing import write_json
-from stickslip.trial.guards import Bench, Drive, Evidence, bench_of, family
+from stickslip.trial.benefit import Bench, bench_of
+from stickslip.trial.family import Drive, Evidence, family
 
 _UNITS = {"loop": LOOP_UNITS, "validation": TRAPEZOID, "datasheet": DATASHEET}
-_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
 _UNFIT = (AttributeError, KeyError, TypeError, ValueError, OverflowError)
 """What an entry of the wrong shape raises."""
 
 
-def save_learned(path: Path | str, simulation: Simulation) -> Path:
-    """Write what the compensators of a simulation have learned in its last run to a learned.json.
-
-    Parameters
-    ----------
-    path : of the file, whose other entries are kept; it is made if it is absent
-    simulation : with components that learn; all their parameters are written
-
-    Raises
-    ------
-    UsageError
-        When no component learns, or the file is not a learned.json.
-    SimulationError
-        When nothing was run.
-    OSError
-        When the file cannot be read or written.
-    """
-    path, components, learned = Path(path), {}, simulation.learned()
-    for name, component in simulation.spec.system.components.items():
-        if component.learned.variables:
-            own = [v.name for v in component.variables.values() if v.causality == "parameter"]
-            now = simulation.values([f"{name}.{parameter}" for parameter in own])
-            values = {p: learned.get(f"{name}.{p}", x) for p, x in zip(own, now, strict=True)}
-            components[name] = {"model": component.learned.model, "parameters": values}
-    if not components:
-        raise UsageError(f"{path}: no component of {simulation.spec.system.name} learns")
-    document: dict[str, Any] = {"schema": SCHEMA}
-    if path.exists():
-        document = LearnedFile(path).document
-    document = {**document, "components": components}
-    write_json(document, path)
-    return path
-
-
-def load_learned(path: Path | str) -> dict[str, float]:
-    """Return what compensators have learned, from a learned.json or a winner.json of the arena.
-
-    Returns
-    -------
-    ``component.parameter`` -> start value, for ``System.set`` and ``Simulation.run``
-
-    Raises
-    ------
-    UsageError
-        When the file is not valid, or a model has no such parameter.
-    OSError
-        When the file cannot be read.
-    """
-    return {
-        f"{name}.{variable.name}": variable.start
-        for name, model in LearnedFile(Path(path)).components.items()
-        for variable in model.variables
-        if variable.role == "parameter"
-    }
-
-
 class LearnedFile:
-    """A learned.json, whose entries are checked when they are used, ``components`` at once.
+    """A learned.json, whose entries are checked when they are used; ``document`` is its content.
 
     Raises UsageError when the file, or the entry that is asked for, is not valid, or OSError when
-    the file cannot be read. ``document`` is its content; ``components`` are the compensators that
-    learn while they run: model with its start values, by name.
+    the file cannot be read.
     """
 
     def __init__(self, path: Path) -> None:
@@ -141,7 +80,6 @@ class LearnedFile:
                 f"{path}: schema: expected a number from 1 to {SCHEMA}, got {schema!r:.80}; "
                 "read it with the version of stickslip that wrote it, or learn again"
             )
-        self.components = self._components()
 
     @cached_property
     def law(self) -> Law:
@@ -178,23 +116,6 @@ class LearnedFile:
         if not 0.0 < share <= 1.0:
             raise UsageError(f"{self.path}: share: expected a value from 0 to 1; got {share:g}")
         return share
-
-    @property
-    def behind(self) -> list[Compensator]:
-        """The components, to stand behind the compensator.
-
-        Raises UsageError when one of them cannot.
-        """
-        found = []
-        for name, model in self.components.items():
-            if model.law is not None or name in ("compensator", *COMPONENTS):
-                raise UsageError(
-                    f"{self.path}: components: '{name}' cannot stand behind the compensator, for "
-                    "it contains a friction law, or has the name of another part of the loop"
-                )
-            start = {v.name: v.start for v in model.variables if v.role == "parameter"}
-            found.append(Compensator(name, model.name, start))
-        return found
 
     @property
     def drives(self) -> tuple[Drive, ...]:
@@ -299,11 +220,6 @@ class LearnedFile:
         return entry if isinstance(entry, dict) else {}
 
     @property
-    def standard_errors(self) -> dict[str, float]:
-        """Standard errors of the friction by name in SI units, where the file has them."""
-        return {k: v for k, v in self.drive_errors.items() if k in self.law.parameters}
-
-    @property
     def drive_errors(self) -> dict[str, float]:
         """Standard errors of the friction, m and b by name in SI units, where the file has them."""
         names = (*self.friction, "m", "b")
@@ -405,25 +321,6 @@ class LearnedFile:
                 f"got {entry}"
             )
         return Datasheet(**entry)
-
-    def _components(self) -> dict[str, Model]:
-        """Return the entry ``components``: a model with its start values, by name."""
-        found = {}
-        entries = self.document.get("components", {})
-        try:
-            for name, entry in entries.items():
-                if not _NAME.fullmatch(name):
-                    raise ValueError(f"expected a name of letters, digits and _, got {name!r:.80}")
-                model = load_model(str(entry["model"]), entry.get("law"))
-                if model.ports is None:
-                    raise ValueError(f"{model.name} is not a compensator")
-                values = {key: float(value) for key, value in entry["parameters"].items()}
-                found[name] = model.with_start(values)
-        except (*_UNFIT, StartValueError, UnknownModel, UnknownLaw) as error:
-            raise UsageError(
-                f"{self.path}: components: expected names, each with model and parameters; {error}"
-            ) from None
-        return found
 
     def _drive(self, entry: Mapping[str, Any]) -> Drive:
         """Return an entry of ``family``."""

@@ -107,12 +107,5 @@ def level(p: Mapping[str, float], v: Array | float) -> Array:
     return p["F_c"] + (p["F_s"] - p["F_c"]) * _rest(p, np.abs(v))
 
 
-def slope(p: Mapping[str, float], v: Array | float) -> Array:
-    """Return dg/dv (k,) [N s/m] at speeds (k,) [m/s] above 0."""
-    delta = p.get("delta", 1.0)
-    steep = delta / p["v_s"] * (np.asarray(v) / p["v_s"]) ** (delta - 1.0)
-    return -(p["F_s"] - p["F_c"]) * steep * _rest(p, v)
-
-
 def _rest(p: Mapping[str, float], v: Array | float) -> Array:
     return np.asarray(np.exp(-((np.asarray(v) / p["v_s"]) ** p.get("delta", 1.0))))

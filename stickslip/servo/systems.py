@@ -140,14 +140,13 @@ def paper_loop(
     loop: VelocityLoop,
     compensator: Mapping[str, float] | None,
     feed: Feed = "nominal",
-    behind: Sequence[Compensator] = (),
 ) -> cosim.System:
     """Return Fig. 2a: servo loop, compensator, nominal loop, with the inputs of ``loop.commands``.
 
     Parameters are those of ``feedforward``; a compensator of None runs beside the loop only. A
-    velocity filter takes the compensator's force for known friction. Others may stand ``behind``.
+    velocity filter takes the compensator's force for known friction.
     """
-    chain = [Compensator("compensator", "compensator", compensator or {}), *behind]
+    chain = [Compensator("compensator", "compensator", compensator or {})]
     return build_loop(fmus, loop, chain, feed, connected=compensator is not None)
 
 

@@ -13,7 +13,6 @@ from stickslip.storage.manifest import MANIFEST, Manifest, hash_of, refuse_place
 from stickslip.storage.publishing import READY, complete, files_in
 
 NOTES = {
-    "learning.checkpoint*.json": "of a learning that did not end; continue with <resume>",
     "unfinished/*": "of a study that did not end; continue with <resume>",
     f"{PREFIX}*": "of a process that writes or was killed; the next that writes deletes it",
 }

@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import math
 import shutil
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain, groupby
@@ -25,6 +25,8 @@ import numpy as np
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import friction_law
+from stickslip.cosim import Trapezoid
+from stickslip.fmi.process import temporary_folder
 from stickslip.identification.criteria.runs import Outcome, Runs, bounded
 from stickslip.models import Law
 from stickslip.output import steps
@@ -34,7 +36,18 @@ from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import harm, loop_fit
-from stickslip.trial.family import CREEP, MOVES, SWEEP, Command, Drive, axis_values, in_loop
+from stickslip.trial.family import (
+    CREEP,
+    MOVES,
+    SWEEP,
+    Command,
+    Drive,
+    axis_values,
+    commands,
+    in_loop,
+    onsets,
+    sweep,
+)
 
 SHARES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
 FIGURES = ("velocity", "position")  # what errors are of; that of the position counts in a cascade
@@ -486,6 +499,47 @@ class Bench:
                 break
         beyond = self._tried(variant.share(self.law, best), others)
         return Benefit(best, rows or full, full, unit, variant=variant, beyond=beyond)
+
+
+@contextmanager
+def bench_of(
+    law: Law,  # of the feedforward
+    loop: VelocityLoop,
+    friction: Mapping[str, float],  # as fitted, parameters of the law by name
+    drives: Sequence[Drive],  # see ``family``
+    command: Trapezoid,  # at the highest speed; see ``commands``
+    datasheet: Datasheet,
+    *,
+    feed: Feed = "nominal",
+    workers: int = 1,
+) -> Iterator[Bench]:
+    """Build the loop in which variants are tried."""
+    with temporary_folder() as folder:
+        step, rotary = datasheet.encoder_step, loop.axis.rotary
+        stiffness = loop.K_i + loop.K_p * loop.K_x
+        tried = commands(
+            command,
+            loop.T_s,
+            friction,
+            step,
+            stiffness=stiffness,
+            rotary=rotary,
+            drives=drives,
+        )
+        bench = Bench(
+            folder,
+            law,
+            loop,
+            drives,
+            commands=tried,
+            feed=feed,
+            datasheet=datasheet,
+            workers=workers,
+            onsets=onsets(law, drives, command, step),
+            sweep=sweep(command, loop.T_s, drives, step, stiffness=stiffness),
+        )
+        with closing(bench):
+            yield bench
 
 
 class LoopRuns(ExitStack):

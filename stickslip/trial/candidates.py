@@ -30,7 +30,7 @@ from stickslip.servo.sensitivity import OpenLoop, Response
 from stickslip.servo.systems import Compensator
 from stickslip.thresholds import offer
 from stickslip.trial.benefit import SHARES as FORCES
-from stickslip.trial.guards import Bench, Benefit, Variant, feedforward
+from stickslip.trial.benefit import Bench, Benefit, Variant, feedforward
 from stickslip.trial.observed import (
     BOTH,
     FEEDFORWARD,

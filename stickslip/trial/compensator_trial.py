@@ -17,7 +17,6 @@ from stickslip.identification.criteria.motion import encoder_noise, position_of
 from stickslip.identification.estimation import Estimation, LearnSettings
 from stickslip.identification.fitting.identifiability import (
     IDENTIFIABLE,
-    NOT_IDENTIFIABLE,
     bounded_by,
 )
 from stickslip.logs import Reading, Recording
@@ -28,24 +27,10 @@ from stickslip.servo.observer import masses_between
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 from stickslip.thresholds import control_match, harm
-from stickslip.trial.benefit import RISING
+from stickslip.trial.benefit import NONE, RISING, Benefit, Variant, bench_of, best_of, feedforward
 from stickslip.trial.candidates import CompensatorComparison, compare
-from stickslip.trial.family import deflections, hidden_deflections
-from stickslip.trial.guards import (
-    NONE,
-    Benefit,
-    Drive,
-    Evidence,
-    Hold,
-    Variant,
-    bench_of,
-    best_of,
-    family,
-    feedforward,
-    findings_of,
-    holds,
-    hunting_at_rest,
-)
+from stickslip.trial.family import Drive, Evidence, deflections, family, hidden_deflections
+from stickslip.trial.hold import Hold, holds, hunting_at_rest
 
 
 class Loops(NamedTuple):
@@ -64,7 +49,7 @@ class SimulatedTrial:
     ----------
     command, datasheet, drives : what it was tried on
     benefit : tracking errors with feedforward of the law, and the share of its force that passes
-    warnings : of the guards, a line each
+    warnings : where a cascade does not come to rest, a line each
     compared : all compensators that were tried
     others : the same as ``benefit`` for other ways to compensate
     holds : how a cascade holds its position, by name of the way to compensate; else empty
@@ -131,18 +116,12 @@ def try_compensator(
     law, friction = estimation.law, estimation.compensator
     known = known_friction(estimation, top, settings.friction_range)
     drives = family(law, friction, command, known)
-    errors = {
-        name: estimation.known[name].standard_error
-        for name in estimation.fit.space.friction
-        if estimation.known[name].identifiability != NOT_IDENTIFIABLE
-    }
     rising = soft_rise(friction["F_c"], drives, command, step)
     with bench_of(
         law, loop, friction, drives, command=command, datasheet=sheet, workers=settings.workers
     ) as bench:
         benefits = bench.benefits(feedforwards(law, friction))
         best = best_of(benefits)
-        found = findings_of(bench, friction, best, best.share, standard_errors=errors)
         mass, m = estimation.known["m"], loop.axis.m
         masses = masses_between(mass.low / m, mass.high / m)
         compared = compare(
@@ -156,15 +135,18 @@ def try_compensator(
         )
         tried = {row.name: row.benefit for row in compared.rows if row.benefit}
         held: dict[str, Hold] = {}
+        warnings: list[str] = []
         if loop.K_x and (written := compared.chosen.benefit):
             variant = replace(written.variant, name=compared.chosen.name)
             variant = variant.share(law, written.share)
             held = holds(bench, [NONE, variant])
-            found += hunting_at_rest(held, variant, sheet.encoder_step)
+            warnings = hunting_at_rest(held, variant, sheet.encoder_step)
     others = tuple(one for one in (*benefits, *tried.values()) if one is not best)
-    warnings = tuple(map(str, found))
     return SimulatedTrial(
-        command, sheet, best, compared, warnings=warnings, drives=drives, others=others, holds=held
+        *(command, sheet, best, compared, tuple(warnings)),
+        drives=drives,
+        others=others,
+        holds=held,
     )
 
 

@@ -21,7 +21,7 @@ from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.storage.codec import entry
 from stickslip.thresholds import caution
 from stickslip.trial.benefit import Bench, Variant
-from stickslip.trial.family import Drive, Finding, axis_values, in_loop
+from stickslip.trial.family import Drive, axis_values, in_loop
 
 SHORTEST, LONGEST, PERIODS = 1.0, 20.0, 8.0
 """Of a hold [s], and how many periods of the limit cycle to be expected it has."""
@@ -73,17 +73,16 @@ def holds(bench: Bench, variants: Iterable[Variant]) -> dict[str, Hold]:
     }
 
 
-def hunting_at_rest(found: Mapping[str, Hold], compensated: Variant, step: float) -> list[Finding]:
-    """Return a finding where a drive hunts with a variant; ``found`` has that of none as well."""
+def hunting_at_rest(found: Mapping[str, Hold], compensated: Variant, step: float) -> list[str]:
+    """Return a warning where a drive hunts with a variant; ``found`` has that of none as well."""
     hold, limit = found[compensated.name], caution.SWING * step
     if not hold.hunts(limit):
         return []
-    message = (
-        f"{described(hold)} with the compensator on a drive with {hold.drive}, and"
+    return [
+        f"hunting: {described(hold)} with the compensator on a drive with {hold.drive}, and"
         f" {described(found['none'])} without; expected at most {1e6 * limit:.3g} {hold.unit};"
         " switch the integral off at rest, lower K_i, or raise K_p"
-    )
-    return [Finding("hunting", hold.swing, limit, hold.unit[1:], message=message)]
+    ]
 
 
 def described(hold: Hold) -> str:

@@ -13,8 +13,7 @@ from typing import Final, Literal
 
 from stickslip.servo.axis import ControlError
 from stickslip.servo.systems import Compensator
-from stickslip.trial.benefit import MotionErrors
-from stickslip.trial.guards import Bench, Benefit, Variant
+from stickslip.trial.benefit import Bench, Benefit, MotionErrors, Variant
 
 SHARES = (0.7, 0.5, 0.35, 0.25, 0.15)  # shares of its estimate that are tried after that
 FEEDFORWARD: Final = "feedforward"

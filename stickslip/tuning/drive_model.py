@@ -24,7 +24,6 @@ from stickslip.identification.criteria.runs import Closing
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import kept
 from stickslip.tuning.loop_runs import FEEDFORWARD, PLAIN, LoopBench, LoopRuns
-from stickslip.work.jobs import Execution
 
 PROBES = (
     PLAIN,
@@ -180,7 +179,7 @@ def errors_of(runs: LoopRuns, values: Mapping[str, float] | None = None) -> Arra
 def fit_models(
     bench: LoopBench,
     on_generation: Callable[[ga.Optimiser], object] | None = None,
-    execution: Execution | None = None,
+    workers: int = 1,
 ) -> list[DriveModel]:
     """Run the drive in the loops of ``PROBES``, and find models that err alike, the best first.
 
@@ -192,7 +191,7 @@ def fit_models(
         errors = errors_of(drive)
     with ExitStack() as opened:
         opened.enter_context(threadpool_limits(limits=1, user_api="blas"))
-        executor = opened.enter_context((execution or Execution()).opened())
+        executor = opened.enter_context(ga.executor("threads", workers))
 
         def begun(law: str) -> LawSearch:
             return LawSearch(opened.enter_context(Mismatch(bench, law, errors)))

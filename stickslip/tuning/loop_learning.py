@@ -33,7 +33,6 @@ from stickslip.tuning.loop_runs import (
     by_kind,
 )
 from stickslip.tuning.search import Finalist, Ratios, best_of, choose, mean_of, search
-from stickslip.work.jobs import Execution
 
 LEVELS = (0.7, 1.3)  # friction of the models over the drive's own: temperature and wear
 QUIET = 0.75  # weight of the change of the force, for heat and noise, beside an error
@@ -173,16 +172,15 @@ def what_is_left(study: LoopStudy) -> float:
 def learn_loop(
     study: LoopStudy,
     on_generation: Callable[[ga.Optimiser], object] | None = None,
-    execution: Execution | None = None,
+    workers: int = 1,
 ) -> LearnedLoop:
     """Search the loop, run the best candidates again, and choose.
 
-    Raises ga.NothingLearned, ga.StateError, ga.Interrupted as ``ga.learn``.
+    Raises ga.NothingLearned, ga.Interrupted as ``ga.learn``.
     """
     algorithm = study.optimiser()
     with LoopCost(study) as cost:
-        about = f"loop, feed {study.feed}, {len(cost.v_cmd)} samples"
-        search(algorithm, cost, execution or Execution(), on_generation, about=about)
+        search(algorithm, cost, workers, on_generation)
         return _choose(study, cost, algorithm)
 
 

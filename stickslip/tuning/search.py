@@ -17,7 +17,6 @@ from threadpoolctl import threadpool_limits
 from stickslip import ga
 from stickslip.ga.execution.evaluation import Evaluate
 from stickslip.thresholds import kept
-from stickslip.work.jobs import Execution
 
 POWER = 8
 """Exponent of the mean over the ratios: with 8, one that is a quarter smaller than the largest
@@ -50,26 +49,13 @@ def mean_of(ratios: Ratios) -> float:
 def search(
     algorithm: ga.Optimiser,
     cost: Evaluate,
-    execution: Execution,
+    workers: int,  # candidates side by side
     on_generation: Callable[[ga.Optimiser], object] | None = None,
-    *,
-    about: str = "",
 ) -> None:
-    """Search, with the workers and the checkpoint of an execution.
-
-    Raises ga.NothingLearned, ga.StateError, ga.Interrupted as ``ga.learn``.
-    """
+    """Search; raise ga.NothingLearned, ga.Interrupted as ``ga.learn``."""
     one_thread = threadpool_limits(limits=1, user_api="blas")  # matrices are small, workers many
-    with one_thread, execution.opened() as executor:
-        ga.learn(
-            algorithm,
-            cost,
-            executor,
-            on_generation,
-            checkpoint=execution.checkpoint,
-            resume=execution.resume,
-            about=about,
-        )
+    with one_thread, ga.executor("threads", workers) as executor:
+        ga.learn(algorithm, cost, executor, on_generation)
 
 
 def best_of(algorithm: ga.Optimiser) -> list[dict[str, float]]:

@@ -6,11 +6,10 @@ import os
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future
-from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, replace
+from concurrent.futures import Future
+from contextlib import contextmanager
+from dataclasses import dataclass
 from multiprocessing import parent_process
-from pathlib import Path
 from typing import TypeVar
 
 from threadpoolctl import threadpool_limits
@@ -23,28 +22,12 @@ from stickslip.ga.execution.evaluation import ALONE, DIED, received
 
 @dataclass(frozen=True)
 class Execution:
-    """Where and how safely learning runs; none of it changes a result."""
+    """Where and how safely jobs run; none of it changes a result."""
 
-    # candidates side by side; also, in threads, the runs of an experiment while what a search found
-    # is fitted
-    workers: int = 1
-    # of candidates: ``threads``, ``processes``, ``local`` or the address of a Dask scheduler, see
-    # ``ga.executor``
+    workers: int = 1  # jobs side by side
+    # ``threads``, ``processes``, ``local`` or the address of a Dask scheduler, see ``ga.executor``
     where: str = "threads"
-    checkpoint: Path | None = None  # what was learned so far, kept after every generation
-    resume: bool = False  # go on from the checkpoint, if it exists
-
-    def of_seed(self, seed: int, seeds: int) -> Execution:
-        """Return how one of several searches runs: with a checkpoint of its own."""
-        path = self.checkpoint
-        if seeds == 1:
-            return self
-        own = path and path.with_name(f"{path.stem}.seed{seed}{path.suffix}")
-        return replace(self, checkpoint=own)
-
-    def opened(self) -> AbstractContextManager[Executor | None]:
-        """Return the workers as a context, to be entered when there is work."""
-        return ga.executor(self.where, self.workers)
+    resume: bool = False  # go on from the results that an interrupted run has kept
 
 
 def processors() -> int:

@@ -21,7 +21,6 @@ from stickslip.rigs.fmu import FmuRig, rig_of
 from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
-from stickslip.work.jobs import Execution
 from tests.cosim.single import repacked
 from tests.kept import kept
 
@@ -47,7 +46,7 @@ def without_pictures(monkeypatch):
 
 
 def reproduced(fmus: Path) -> Reproduction:
-    return with_motions(reproduce(Options(seeds=1), fmus, SILENT, Execution(2)), fmus)
+    return with_motions(reproduce(Options(seeds=1), fmus, SILENT, 2), fmus)
 
 
 @pytest.fixture(scope="session")

@@ -233,8 +233,7 @@ def _search(
     fits, algorithms, rows = [], [], []
     how, first, seeds = task.settings.search, task.settings.seed, task.settings.seeds
     for seed in range(first, first + seeds):
-        own = replace(how, execution=how.execution.of_seed(seed, seeds))
-        algorithm = search(inverse, start, seed, own, on_generation=on_generation)
+        algorithm = search(inverse, start, seed, how, on_generation=on_generation)
         values = solve_linear(inverse, start, algorithm.best.values)
         found = best_fit(inverse, start, values, compared)
         found = found if start.rise else without_stribeck(inverse, found)

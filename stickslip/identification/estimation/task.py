@@ -64,7 +64,7 @@ class LearnSettings:
     @property
     def workers(self) -> int:
         """Number of parallel runs of an experiment."""
-        return self.search.execution.workers
+        return self.search.workers
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from stickslip.identification.fitting.start import Start
 from stickslip.output import steps
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import law_choice
-from stickslip.work.jobs import Execution
 
 EVALUATIONS = 300  # enough to reach the basin of the minimum; a local fit follows
 PATIENCE = 100
@@ -44,7 +42,8 @@ class Search:
 
     algorithm: str = "default"  # one of ``ga.ALGORITHMS``
     evaluations: int = EVALUATIONS  # at most
-    execution: Execution = field(default_factory=Execution)  # where, and the checkpoint
+    # candidates side by side; also the runs of an experiment while what was found is fitted
+    workers: int = 1
 
 
 def search(
@@ -58,27 +57,17 @@ def search(
 
     m, b and F_0 follow from each candidate by linear least squares.
 
-    Raises ga.NothingLearned when no candidate could be run, ga.StateError when the checkpoint is of
-    another run, or is there and not to be resumed, and ga.Interrupted at Ctrl-C.
+    Raises ga.NothingLearned when no candidate could be run, and ga.Interrupted at Ctrl-C.
     """
     limits = ga.Limits(evaluations=how.evaluations, patience=PATIENCE)
     algorithm = ga.optimiser(how.algorithm, problem(start), limits, seed)
     names = [f"compensator.{name}" for name in start.space.friction]
     cost = ForceCost(model, start.line["delay"])
-    recorded = np.concatenate([model.t, model.force, model.motion.v]).tobytes()
     with (
         ga.SimulatedCost(model.specification, names, cost, model.inputs) as evaluate,
-        how.execution.opened() as executor,
+        ga.executor("threads", how.workers) as executor,
     ):
-        ga.learn(
-            algorithm,
-            evaluate,
-            executor,
-            on_generation,
-            checkpoint=how.execution.checkpoint,
-            resume=how.execution.resume,
-            about=hashlib.sha256(recorded).hexdigest(),
-        )
+        ga.learn(algorithm, evaluate, executor, on_generation)
     return algorithm
 
 

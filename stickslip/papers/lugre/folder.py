@@ -21,9 +21,8 @@ from stickslip.learned.writing import (
     versions,
 )
 from stickslip.papers.lugre.fmpy_check import SecondOpinion, second_opinion
+from stickslip.papers.lugre.page import FIG5, study_section, write_report
 from stickslip.papers.lugre.page import FILES as REPORT
-from stickslip.papers.lugre.page import write_report
-from stickslip.papers.lugre.page.as_published import FIG5, study_section
 from stickslip.papers.lugre.published import START, TABLES, PublishedStudy
 from stickslip.papers.lugre.reproduction import Options, Reproduction
 from stickslip.presentation.page import picture_files, write_page
@@ -90,7 +89,7 @@ def _build(
     one: Compensator, loop: VelocityLoop, options: Options, folder: Path, called: str = FMU
 ) -> Path:
     """Build the FMU of a feedforward, from the commands of a loop to its force."""
-    block = deployed(one, loop if options.feed == "nominal" else None, loop.T_s)
+    block = deployed(one, loop, loop.T_s)
     return models.build_fmu(block.model, folder, start=block.values, law=options.law, called=called)
 
 
@@ -119,7 +118,6 @@ def command_of(options: Options, **more: object) -> dict[str, object]:
         "set": {f"drive.{name}": value for name, value in options.truth.items()},
         "seed": options.seed,
         "preset": options.preset,
-        "feed": options.feed,
         "coarse": dict(options.coarse),
         **({} if options.law == "lugre" else {"law": options.law}),
         **more,
@@ -156,7 +154,7 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
         "runs": learned.runs,
         "seed": options.seed,
         "preset": options.preset,
-        "feed": options.feed,
+        "feed": "nominal",
         "loop": loop_document(reproduction.identification.loop),
         "loop_learning": _loop_learning_entry(reproduction),
         "validation": validation_document(VALIDATION),

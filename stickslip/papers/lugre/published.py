@@ -16,7 +16,7 @@ import pandas as pd
 from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, UNITS
 from stickslip.evaluation.comparison import Entry, Evaluation, evaluate
-from stickslip.evaluation.motions import MOTIONS, TRAINING
+from stickslip.evaluation.motions import TRAINING
 from stickslip.evaluation.validation import PHASES, summary
 from stickslip.fmi.process import Threads
 from stickslip.identification.stages import Identification
@@ -24,7 +24,6 @@ from stickslip.papers.lugre.loop_tuning import courses
 from stickslip.papers.lugre.steps import UNCOMPENSATED
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.measurement import Array
-from stickslip.servo.systems import Feed
 from stickslip.tuning.learning import Study, VelocityCost, coarsened, draw_factors, genes
 from stickslip.tuning.refinement import refine
 
@@ -122,7 +121,6 @@ def study_as_published(
     identification: Identification,
     seeds: Sequence[int],
     *,
-    feed: Feed = "nominal",  # what drives the compensator
     workers: int = 1,
     settings: ga.Settings = ga.PAPER,  # of the algorithm as published
     on_stage: Callable[[str], object] = lambda _: None,
@@ -136,11 +134,11 @@ def study_as_published(
     methods = (START, OURS, LOGARITHMIC, SQUARES)
     v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
     studies = {
-        seed: Study(rig, loop, coarsened(identification.estimates, draw_factors(seed)), v_cmd, feed)
+        seed: Study(rig, loop, coarsened(identification.estimates, draw_factors(seed)), v_cmd)
         for seed in seeds
     }
     on_stage(f"learning as published and by least squares, {len(seeds)} seeds")
-    with rig.cost_of(v_cmd, loop, VelocityCost(rig.T_s), feed) as cost, Threads(workers) as threads:
+    with rig.cost_of(v_cmd, loop, VelocityCost(rig.T_s)) as cost, Threads(workers) as threads:
 
         def learn(task: tuple[str, int]) -> SeedRun:
             method, seed = task
@@ -161,7 +159,7 @@ def study_as_published(
     for name, runs in named.items():
         first, *others = (one.parameters for one in runs)
         entries[name] = Entry(loop, first, others)
-    evaluation = evaluate(rig, entries, feed, MOTIONS, PHASES, workers)
+    evaluation = evaluate(rig, entries, phases=PHASES, workers=workers)
     return PublishedStudy(named, studies[seeds[0]].cost_without(), evaluation)
 
 

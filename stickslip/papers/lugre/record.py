@@ -16,9 +16,7 @@ from stickslip.identification.estimation import Estimation, LearnSettings, Searc
 from stickslip.logs import Recording, check_recording
 from stickslip.output import Progress
 from stickslip.papers.lugre.folder import command_of, write_loop
-from stickslip.papers.lugre.page.diagrams import draw_loops
-from stickslip.papers.lugre.page.section import section
-from stickslip.papers.lugre.page.validation import validation_section
+from stickslip.papers.lugre.page import loops_section, validation_section
 from stickslip.papers.lugre.reproduction import BaseResult, Options, build_rig, validated
 from stickslip.papers.lugre.tables import table2_of_recording
 from stickslip.presentation.page import Section, picture_files
@@ -36,7 +34,6 @@ from stickslip.studies.learn.page import FILES as REPORT
 from stickslip.studies.learn.page import write_estimation_report
 from stickslip.studies.learn.recorded import gains_of, record_drive
 from stickslip.trial.compensator_trial import Loops
-from stickslip.work.jobs import Execution
 
 
 @dataclass(frozen=True)
@@ -82,11 +79,11 @@ def learn_from_recording(
 
 
 def reproduce_from_recording(
-    options: Options, fmus: Path, progress: Progress, execution: Execution | None = None
+    options: Options, fmus: Path, progress: Progress, workers: int = 1
 ) -> RecordReproduction:
     """Run the whole; FMUs are built into the folder ``fmus``. Raises as ``reproduce``."""
     rig = build_rig(options, fmus, progress)
-    search = Search(options.preset, execution=execution or Execution())
+    search = Search(options.preset, workers=workers)
     learned = learn_from_recording(rig, options.seed, search, progress)
     return RecordReproduction(**vars(validated(options, rig, learned, progress)))
 
@@ -125,10 +122,9 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
 
 
 def _sections(reproduction: RecordReproduction) -> list[Section]:
-    loop = reproduction.learned.designed.plain
-    draw = partial(draw_loops, loop, reproduction.truth, reproduction.options)
-    loops = section("The loops", "record", reproduction, {"fig2_loops": draw})
-    return [validation_section(reproduction.validation), loops]
+    validation = reproduction.validation
+    loops = loops_section("The loops", "record", reproduction)
+    return [validation_section(validation, validation.table()), loops]
 
 
 def _table(recording: Recording) -> pd.DataFrame:

@@ -25,14 +25,13 @@ from stickslip.papers.lugre.steps import with_steps
 from stickslip.papers.lugre.tables import table2
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
-from stickslip.servo.systems import Changes, Feed, build_fmus, build_loop, drive_law, paper_loop
+from stickslip.servo.systems import Changes, build_fmus, build_loop, drive_law, paper_loop
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.studies.learn.learned import Learned
 from stickslip.studies.learn.rig_learning import LearnedOnRig, learn_on_rig
 from stickslip.tuning.drive_model import fit_models
 from stickslip.tuning.loop_learning import LoopStudy, learn_loop, what_is_left
 from stickslip.tuning.refinement import Refinement
-from stickslip.work.jobs import Execution
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,6 @@ class Options:
     # what searches, a name in ``ga.ALGORITHMS``; ``default`` is CMA-ES for the loop, and our
     # genetic algorithm for a recording
     preset: str = "default"
-    feed: Feed = "nominal"  # what drives the compensator
     # how many seeds search the loop and learn as published, ``seed`` the first; 0 for no loop
     seeds: int = 5
     complete: bool = False  # take all steps: learn as published and from one recording, too
@@ -110,7 +108,7 @@ class Reproduction(BaseResult):
     def learned_system(self) -> cosim.System:
         """Return the loop that was learned, as a system of FMUs."""
         best, fmus = self.loops.best.tuned, self.loops.study.rig.fmus
-        return build_loop(fmus, best.loop, best.chain(), self.options.feed)
+        return build_loop(fmus, best.loop, best.chain())
 
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was found."""
@@ -148,32 +146,22 @@ def validated(options: Options, rig: FmuRig, learned: Learned, progress: Progres
     """
     plain, loop, _ = learned.designed
     progress.stage("validating")
-    validation = validate(
-        rig, loop, learned.friction, VALIDATION, options.feed, plain, phases=PHASES
-    )
-    system = paper_loop(rig.fmus, loop, learned.friction, options.feed)
+    validation = validate(rig, loop, learned.friction, VALIDATION, plain=plain, phases=PHASES)
+    system = paper_loop(rig.fmus, loop, learned.friction)
     return BaseResult(options, drive_truth(options.truth, options.law), learned, validation, system)
 
 
-def reproduce(
-    options: Options, fmus: Path, progress: Progress, execution: Execution | None = None
-) -> Reproduction:
+def reproduce(options: Options, fmus: Path, progress: Progress, workers: int = 1) -> Reproduction:
     """Run the whole paper; FMUs are built into the folder ``fmus``, which must stay.
 
     Raises ModelError, ToolchainError, or IdentificationError, ControlError when the drive does not
     show what is looked for, or its loop cannot be designed.
     """
     rig = build_rig(options, fmus, progress)
-    found = learn_on_rig(
-        rig,
-        feed=options.feed,
-        seed=options.seed,
-        coarse=options.coarse,
-        progress=progress,
-    )
+    found = learn_on_rig(rig, seed=options.seed, coarse=options.coarse, progress=progress)
     searched = None
     if options.seeds:
-        searched = _tuned(options, rig, found, progress, execution or Execution())
+        searched = _tuned(options, rig, found, progress, workers)
     result = validated(options, rig, found, progress)
     return Reproduction(
         **vars(result),
@@ -186,21 +174,20 @@ def reproduce(
 
 
 def _tuned(
-    options: Options, rig: FmuRig, found: LearnedOnRig, progress: Progress, execution: Execution
+    options: Options, rig: FmuRig, found: LearnedOnRig, progress: Progress, workers: int
 ) -> LoopTuning:
     """Let the genetic algorithm learn the loop, and find out what each step brings."""
     paper = found.identification.loop
-    study = LoopStudy(rig, tuned_pi(paper), found.friction, options.feed)
+    study = LoopStudy(rig, tuned_pi(paper), found.friction)
     if options.preset != "default":
         study = replace(study, algorithm=options.preset)
     progress.stage("modelling the drive in loops")
-    study = replace(study, models=fit_models(study, progress.generation, execution))
+    study = replace(study, models=fit_models(study, progress.generation, workers))
     searched = with_law_found(study, options, progress)
     learned = []
     for seed in options.all_seeds:
         progress.stage(f"learning the loop, seed {seed}")
-        own, how = replace(searched, seed=seed), execution.of_seed(seed, options.seeds)
-        learned.append(learn_loop(own, progress.generation, how))
+        learned.append(learn_loop(replace(searched, seed=seed), progress.generation, workers))
     progress.stage("what each step brings")
     identified = {name: one.value for name, one in found.start.items()}
     return validate_loops(
@@ -212,7 +199,7 @@ def _tuned(
         identified,
         learned,
         runs=found.refinement.runs,
-        workers=execution.workers,
+        workers=workers,
     )
 
 

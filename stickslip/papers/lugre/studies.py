@@ -16,35 +16,28 @@ from stickslip.papers.lugre.record import learn_from_recording
 from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, reproduce
 from stickslip.papers.lugre.steps import TRAPEZOID, steps, with_steps
 from stickslip.studies.learn.learned import Learned
-from stickslip.work.jobs import Execution
 
 
 def with_studies(
     reproduction: Reproduction,
     fmus: Path,  # folder of its FMUs
     progress: Progress,
-    execution: Execution,  # its checkpoint is left as it is
+    workers: int,
 ) -> Reproduction:
     """Return a reproduction with what is compared with it."""
     options, found = reproduction.options, reproduction.identification
-    own = replace(execution, checkpoint=None, resume=False)
-    extras = reproduce_with_extras(options, fmus / "extras", progress, own)
+    extras = reproduce_with_extras(options, fmus / "extras", progress)
     rig = options.rig(fmus)
     study = recorded = None
     if options.complete:
         study = study_as_published(
-            rig,
-            found,
-            options.all_seeds,
-            feed=options.feed,
-            workers=own.workers,
-            on_stage=progress.stage,
+            rig, found, options.all_seeds, workers=workers, on_stage=progress.stage
         )
-        search = Search(options.preset, execution=own)
+        search = Search(options.preset, workers=workers)
         recorded = learn_from_recording(rig, options.seed, search, progress)
     progress.stage("all motions")
     studied = replace(reproduction, extras=extras, published=study)
-    return with_motions(studied, fmus, recorded, execution.workers)
+    return with_motions(studied, fmus, recorded, workers)
 
 
 def with_motions(
@@ -54,7 +47,7 @@ def with_motions(
     options, study = reproduction.options, reproduction.published
     entries = steps(reproduction.identification, reproduction.learned, recorded)
     rig = options.rig(fmus)
-    motions = evaluate(rig, entries, options.feed, phases=PHASES, workers=workers)
+    motions = evaluate(rig, entries, phases=PHASES, workers=workers)
     if study is not None:
         coarse = {"as_published": OURS, "least_squares_coarse": SQUARES}
         of_seeds = {name: study.evaluation.errors[method] for name, method in coarse.items()}
@@ -62,9 +55,7 @@ def with_motions(
     return replace(reproduction, motions=motions)
 
 
-def reproduce_with_extras(
-    options: Options, fmus: Path, progress: Progress, execution: Execution
-) -> Extras:
+def reproduce_with_extras(options: Options, fmus: Path, progress: Progress) -> Extras:
     """Take the steps on the drive with all effects on; ``fmus`` is made."""
     fmus.mkdir()
     stages = _ExtrasProgress(progress)
@@ -72,10 +63,8 @@ def reproduce_with_extras(
     effects = {v.name: True for v in parameters if v.type == "boolean"}
     options = replace(options, seeds=0, truth={**options.truth, **effects})
     try:
-        found = reproduce(options, fmus, stages, execution)
+        found = reproduce(options, fmus, stages)
         return Extras(step_by_step(found, fmus))
-    except ga.Interrupted:  # its message is that of a search without a checkpoint
-        raise KeyboardInterrupt from None
     except Fault as fault:
         return Extras(None, reason=str(fault))
 
@@ -85,7 +74,7 @@ def step_by_step(found: Reproduction, fmus: Path) -> pd.DataFrame:
     options = found.options
     rig = options.rig(fmus)
     entries = steps(found.identification, found.learned)
-    evaluation = evaluate(rig, entries, options.feed, [TRAPEZOID], PHASES)
+    evaluation = evaluate(rig, entries, motions=[TRAPEZOID], phases=PHASES)
     return with_steps(found.validation.table(), evaluation)
 
 

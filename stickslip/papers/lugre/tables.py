@@ -35,6 +35,7 @@ from stickslip.presentation.quantity import (
     symbol,
 )
 from stickslip.presentation.table import Column, Row, Table
+from stickslip.tuning.loop_runs import GENES
 from stickslip.tuning.refinement import Refinement
 
 
@@ -162,22 +163,31 @@ def parameters(found: pd.DataFrame) -> Table:
     return Table.of(columns, found)
 
 
-def print_table4(found: pd.DataFrame) -> None:
-    """Print Table 4 on a terminal, with the velocity filter where that was tried."""
+def table4(found: pd.DataFrame) -> Table:
+    """Return Table 4, with the velocity filter where that was tried."""
 
     def error(name: str, title: str, digits: int = 3) -> Column:
         def shown(row: Row) -> str:
             ends = [f"{row[end]:.3f}" for end in (f"{name}{LOW}", f"{name}{HIGH}") if end in row]
             return f"{row[name]:.{digits}f}" + (f" ({'-'.join(ends)})" if ends else "")
 
-        return Column(name, shown, title)
+        show = f"{{:.{digits}f}}".format
+        return Column(name, shown, title, title.capitalize(), lambda row: ranged(row, name, show))
 
     def share(name: str, digits: int = 1) -> Column:
-        return Column(name, lambda row: f"{100 * row[name]:.{digits}f} %", "reduction")
+        return Column(
+            name,
+            lambda row: f"{100 * row[name]:.{digits}f} %",
+            "reduction",
+            "Reduction",
+            cell=lambda row: ranged(row, name, partial(percent, digits=digits)),
+        )
 
     columns = [
-        *(Column(name, "", name) for name in ("velocity", "region", "metric")),
-        Column("without", ".3f", "without"),
+        Column("velocity", "", "velocity", ""),
+        Column("region", "", "region", ""),
+        Column("metric", "", "metric", "", cell=lambda row: METRICS[row["metric"]]),
+        error("without", "without"),
         error("with", "with"),
         share("reduction"),
         error("paper_without", "paper: without", 2),
@@ -185,14 +195,18 @@ def print_table4(found: pd.DataFrame) -> None:
         share("paper_reduction", 0),
     ]
     if FILTERED in found:
-        columns.append(error(FILTERED, "velocity filter: with"))
-        columns.append(share(REDUCTION_WITH_FILTER))
+        columns += [error(FILTERED, "velocity filter: with"), share(REDUCTION_WITH_FILTER)]
+    return Table.of(columns, found)
+
+
+def print_table4(found: pd.DataFrame) -> None:
+    """Print Table 4 on a terminal."""
     print(
         "velocity errors in mm/s; loop, ramps and windows were calibrated so that the simulated\n"
         "drive of Table 2, measured, comes near the real stage (paper) without compensation"
         + f"\nmedian of runs from {len(PHASES)} phases of an encoder step, and range"
         * (f"with{LOW}" in found),
-        Table.of(columns, found).text(),
+        table4(found).text(),
         sep="\n",
     )
 
@@ -259,6 +273,25 @@ def searches(loops: LoopTuning) -> Table:
     )
     found: dict[Any, Any] = loops.by_seed().to_dict("index")
     return Table(columns, [{**found[one.seed], **vars(one)} for one in loops.learned])
+
+
+def genes(loops: LoopTuning) -> Table:
+    """Return what was learned of the loop, by the best seed and over all."""
+    columns = (
+        Column("gene", head="Gene"),
+        Column("lower", head="From"),
+        Column("upper", head="to"),
+        Column("best", head="Least cost", digits=3),
+        Column("least", head="Least of all seeds", digits=2),
+        Column("largest", head="Largest", digits=2),
+    )
+    rows = []
+    for gene in GENES:
+        found = [one.genes[gene.name] for one in loops.learned]
+        best = loops.best.genes[gene.name]
+        ends = {"best": best, "least": min(found), "largest": max(found)}
+        rows.append({"gene": gene.name, "lower": gene.lower, "upper": gene.upper, **ends})
+    return Table(columns, rows)
 
 
 METHODS = {

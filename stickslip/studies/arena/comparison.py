@@ -8,25 +8,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
 
 from stickslip.compensators.entrants import default_names, own_part
 from stickslip.errors import UsageError
 from stickslip.fmi.process import temporary_folder
-from stickslip.presentation.style import WITH, WITHOUT
 from stickslip.storage import reserved
 from stickslip.studies.arena import STARTS, TUNINGS, Budget
 from stickslip.studies.arena.drive_names import require_drives
 from stickslip.studies.arena.drives import default_drives, learned_drive, read_drives
+from stickslip.studies.arena.page import draw_heat_map, maps_of
 from stickslip.studies.arena.protocol import Arena, Plan, run_arena
 from stickslip.studies.arena.table import ALL, arena_table, medians, ranking, relative_errors
 from stickslip.studies.arena.writing import FILES, write_arena
 from stickslip.work.jobs import Execution
-
-_DEEP = 3.0  # Factor on the error at which the colour of a cell is the deepest
 
 
 def make_plan(
@@ -123,16 +119,13 @@ class Comparison:
         from matplotlib import pyplot as plt  # late, for workers that draw nothing
 
         plan = self.arena.plan
-        nominal = plan.nominal
-        maps = {"tuned on the drive itself": self.errors()}
-        if nominal is not None:
-            maps[f"tuned on {nominal.name}, carried over"] = self.errors(carried=True)
+        maps = maps_of(plan, self.table)
         size = (1.6 + len(maps) * (1.2 + 0.9 * len(plan.drives)), 1.4 + 0.4 * len(plan.entrants))
         figure, grid = plt.subplots(
             1, len(maps), sharey=True, squeeze=False, figsize=size, layout="constrained"
         )
         for axes, (title, wide) in zip(grid[0], maps.items(), strict=True):
-            _heat_map(axes, wide, title)
+            draw_heat_map(axes, wide, title)
         figure.supxlabel(
             f"error relative to that of {plan.reference}, tuned on the same drive; below 1 is"
             " better",
@@ -199,20 +192,3 @@ def arena(
             lambda done, of, cell: progress(done, of, cell.name),
         )
     return Comparison(found, arena_table(found))
-
-
-def _heat_map(axes: Axes, wide: pd.DataFrame, title: str) -> None:
-    """Draw errors on a logarithmic scale of colours, with their numbers."""
-    colours = LinearSegmentedColormap.from_list("errors", [WITH, "#ffffff", WITHOUT])
-    depth = np.log(_DEEP)
-    values = np.log(wide.to_numpy(float))
-    axes.imshow(values, colours, norm=TwoSlopeNorm(0.0, -depth, depth), aspect="auto")
-    for (row, column), value in np.ndenumerate(wide.to_numpy(float)):
-        dark = value < np.exp(-0.6 * depth)
-        text = f"{value:.2f}" if np.isfinite(value) else "–"
-        ink = "white" if dark else "black"
-        axes.text(column, row, text, ha="center", va="center", color=ink)
-    axes.set_xticks(range(wide.shape[1]), list(wide.columns))
-    axes.set_yticks(range(wide.shape[0]), list(wide.index))
-    axes.tick_params(length=0)
-    axes.set_title(title, fontsize="medium")

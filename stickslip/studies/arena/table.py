@@ -149,12 +149,10 @@ def budget_text(plan: Plan) -> str:
     return f"{plan.budget.evaluations} evaluations, {plan.budget.seconds:g} s of motion"
 
 
-def settings_text(plan: Plan) -> str:
-    """Return the options that give the cells of a plan again."""
-    budget = plan.budget
-    options = {"evaluations": budget.evaluations, "seconds": budget.seconds}
-    options |= {"seeds": plan.starts, "seed": plan.seed, "tunings": plan.tunings}
-    return " ".join(f"--{name} {value:g}" for name, value in options.items())
+def robust(table: pd.DataFrame) -> set[tuple[str, str, str]]:
+    """Return drive, entrant, and drive that it was tuned on where Ms is within the limit."""
+    rows = table[(table["metric"] == "Ms") & (table["median"] <= offer.SENSITIVITY)]
+    return set(rows[["drive", "compensator", "tuned_on"]].itertuples(index=False, name=None))
 
 
 def _law(plan: Plan, drive: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -22,8 +21,6 @@ from stickslip.studies.arena.drives import STEPS, Changes
 from stickslip.studies.arena.metrics import ERROR, RECORDED, Trace, figures
 from stickslip.studies.arena.motion_commands import COMMANDS, Command
 
-TURN = 240  # Points along a circle
-POINTS = 240  # Intervals of a time plot, each with its least and its greatest value
 FEW = 3  # Runs at most on each changed drive
 ROBUSTNESS, RESOLUTION = "T", "R"
 """Commands on which a drive is changed: its friction, mass and lag; its encoder and its noise."""
@@ -40,11 +37,6 @@ class ValidationResult:
     """What an entrant did, as plain data."""
 
     figures: Figures = field(default_factory=dict)  # a value for each start
-    # command -> least and greatest error in each interval of the first run, of the velocity [um/s]
-    # or, in the position loop, of the position [nm]
-    plots: dict[str, list[int]] = field(default_factory=dict)
-    # position error [nm] along one turn of the first circle, from a reversal on
-    circle: list[int] = field(default_factory=list)
     reason: str = ""  # why a run failed; its errors are infinite
 
     def add(self, other: ValidationResult) -> None:
@@ -56,7 +48,7 @@ class ValidationResult:
     def document(self) -> dict[str, Any]:
         """Return it as JSON takes it."""
         rows = [[*key, values] for key, values in self.figures.items()]
-        return {"values": rows, "plots": self.plots, "circle": self.circle, "reason": self.reason}
+        return {"values": rows, "reason": self.reason}
 
 
 def validate(
@@ -80,18 +72,12 @@ def validate(
         sampled = {command.name: command.sample(loop.T_s) for command in chosen}
         with Course(fmus, loop, one, max(map(len, sampled.values())), RECORDED) as course:
             for command in chosen:
-                for k, run in enumerate(_runs(course, tuned, sampled, command.name, starts, step)):
+                for run in _runs(course, tuned, sampled, command.name, starts, step):
                     if isinstance(run, cosim.SimulationError):
                         found.reason = found.reason or str(run)
                         continue
                     for metric, (value, unit) in figures(command, run, tuned.loop).items():
                         found.figures.setdefault((command.name, metric, unit), []).append(value)
-                    if k == 0:
-                        gap = 1e9 * run.position_error
-                        shown = gap if command.position else 1e6 * run.velocity_error
-                        found.plots[command.name] = _thinned(shown)
-                        if command.kind == "circle":
-                            found.circle = _turn(gap, command, loop.T_s)
     return found
 
 
@@ -172,18 +158,3 @@ def sensitivities(
         "gain margin": known.gain_margin,
         "phase margin": known.phase_margin,
     }
-
-
-def _turn(error: Array, command: Command, T_s: float) -> list[int]:
-    """Return ``TURN`` values (n,) of an error along the turn that ends with the first circle."""
-    reversals = next(iter(command.motion.regions.values()))
-    begin, half = reversals[-2][0], reversals[-1][0] - reversals[-2][0]
-    t = begin + 2.0 * half * np.arange(TURN) / TURN
-    return [round(float(value)) for value in np.interp(t, T_s * np.arange(len(error)), error)]
-
-
-def _thinned(values: Array) -> list[int]:
-    """Return least and greatest value of each of ``POINTS`` intervals, one after the other."""
-    parts = np.array_split(values, POINTS)
-    ends = [end for part in parts for end in (part.min(), part.max())]
-    return [round(float(end)) if math.isfinite(end) else 0 for end in ends]

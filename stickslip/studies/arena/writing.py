@@ -16,15 +16,20 @@ from stickslip.storage import completed
 from stickslip.storage.codec import encode
 from stickslip.storage.writing import write_json
 from stickslip.studies.arena.drives import Drive
-from stickslip.studies.arena.page import FIGURES, TITLE, marked, sections
+from stickslip.studies.arena.page import FIGURES, TITLE, sections
 from stickslip.studies.arena.protocol import Arena
-from stickslip.studies.arena.table import entrant_table, relative_errors, time_table
+from stickslip.studies.arena.table import (
+    entrant_table,
+    relative_errors,
+    robust,
+    time_table,
+)
 from stickslip.studies.arena.tuning import TuningResult
 
 TABLE, RANKING, TIMES = "arena.csv.gz", "ranking.csv", "time.csv"
 PAGE, FOLDER = "arena.html", "winners"
-FILES = (TABLE, "arena.csv", RANKING, TIMES, PAGE, *picture_files(FIGURES))
-"""What ``write_arena`` writes, or removes, as the table of older versions."""
+FILES = (TABLE, RANKING, TIMES, PAGE, *picture_files(FIGURES))
+"""What ``write_arena`` writes."""
 
 
 def write_arena(arena: Arena, table: pd.DataFrame, folder: Path) -> None:
@@ -38,13 +43,13 @@ def write_arena(arena: Arena, table: pd.DataFrame, folder: Path) -> None:
     command = {"name": "arena", "drives": drives, "compensators": entrants}
     ranking = entrant_table(table, plan).frame()
     tables = {TABLE: table, RANKING: ranking, TIMES: time_table(arena)}
-    errors, beyond = relative_errors(table, plan, carried=False), marked(arena)
+    errors, within = relative_errors(table, plan, carried=False), robust(table)
     with completed(folder, command, FILES, tables) as staging:
-        write_page(staging, TITLE, sections(arena, table), PAGE)
+        write_page(staging, TITLE, sections(plan, table), PAGE)
         for drive in plan.drives:
             ranked = errors[drive.name].dropna().sort_values(kind="stable")
-            robust = [n for n in ranked.index if (drive.name, n, drive.name) not in beyond]
-            for name in robust[:1]:
+            names = [n for n in ranked.index if (drive.name, n, drive.name) in within]
+            for name in names[:1]:
                 error = float(ranked[name])
                 _write_winner(arena, drive, name, error, staging / FOLDER / drive.name)
 

@@ -20,7 +20,6 @@ from stickslip.presentation.markup import Html
 from stickslip.presentation.page import MADE_WITH, Section
 from stickslip.presentation.style import (
     GREY,
-    INK,
     LINE,
     PAGE,
     THIN,
@@ -39,7 +38,7 @@ LOOKS = {
     IDENTIFIABLE: (WITH, WITH, LINE),
 }
 """Colour of the line and of the inside of the dot, and width of the line [pt]."""
-NUMBERS = ("value", "low", "high", "truth")
+NUMBERS = ("value", "low", "high")
 SYMBOLS = {"sigma_0": r"\sigma_0", "sigma_1": r"\sigma_1"}
 COLUMNS = 4
 PITCH = 4.2  # From one drive's line to the next, where there is room [mm]
@@ -54,8 +53,8 @@ def drives_sections(
 ) -> list[Section]:
     """Return the sections of a page on several drives, with a figure of this name.
 
-    The tables have the columns ``tables.PARAMETERS``, optionally truth, and source, which is shown
-    unless it is log, and ``tables.ERRORS``. A drive that failed has a row without a parameter.
+    The tables have the columns ``tables.PARAMETERS`` and ``tables.ERRORS``. A drive that failed has
+    a row without a parameter.
     """
     table = parameters.frame()
     learned = [row for row in parameters.rows if isinstance(row.get("parameter"), str)]
@@ -84,10 +83,9 @@ def drives_sections(
 def drives_figure(table: pd.DataFrame) -> Figure:
     """Return a figure with a panel for each parameter and a line for each drive.
 
-    Values stand with their 95 % intervals; the truth of variants is a bar. What is not identifiable
-    does not set the range of its panel. Drives that failed keep an empty line.
+    Values stand with their 95 % intervals. What is not identifiable does not set the range of its
+    panel. Drives that failed keep an empty line.
     """
-    table = table.assign(**{name: table.get(name, np.nan) for name in ("truth", "source")})
     names = list(dict.fromkeys(table["name"]))
     learned = table[table["parameter"].notna()]
     panels: list[tuple[Any, pd.DataFrame]] = list(
@@ -107,11 +105,9 @@ def drives_figure(table: pd.DataFrame) -> Figure:
         axes.set_title(f"${SYMBOLS.get(parameter, parameter)}$ [{unit}]")
         axes.tick_params(axis="y", labelleft=k % COLUMNS == 0, length=0)
     if first is not None:
-        other = table[table["source"].notna() & (table["source"] != "log")]
-        remarks = dict(zip(other["name"], other["source"], strict=True))
-        remarks |= dict.fromkeys(table["name"][table["parameter"].isna()], "failed")
+        failed = {*table["name"][table["parameter"].isna()]}
         shown = range(0, len(names), -(-len(names) // NAMED))  # of many drives only some
-        labels = [f"{name} ({remarks[name]})" if name in remarks else name for name in names]
+        labels = [f"{name} (failed)" if name in failed else name for name in names]
         first.set_ylim(len(names) - 0.3, -0.7)
         first.set_yticks(list(shown), [labels[k] for k in shown])
     figure.legend(handles=_legend(learned), loc="outside lower center", ncols=4)
@@ -120,7 +116,7 @@ def drives_figure(table: pd.DataFrame) -> Figure:
 
 def _draw(axes: Axes, table: pd.DataFrame, line: Array) -> None:
     """Draw the values of one parameter (n,) on the lines (n,) of their drives."""
-    value, truth = table["value"].to_numpy(float), table["truth"].to_numpy(float)
+    value = table["value"].to_numpy(float)
     low, high = _range(table)
     if low > 0.0 and high > DECADES * low:
         axes.set_xscale("log")
@@ -139,28 +135,20 @@ def _draw(axes: Axes, table: pd.DataFrame, line: Array) -> None:
         axes.plot(ends.ravel(), np.repeat(line[of], 3), color=colour, lw=width)
         (dots,) = axes.plot(value[of], line[of], "o", color=colour, mfc=inside, ms=3.2)
         name_points(dots, table.loc[of, "name"])
-    (bars,) = axes.plot(truth, line, "|", color=INK, ms=8.0, mew=0.8, zorder=1)
-    name_points(bars, [f"truth of {name}" for name in table["name"]])
 
 
 def _range(table: pd.DataFrame) -> tuple[float, float]:
     """Return the least and the greatest of what a panel must show."""
     seen = table[table["identifiability"] != NOT_IDENTIFIABLE]
-    shown = [table["truth"], seen["low"], seen["high"], seen["value"]]
-    if seen.empty:
-        shown.append(table["value"])
-    values = pd.concat(shown).to_numpy(float)
+    shown = table[["value"]] if seen.empty else seen[["low", "high", "value"]]
+    values = shown.to_numpy(float).ravel()
     values = values[np.isfinite(values)]
     return float(values.min()), float(values.max())
 
 
 def _legend(table: pd.DataFrame) -> list[Line2D]:
-    handles = [
+    return [
         Line2D([], [], color=colour, marker="o", ms=3.2, mfc=inside, lw=width, label=level)
         for level, (colour, inside, width) in reversed(LOOKS.items())
         if (table["identifiability"] == level).any()
     ]
-    if table["truth"].notna().any():
-        mark = Line2D([], [], color=INK, marker="|", ms=8.0, mew=0.8, ls="", label="truth")
-        handles.append(mark)
-    return handles

@@ -1,4 +1,4 @@
-"""``stickslip fleet``: learn many drives at once, from a table of logs or drive variants.
+"""``stickslip fleet``: learn many drives at once, from a table of logs.
 
 stickslip fleet logs.csv --out fleet
 """
@@ -29,9 +29,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.description = (
         "Learn the drives of a table in parallel. TABLE is a CSV file with a row "
-        "for each drive: its name, and either log, with config, a TOML file that describes the "
-        "log (both relative to the table), or set, parameters of a simulated drive that is then "
-        "recorded, such as 'drive.m=10 drive.noise=on'."
+        "for each drive: its name, its log and, if needed, config, a TOML file that describes the "
+        "log; both are relative to the table."
     )
     parser.add_argument("table", type=Path, metavar="TABLE")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
@@ -111,6 +110,4 @@ def _print_drives(fleet: Fleet) -> None:
         for name, parameter in document["parameters"].items():
             known[parameter["identifiability"]].append(name)
         parameters = [f"{level}: {' '.join(of)}" for level, of in known.items() if of]
-        print(
-            f"{drive.name:{width}}  {'; '.join([drive.kind, document['criterion'], *parameters])}"
-        )
+        print(f"{drive.name:{width}}  {'; '.join([document['criterion'], *parameters])}")

@@ -12,14 +12,11 @@ from threadpoolctl import threadpool_limits
 from stickslip import ga
 from stickslip.errors import StickslipError
 from stickslip.fmi.files import digest
-from stickslip.identification.estimation import Search
 from stickslip.learned.writing import SCHEMA, versions
 from stickslip.logs import Description, load_description
 from stickslip.output import SILENT, Factors, Progress
-from stickslip.papers.lugre.record import learn_from_recording
-from stickslip.rigs.fmu import rig_of
-from stickslip.studies.fleet.table import Drive, LogSource
-from stickslip.studies.learn.document import log_document, recording_document
+from stickslip.studies.fleet.table import Drive
+from stickslip.studies.learn.document import log_document
 from stickslip.studies.learn.log_learning import learn
 from stickslip.work.jobs import Execution, Job, OnStage, Outcome, ended_by_signals
 from stickslip.work.kept_jobs import KeptJobs
@@ -55,24 +52,17 @@ def learn_drive(drive: Drive, seed: int, on_stage: OnStage | None = None) -> Out
 
 def _document(drive: Drive, seed: int, progress: Progress) -> dict[str, Any]:
     """Return the content of learned.json, with what the checks found."""
-    if isinstance(drive.source, LogSource):
-        config = drive.source.config
-        description = load_description(config) if config else Description()
-        learned = learn(drive.source.log, description, seed=seed, progress=progress)
-        document = log_document(learned)
-    else:
-        with rig_of(drive.source) as rig:
-            learned = learn_from_recording(rig, seed, Search(), progress)
-        document = recording_document(learned)
-    return document | {"findings": [str(finding) for finding in learned.findings]}
+    config = drive.files.get("config")
+    description = load_description(config) if config else Description()
+    learned = learn(drive.files["log"], description, seed=seed, progress=progress)
+    return log_document(learned) | {"findings": [str(finding) for finding in learned.findings]}
 
 
 def _reason(drive: Drive, error: Exception) -> str:
     """Return one line, with paths as the table has them."""
     text = " ".join(str(error).split())
-    if isinstance(drive.source, LogSource):
-        for column, path in (("log", drive.source.log), ("config", drive.source.config)):
-            text = text.replace(str(path), drive.row[column]) if path else text
+    for column, path in drive.files.items():
+        text = text.replace(str(path), drive.row[column])
     expected = isinstance(error, StickslipError)
     return text if expected and text else f"{type(error).__name__}: {text}".rstrip(": ")
 
@@ -118,11 +108,8 @@ def learn_fleet(
 
 def _origin(drive: Drive) -> dict[str, Any]:
     """Return what a result is the result of, beside seed and versions: row and files."""
-    files: dict[str, str | None] = {}
-    if isinstance(drive.source, LogSource):
-        for column, path in (("log", drive.source.log), ("config", drive.source.config)):
-            if path is not None:
-                files[column] = None
-                with suppress(OSError):  # the drive will fail, and say why
-                    files[column] = digest(path)
+    files: dict[str, str | None] = dict.fromkeys(drive.files)
+    for column, path in drive.files.items():
+        with suppress(OSError):  # the drive will fail, and say why
+            files[column] = digest(path)
     return {"fleet": {"row": dict(drive.row), "sha256": files}}

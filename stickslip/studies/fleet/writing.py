@@ -7,7 +7,6 @@ from statistics import median
 from typing import Any
 
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
-from stickslip.papers.lugre.reproduction import drive_truth
 from stickslip.presentation.markup import fill
 from stickslip.presentation.page import Section, picture_files, write_page
 from stickslip.presentation.table import Column, Table
@@ -17,9 +16,9 @@ from stickslip.studies.compare.compared import error_ratios, parameter_rows
 from stickslip.studies.compare.page import drives_sections
 from stickslip.studies.compare.tables import ERRORS, PARAMETER, PARAMETERS, UNIT, value_column
 from stickslip.studies.fleet.study import TABLE, Fleet
-from stickslip.studies.fleet.table import Drive, LogSource
+from stickslip.studies.fleet.table import Drive
 
-COLUMNS = (*PARAMETERS, *map(Column, ("criterion", "source", "truth", "reason")))
+COLUMNS = (*PARAMETERS, *map(Column, ("criterion", "reason")))
 SUMMARY = (
     PARAMETER,
     UNIT,
@@ -31,7 +30,7 @@ PAGE, SUMMARY_TABLE = "fleet.html", "summary.csv"
 
 
 def fleet_table(fleet: Fleet) -> Table:
-    """Return what was learned, in SI units; the truth of variants enters here only.
+    """Return what was learned, in SI units.
 
     ``low`` and ``high`` bound the 95 % interval. A drive that failed has its name and the reason.
     """
@@ -41,12 +40,8 @@ def fleet_table(fleet: Fleet) -> Table:
             rows.append({"name": drive.name, "reason": fleet.reasons[drive.name]})
             continue
         document = fleet.learned[drive.name]
-        truth = {} if isinstance(drive.source, LogSource) else drive_truth(drive.source)
-        further = {"criterion": document["criterion"], "source": drive.kind}
-        rows += [
-            {**row, **further, "truth": truth.get(row["parameter"])}
-            for row in parameter_rows(drive.name, document["parameters"])
-        ]
+        own = parameter_rows(drive.name, document["parameters"])
+        rows += [{**row, "criterion": document["criterion"]} for row in own]
     return Table(COLUMNS, rows)
 
 

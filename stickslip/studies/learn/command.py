@@ -30,9 +30,8 @@ from stickslip.commandline import (
 from stickslip.commandline.assignments import add_law_option
 from stickslip.commandline.execution import (
     add_algorithm_option,
-    add_execution_options,
     add_seed_option,
-    execution_of,
+    add_workers_option,
 )
 from stickslip.commandline.log_options import (
     add_log_argument,
@@ -98,7 +97,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_seed_option(search)
     add_algorithm_option(search)
     add_live_option(search)
-    add_execution_options(add_rare_group(parser, "where the search runs"))
+    add_workers_option(add_rare_group(parser, "where the search runs"), "candidates")
     parser.set_defaults(run=run)
 
 
@@ -184,10 +183,8 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
     from stickslip.studies.learn.log_learning import learn
     from stickslip.studies.learn.verdict import verdict_of
 
-    checkpoint = options.out and options.out / "learning.checkpoint.json"
     with (
         TerminalProgress(live=options.live, findings=options.verbose) as progress,
-        execution_of(options, checkpoint) as execution,
         rig_of(options.rig, options.out, options.law) as (rig, limits),
     ):
         learned = learn(
@@ -199,7 +196,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             criterion=CRITERIA[options.criterion],
             seed=options.seed,
             seeds=options.seeds,
-            search=Search(options.algorithm, execution=execution),
+            search=Search(options.algorithm, workers=options.workers),
             compensator=options.compensator,
             absent=options.without,
             friction_range=tuple(options.friction_range),

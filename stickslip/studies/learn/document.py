@@ -22,8 +22,8 @@ from stickslip.output import plain
 from stickslip.storage.codec import encode, state
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.learned import LearnedFromRecording
+from stickslip.trial.benefit import Benefit
 from stickslip.trial.candidates import Row
-from stickslip.trial.guards import Benefit
 
 
 def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:

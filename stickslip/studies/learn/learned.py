@@ -33,9 +33,9 @@ from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.predicted_logs import PredictedLog
+from stickslip.trial.benefit import Benefit
 from stickslip.trial.candidates import AUTO
 from stickslip.trial.compensator_trial import Loops, SimulatedTrial
-from stickslip.trial.guards import Benefit
 from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
 
 

@@ -60,9 +60,9 @@ from stickslip.studies.learn.learned import LearnedFromRecording, learn_recordin
 from stickslip.studies.learn.predicted_logs import predicted_logs
 from stickslip.studies.learn.recorded import read_rig
 from stickslip.thresholds import control_match, harm
+from stickslip.trial.benefit import bench_of
 from stickslip.trial.candidates import law_of
 from stickslip.trial.compensator_trial import loops_of_log, try_compensator
-from stickslip.trial.guards import bench_of
 from stickslip.trial.observed import BOTH, FEEDFORWARD
 
 SETTLING = 0.02

@@ -38,9 +38,8 @@ from stickslip.presentation.scale import (
 )
 from stickslip.presentation.table import Column, Row, Table, scaled, share, units
 from stickslip.studies.learn.predicted_logs import PredictedLog
-from stickslip.trial.benefit import MotionErrors, by_motion
+from stickslip.trial.benefit import Benefit, MotionErrors, by_motion
 from stickslip.trial.candidates import CompensatorComparison
-from stickslip.trial.guards import Benefit
 
 
 def parameters(estimation: Estimation) -> Table:

@@ -27,7 +27,7 @@ from stickslip.presentation.quantity import SPACE, number
 from stickslip.presentation.scale import WORDS, force_scale, position_scale, velocity_scale
 from stickslip.studies.learn.learned import LearnedFromRecording
 from stickslip.thresholds import offer
-from stickslip.trial.guards import Benefit
+from stickslip.trial.benefit import Benefit
 from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
 
 COMPENSATOR, OBSERVER_FMU = "compensator.fmu", "observer.fmu"

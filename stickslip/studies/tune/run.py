@@ -24,7 +24,6 @@ from stickslip.trial.benefit import FIGURES, Benefit, Rows, Variant
 from stickslip.trial.family import Command
 from stickslip.trial.hold import Hold
 from stickslip.tuning.search import Finalist, Ratios, best_of, choose, search
-from stickslip.work.jobs import Execution
 
 EVALUATIONS = 150  # candidates in a search
 PRESENT, TUNED = "present loop", "tuned loop"
@@ -188,7 +187,7 @@ def tune_drive(
         progress.stage(f"tuning {', '.join(problem.names)}")
         limits = ga.Limits(evaluations=settings.evaluations)
         algorithm = ga.optimiser(settings.algorithm, problem, limits, seed=settings.seed)
-        search(algorithm, cost, Execution(), progress.generation)  # the cost has the workers
+        search(algorithm, cost, 1, progress.generation)  # the cost has the workers
         progress.stage("running the best loops on all drives")
         loops = {f"{TUNED} {k}": start.with_values(g) for k, g in enumerate(best_of(algorithm))}
         loops = {name: one for name, one in loops.items() if cost.excess(one) <= 1.0}

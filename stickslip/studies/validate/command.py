@@ -1,10 +1,7 @@
-"""``stickslip validate``: a learned drive against another log, on a rig, or on the simulated drive.
+"""``stickslip validate``: a learned drive against another log, or on a rig.
 
-With ``--log`` nothing is simulated but the log's own loop. Without it the parameters compensate the
-drive FMU, as in Table 4 of the paper, and the components of learned.json stand behind.
-
-    stickslip validate axis/learned.json --log other.csv
-    stickslip validate axis/learned.json --log with.csv --without plain.csv --out validated
+stickslip validate axis/learned.json --log other.csv
+stickslip validate axis/learned.json --log with.csv --without plain.csv --out validated
 """
 
 from __future__ import annotations
@@ -13,8 +10,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.commandline import FLAG, add_options, require_files, warn, write_files
-from stickslip.commandline.assignments import add_set_option, add_source_option, drive_changes
+from stickslip.commandline import add_options, require_files, warn, write_files
+from stickslip.commandline.assignments import add_source_option
 from stickslip.commandline.log_options import (
     add_log_options,
     add_rig_option,
@@ -48,16 +45,13 @@ def declare(parser: argparse.ArgumentParser) -> None:
         parser, "run a motion without and with the compensator on the drive of this file"
     )
     add_source_option(parser)
-    velocity_filter = "compensate with a Kalman filter for the velocity and feedforward of inertia"
-    add_options(parser, {"--velocity-filter": velocity_filter}, **FLAG)
     add_options(parser, {"--out DIR": "folder for tables, figures and page"}, type=Path)
-    add_set_option(parser)
     add_log_options(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> Answer:
-    """Compare with a log, or evaluate on the simulated drive."""
+    """Compare with a log, or run a motion on a rig."""
     file = one_of("a learned.json", options.learned, options.learned_option)
     require_files(options.log, options.without, options.rig)
     from stickslip.learned.file import LearnedFile
@@ -65,15 +59,12 @@ def run(options: argparse.Namespace) -> Answer:
 
     learned = LearnedFile(file)
     if options.rig:
-        if options.log or options.without or options.set or options.velocity_filter:
-            raise UsageError("--rig: expected none of --log, --without, --set, --velocity-filter")
+        if options.log or options.without:
+            raise UsageError("--rig: expected neither --log nor --without")
         return Answer(_on_rig(options, learned))
-    if options.log is None and options.without is None:
-        return Answer(_on_simulated_drive(options, learned))
-    if options.set or options.velocity_filter:
-        raise UsageError("--set and --velocity-filter are of the simulated drive; not with --log")
     if options.log is None:
-        raise UsageError("--without: expected --log with a log of the same drive, compensated")
+        of = "--without: expected --log with a log of the same drive, compensated"
+        raise UsageError(of if options.without else "expected --log FILE, or --rig FILE.toml")
     if options.without:
         with reserved(options.out, comparison.FILES):
             return Answer(_on_two_logs(options, learned))
@@ -133,7 +124,7 @@ def _on_rig(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
     document = learned.document
     if refusal := document.get("refusal"):
         raise HarmfulError(f"{learned.path}: learn does not recommend it: {refusal}; not run")
-    if learned.behind or {"observer", "feedforward"} & document.keys():
+    if {"observer", "feedforward"} & document.keys():
         law = learned.law.title
         warn(f"only the feedforward of the {law} law is tried, no other compensator of the file")
     compensator, command = learned.compensator, learned.validation
@@ -152,49 +143,3 @@ def _on_rig(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
     files = {"validation.csv": table.to_csv(index=False, lineterminator="\n")}
     write_files(options.out, about, files)
     return {"validation": table}
-
-
-def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
-    """Identify the axis for its loop, run the trapezoid without and with the compensator."""
-    from stickslip.evaluation.motions import VALIDATION
-    from stickslip.evaluation.validation import PHASES, validate
-    from stickslip.identification.stages import identify
-    from stickslip.papers.lugre.reproduction import drive_truth
-    from stickslip.papers.lugre.tables import print_table4
-    from stickslip.rigs.fmu import rig_of
-    from stickslip.servo.axis import LOOP
-    from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
-
-    truth = drive_changes(options.set)
-    drive_truth(truth)
-    compensator, behind = learned.compensator, learned.behind
-    with (
-        reserved(options.out, ["table4.csv"]),
-        rig_of(truth, learned.law.name) as rig,
-        TerminalProgress() as progress,
-    ):
-        loop = plain = identify(rig, LOOP, progress.stage).loop
-        if options.velocity_filter:
-            loop = with_inertia(with_velocity_filter(plain, rig.datasheet, compensator["F_c"]))
-        progress.stage("validating")
-        validation = validate(
-            rig,
-            loop,
-            compensator,
-            VALIDATION,
-            feed=options.feed,
-            plain=plain,
-            behind=behind,
-            phases=PHASES,
-        )
-        table = validation.table()
-        print_table4(table)
-        command = {
-            "name": "validate",
-            "set": {f"drive.{name}": value for name, value in truth.items()},
-            "parameters": compensator,
-            "feed": options.feed,
-        }
-        files = {"table4.csv": table.to_csv(index=False, lineterminator="\n")}
-        write_files(options.out, command, files)
-    return {"table4": table}

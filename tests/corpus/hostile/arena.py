@@ -50,7 +50,6 @@ CASES = [
     _learned("unit", "a Stribeck velocity in mm/s, which would be read as m/s", "learned.json: parameters: v_s is in 'mm/s'; expected m/s", changed("parameters", "v_s", to={"value": 9.6, "unit": "mm/s"}), _EXPORT),
     _learned("newer", "the form of a later version", "learned.json: schema: expected a number from 1 to 2, got 3", changed("schema", to=3), _EXPORT),
     _learned("plateau", "a plateau of -1 s", "learned.json: validation: .*times of 0 or more", changed("validation", "plateau", to={"value": -1.0}), _EXPORT),
-    _learned("word", "a component whose name is a word of structured text", "'IF' is a word of structured text", changed("components", to={"IF": {"model": "adaptive_scale", "parameters": {}}}), "export components --parameters learned.json --as st"),
     Case(25, "manifest-edited", "an interrupted arena of an edited folder", "out/manifest.json: not a manifest of results", _ARENA, {"out/manifest.json": json.dumps({"command": 1})}),
     Case(25, "two-of-one-learned", "one learned drive, twice", "two drives have the same name", f"{_ARENA} --drive learned.json learned.json", {"learned.json": LEARNED.read_bytes()}),
 ]  # fmt: skip

@@ -41,11 +41,10 @@ def _link(path: Path) -> None:
 
 CASES = [
     _case("results-into-a-file", "a file of the name that the folder of results is to have", ".*file: cannot write there .*choose another folder", "identify --out file", {"file": "of someone"}),
-    _case("results-into-a-long-name", "a folder whose name is longer than the file system takes", ".*cannot write there .*choose another folder", f"validate --parameters learned.json --out {'x' * 300}", {"learned.json": LEARNED}),
+    _case("results-into-a-long-name", "a folder whose name is longer than the file system takes", ".*cannot write there .*choose another folder", f"compare learned.json --out {'x' * 300}", {"learned.json": LEARNED}),
     _case("results-of-another-process", "a folder that another process writes at this moment", ".*out: process 4711 is writing there; wait", "reproduce --out out", OUT | {"out/.stickslip-lock": _held}),
     _case("lock-as-a-link", "a lock that is a link to somebody's file", ".*is a symbolic link, expected a plain file", "reproduce --out out", OUT | {"file": "of someone", "out/.stickslip-lock": _link}),
-    _case("two-learnings-one-checkpoint", "the checkpoint of another learning in the folder", ".*learning.checkpoint.seed0.json: an earlier run did not end; continue with --resume", "reproduce --out out", OUT | {"out/learning.checkpoint.seed0.json": "{}"}),
-    _case("two-studies-one-folder", "an unfinished study of a fleet in the folder", ".*unfinished: an earlier study did not end; continue with --resume", "fleet drives.csv --out out", {"drives.csv": "name,set\na,drive.m=9\n", "out/unfinished/manifest.json": '{"command": {"name": "a"}, "sha256": {}}'}),
+    _case("two-studies-one-folder", "an unfinished study of a fleet in the folder", ".*unfinished: an earlier study did not end; continue with --resume", "fleet drives.csv --out out", {"drives.csv": "name,log\na,b.csv\n", "out/unfinished/manifest.json": '{"command": {"name": "a"}, "sha256": {}}'}),
     _case("file-as-a-folder", "a folder of the name that a file is to have", ".*plan.csv: is a folder, expected a plain file", "plan --out plan.csv", {"plan.csv": Path.mkdir}),
     _case("file-as-a-link", "a link of the name that a file is to have", ".*plan.csv: is a symbolic link, expected a plain file", "plan --out plan.csv", {"file": "of someone", "plan.csv": _link}),
     _case("file-below-a-file", "a file where the folder of a file is to be", ".*file.*: Not a directory|.*file.*: File exists", "plan --out file/plan.csv", {"file": "of someone"}),

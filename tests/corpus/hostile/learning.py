@@ -8,20 +8,12 @@ from typing import Any
 
 from tests.corpus.hostile.case import Case, family
 from tests.corpus.hostile.sound import sound
-from tests.corpus.hostile.tables import LOG
 
 LEARNED = Path(__file__).parents[3] / "results" / "paper" / "learned.json"
 
 
 _learned = family(
     23, "learned", "{} --parameters learned.json", file="learned.json", begins="learned.json: .*"
-)
-_resumed = family(
-    23,
-    "checkpoint",
-    "learn --log log.csv --resume --checkpoint run.json --judge inverse",
-    file="run.json",
-    log_csv=LOG,
 )
 _set = family(23, "set", "reproduce --out out --set")
 _fleet = family(23, "fleet", "fleet fleet.csv --out out", file="fleet.csv", begins="fleet.csv: .*")
@@ -61,9 +53,6 @@ DOCUMENTS = [
 ]  # fmt: skip
 
 CHECKPOINTS = [
-    _resumed("text", "a checkpoint that is text", "run.json: this is no checkpoint", b"hello"),
-    _resumed("version", "a checkpoint of another version", "no checkpoint of format", json.dumps({"format": 99, "seed": 0}).encode()),
-    _resumed("seed", "a checkpoint whose seed is text", "its seed is 'x'", json.dumps({"format": 2, "seed": "x"}).encode()),
 ]  # fmt: skip
 
 OPTIONS = [
@@ -82,7 +71,7 @@ FLEETS = [
     _fleet("ragged", "a row that is too long", "row 2: expected 2 cells", b"name,log\na,b,c\n"),
     _fleet("name", "a name that is a path", "row 2, column name", b"name,log\n../a,b\n"),
     _fleet("twice", "two drives of one name", "is there already", b"name,log\na,b\nA,c\n"),
-    _fleet("set", "a variant without a value", "row 2, column set", b"name,set\na,drive.m\n"),
+    _fleet("log", "a drive without a log", "row 2, column log", b"name,log\na,\n"),
     _fleet("binary", "bytes that are no text", "not a CSV file in UTF-8", bytes(range(256))),
 ]  # fmt: skip
 

@@ -21,8 +21,8 @@ from stickslip.evaluation.tracking import (
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.logs import Recording
 from stickslip.servo.axis import LOOP, Axis, Datasheet
-from stickslip.servo.systems import Compensator, build_fmus
-from stickslip.trial.guards import Trial
+from stickslip.servo.systems import Compensator, build_fmus, paper_loop
+from stickslip.trial.family import axis_values, in_loop
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
 VALUES = {**PAPER, "m": AXIS.m, "b": AXIS.b, "F_0": 0.0, "delay": AXIS.tau_i, "delta": 1.0}
@@ -49,9 +49,10 @@ def runs(loop):
 def test_it_moves_like_the_paper_s_loop_of_fmus(loop, runs, compensated, tmp_path):
     build_fmus(tmp_path, {})
     sheet = Datasheet(peak_force=1e9, encoder_step=STEP)
-    trial = Trial(tmp_path, loop, FRICTION, FRICTION, COMMAND, datasheet=sheet)
-    with trial.runs(compensated=compensated) as run:
-        velocity = run.velocity()
+    system = paper_loop(tmp_path, loop, FRICTION if compensated else None)
+    system.parameters |= in_loop({**FRICTION, **axis_values(loop, sheet)})
+    with system.prepare(step=LOOP.T_s, stop=T[-1], record=("drive.v",)) as simulation:
+        velocity = simulation.run(inputs=loop.commands(COMMAND))["drive.v"]
     found = runs[FEEDFORWARD if compensated else NONE].velocity
     error = np.sqrt(np.mean((velocity - COMMAND) ** 2))
     assert np.sqrt(np.mean((found - velocity) ** 2)) < 0.02 * error

@@ -23,7 +23,7 @@ from stickslip.servo.velocity_loop import (
     close_velocity_loop,
     design_velocity_loop,
 )
-from stickslip.trial.guards import commands
+from stickslip.trial.family import commands
 from tests.cosim.single import exposed
 from tests.models.firmware import structured_text
 

@@ -18,20 +18,18 @@ from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_filter import Observer, VelocityFilter
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 from stickslip.thresholds import offer
-from stickslip.trial.benefit import Bench, Benefit
-from stickslip.trial.candidates import CompensatorComparison, Row, compare, law_of, offered
-from stickslip.trial.compensator_trial import soft_rise, unseen
-from stickslip.trial.family import SWEEP
-from stickslip.trial.guards import (
-    Drive,
-    Evidence,
+from stickslip.trial.benefit import (
+    Bench,
+    Benefit,
     TrialError,
     Variant,
     bench_of,
     best_of,
-    family,
     feedforward,
 )
+from stickslip.trial.candidates import CompensatorComparison, Row, compare, law_of, offered
+from stickslip.trial.compensator_trial import soft_rise, unseen
+from stickslip.trial.family import SWEEP, Drive, Evidence, family
 
 AXIS = Axis(80.0, 100.0, 1e-3)
 FRICTION = {"F_s": 80.0, "F_c": 60.0, "v_s": 1e-3, "sigma_0": 4e6, "sigma_1": 8e3, "delta": 1.0}

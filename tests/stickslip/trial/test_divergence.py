@@ -21,7 +21,8 @@ from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.thresholds.loop_fit import RUNS_AWAY
-from stickslip.trial.guards import Bench, Drive, commands, feedforward
+from stickslip.trial.benefit import Bench, feedforward
+from stickslip.trial.family import Drive, commands
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
 VALUES = {**PAPER, "m": AXIS.m, "b": AXIS.b, "F_0": 0.0, "delay": AXIS.tau_i, "delta": 1.0}

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.signal
 
+from stickslip import cosim
 from stickslip.catalog.parameters import friction_law
 from stickslip.cosim import Trapezoid
 from stickslip.evaluation.motions import VALIDATION
@@ -13,27 +14,32 @@ from stickslip.identification.criteria import runs
 from stickslip.identification.criteria.motion import Scale
 from stickslip.models import law_names
 from stickslip.servo.axis import LOOP, Axis, Datasheet
-from stickslip.servo.systems import Compensator, build_fmus
+from stickslip.servo.systems import Compensator, build_fmus, paper_loop
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
-from stickslip.trial.benefit import MotionErrors
-from stickslip.trial.compensator_trial import exponents, trapezoid_of, unseen
-from stickslip.trial.family import deflection, deflections, onsets, travel
-from stickslip.trial.guards import (
+from stickslip.trial.benefit import (
     NONE,
     Bench,
     Benefit,
-    Drive,
-    Evidence,
-    Trial,
+    MotionErrors,
     TrialError,
     Variant,
     bench_of,
     best_of,
-    commands,
-    family,
     feedforward,
-    retried,
+)
+from stickslip.trial.compensator_trial import exponents, trapezoid_of, unseen
+from stickslip.trial.family import (
+    Drive,
+    Evidence,
+    axis_values,
+    commands,
+    deflection,
+    deflections,
+    family,
+    in_loop,
+    onsets,
     sweep,
+    travel,
 )
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
@@ -220,12 +226,15 @@ def test_errors_are_those_of_the_loop_with_each_drive(full_benefit, tmp_path):
     }
     t = np.arange(round((slower.corners()[-1] + slower.begin) / 5e-4) + 1) * 5e-4
     for name, friction in frictions.items():
-        trial = Trial(tmp_path, PAPER, friction, TABLE_2, slower.sample(t))
         row = rows["4 mm/s", name]
-        with trial.runs(compensated=False) as run:
-            assert row.without == pytest.approx(run.error(), rel=1e-12)
-        with trial.runs(compensated=True) as run:
-            assert row.compensated == pytest.approx(run.error(), rel=1e-12)
+        for compensator, error in ((None, row.without), (TABLE_2, row.compensated)):
+            system = paper_loop(tmp_path, PAPER, compensator)
+            system.parameters |= in_loop({**friction, **axis_values(PAPER, Datasheet())})
+            v_cmd = slower.sample(t)
+            with system.prepare(step=5e-4, stop=t[-1], record=("drive.v",)) as simulation:
+                v = simulation.run(inputs=PAPER.commands(v_cmd))["drive.v"]
+            target, _ = PAPER.response(v_cmd)
+            assert error == pytest.approx(np.sqrt(np.mean((v - target) ** 2)), rel=1e-12)
 
 
 def test_errors_in_lanes_have_the_bits_of_the_fmus(full_benefit, monkeypatch):
@@ -253,8 +262,7 @@ def test_friction_that_is_not_there_is_refused_or_reduced():
     level = {**wrong, "F_s": wrong["F_c"]}
     drives = family(LUGRE, level, VALIDATION, Evidence())
     with bench_of(LUGRE, PAPER, TABLE_2, drives, VALIDATION, Datasheet()) as bench:
-        benefit, _ = retried(bench, TABLE_2, feedforward(wrong), {})
-        kept, _ = retried(bench, TABLE_2, feedforward(level), {})
+        benefit, kept = bench.benefits([feedforward(wrong), feedforward(level)])
     assert not benefit.acceptable or benefit.share <= 0.3
     assert kept.acceptable
     largest = [max(row.ratio for row in one.full) for one in (kept, benefit)]
@@ -374,3 +382,19 @@ def test_a_drive_of_another_size_is_tried_alike(tmp_path, force, length):
 
     least = 1e-6 * VALIDATION.height
     assert errors(force, length) == pytest.approx(errors(1.0, 1.0), rel=1e-2, abs=least)
+
+
+def test_a_share_is_of_the_force_alone(fmus):
+    """At the same velocities every force of the LuGre FMU is that share of the whole."""
+    v = 1e-3 * np.sin(np.linspace(0.0, 40.0, 4000)) ** 3
+    system = cosim.System("share")
+    system.add("compensator", fmus / "compensator.fmu", TABLE_2)
+    system.expose("v", "compensator.v")
+    with system.prepare(step=5e-4, stop=2.0 - 5e-4, record=["compensator.F_mean"]) as simulation:
+        whole, part = (
+            simulation.run(
+                {f"compensator.{name}": value for name, value in friction.items()}, {"v": v}
+            )["compensator.F_mean"]
+            for friction in (TABLE_2, friction_law().share(TABLE_2, 0.7))
+        )
+    np.testing.assert_allclose(part, 0.7 * whole, rtol=1e-9, atol=1e-12)

@@ -7,9 +7,9 @@ from scipy.integrate import solve_ivp
 from stickslip.catalog.parameters import friction_law
 from stickslip.servo.axis import Axis, Datasheet
 from stickslip.servo.velocity_loop import close_velocity_loop
-from stickslip.trial.family import Command
-from stickslip.trial.guards import NONE, Bench, Drive, feedforward, holds, hunting_at_rest
-from stickslip.trial.hold import _motions, hold_time, reversals
+from stickslip.trial.benefit import NONE, Bench, feedforward
+from stickslip.trial.family import Command, Drive
+from stickslip.trial.hold import _motions, hold_time, holds, hunting_at_rest, reversals
 from tests.kept import further
 
 LAW = friction_law("coulomb_stribeck")
@@ -95,9 +95,10 @@ def test_stick_slip_at_rest_is_that_of_another_simulation(held, K_i, K_x):
         assert abs(hold.reversals - count) <= 2
         assert 0.4 * longest < hold.swing < longest + STEP
     variant = feedforward(FRICTION)
-    [finding] = hunting_at_rest(found, variant, STEP)
-    assert finding.figure == found["feedforward"].swing > finding.limit == 2.0 * STEP
-    assert f"{found['none'].reversals} reversals" in finding.message
+    [warning] = hunting_at_rest(found, variant, STEP)
+    assert f"swings by {1e6 * found['feedforward'].swing:.3g} um" in warning
+    assert f"expected at most {2e6 * STEP:.3g} um" in warning
+    assert f"{found['none'].reversals} reversals" in warning
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """Genetic learning of the loop: what a candidate is, what it costs, and what is kept."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -29,7 +28,6 @@ from stickslip.tuning.loop_learning import (
 )
 from stickslip.tuning.loop_runs import CHAIN, GENES, PLAIN
 from stickslip.tuning.search import mean_of
-from stickslip.work.jobs import Execution
 
 pytestmark = pytest.mark.slow
 
@@ -186,31 +184,6 @@ def test_where_the_search_finds_nothing_the_feedforward_is_kept_or_the_reference
     assert learn_loop(study).chosen == "feedforward"
     monkeypatch.setattr(kept, "LOOP_WORSE", 0.9)  # it leaves all of small moves
     assert learn_loop(study).chosen == "reference"
-
-
-class Stopped(Exception):
-    pass
-
-
-def stop_at_the_second(optimiser):
-    if optimiser.generation == 2:
-        raise Stopped
-
-
-@pytest.mark.parametrize("algorithm", ["cma", pytest.param("default", marks=pytest.mark.thorough)])
-def test_learning_stopped_and_resumed_elsewhere_is_the_same(study, algorithm, tmp_path):
-    study = replace(study, algorithm=algorithm, seed=2)
-    whole = learn_loop(study)
-    path = tmp_path / "run.json"
-    with pytest.raises(Stopped):
-        learn_loop(study, stop_at_the_second, Execution(checkpoint=path))
-    assert len({row[0] for row in json.loads(path.read_text())["evaluations"]}) == 2
-    other = replace(study, feed="command")
-    with pytest.raises(ga.StateError, match="feed nominal"):
-        learn_loop(other, execution=Execution(checkpoint=path, resume=True))
-    resumed = learn_loop(study, execution=Execution(2, "threads", path, resume=True))
-    assert resumed.algorithm.history.to_csv() == whole.algorithm.history.to_csv()
-    assert resumed.genes == whole.genes
 
 
 def test_each_seed_halves_the_error_of_a_tuned_controller_robustly(reproduction):

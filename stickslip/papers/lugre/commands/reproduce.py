@@ -17,15 +17,13 @@ from stickslip.commandline import FLAG, SEVERAL, add_options, at_least, warn
 from stickslip.commandline.assignments import (
     add_law_option,
     add_set_option,
-    add_source_option,
     coarse_factors,
     drive_changes,
 )
 from stickslip.commandline.execution import (
     add_algorithm_option,
-    add_execution_options,
     add_seed_option,
-    execution_of,
+    add_workers_option,
 )
 from stickslip.commandline.progress import TerminalProgress
 from stickslip.errors import UsageError
@@ -33,7 +31,6 @@ from stickslip.fmi.process import temporary_folder
 from stickslip.output import Answer
 from stickslip.storage import reserved
 from stickslip.studies.learn.command import print_estimation
-from stickslip.work.jobs import Execution
 
 if TYPE_CHECKING:
     from stickslip.papers.lugre.reproduction import Options, Reproduction
@@ -68,9 +65,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
         default="CMA-ES for the loop, which needs half of the "
         "candidates of our genetic algorithm, and that for a recording",
     )
-    add_execution_options(parser)
+    add_workers_option(parser, "candidates")
     add_seed_option(parser)
-    add_source_option(parser)
     add_set_option(parser)
     add_law_option(parser)
     parser.set_defaults(run=run)
@@ -81,14 +77,14 @@ Show = Callable[[], None]  # Prints what was computed
 
 
 def _drive(
-    options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
+    options: Options, fmus: Path, progress: TerminalProgress, workers: int, out: Path
 ) -> Show:
     from stickslip.papers.lugre.folder import write_results
     from stickslip.papers.lugre.reproduction import reproduce
     from stickslip.papers.lugre.studies import with_studies
 
-    reproduction = reproduce(options, fmus, progress, execution)
-    reproduction = with_studies(reproduction, fmus, progress, execution)
+    reproduction = reproduce(options, fmus, progress, workers)
+    reproduction = with_studies(reproduction, fmus, progress, workers)
     progress.stage("writing the report")
     write_results(reproduction, out)
     return partial(_print_drive, reproduction)
@@ -107,12 +103,12 @@ def _print_drive(reproduction: Reproduction) -> None:
 
 
 def _record(
-    options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
+    options: Options, fmus: Path, progress: TerminalProgress, workers: int, out: Path
 ) -> Show:
     from stickslip.papers.lugre.record import reproduce_from_recording, write_record_results
     from stickslip.papers.lugre.tables import print_table4
 
-    reproduction = reproduce_from_recording(options, fmus, progress, execution)
+    reproduction = reproduce_from_recording(options, fmus, progress, workers)
     print_estimation(reproduction.learned.estimation)
     print()
     progress.stage("writing the report")
@@ -121,7 +117,7 @@ def _record(
 
 
 def _published(
-    options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
+    options: Options, fmus: Path, progress: TerminalProgress, workers: int, out: Path
 ) -> Show:
     from stickslip.identification.stages import identify
     from stickslip.papers.lugre.folder import write_published_results
@@ -131,14 +127,9 @@ def _published(
     from stickslip.servo.axis import LOOP
 
     rig = build_rig(options, fmus, progress)
-    identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
+    found = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
     study = study_as_published(
-        rig,
-        identification,
-        options.all_seeds,
-        feed=options.feed,
-        workers=execution.workers,
-        on_stage=progress.stage,
+        rig, found, options.all_seeds, workers=workers, on_stage=progress.stage
     )
     progress.stage("writing the report")
     write_published_results(study, options, out)
@@ -159,13 +150,11 @@ def run(options: argparse.Namespace) -> Answer:
     from stickslip.papers.lugre.record import RECORD_FILES
     from stickslip.papers.lugre.reproduction import Options, drive_truth
 
-    mode = "published" if options.as_published else options.mode
     chosen = Options(
         truth=truth,
         law=options.law,
         seed=options.seed,
         preset=options.algorithm,
-        feed=options.feed,
         seeds=options.number,
         complete=options.complete,
         coarse=coarse,
@@ -175,16 +164,10 @@ def run(options: argparse.Namespace) -> Answer:
         "drive": (_drive, FILES),
         "record": (_record, RECORD_FILES),
         "published": (_published, PUBLISHED_FILES),
-    }[mode]
-    options.seeds = chosen.seeds if mode == "drive" else 1  # of which each has a checkpoint
+    }["published" if options.as_published else options.mode]
     out = options.out or Path("results/as_published" if options.as_published else "results/paper")
-    with (
-        reserved(out, files),
-        temporary_folder() as fmus,
-        TerminalProgress() as progress,
-        execution_of(options, out / "learning.checkpoint.json") as execution,
-    ):
-        show = compute(chosen, fmus, progress, execution, out)
+    with reserved(out, files), temporary_folder() as fmus, TerminalProgress() as progress:
+        show = compute(chosen, fmus, progress, options.workers, out)
     show()
     print(f"all results are in {out}; open report.html first")
     learned = out / LEARNED
@@ -196,17 +179,12 @@ def _check(options: argparse.Namespace) -> None:
     """Raise where two options exclude each other."""
     published, complete, record = options.as_published, options.complete, options.mode == "record"
     law = f"--law {options.law}", options.law != "lugre"
-    coarse = "--coarse", bool(options.coarse)
+    coarse, steps = ("--coarse", bool(options.coarse)), ("--complete", complete)
     algorithm = f"--algorithm {options.algorithm}", options.algorithm not in ("default", "paper")
-    files = ("--resume", options.resume), ("--checkpoint", options.checkpoint is not None)
-    pool = "--pool or --cluster", options.where != "threads"
-    steps = "--complete", complete
     exclusive = {
         "--mode record": (record, coarse, steps),
         "--complete": (complete, law),
-        "--as-published": (
-            *(published, ("--mode record", record), law, coarse, algorithm, *files, pool, steps),
-        ),
+        "--as-published": (published, ("--mode record", record), law, coarse, algorithm, steps),
     }
     for first, (given, *others) in exclusive.items():
         for second, also in others:

@@ -8,10 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 
+from stickslip import ga
 from stickslip.catalog.parameters import HIGH, LOW
-from stickslip.evaluation.motions import REGION, SLOW_MOTIONS, Motion
+from stickslip.evaluation.motions import MOTIONS, REGION, SLOW_MOTIONS, Motion
 from stickslip.evaluation.validation import PAPER_TABLE4, Run, Validation
 from stickslip.identification.stages import FrictionMap
+from stickslip.papers.lugre import tables
+from stickslip.papers.lugre.loop_tuning import FRICTION, STAGES, LoopTuning
+from stickslip.papers.lugre.published import PAPER_COST, SQUARES, PublishedStudy
 from stickslip.papers.lugre.reproduction import Reproduction
 from stickslip.papers.lugre.steps import LEARNED, STEPS, UNCOMPENSATED, by_step
 from stickslip.presentation import style
@@ -284,4 +288,97 @@ def draw_presliding(reproduction: Reproduction) -> Figure:
     rest.set(xlabel="Time [s]", ylabel="Difference [µm]", xlim=(log.t[0], log.t[-1]))
     style.name_panel(rest, "c", "Encoder less model")
     figure.align_ylabels()
+    return figure
+
+
+LEVEL_LOOKS: Any = {
+    0.7: {"marker": "v", "mfc": "white"},
+    1.0: {"marker": "o", "mfc": style.WITH},
+    1.3: {"marker": "^", "mfc": "white"},
+}
+
+
+def draw_stages(loops: LoopTuning) -> Figure:
+    """Draw the errors of each step relative to the tuned PI controller, a panel for each motion."""
+    figure = style.new_figure(style.PAGE, 74.0)
+    panels = figure.subplots(1, len(MOTIONS), sharey=True)
+    for axes, letter, motion in zip(panels, "abcd", MOTIONS, strict=True):
+        rows = loops.ratios[loops.ratios["motion"] == motion.name]
+        for shift, level in zip((-0.22, 0.0, 0.22), FRICTION, strict=True):
+            own = rows[rows["friction"] == level].groupby("stage", sort=False)["ratio"]
+            middle, low, high = own.median(), own.min(), own.max()
+            axes.errorbar(
+                np.arange(len(middle)) + shift, middle, (middle - low, high - middle),
+                ls="none", ms=4.0, mec=style.WITH, ecolor=style.WITH, elinewidth=0.8,
+                label=f"friction × {level:g}", **LEVEL_LOOKS[level],
+            )  # fmt: skip
+        axes.axhline(1.0, color=style.GREY, lw=style.THIN)
+        axes.set_yscale("log")
+        axes.yaxis.set_major_locator(FixedLocator([0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0]))
+        axes.yaxis.set_minor_locator(NullLocator())
+        axes.yaxis.set_major_formatter(FormatStrFormatter("%g"))
+        axes.grid(visible=True, axis="y")
+        labels = [tables.STAGES[stage] for stage in STAGES]
+        axes.set_xticks(range(len(labels)), labels, rotation=40, ha="right", rotation_mode="anchor")
+        style.name_panel(axes, letter, motion.name.capitalize())
+    panels[0].set_ylabel("Error relative to tuned PI [1]")
+    style.legend_below(panels[0], 3)
+    return figure
+
+
+def draw_fitness(loops: LoopTuning) -> Figure:
+    """Draw the best cost over the evaluations, a band over seeds."""
+    figure = style.new_figure(style.COLUMN, 70.0)
+    axes: Axes = figure.add_subplot()
+    costs = [one.algorithm.history["cost"].to_numpy(dtype=float) for one in loops.learned]
+    most = max(map(len, costs))
+    at = np.arange(1, most + 1)
+    best = [
+        np.pad(np.minimum.accumulate(cost), (0, most - len(cost)), mode="edge") for cost in costs
+    ]
+    low, middle, high = (f(best, axis=0) for f in (np.min, np.median, np.max))
+    axes.fill_between(at, low, high, color=style.WITH, alpha=0.18, lw=0, label="range over seeds")
+    axes.plot(at, middle, color=style.WITH, lw=style.THICK, label="median")
+    axes.grid(visible=True, axis="y")
+    axes.set(xlabel="Evaluations [1]", ylabel="Cost [1]", xlim=(1, most))
+    axes.set_ylim(0.0, 1.1 * float(high[np.isfinite(high)].max()))
+    style.legend_below(axes)
+    return figure
+
+
+BAND = "#9dbbd6"
+
+
+def draw_band(study: PublishedStudy) -> Figure:
+    """Draw Fig. 5 of a study."""
+    table = study.fitness()
+    best = table.pivot_table(index="generation", columns="seed", values="best_cost")
+    generation = best.index.to_numpy(dtype=float)
+    low, first, middle, third, high = np.quantile(best.to_numpy(), (0, 0.25, 0.5, 0.75, 1), axis=1)
+    figure = style.new_figure(style.COLUMN, 82.0)
+    axes = figure.add_subplot()
+    axes.grid(visible=True, axis="y")
+    axes.set(yscale="log", xlabel="Generation [1]", xlim=(generation[0], generation[-1]))
+    axes.set_ylabel(r"Cost $\sum (v - v_r)^2$ [m$^2$/s$^2$]")
+    for bottom, top, colour, label in (
+        (low, high, style.PALE, f"{best.shape[1]} seeds, all"),
+        (first, third, BAND, "middle half of them"),
+    ):
+        axes.fill_between(generation, bottom, top, step="post", color=colour, lw=0, label=label)
+    axes.step(generation, middle, where="post", color=style.WITH, lw=style.THICK, label="median")
+    costs, runs = study.costs(SQUARES), np.median([one.runs for one in study.seeds[SQUARES]])
+    middle_cost, at = float(np.median(costs)), float(runs) / ga.PAPER.population
+    axes.errorbar(
+        [at], [middle_cost], [[middle_cost - costs.min()], [costs.max() - middle_cost]],
+        fmt="D", ms=4.0, mfc="white", mec=style.INK, ecolor=style.INK, capsize=2.0,
+        label=f"least squares, {runs:.0f} runs",
+    )  # fmt: skip
+    axes.axhline(
+        PAPER_COST, color=style.INK, lw=0.8, ls=style.DASHED, label="real stage (paper), end"
+    )
+    axes.axhline(
+        study.cost_without, color=style.WITHOUT, lw=0.8, ls=(0, (1, 1.5)),
+        label="no compensation",
+    )  # fmt: skip
+    style.legend_below(axes, 2)
     return figure

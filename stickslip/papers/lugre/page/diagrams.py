@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from stickslip import ga
 from stickslip.catalog.parameters import friction_law
-from stickslip.papers.lugre.reproduction import Options, Reproduction
+from stickslip.papers.lugre.reproduction import Reproduction
 from stickslip.presentation.diagram import Block, Sheet
 from stickslip.presentation.quantity import number
 from stickslip.presentation.style import (
@@ -30,17 +30,17 @@ PLANT = r"$\dfrac{1}{m\,s + b}$"
 ESTIMATE = r"difference, low-pass $\tau_f$"
 
 
-def draw_loops(loop: VelocityLoop, truth: Mapping[str, float], options: Options) -> Figure:
-    """Draw a loop around a drive whose parameters are ``truth``."""
+def draw_loops(loop: VelocityLoop, truth: Mapping[str, float], law: str) -> Figure:
+    """Draw a loop around a drive whose parameters are ``truth``, with the law of a compensator."""
     figure = new_figure(PAGE, LOOPS_HEIGHT, free=True)
     sheet = Sheet(figure)
-    _compensated(sheet, truth, options)
+    _compensated(sheet, truth, law)
     _nominal_loop(sheet)
     _step_response(figure, loop)
     return figure
 
 
-def _compensated(sheet: Sheet, truth: Mapping[str, float], options: Options) -> None:
+def _compensated(sheet: Sheet, truth: Mapping[str, float], law: str) -> None:
     low, middle, high = 60.0, 78.0, 110.0
     sheet.text((3, 122.5), "(a) Feedforward friction compensation", align="left")
     sheet.group((79, middle - 9), 85, 33, "Simulated drive")
@@ -69,21 +69,12 @@ def _compensated(sheet: Sheet, truth: Mapping[str, float], options: Options) -> 
 
     # The command side: nominal loop and feedforward.
     nominal = sheet.block(Block(30, high, 26), "Nominal loop", "of (b)", PALE)
-    model = f"{_model(options.law)}, learned"
+    model = f"{_model(law)}, learned"
     compensator = sheet.block(Block(78, high, 38), "Friction compensator", model, PALE)
     branch = (8.0, middle)
     sheet.arrow(branch, (branch[0], high), nominal.left)
-    if options.feed == "nominal":
-        sheet.arrow(nominal.right, compensator.left)
-        sheet.text((51, high + 2.8), r"$v_r$")
-    else:
-        above = high + 8.8
-        sheet.node((branch[0], high))
-        over = ((branch[0], high), (branch[0], above), (compensator.x, above))
-        sheet.arrow(*over, compensator.top)
-        sheet.arrow(nominal.right, (54, high))
-        sheet.text((49, high + 2.8), r"$v_r$")
-        sheet.text((49, high - 2.8), "to (6)", small=True)
+    sheet.arrow(nominal.right, compensator.left)
+    sheet.text((51, high + 2.8), r"$v_r$")
     sheet.arrow((force.x, compensator.bottom[1]), force.top)
 
     for at in (branch, velocity, tap):
@@ -164,13 +155,7 @@ def draw_scheme(reproduction: Reproduction) -> Figure:
     sheet.arrow(branch, (branch[0], low), drive.left)
     sheet.arrow(branch, (branch[0], top), (gap.x, top), gap.top)
     sheet.arrow(drive.right, (gap.x, low), gap.bottom)
-    tap, end = (branch[0], middle), compensator.left
-    if reproduction.options.feed == "nominal":
-        tap, end = (compensator.x, high), compensator.top
-        sheet.arrow(nominal.right, tap, end)
-    else:
-        sheet.arrow(tap, end)
-        sheet.node(tap)
+    sheet.arrow(nominal.right, (compensator.x, high), compensator.top)
     sheet.arrow(compensator.bottom, drive.top)
     sheet.arrow(gap.left, cost.right)
     sheet.arrow(cost.left, learner.right)

@@ -1,11 +1,8 @@
 """The arena on a few drives and entrants, with small budgets."""
 
-import argparse
-import gzip
 import json
 import re
 import shutil
-from base64 import b64decode
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -33,7 +30,6 @@ from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import close_velocity_loop
 from stickslip.storage import UNFINISHED
-from stickslip.studies.arena import command as arena_command
 from stickslip.studies.arena import page as arena_page
 from stickslip.studies.arena import protocol, table
 from stickslip.studies.arena.comparison import Comparison
@@ -85,13 +81,6 @@ def error(built, loop, name, values, command="T"):
     chosen = [COMMANDS[command]]
     found = validate(built, loop, entrant(name), TunedEntrant(loop, values), chosen, 2).figures
     return np.median(next(runs for key, runs in found.items() if key[1] == "error"))
-
-
-def page_of(folder):
-    """Return the page of an arena, and the data in it."""
-    page = (folder / "arena.html").read_text(encoding="utf-8")
-    packed = page.partition('id="data">')[2].partition("</script>")[0]
-    return page, json.loads(gzip.decompress(b64decode(packed)))
 
 
 def seconds_of(commands, loop):
@@ -349,34 +338,17 @@ def test_a_killed_arena_resumes_to_the_same_bytes(arena, tmp_path):
     assert run_arena(other, tmp_path, Execution(resume=True)).kept == 0
 
 
-def test_a_page_of_many_cells_has_the_command_that_makes_a_cell_again(arena, monkeypatch, tmp_path):
+def test_the_page_has_the_error_of_each_cell_and_of_each_motion(arena):
     found, folder = arena
-    monkeypatch.setattr(arena_page, "MOTIONS", 11)  # of 12 cells
-    write_arena(found, arena_table(found), tmp_path)
-    text, data = page_of(tmp_path)
-    assert not data["cells"]
-    assert "the command that makes its motions again" in text
-    assert (tmp_path / "arena.html").stat().st_size < (folder / "arena.html").stat().st_size
-    words = ["--only", "lugre", "heavy", "--compensators", "pi", "static", "--out", "again"]
-    parser = argparse.ArgumentParser()
-    arena_command.declare(parser)
-    plan = arena_command._plan(parser.parse_args([*words, *data["settings"].split()]))
-    again = run_arena(plan, tmp_path / "again", Execution())
-    for place in (("heavy", "static"), ("heavy", "pi")):
-        for entry in ("tuned", "validated"):
-            assert again.documents[place][entry] == found.documents[place][entry]
-
-
-def test_the_page_has_a_plot_for_every_cell_of_the_heat_maps(arena):
-    found, folder = arena
-    page, data = page_of(folder)
-    plotted, errors = data["cells"], data["errors"]
-    heavy = relative_errors(arena_table(found), found.plan, carried=True)["heavy"]
-    assert errors["heavy|static|lugre"][ALL] == pytest.approx(heavy["static"], rel=1e-3)
-    assert {*errors} == {*plotted}
-    clicked = {part.partition('"')[0] for part in page.split('data-cell="')[1:]}
-    assert clicked == {*plotted}
-    assert all({*cell} == {*COMMANDS} for cell in plotted.values())
+    table, plan = arena_table(found), found.plan
+    for carried, axes in enumerate(arena_page.draw_errors(plan, table).axes):
+        wide = relative_errors(table, plan, carried=bool(carried))
+        assert [text.get_text() for text in axes.texts] == [
+            f"{value:.2f}" for value in wide.to_numpy().ravel()
+        ]
+    page = (folder / "arena.html").read_text(encoding="utf-8")
+    slow = relative_errors(table, plan, carried=False, command="R")
+    assert all(f">{number(value, 3)}<" in page for value in slow.to_numpy().ravel())
     assert "http" not in page.replace("http://www.w3.org", "")
 
 
@@ -409,6 +381,8 @@ def test_an_entrant_above_the_limit_is_marked(tmp_path):
     assert found.reasons["stiff", "ekbf"].startswith("all 10 candidates failed")
     write_arena(found, table, tmp_path)
     assert "What failed" in (tmp_path / "arena.html").read_text(encoding="utf-8")
+    texts = [text.get_text() for text in arena_page.draw_errors(plan, table).axes[0].texts]
+    assert texts == ["1.00*", "–"]
 
 
 @pytest.mark.parametrize(

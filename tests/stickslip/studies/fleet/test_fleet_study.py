@@ -1,7 +1,6 @@
 """A fleet loses nothing: not to workers that die, not to Ctrl-C, not to a drive that fails."""
 
 import os
-from dataclasses import replace
 
 import pandas as pd
 import pytest
@@ -9,7 +8,6 @@ from fleet_jobs import Counting, Deadly, quick
 
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.planning import LINEAR, plan
 from stickslip.studies.fleet.study import learn_fleet
 from stickslip.studies.fleet.writing import fleet_table, write_fleet
 from stickslip.work.jobs import DIED, Execution
@@ -111,9 +109,6 @@ def test_files_of_the_user_survive_a_study_that_fails_and_resumes(drives, tmp_pa
     assert {path for path in (out / "unfinished").rglob("*") if path.is_file()} < mine
 
 
-SHORT = replace(LINEAR, duration=2.0)
-
-
 def test_a_fleet_is_the_same_in_processes_of_dask(log, cluster, files, tmp_path, capsys):
     table = tmp_path / "table.csv"
     table.write_text(f"name,log\ngood,{log}\nmissing,none.csv\n")
@@ -138,17 +133,3 @@ def test_a_fleet_is_the_same_in_processes_of_dask(log, cluster, files, tmp_path,
     assert rows["low"]["good", "m"] < rows["value"]["good", "m"] < rows["high"]["good", "m"]
     assert rows["unit"]["good", "F_c"] == "N"
     assert rows.loc["missing"]["reason"].item().startswith("none.csv: cannot be read")
-
-
-def test_a_variant_is_recorded_and_its_truth_joined(tmp_path, monkeypatch):
-    monkeypatch.setattr("stickslip.studies.learn.recorded.plan", lambda *_: plan(SHORT))
-    table = tmp_path / "table.csv"
-    table.write_text("name,set\nheavy,drive.m=9\n")
-    assert main(["fleet", str(table), "--out", str(tmp_path / "out")]) == 0
-    rows = pd.read_csv(tmp_path / "out" / "fleet.csv").set_index("parameter")
-    assert rows["truth"]["m"] == 9.0
-    assert rows["value"]["m"] == pytest.approx(9.0, rel=1e-3)
-    assert rows["value"]["m"] != 9.0
-    assert set(rows["criterion"]) == {"output error"}
-    learned = (tmp_path / "out" / "drives" / "heavy" / "learned.json").read_text()
-    assert "truth" not in learned

@@ -33,8 +33,7 @@ from stickslip.studies.learn.learned import LearnedFromRecording
 from stickslip.studies.learn.log_learning import learn, with_other_gains
 from stickslip.studies.tune.run import masses_of
 from stickslip.studies.validate.log_validation import read_log
-from stickslip.trial.family import Drive
-from stickslip.trial.guards import commands
+from stickslip.trial.family import Drive, commands
 
 T_S = 5e-4
 GAINS = {"K_x": 40.0, "K_p": 500.0, "K_i": 8e3}

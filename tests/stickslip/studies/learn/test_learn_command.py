@@ -19,7 +19,6 @@ from stickslip.identification.estimation import Search
 from stickslip.output import shown_by, steps
 from stickslip.presentation.page import Picture
 from stickslip.studies.learn.folder import FILES
-from tests.kept import further
 
 pytestmark = pytest.mark.slow
 
@@ -131,32 +130,11 @@ def test_a_live_view_of_drives_shows_how_far_their_parameters_lie_apart(monkeypa
     assert "--live: expected a terminal" in caplog.text
 
 
-@pytest.mark.usefixtures("untried")
-@pytest.mark.parametrize("named", [False, *further(True)])
-def test_ctrl_c_keeps_the_search_and_resumed_with_other_workers_no_byte_differs(
-    named, log, folder, tmp_path, capsys, monkeypatch
-):
-    """Interrupted while the results are written, when checkpoints of all seeds are there."""
-
-    def interrupt(*_, **__):
-        raise KeyboardInterrupt
-
-    path = tmp_path / ("mine.json" if named else "out/learning.checkpoint.json")
-    arguments = ["learn", "--log", str(log), *ARGUMENTS, "--workers", "3"]
-    arguments += ["--out", str(tmp_path / "out"), *(["--checkpoint", str(path)] if named else [])]
-    monkeypatch.setattr("stickslip.studies.learn.folder.write_learned", interrupt)
-    assert main(arguments) == 130
-    monkeypatch.undo()
-    checkpoints = [path.with_suffix(f".seed{seed}.json") for seed in (3, 4)]
-    assert f"kept in {checkpoints[0]}, {checkpoints[1]}; continue with" in capsys.readouterr().err
-    checkpoints[0].unlink()
-    assert main(arguments) == 1  # the checkpoint of the last seed is named before the first search
-    assert f"{checkpoints[1]}: an earlier run did not end" in capsys.readouterr().err
-    assert main([*arguments, "--resume"]) == 0
-    assert [checkpoint.exists() for checkpoint in checkpoints] == [named, named]
+def test_with_other_workers_no_byte_differs(log, folder, tmp_path):
+    out = tmp_path / "out"
+    assert main(["learn", "--log", str(log), *ARGUMENTS, "--workers", "3", "--out", str(out)]) == 0
     for whole in filter(Path.is_file, folder.rglob("*")):
-        other = tmp_path / "out" / whole.relative_to(folder)
-        assert other.read_bytes() == whole.read_bytes(), whole.name
+        assert (out / whole.relative_to(folder)).read_bytes() == whole.read_bytes(), whole.name
 
 
 def test_it_prints_and_writes_whether_compensation_helps(learned):

@@ -22,8 +22,8 @@ from stickslip.presentation.quantity import number
 from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.folder import write_learned
 from stickslip.studies.learn.log_learning import learn
+from stickslip.trial.benefit import Benefit, Variant
 from stickslip.trial.candidates import Row
-from stickslip.trial.guards import Benefit, Variant
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("without_pictures")]
 

@@ -33,9 +33,8 @@ from stickslip.storage.codec import encode
 from stickslip.studies.tune.run import TuneSettings, masses_of, tune_drive
 from stickslip.studies.tune.writing import draw_errors
 from stickslip.thresholds import kept
-from stickslip.trial.benefit import TrialError
+from stickslip.trial.benefit import TrialError, bench_of
 from stickslip.trial.family import axis_values, in_loop
-from stickslip.trial.guards import bench_of
 
 pytestmark = pytest.mark.slow
 
