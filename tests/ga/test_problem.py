@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -191,3 +192,13 @@ def test_copies_of_one_cost_share_a_simulation(simulated):
 def test_a_failed_run_is_a_failed_candidate(simulated):
     with pytest.raises(ga.CandidateFailed, match=r"x: doStep failed at t = 1 s"):
         simulated(np.array([3.0, 1.0, 1.0]))
+
+
+def test_the_gene_that_decides_is_the_important_one():
+    table = pd.DataFrame({"a": range(64), "b": [k * 37 % 64 for k in range(64)]}, dtype=float)
+    for scale in (lambda x: x, lambda x: 10.0**x):  # ranks do not depend on the scale
+        table["cost"] = [scale(abs(a - 20.0) / 10.0) for a in table["a"]]
+        shares = ga.importances(table, ["b", "a"])
+        assert list(shares) == ["a", "b"]
+        assert shares["a"] > 0.8
+        assert shares["b"] < 0.2
