@@ -40,9 +40,11 @@ def quiet() -> Progress:
 @pytest.fixture
 def without_pictures(monkeypatch):
     """Leave the figures of a report blank: drawing takes half of the time of a short learning."""
-    monkeypatch.setattr(
-        "stickslip.presentation.page.Picture.of", lambda *_: Picture(b"", b"", 89.0)
-    )
+    monkeypatch.setattr("stickslip.presentation.page.Picture.of", blank)
+
+
+def blank(*_):
+    return Picture(b"", b"", 89.0)
 
 
 def reproduced(fmus: Path) -> Reproduction:
@@ -61,7 +63,9 @@ def results(reproduction) -> Path:
     def written(folder: Path) -> Path:
         fmus = reproduction.system.components["drive"].path.parent
         extras = Extras(step_by_step(reproduction, fmus))
-        write_results(replace(reproduction, extras=extras), folder)
+        with pytest.MonkeyPatch.context() as patch:  # test_report.py draws the figures
+            patch.setattr("stickslip.presentation.page.Picture.of", blank)
+            write_results(replace(reproduction, extras=extras), folder)
         return folder
 
     return kept("results", written)

@@ -34,6 +34,7 @@ def emps():
     return learned("emps", "DATA_EMPS.mat", "emps.toml", law="lugre")
 
 
+@pytest.mark.usefixtures("untried")
 def test_the_law_chosen_for_emps_predicts_as_well_as_friction_without_presliding():
     found = learned("emps", "DATA_EMPS.mat", "emps.toml").estimation
     force = {one.candidate.title: one.force for one in found.choice.predictions}

@@ -106,11 +106,11 @@ def test_a_coarse_start_has_the_stated_spread_and_order():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Return what the command writes, with a tenth of the generations of the paper."""
+    """Return what the command writes, with two generations."""
     folder = tmp_path_factory.mktemp("published") / "results"
     drive = ["--set", "drive.F_c=4", "drive.F_s=5", "drive.m=8"]
     command = ["reproduce", "--as-published", "--seeds", "1", "--seed", "6"]
-    short = partial(published.study_as_published, settings=replace(ga.PAPER, generations=10))
+    short = partial(published.study_as_published, settings=replace(ga.PAPER, generations=2))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(published, "study_as_published", short)
         assert main([*command, "--out", str(folder), *drive]) == 0

@@ -24,6 +24,7 @@ pytestmark = pytest.mark.slow
 
 
 ARGUMENTS = ["--criterion", "inverse", "--seeds", "2", "--seed", "3"]
+ARGUMENTS += ["--compensator", "static+ekbf"]
 STEPS: list[tuple[int, int]] = []
 
 
