@@ -5,11 +5,10 @@ from __future__ import annotations
 import io
 import math
 import zipfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from inspect import Parameter, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, TypeVar, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from stickslip import cosim
 from stickslip.cosim import ParameterError, Table
@@ -19,6 +18,7 @@ from stickslip.cosim.ssp.structure import Package
 from stickslip.errors import UsageError, number
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
+from stickslip.keywords import RunOptions, named
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,66 +51,6 @@ def packed_input(package: Path) -> dict[str, Table]:
 
 
 _STEPS = 500  # of a run for which no step is proposed
-
-
-class RunOptions(TypedDict, total=False):
-    """How a system is run; see ``simulate``."""
-
-    start: float | None
-    stop: float | None
-    step: float | None
-    record: cosim.Record | Iterable[str] | None
-    coupling: cosim.Coupling | Literal["gauss_seidel", "jacobi", "iterative"]
-    constant_step: bool
-    compiled: bool
-    tolerance: float | None
-    allow_nan: bool
-    isolation: cosim.Isolated
-
-
-class SweepOptions(RunOptions, total=False):
-    """How systems are run side by side; see ``sweep``."""
-
-    inputs: Inputs | None
-    workers: int
-    where: str
-    progress: Any
-
-
-class SearchOptions(SweepOptions, total=False):
-    """How a search runs systems; see ``optimise``."""
-
-    evaluations: int
-    algorithm: str
-    seed: int
-
-
-DEFAULTS: dict[str, Any] = {
-    **{name: one.default for name, one in signature(cosim.System.prepare).parameters.items()},
-    **dict.fromkeys(("start", "stop", "step", "inputs")),
-    "workers": 1,
-    "where": "threads",
-    "progress": False,
-    "evaluations": 300,
-    "algorithm": "default",
-    "seed": 0,
-}
-F = TypeVar("F", bound=Callable[..., object])
-
-
-def named(options: type) -> Callable[[F], F]:
-    """Name keywords of a function in its signature in place of ``**options``, to be completed."""
-
-    def changed(function: F) -> F:
-        own = signature(function)
-        parameters = [one for one in own.parameters.values() if one.kind is not one.VAR_KEYWORD]
-        for name, kind in options.__annotations__.items():
-            one = Parameter(name, Parameter.KEYWORD_ONLY, default=DEFAULTS[name])
-            parameters.append(one.replace(annotation=kind.__forward_arg__))
-        vars(function)["__signature__"] = own.replace(parameters=parameters)
-        return function
-
-    return changed
 
 
 @named(RunOptions)

@@ -30,7 +30,8 @@ from stickslip.fmi.description.variables import FLOATS
 from stickslip.fmi.messages import printable
 from stickslip.ga.execution.evaluation import DIED, Evaluator
 from stickslip.ga.problem.problem import Array
-from stickslip.simulation import Model, RunOptions, named
+from stickslip.keywords import RunOptions, named
+from stickslip.simulation import Model
 
 _log = logging.getLogger(__name__)
 

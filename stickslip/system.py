@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Unpack
 
 from stickslip.cosim.system import system
-from stickslip.simulation import RunOptions, SearchOptions, SweepOptions, named, simulate
+from stickslip.keywords import RunOptions, SearchOptions, SweepOptions, named
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -62,6 +62,8 @@ class System(system.System):
         **options: Unpack[RunOptions],
     ) -> Result:
         """Run the system once and return what it recorded; see ``ss.simulate``."""
+        from stickslip.simulation import simulate  # late: the process of an FMU does not need it
+
         return simulate(self, parameters=parameters, inputs=inputs, **options)
 
     @named(SweepOptions)

@@ -158,9 +158,9 @@ def tune(
 ) -> list[tuple[int, structures.Change, Any]]:
     """Return the changes of parameters in the order of time: step, change and what it points to."""
     changes = []
-    system, time = plan.spec.system, plan.time
     for name, signal in tunable.items():
-        variable = system.variable(name, SignalError)
+        time = plan.time
+        variable = plan.spec.system.variable(name, SignalError)
         if variable.causality != "parameter" or variable.variability != "tunable":
             what = f"{name} is a {variable.variability} {variable.causality}"
             raise SignalError(f"{what}; only tunable parameters change during a run")

@@ -10,6 +10,7 @@ import multiprocessing
 import os
 import signal
 import sys
+import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
@@ -121,7 +122,7 @@ class Processes(Executor):
 
     def _made(self) -> ProcessPoolExecutor:
         context: BaseContext = get_context("spawn")
-        if sys.platform == "linux":  # from a server that has loaded this, once for all pools
+        if _serves_workers():  # from a server that has loaded this, once for all pools
             context = get_context("forkserver")
             context.set_forkserver_preload([__name__, "stickslip.cosim"])
         begin = partial(_depend_on_parent, dict(os.environ))
@@ -134,6 +135,11 @@ def _called(call: bytes) -> Any:
         return function(*args, **kwargs)
     except Exception as fault:
         raise Raised(pickled(fault)) from fault
+
+
+def _serves_workers() -> bool:
+    """Whether a server can fork workers: the path of its socket has at most 107 bytes."""
+    return sys.platform == "linux" and len(os.fsencode(tempfile.gettempdir())) <= 70
 
 
 def _depend_on_parent(environment: dict[str, str]) -> None:

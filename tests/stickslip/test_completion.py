@@ -8,7 +8,7 @@ from IPython.core.completer import provisionalcompleter
 from IPython.core.interactiveshell import InteractiveShell
 
 import stickslip as ss
-from stickslip.simulation import DEFAULTS, RunOptions, SearchOptions, SweepOptions
+from stickslip.keywords import DEFAULTS, RunOptions, SearchOptions, SweepOptions
 from stickslip.thresholds import harm
 
 RUNS = (ss.simulate, ss.sweep, ss.optimise, ss.System.simulate, ss.System.sweep, ss.tune)

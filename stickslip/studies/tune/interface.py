@@ -10,10 +10,10 @@ from stickslip import cosim
 from stickslip.cosim.signals.tables import Inputs
 from stickslip.errors import UsageError
 from stickslip.figures import Figure
+from stickslip.keywords import RunOptions, named
 from stickslip.learned.file import LearnedFile
 from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Rig
-from stickslip.simulation import RunOptions, named
 from stickslip.studies.tune import MOTIONS
 from stickslip.studies.tune.on_rig import tune_on_rig
 from stickslip.studies.tune.run import EVALUATIONS, TunedDrive, TuneSettings, tune_drive

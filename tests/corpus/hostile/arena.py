@@ -45,7 +45,7 @@ CASES = [
     _ports("gene-output", "a gene that is an output", "'y' is no parameter of a.fmu", f"{_SOUND}genes = {{y = [0, 1, 2]}}\n"),
     _ports("output-is-input", "an input as output", "'u' is no output of a.fmu", "inputs = {u = 'v_ref'}\noutput = 'u'\n"),
     _ports("learned", "a parameter learned by a list", "learned: expected a table of texts", f"{_SOUND}learned = {{k = ['x']}}\n"),
-    _python("budget", "a budget of -5 candidates", "--evaluations -5: expected a whole number, at least 10", '["none"], evaluations=-5'),
+    _python("budget", "a budget of -5 candidates", "evaluations=-5: expected a whole number, at least 10", '["none"], evaluations=-5'),
     _python("drive", "a drive that is a number", "drive 'a': expected a table with law", '["none"], {"a": 5}'),
     _learned("unit", "a Stribeck velocity in mm/s, which would be read as m/s", "learned.json: parameters: v_s is in 'mm/s'; expected m/s", changed("parameters", "v_s", to={"value": 9.6, "unit": "mm/s"}), _EXPORT),
     _learned("newer", "the form of a later version", "learned.json: schema: expected a number from 1 to 2, got 3", changed("schema", to=3), _EXPORT),
