@@ -204,11 +204,21 @@ def test_the_tutorial_finds_the_values_that_it_names(tutorial):
 
 @pytest.mark.slow
 def test_the_readme_shows_the_verdict_that_is_printed(tutorial):
-    """The words are compared, for lines of the page are those of a narrow terminal."""
+    """Words are equal, whatever the lines; numbers differ somewhat from processor to processor."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     [shown] = re.findall(r"^```text\n(.*?)^```", text, flags=re.S | re.M)
     assert shown.count("\n") > 10
-    assert " ".join(shown.split()) in " ".join("".join(tutorial[1]).split())
+    printed = "".join(tutorial[1])
+    begin = " ".join(shown.split()[:6])  # which stands in a line
+    words, numbers = _words_and_numbers(shown)
+    found, measured = _words_and_numbers(printed[printed.index(begin) :])
+    assert found[: len(words)] == words
+    assert measured[: len(numbers)] == pytest.approx(numbers, rel=0.3)
+
+
+def _words_and_numbers(text: str) -> tuple[list[str], list[float]]:
+    number = r"\d+\.?\d*"
+    return re.sub(number, "#", text).split(), [float(one) for one in re.findall(number, text)]
 
 
 @pytest.mark.slow
