@@ -110,7 +110,7 @@ def test_several_rates(two_masses, linear, kind, method, every):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("degree", "method"), enumerate(METHODS))
+@pytest.mark.parametrize(("degree", "method"), list(enumerate(METHODS)))
 def test_adaptive_steps_follow_their_tolerance(two_masses, linear, method, degree):
     """The error of a step is of order degree + 1, the steps are chosen by it."""
     errors = []
