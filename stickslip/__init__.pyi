@@ -70,6 +70,7 @@ from stickslip.studies.learn.folder import write_learned as write_learned
 from stickslip.studies.learn.log_learning import learn as learn
 from stickslip.studies.learn.rig_learning import learn_on_rig as learn_on_rig
 from stickslip.studies.learn.rig_learning import validate as validate
+from stickslip.studies.learn.verdict import verdict_of as verdict_of
 from stickslip.studies.tune.interface import tune as tune
 from stickslip.studies.tune.writing import write_optimised as write_optimised
 from stickslip.studies.tune.writing import write_tuned as write_tuned

@@ -269,10 +269,12 @@ class Model:
         alone = (name for name, targets in self.system.inputs.items() if targets == target)
         if found := next(alone, None):
             return found
-        name, _, place = column.replace(".", "_").removesuffix("]").partition("[")
+        flat = column.replace(".", "_")
+        name, _, place = flat.removesuffix("]").partition("[")
         elements = [one for one in self.system.inputs if one.startswith(f"{name}[")]
-        within = place.isdecimal() and 0 < int(place) <= len(elements)
-        return elements[int(place) - 1] if within else column.replace(".", "_")
+        if place.isdecimal() and 0 < int(place) <= len(elements):
+            return elements[int(place) - 1]
+        return flat if flat in self.system.inputs else column
 
 
 def _expose_inputs(system: cosim.System) -> None:

@@ -29,7 +29,8 @@ class Workbench:
         found: dict[str, str] = {}
         for pattern in ("*", "*/*", "runs/*/*"):
             for path in sorted(self.folder.glob(pattern))[:MOST]:
-                if path.suffix.lower() in suffixes and not path.name.startswith("."):
+                suffix = Path(path.name.lower().removesuffix(".gz")).suffix
+                if suffix in suffixes and not path.name.startswith("."):
                     found[str(path)] = str(path.relative_to(self.folder))
         return found
 

@@ -150,7 +150,7 @@ def test_a_start_value_that_something_overrules_is_refused(stage):
         system.sweep({"stage.u": [1.0, 2.0]}, figures, stop=STOP)
     with pytest.raises(ss.Fault, match=r"half.u: .* gets its values from u"):
         ss.simulate(system, parameters={"half.u": 1.0}, inputs={"u": 2.0}, stop=STOP)
-    with pytest.raises(ss.Fault, match=r"no exposed input 'stage_u'"):  # not that of half.u
+    with pytest.raises(ss.Fault, match=r"no exposed input 'stage\.u'"):  # not that of half.u
         ss.simulate(system, inputs={"stage.u": 2.0}, stop=STOP)
     with pytest.raises(ss.Fault, match=r"an input is given twice: u, stage\.u"):
         ss.simulate(stage, inputs={"u": 12.0, "stage.u": 3.0}, stop=STOP)

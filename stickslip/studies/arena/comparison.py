@@ -89,6 +89,9 @@ class Comparison:
     arena: Arena  # every cell
     table: pd.DataFrame  # the rows of arena.csv.gz, see docs/arena.md
 
+    def __repr__(self) -> str:
+        return repr(self.ranking)
+
     @property
     def ranking(self) -> pd.DataFrame:
         """A row an entrant: mean and worst error over the drives, relative to the reference."""

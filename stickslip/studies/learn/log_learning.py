@@ -41,6 +41,7 @@ from stickslip.logs import (
     Recording,
     aligned,
     check_recording,
+    load_description,
     raise_errors,
     read_and_check,
     samples_late,
@@ -221,7 +222,7 @@ def _at_rest(recording: Recording, t: np.ndarray, v_cmd: np.ndarray) -> Recordin
 
 def learn(
     source: Path | str | Log | Rig | Sequence[Path | str | Log],
-    description: Description | None = None,
+    description: Description | Path | str | None = None,
     *,
     law: str = "auto",
     compensator: str = "auto",
@@ -243,7 +244,8 @@ def learn(
     source : CSV, Parquet or MAT file, or a rig, which then runs one experiment; or several files,
         folders, tables of logs (see ``logs_of``), or ``Log`` objects, each with a description of
         its own. The compensator is tried in the loop of the first log.
-    description : of its columns and of the controller; by default the columns are detected
+    description : of its columns and of the controller, or its file (TOML); by default the columns
+        are detected
     law, compensator, fixed_gains, friction_range, absent, criterion, limits, search, seed, seeds :
         as of ``LearnSettings``; law and compensator are chosen unless they are given
     validate : logs whose force is predicted, but not learned from
@@ -258,6 +260,8 @@ def learn(
     RigError
         When the experiment on the rig did not end as commanded.
     """
+    if isinstance(description, Path | str):
+        description = load_description(Path(description))
     asked = LearnSettings(
         law=law,
         compensator=compensator,

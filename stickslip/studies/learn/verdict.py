@@ -33,6 +33,7 @@ from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
 COMPENSATOR, OBSERVER_FMU = "compensator.fmu", "observer.fmu"
 POSITION_FMU = "position_force.fmu"
 MOST = 15  # lines on a terminal
+LABEL = 12  # columns before their sentences
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,10 @@ class Verdict:
     remedies: tuple[str, ...]  # what the loop needs
     checks: tuple[str, ...]
     doubts: tuple[str, ...]
+
+    def __str__(self) -> str:
+        rows = (f"{label:{LABEL}}{text}" for label, text in self.rows())
+        return "\n".join([f"{self.source}: {self.headline}", *rows])
 
     def rows(self, folder: str = "") -> Iterator[tuple[str, str]]:
         """Yield a label and a sentence for each line; a folder precedes the names of files."""
@@ -192,8 +197,7 @@ def _what(learned: LearnedFromRecording, name: str) -> str:
         return "gravity and cogging by position; add its force after the compensator"
     if name == OBSERVER_FMU:
         kind = learned.trial.compared.chosen.name.split("+")[-1] if learned.trial else ""
-        both = learned.choice == BOTH
-        place = ", to be added after the feedforward" if both else "; use this one"
+        place = ", to be added after the feedforward" if learned.choice == BOTH else ""
         return f"the observer {kind}{place}"
     benefit = learned.benefit
     share = benefit.share if benefit else 1.0
@@ -201,7 +205,7 @@ def _what(learned: LearnedFromRecording, name: str) -> str:
     kind = learned.trial.compared.chosen.name.split("+")[0] if learned.trial else ""
     if kind in ("", "none") or learned.choice not in (FEEDFORWARD, BOTH):
         kind = learned.estimation.law.title
-    return f"the feedforward {kind}{of}{'' if learned.choice == BOTH else '; use this one'}"
+    return f"the feedforward {kind}{of}"
 
 
 def motion_errors(benefit: Benefit, motion: Motion) -> Iterator[MotionError]:
@@ -275,8 +279,8 @@ def _sentence(loop: LoopShare) -> str:
 def _remedies(learned: LearnedFromRecording, loop: LoopShare | None) -> Iterator[str]:
     if loop and loop.remedy:
         yield (
-            f"{loop.remedy} would leave {number(loop.remedied, 3)} of the loop's"
-            f" {number(loop.frictionless, 3)} {loop.unit}"
+            f"{loop.remedy} would leave {number(loop.remedied, 3)} {loop.unit} of the"
+            f" loop's {number(loop.frictionless, 3)} {loop.unit}"
         )
     if learned.other_gains and learned.other_gains.error <= offer.OTHER_GAINS:
         yield learned.other_gains.sentence
@@ -326,9 +330,6 @@ def _doubts(learned: LearnedFromRecording) -> Iterator[str]:
     if warnings:
         found.append(f"warnings about the log: {'; '.join(one.what for one in warnings)}")
     yield from map(with_settings, found)
-
-
-LABEL = 12  # columns of a terminal before the sentences
 
 
 def lines(verdict: Verdict, folder: Path | None, width: int | None) -> list[str]:

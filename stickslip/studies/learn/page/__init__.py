@@ -199,6 +199,7 @@ def compensation(compared: CompensatorComparison) -> Section:
         relative=tables.compensators(compared),
         WORSE=harm.WORSE,
         DRIVES=harm.DRIVES,
+        MORE=harm.MORE,
         SCATTER=harm.SCATTER,
         GAIN=offer.GAIN,
         LIMIT=offer.SENSITIVITY,

@@ -289,6 +289,7 @@ def test_python_gives_the_arena_of_the_command(arena, tmp_path):
     assert here.loc["pi"].tolist() == pytest.approx([1.0, 1.0])
     means = np.exp(np.log(here).mean(axis=1))
     assert comparison.ranking["mean here"].to_dict() == pytest.approx(means.to_dict())
+    assert repr(comparison) == repr(comparison.ranking)
     assert (comparison.sensitivity() <= 2.2).all(axis=None)
     assert not comparison.arena.reasons
     written = comparison.write(tmp_path / "written")

@@ -11,7 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import stickslip as ss
 from stickslip import ga
+from stickslip.app.workbench import LOGS, Workbench
 from stickslip.cli import main
 from stickslip.commandline.progress import TerminalProgress, spread_of
 from stickslip.identification.criteria.motion import Scale
@@ -199,3 +201,14 @@ def test_a_range_of_friction_without_that_of_the_log_is_refused(log, capsys):
     assert (
         "--friction-range: expected the least and the largest friction" in capsys.readouterr().err
     )
+
+
+def test_a_description_is_given_by_its_file(tmp_path):
+    with pytest.raises(ss.UsageError, match=r"nowhere\.toml"):
+        ss.learn(tmp_path / "axis.csv", tmp_path / "nowhere.toml")
+
+
+def test_compressed_logs_are_offered(tmp_path):
+    for name in ("axis.csv.gz", "axis.gz", "page.html.gz"):
+        (tmp_path / name).touch()
+    assert list(Workbench(tmp_path).files(LOGS).values()) == ["axis.csv.gz"]
