@@ -204,7 +204,7 @@ def test_a_range_of_friction_without_that_of_the_log_is_refused(log, capsys):
 
 
 def test_a_description_is_given_by_its_file(tmp_path):
-    with pytest.raises(ss.UsageError, match=r"nowhere\.toml"):
+    with pytest.raises(ss.Fault, match=r"nowhere\.toml"):
         ss.learn(tmp_path / "axis.csv", tmp_path / "nowhere.toml")
 
 
