@@ -471,7 +471,8 @@ class _Function:
                 type_ = Type("int64_t")
         elif type_.name == "U" and init is not None and name in self.counters:
             type_ = Type("uint64_t")
-        text = f" = {self._list(init, type_)}" if init is not None else ""
+        # Lanes that take no part would compute with what the memory held: slowly, if denormal.
+        text = " = {0}" if init is None else f" = {self._list(init, type_)}"
         self.known[name] = type_
         const = "static const " if "static" in node.storage else ""
         self.emit(f"{const}{declared(type_, name)}{text};")

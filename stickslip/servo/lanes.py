@@ -26,7 +26,7 @@ from stickslip.models.lanes.library import model_library, run_library
 
 _log = logging.getLogger(__name__)
 LANES = 8
-FEWEST = 4  # runs for which lanes are faster than the FMUs
+FEWEST = 3  # runs for which lanes are faster than the FMUs
 _BLOCK = 64  # as in run.h
 
 

@@ -1,11 +1,14 @@
 """Runs in lanes against runs of the FMUs, bit for bit."""
 
+import re
+
 import numpy as np
 import pytest
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import PAPER, friction_law, scaled_start
 from stickslip.models.lanes.library import LEVELS
+from stickslip.models.lanes.translation import translated
 from stickslip.servo import lanes
 from stickslip.servo.axis import Axis
 from stickslip.servo.lanes import LANES, Lanes, NoLanes, Run
@@ -135,3 +138,10 @@ def test_what_lanes_do_not_run_is_left_to_the_fmus(tmp_path, loop, monkeypatch, 
     caplog.set_level("INFO")
     assert lanes.lanes_of(whole) is None
     assert "one by one: nominal is not of our models" in caplog.text
+
+
+def test_no_lane_computes_with_what_the_memory_held():
+    """It may be denormal, with which a processor is slow."""
+    for law in LAWS:
+        code = translated(models.load_model("drive", law))
+        assert not re.findall(r"^\s*[VMIU] \w+(?:\[\w+\])*;", code, re.MULTILINE)
