@@ -9,7 +9,6 @@
 """
 
 from stickslip.cosim.component import Component
-from stickslip.cosim.container import write_fmu
 from stickslip.cosim.errors import (
     ConnectionFault,
     CosimError,
@@ -78,6 +77,5 @@ __all__ = [
     "read_tables",
     "signals_of",
     "variants",
-    "write_fmu",
     "write_ssp",
 ]

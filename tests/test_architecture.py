@@ -30,7 +30,7 @@ ROOMS_OF_COSIM = (
         {"system"},
         {"function"},
     ),
-    *({"assembly"}, {"run"}, {"isolation"}, {"control"}, {"ssp"}, {"container"}),
+    *({"assembly"}, {"run"}, {"isolation"}, {"control"}, {"ssp"}),
 )
 # The ground first. A room imports rooms before it only; a study or paper is a room of its own.
 ROOMS_OF_STICKSLIP = (

@@ -11,8 +11,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef EXPORT /* a container exports the functions of the standard only */
-#elif defined _WIN32
+#ifdef _WIN32
 #define EXPORT __declspec(dllexport)
 #else
 #define EXPORT __attribute__((visibility("default")))
