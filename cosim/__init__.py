@@ -9,6 +9,7 @@
 """
 
 from stickslip.cosim.component import Component
+from stickslip.cosim.container import write_fmu
 from stickslip.cosim.errors import (
     ConnectionFault,
     CosimError,
@@ -77,5 +78,6 @@ __all__ = [
     "read_tables",
     "signals_of",
     "variants",
+    "write_fmu",
     "write_ssp",
 ]

@@ -49,7 +49,7 @@ class Function(Component):
     >>> system.add("gain", cosim.Function(lambda t, u: -2.0 * u["x"], {"x": "m"}, {"F": "N"}))
 
     It can be coupled, iterated, scaled and recorded as an FMU, and its state is saved.
-    It runs in this process only: SSP files and isolation need FMUs. It pickles where
+    It runs in this process only: SSP files, containers and isolation need FMUs. It pickles where
     ``step`` does.
 
     Parameters

@@ -17,6 +17,7 @@ from stickslip.cosim import Specification as Specification
 from stickslip.cosim import Table as Table
 from stickslip.cosim import Trapezoid as Trapezoid
 from stickslip.cosim import read_tables as read_tables
+from stickslip.cosim import write_fmu as write_fmu
 from stickslip.cosim import write_ssp as write_ssp
 from stickslip.cosim.control import linearise as linearise
 from stickslip.cosim.control import measure_response as measure_response

@@ -30,7 +30,7 @@ ROOMS_OF_COSIM = (
         {"system"},
         {"function"},
     ),
-    *({"assembly"}, {"run"}, {"isolation"}, {"control"}, {"ssp"}),
+    *({"assembly"}, {"run"}, {"isolation"}, {"control"}, {"ssp"}, {"container"}),
 )
 # The ground first. A room imports rooms before it only; a study or paper is a room of its own.
 ROOMS_OF_STICKSLIP = (

@@ -123,6 +123,14 @@ def fmpy_container(folder: Path, n: int) -> float:
     return _one_call(path, n)
 
 
+def our_container(folder: Path, n: int) -> float:
+    """The same by cosim."""
+    path = folder / "stickslip.cosim.fmu.fmu"
+    if not path.exists():
+        cosim.write_fmu(ring.system(folder, 2), path, step=ring.STEP, coupling="jacobi")
+    return _one_call(path, n)
+
+
 def libcosimpy(folder: Path, n: int) -> float:
     """libcosim's fixed step algorithm."""
     from libcosimpy.CosimExecution import CosimExecution
@@ -145,6 +153,7 @@ def libcosimpy(folder: Path, n: int) -> float:
 
 
 PEERS: dict[str, tuple[Callable[[Path, int], float], int]] = {  # and how many steps to time
+    "cosim container FMU, one doStep": (our_container, 100_000),
     "FMPy container FMU, one doStep": (fmpy_container, 100_000),
     "FMPy from Python": (fmpy_from_python, 5_000),
     "libcosimpy": (libcosimpy, 5_000),

@@ -15,6 +15,7 @@ from stickslip.cosim.errors import FmuError
 from stickslip.cosim.kernel import plain_arithmetic
 from stickslip.cosim.kernel.structures import step_calls
 from stickslip.fmi import toolchain
+from stickslip.fmi.binary import NotALibrary, read_library
 from stickslip.fmi.description import Description
 from stickslip.fmi.description.variables import SETTERS
 from stickslip.fmi.files import atomic_write
@@ -127,6 +128,26 @@ class Library:
             f"{self._fmu.path}: {self._fmu.binary.name} has no function {name},"
             " which the standard requires"
         )
+
+
+class UnloadedLibrary(Library):
+    """The functions of a binary that is only read; none has an address."""
+
+    def __init__(self, fmu: Loadable) -> None:
+        self._fmu, self._version = fmu, fmu.version
+        self.resources = ""
+        try:
+            self._names = read_library(fmu.binary.read_bytes()).exports
+        except (NotALibrary, OSError) as fault:
+            raise FmuError(f"{fmu.binary}: {fault}") from fault
+        self.lacks_reset = self._missing_reset()
+        self.calls = self._step_calls() if fmu.interface == "co_simulation" else []
+
+    def address(self, name: str) -> int:
+        """Return 0 for a function that is there, see Library."""
+        if name not in self._names:
+            raise self._lacks(name)
+        return 0
 
 
 def prepare_library(fmu: Loadable) -> list[Path]:

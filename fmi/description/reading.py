@@ -138,6 +138,7 @@ def read_description(root: Any) -> Description:
         standard=standard,
         name=root.get("modelName", ""),
         token=root.get("guid" if version == 2 else "instantiationToken", ""),
+        licence=root.get("license", ""),
         interfaces={
             tag: dict(e.attrib) for tag in _INTERFACES if (e := root.find(tag)) is not None
         },

@@ -62,6 +62,7 @@ def shared_library(
     flags: Sequence[str] = (),
     standalone: bool = False,
     exports: Collection[str] | None = None,
+    loads: bool = False,
 ) -> Path:
     """Compile the ``.c`` files among ``files`` into one shared library and return its path.
 
@@ -79,6 +80,7 @@ def shared_library(
     standalone : on Windows, link with the system alone instead of a C runtime, which may be absent
         there and takes a minute to compile; the sources may then call nothing of it but ``mem...``
     exports : the names that the library must export, these and no others; not looked at if None
+    loads : whether it loads other libraries, so that ``compiled_here`` does not vouch for it
     """
     target = platform or platforms.host_platform()
     bare = standalone and target.suffix == ".dll"
@@ -113,7 +115,8 @@ def shared_library(
         except OSError as fault:
             place = Path(fault.filename or library)
             raise _unusable(place, fault.strerror or str(fault)) from fault
-    vouch(_hash_file(library).read_text())
+    if not loads:
+        vouch(_hash_file(library).read_text())
     return library
 
 

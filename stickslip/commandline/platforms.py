@@ -8,23 +8,25 @@ from typing import Any
 from stickslip.fmi.toolchain import PLATFORMS, Platform, host_platform
 
 
-def add_platform_option(parser: argparse.ArgumentParser) -> None:
+def add_platform_option(parser: argparse.ArgumentParser, default: str = "all") -> None:
     """Declare the option; ``parse_platforms`` reads its value."""
     parser.add_argument(
         "--platform",
         nargs="+",
-        default=["all"],
+        default=[default],
         choices=["host", "all", *PLATFORMS],
         metavar="PLATFORM",
-        help=f"host, all, or some of {', '.join(PLATFORMS)} (default all)",
+        help=f"host, all, or some of {', '.join(PLATFORMS)} (default {default})",
     )
 
 
-def add_fmu_options(parser: argparse.ArgumentParser) -> None:
-    """Declare version, platforms and place of one FMU."""
+def add_fmu_options(
+    parser: argparse.ArgumentParser, *, platform: str = "all", out: str = "DIR"
+) -> None:
+    """Declare version, platforms (with their default) and place of one FMU."""
     parser.add_argument("--fmi", choices=["2", "3"], default="2", help="version of the standard")
-    add_platform_option(parser)
-    parser.add_argument("--out", type=Path, default=Path(), metavar="DIR")
+    add_platform_option(parser, platform)
+    parser.add_argument("--out", type=Path, default=Path(), metavar=out)
 
 
 def fmu_options(options: argparse.Namespace) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""``stickslip export``: the tuned compensator, an observer or a drive.
+"""``stickslip export``: the tuned compensator, an observer, a drive or a loop.
 
 stickslip export compensator --parameters axis/learned.json --as c --out firmware
 stickslip export drive --of emps --out robot
@@ -7,11 +7,15 @@ stickslip export drive --of emps --out robot
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from stickslip.commandline import add_options, complete_with, warn, written
+from stickslip.commandline.assignments import add_set_option, split_assignments
+from stickslip.commandline.platforms import add_fmu_options, fmu_options
 from stickslip.commands.export_compensator import add_compensators
+from stickslip.errors import UsageError
 from stickslip.output import Answer
 
 
@@ -19,11 +23,23 @@ def declare(parser: argparse.ArgumentParser) -> None:
     """Declare what the command exports."""
     exports = parser.add_subparsers(
         dest="what",
-        metavar="compensator|observer|position_force|deploy|drive|rig",
+        metavar="compensator|observer|position_force|deploy|components|drive|rig|FILE.ssp",
         required=True,
     )
-    for add in (add_compensators, add_drive, add_rig):
+    exports.choices = exports._name_parser_map = _Parsers()  # noqa: SLF001 - no public way
+    for add in (add_compensators, add_drive, add_rig, add_system):
         add(exports)
+
+
+class _Parsers(dict[str, argparse.ArgumentParser]):
+    """Parsers by what they export: a file stands for the one of its kind."""
+
+    def __contains__(self, name: object) -> bool:
+        is_file = str(name).endswith(".ssp") and name != SYSTEM
+        return super().__contains__(name) or is_file
+
+    def __missing__(self, name: str) -> argparse.ArgumentParser:
+        return self[SYSTEM]
 
 
 def add_drive(exports: argparse._SubParsersAction[Any]) -> None:
@@ -78,4 +94,56 @@ def export_rig(options: argparse.Namespace) -> Answer:
     options.out.mkdir(parents=True, exist_ok=True)
     path = options.out / CODE.name
     atomic_write(path, CODE.read_text(encoding="utf-8"))
+    return written(path)
+
+
+SYSTEM = "FILE.ssp"
+
+
+def add_system(exports: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = exports.add_parser(SYSTEM, help="a whole system of FMUs as one FMU")
+    parser.add_argument("--as", dest="form", choices=["fmu"], default="fmu")
+    step = {"--step S": "communication step, instead of that of the file"}
+    add_options(parser, step, type=float)
+    add_options(parser, {"--variant NAME": "variant of the .ssp to export, if it has several"})
+    parser.add_argument(
+        "--coupling",
+        choices=["gauss_seidel", "jacobi"],
+        default="gauss_seidel",
+        help="(default gauss_seidel)",
+    )
+    add_set_option(parser, "start values: component.variable=VALUE")
+    names = "names or patterns (drive.*) of the FMU's variables (default: "
+    variables = {
+        "--outputs NAME": f"{names}those of the system, or of all components)",
+        "--parameters NAME": f"{names}all)",
+    }
+    add_options(parser, variables, nargs="*")
+    # For Windows its code needs a C runtime, which takes a minute to compile once.
+    add_fmu_options(parser, platform="host", out="DIR|FILE.fmu")
+    parser.set_defaults(run=export_system)
+
+
+def export_system(options: argparse.Namespace) -> Answer:
+    """Write DIR/NAME.fmu, named like the package, or FILE.fmu, and print its path."""
+    from stickslip import cosim
+
+    file = Path(options.what)
+    system, experiment = cosim.read_ssp(file, options.variant)
+    step = experiment.step if options.step is None else options.step
+    if step is None:
+        raise UsageError(f"{file}: the file proposes no step; give --step")
+    for name, value in split_assignments(options.set).items():
+        system.set(name, value)
+    path = cosim.write_fmu(
+        system,
+        options.out if options.out.suffix == ".fmu" else options.out / f"{file.stem}.fmu",
+        step=step,
+        coupling=options.coupling,
+        outputs=options.outputs,
+        parameters=options.parameters,
+        experiment=replace(experiment, step=step),
+        **fmu_options(options),
+    )
     return written(path)

@@ -50,6 +50,20 @@ def test_a_model(name, build):
     assert theirs == in_kernel(fmu.path, inputs, outputs)
 
 
+def test_a_whole_loop_as_one_fmu(build, tmp_path):
+    system = cosim.System("loop")
+    for component in ("velocity_controller", "stage"):
+        system.add(component, build(component, 2).path)
+    system.connect("velocity_controller.u", "stage.u")
+    system.connect("stage.x", "velocity_controller.x_enc")
+    system.expose("v_cmd", "velocity_controller.v_cmd")
+    path = cosim.write_fmu(system, tmp_path / "loop.fmu", step=STEP)
+    outputs = ["stage.v", "velocity_controller.u"]
+    theirs = in_ecos(path, {"v_cmd": 0.005}, outputs)
+    assert theirs[0] == pytest.approx(0.005, rel=0.1)
+    assert theirs == in_kernel(path, {"v_cmd": 0.005}, outputs)
+
+
 def test_parameters_of_a_package_are_applied(build, tmp_path):
     """Of every component: the parameter sets of a package have one name."""
     system = cosim.System("loop")

@@ -1,6 +1,7 @@
 """What an FMU does to rounding and to numbers near zero, it does to itself alone."""
 
 import ctypes
+import subprocess
 import sys
 
 import fmpy
@@ -77,6 +78,25 @@ def test_so_it_is_compiled_or_apart(tmp_path, sound, expected, change, how):
     changer = fmus.write(tmp_path / "changer.fmu", f"DoStep {change} 2")
     for result in run(pair(changer, sound), **how):
         assert {name: result[f"{name}.y"].tobytes() for name in expected} == expected
+
+
+@pytest.mark.parametrize(
+    ("call", "change"), [("load", "round"), ("Instantiate", "flush"), ("DoStep", "round")]
+)
+def test_so_it_is_in_one_fmu(tmp_path, sound, expected, change, call):
+    """A container, in a process of its own: FMPy loads libraries for good."""
+    changer = fmus.write(tmp_path / "changer.fmu", f"{call} {change}")
+    path = cosim.write_fmu(pair(changer, sound), tmp_path / "packed.fmu", step=0.01)
+    script = f"""
+import fmpy, sys
+result = fmpy.simulate_fmu({str(path)!r}, stop_time=1.0, output_interval=0.01, step_size=0.01)
+assert 1.0 + 1e-30 == 1.0 and 1e-310 * 0.5 > 0.0, "ours has changed"
+print(result["plain.y"].tobytes().hex(), result["tiny.y"].tobytes().hex())
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert [bytes.fromhex(values) for values in done.stdout.split()] == [*expected.values()]
 
 
 def test_a_caller_keeps_an_arithmetic_of_his_own(sound, expected):

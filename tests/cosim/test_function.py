@@ -125,6 +125,8 @@ def test_what_needs_an_fmu_says_so(tmp_path):
         system.prepare(**SYSTEM, isolation="process")
     with pytest.raises(cosim.SspError, match=f"an SSP {message}"):
         cosim.write_ssp(system, tmp_path / "s.ssp")
+    with pytest.raises(cosim.ConnectionFault, match=f"a container {message}"):
+        cosim.write_fmu(system, tmp_path / "s.fmu", step=STEP)
     assert not list(tmp_path.iterdir())
 
 

@@ -1,6 +1,8 @@
 """An FMU may log with an environment that is not the one it was given: its message is kept."""
 
 import re
+import subprocess
+import sys
 
 import pytest
 
@@ -54,3 +56,24 @@ def test_a_message_does_not_pass_to_another_component_later(tmp_path, version):
     ):
         simulation.run()
     assert "the FMU says" not in str(error.value)
+
+
+@pytest.mark.parametrize("call", ["DoStep", "SetReal", "Terminate"])
+def test_in_a_container(tmp_path, call):
+    """It passes on what its component says, to a tool that is not ours."""
+    plan = f"{call} {1 if call == 'Terminate' else 4} 3"
+    system = pair(tmp_path, plan, 2, "plain", "(void*)1")
+    system.expose("u", "broken.u")
+    path = cosim.write_fmu(system, tmp_path / "a.fmu", step=0.1)
+    script = (
+        "import fmpy, sys\n"
+        "try:\n"
+        f"    fmpy.simulate_fmu({str(path)!r}, stop_time=1.0, output_interval=0.1,"
+        " logger=lambda *a: print(a[-1].decode()))\n"
+        "except Exception as error:\n"
+        "    print(type(error).__name__)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-500:]
+    assert "broken: " in done.stdout
+    assert "broke%" in done.stdout or "broke " in done.stdout

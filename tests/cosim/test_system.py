@@ -7,6 +7,7 @@ import pytest
 from stickslip import cosim
 from stickslip.cosim.system.scaling import PLAIN, Link, Scaling
 from stickslip.fmi.description.units import Unit
+from tests.cosim.single import one
 
 
 @pytest.fixture
@@ -212,3 +213,9 @@ def test_a_unit_from_outside_is_for_what_its_target_is(make):
     system.add("b", make("gain", 2, u="K"))
     with pytest.raises(cosim.ConnectionFault, match="as a difference"):
         system.expose("x", "a.u", "b.u", unit=CELSIUS)
+
+
+def test_a_container_says_that_its_signals_are_differences(make, tmp_path):
+    system = one(make("gain", 2, u="degC difference", y="degC"), u="u")
+    variables = cosim.Fmu(cosim.write_fmu(system, tmp_path / "a.fmu", step=0.1, fmi=3)).variables
+    assert [n for n, v in variables.items() if v.relative] == ["u"]

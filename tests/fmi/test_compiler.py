@@ -43,6 +43,13 @@ def compilations(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 @pytest.mark.usefixtures("fresh")
+def test_what_loads_other_libraries_does_not_count_as_compiled_here():
+    own = toolchain.shared_library("own", ANSWER)
+    loading = toolchain.shared_library("loading", ANSWER, flags=["-DANSWER=7"], loads=True)
+    assert [toolchain.compiled_here(path) for path in (own, loading)] == [True, False]
+
+
+@pytest.mark.usefixtures("fresh")
 def test_whatever_goes_in_makes_another_file(compilations):
     header = ANSWER | {"answer.h": ANSWER["answer.h"].replace("42", "43")}
     made = [

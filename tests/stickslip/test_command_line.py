@@ -496,7 +496,7 @@ def test_debug_shows_the_traceback(stage):
     "words",
     [
         *("info FILE.fmu", "info FILE.ssp", "check FILE.fmu", "simulate FILE.fmu"),
-        *("simulate FILE.ssp", "serve FILE.fmu"),
+        *("simulate FILE.ssp", "serve FILE.fmu", "export FILE.ssp --as fmu --out o"),
         *("learn FILE.csv", "learn FILE.csv --check", "validate FILE.json --log FILE.csv"),
         *("export compensator --parameters FILE.json --as c --out o", "fleet FILE.toml --out o"),
     ],

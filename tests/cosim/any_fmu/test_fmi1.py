@@ -9,7 +9,7 @@ import pytest
 from stickslip import cosim
 from stickslip.cosim import control
 from tests.corpus import fmu
-from tests.cosim.single import by_fmpy, exposed
+from tests.cosim.single import by_fmpy, exposed, one
 
 VARIABLE = '<ScalarVariable name="{}" valueReference="{}" causality="{}" variability="{}" {}>{}'
 ROWS = [
@@ -98,3 +98,8 @@ def test_what_is_not_run_is_one_line(tmp_path, binary):
     lacking = (*ROWS[-1][:-1], "<Boolean/><DirectDependency><Name>z</Name>")
     unclear = cosim.Fmu(fmu.pack(tmp_path / "lacking.fmu", described([lacking]), binary))
     assert "dependencies of Unknown" in unclear.description.remarks[0]
+    system = one(fmu.pack(tmp_path / "old.fmu", described(), binary))
+    with pytest.raises(
+        cosim.FmuError, match=r"a \(old.fmu\) cannot go into a container: it is of FMI 1"
+    ):
+        cosim.write_fmu(system, tmp_path / "out.fmu", step=0.1)

@@ -142,6 +142,11 @@ def test_what_does_not_fit_is_refused(export, parameters, message):
         system_of(export, parameters)
 
 
+def test_a_container_holds_no_arrays_of_changing_size(export, tmp_path):
+    with pytest.raises(cosim.FmuError, match="cannot go into a container: it has the struct"):
+        cosim.write_fmu(system_of(export, None), tmp_path / "a.fmu", step=0.1)
+
+
 def test_an_array_is_an_input_from_one_column(export, tmp_path, capsys):
     """Numbers of a cell are elements row by row, as if each had a column of its own."""
     path = export("state_space", 3, "CS")

@@ -233,6 +233,8 @@ def test_what_this_installation_compiled_runs_here_and_what_is_foreign_in_a_chil
         linearise(path, step=0.01)
     known = one(fmus.write(tmp_path / "known.fmu"))
     assert cosim.Specification(known, 0.01, 0.1).limits is None
+    packed = one(cosim.write_fmu(known, tmp_path / "packed.fmu", step=0.01))
+    assert cosim.Specification(packed, 0.01, 0.1).limits == cosim.Isolation()
 
 
 def test_every_preparation_finds_the_resources_that_were_packed(tmp_path):
