@@ -24,7 +24,6 @@ from stickslip.cosim.errors import (
 )
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.function import Function
-from stickslip.cosim.run.guards import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.signals import Signal, SineSweep, Table, Trapezoid
@@ -59,7 +58,6 @@ __all__ = [
     "Isolation",
     "Link",
     "ParameterError",
-    "RealTimePacing",
     "Record",
     "Result",
     "Scaling",

@@ -55,7 +55,7 @@ class Interrupted(KeyboardInterrupt):
         elif not generations:
             kept = "nothing is kept, because no generation was done"
         else:
-            kept = f"they are kept in {checkpoint}; continue with resume=True (--resume)"
+            kept = f"they are kept in {checkpoint}; continue with resume=True"
         super().__init__(
             f"interrupted after {generations} generations ({evaluations} evaluations); {kept}"
         )

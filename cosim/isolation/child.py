@@ -134,7 +134,6 @@ class _Served:
         simulation = self._prepared
         report = (lambda t: self._reply(progress=t)) if progress else None
         result: Result = getattr(simulation, how)(**arguments, progress=report)
-        pacing = simulation.pacing
         place = self._room(result.rows.shape)
         if place.ctypes.data != result.rows.ctypes.data or not result.rows.flags.c_contiguous:
             place[:] = result.rows.copy()
@@ -145,7 +144,6 @@ class _Served:
             "stopped": result.stopped,
             "texts": result.changes,
             "effort": dict(simulation.effort),
-            "pacing": pacing and [pacing.looks, pacing.overruns, pacing.worst],
         }
 
 

@@ -190,14 +190,12 @@ class Process:
         what: str,
         arguments: Mapping[str, object],
         progress: Callable[[float], object] | None = None,
-        slack: float = 0.0,
     ) -> Reply:
-        """Return the answer to a request; a step may take ``slack`` s beyond the patience."""
+        """Return the answer to a request."""
         self._clock, self.repeats = _Clock(), False
         self._answers.send(pickle.dumps((what, arguments), pickle.HIGHEST_PROTOCOL))
         limit = self._limits.timeout or math.inf
-        patience = self._limits.patience + slack
-        while {"progress", "repeats"} & (reply := self._wait(patience, limit)).keys():
+        while {"progress", "repeats"} & (reply := self._wait(self._limits.patience, limit)).keys():
             if "repeats" in reply:  # with as much time again
                 self._clock, self.repeats = _Clock(), True
                 continue

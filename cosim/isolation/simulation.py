@@ -4,7 +4,6 @@ import inspect
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -17,7 +16,7 @@ from stickslip.cosim.errors import FmuCrashed, ParameterError
 from stickslip.cosim.isolation.messages import Reply, called, portable_inputs
 from stickslip.cosim.isolation.process import Process
 from stickslip.cosim.run import resets
-from stickslip.cosim.run.guards import Exclusive, RealTimePacing
+from stickslip.cosim.run.guards import Exclusive
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.signals import Input
@@ -41,7 +40,6 @@ class IsolatedSimulation(Simulation):
     def __init__(self, spec: Specification, limits: Isolation) -> None:
         self.spec, self._limits = spec, limits
         self._plan = Plan(spec)
-        self.pacing = None
         self._effort = dict[str, int]()
         self._process: Process | None = None
         self._state_path = ""  # of the state to resume from
@@ -115,11 +113,8 @@ class IsolatedSimulation(Simulation):
         bound.apply_defaults()
         arguments = bound.arguments
         del arguments["self"]
-        self.pacing = None
-        progress, real_time = arguments["progress"], arguments["real_time"]
+        progress = arguments["progress"]
         inputs, tunable = (signals_of(arguments[name]) for name in ("inputs", "tunable"))
-        pacing = None if real_time is None else RealTimePacing.of(real_time)
-        slack = max(self.spec.step, pacing.interval, 1.0) / pacing.speed if pacing else 0.0
         if how == "resume":
             self._state_path = str(Path(arguments["path"]).absolute())
         else:
@@ -132,11 +127,8 @@ class IsolatedSimulation(Simulation):
             "how": how,
         }
         with self._exclusive:
-            reply = self._first_or_again(lambda: self._ask_to_run(arguments, progress, slack))
+            reply = self._first_or_again(lambda: self._ask_to_run(arguments, progress))
             self._effort = reply["effort"]
-            if pacing and reply["pacing"]:
-                looks, overruns, worst = reply["pacing"]
-                self.pacing = replace(pacing, looks=looks, overruns=overruns, worst=worst)
             return self._result_of(reply)
 
     def _first_or_again(self, ask: Callable[[], Reply]) -> Reply:
@@ -156,13 +148,13 @@ class IsolatedSimulation(Simulation):
         return reply
 
     def _ask_to_run(
-        self, arguments: dict[str, Any], progress: Callable[[float], object] | None, slack: float
+        self, arguments: dict[str, Any], progress: Callable[[float], object] | None
     ) -> Reply:
         if arguments["how"] == "resume":  # where the child may read
             arguments["path"] = str(self._living().state)
             with suppress(OSError):  # the child says that there is none
                 atomic_write(self._living().state, Path(self._state_path).read_bytes())
-        return self._ask("run", arguments, progress, slack)
+        return self._ask("run", arguments, progress)
 
     def _ended_by_reuse(self, process: Process, crash: FmuCrashed) -> bool:
         """Whether the crash comes from using instances again, so that a new child avoids it."""
@@ -197,12 +189,11 @@ class IsolatedSimulation(Simulation):
         what: str,
         arguments: Mapping[str, object] = MappingProxyType({}),
         progress: Callable[[float], object] | None = None,
-        slack: float = 0.0,
     ) -> Reply:
         process = self._living()
         process.stands_for = self._state_path
         try:
-            reply = process.ask(what, dict(arguments), progress, slack)
+            reply = process.ask(what, dict(arguments), progress)
         except BaseException:  # also Ctrl-C: the child is in the middle of something
             self._give_up()
             raise

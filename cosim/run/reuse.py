@@ -61,14 +61,13 @@ class Reuse:
         external: Array,
         go: Callable[[bool], Result],
         *,
-        repeats: bool,
         same_as: object = None,
         resumed: bool = False,
     ) -> Result:
         """Run, by ``go``, with instances that are new, or as good as new.
 
-        It is repeated where ``repeats`` allows that. Runs with equal ``same_as`` are the same where
-        the values and the inputs ``external`` are.
+        One that is ``resumed`` is not repeated. Runs with equal ``same_as`` are the same where the
+        values and the inputs ``external`` are.
         """
         again, before = bool(self._traces), self._set
         unset = self.renew(values)
@@ -80,7 +79,7 @@ class Reuse:
         left = self._left_by(result)
         self._traces |= left
         left |= unset
-        if again and repeats and self._deterministic and not left <= self._removed:
+        if again and not resumed and self._deterministic and not left <= self._removed:
             earlier = {**before, **values} if unset else {}
             self._repeat(values, earlier, external, go, result, left)
             if same_as is not None and self._deterministic:

@@ -17,7 +17,7 @@ from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationEr
 from stickslip.cosim.fmu.instance import Batch
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.checkpoint import Checkpoint, differences, identity, put_back, taken
-from stickslip.cosim.run.guards import Exclusive, RealTimePacing
+from stickslip.cosim.run.guards import Exclusive
 from stickslip.cosim.run.instances import Instances
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.reuse import Reuse
@@ -42,12 +42,10 @@ class Simulation:
     Attributes
     ----------
     spec : Specification
-    pacing : how well the last run kept real time, None when it did not have to
     """
 
     def __init__(self, spec: Specification, room: Room = np.empty) -> None:
         self.spec = spec
-        self.pacing: RealTimePacing | None = None
         tools = any(fmu.needs_tool for fmu in spec.system.components.values())
         self._exclusive = Exclusive(spec.system.name, outlives_fork=not tools)
         self._plan = Plan(spec)
@@ -90,7 +88,6 @@ class Simulation:
         *,
         tunable: Inputs | None = None,
         until: float | None = None,
-        real_time: RealTimePacing | float | None = None,
         progress: Callable[[float], object] | None = None,
     ) -> Result:
         """Run from the start: reset, set start values, initialise, step.
@@ -110,8 +107,6 @@ class Simulation:
             time, before the step from there; where an FMU knows events, by one
         until : a point of ``time`` (s) to halt at, so that the state can be saved; the stop if
             left out
-        real_time : simulated s per s, or a RealTimePacing that also says how often to look at the
-            clock; as fast as can be if left out. ``pacing`` tells how well the clock was kept
         progress : is called with the time reached (s) now and then
 
         Raises
@@ -131,13 +126,11 @@ class Simulation:
         same_as = None if changes or jumps else last
 
         def go(repeated: bool) -> Result:
-            self.pacing = None if real_time is None else RealTimePacing.of(real_time)
-            return self._stepper.go(0, last, self.pacing, None if repeated else progress)
+            return self._stepper.go(0, last, None if repeated else progress)
 
         def attempt() -> Result:
             external = self._stepper.follow(values, signals, changes)
-            repeats = real_time is None
-            return self._reuse.run(values, external, go, repeats=repeats, same_as=same_as)
+            return self._reuse.run(values, external, go, same_as=same_as)
 
         with self._exclusive:
             return self._with_retries(attempt)
@@ -231,7 +224,6 @@ class Simulation:
         *,
         tunable: Inputs | None = None,
         until: float | None = None,
-        real_time: RealTimePacing | float | None = None,
         progress: Callable[[float], object] | None = None,
     ) -> Result:
         """Go on from a saved state; return what follows, the time of the state included.
@@ -262,12 +254,11 @@ class Simulation:
 
         def go(_: bool) -> Result:
             put_back(self._stepper, checkpoint, path)
-            self.pacing = None if real_time is None else RealTimePacing.of(real_time)
-            return self._stepper.go(checkpoint.step, last, self.pacing, progress)
+            return self._stepper.go(checkpoint.step, last, progress)
 
         def attempt() -> Result:
             external = self._stepper.follow({**parameters, **checkpoint.starts}, signals, changes)
-            return self._reuse.run(parameters, external, go, repeats=False, resumed=True)
+            return self._reuse.run(parameters, external, go, resumed=True)
 
         with self._exclusive:
             return self._with_retries(attempt)

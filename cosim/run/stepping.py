@@ -23,7 +23,6 @@ from stickslip.cosim.errors import ExperimentError, SimulationError
 from stickslip.cosim.fmu.instance import Batch
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.kernel import structures
-from stickslip.cosim.run.guards import RealTimePacing
 from stickslip.cosim.run.instances import Instances
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.signals.signals import Array, Input, Table
@@ -101,21 +100,12 @@ class Stepper:
         self.fmus.memory.prepare(external, apart=apart)
         self.halted = self._by_steps = False
 
-    def go(
-        self,
-        first: int,
-        last: int,
-        pacing: RealTimePacing | None,
-        progress: Callable[[float], object] | None,
-    ) -> Result:
+    def go(self, first: int, last: int, progress: Callable[[float], object] | None) -> Result:
         """Step to the last of the points in time, and look up on the way if asked to."""
         fmus, at = self.fmus, self.plan.at
         self._texts = Texts([])
         look = last - first
-        if pacing:
-            look = max(1, round(pacing.interval / self.plan.spec.step))
-            pacing.begin(at(first))
-        elif progress:
+        if progress:
             look = max(1, look // 100)
         halt = first
         try:
@@ -129,8 +119,6 @@ class Stepper:
                 if end := self.advance(halt):
                     return self._ended(end, first)
                 self._texts.note(at(halt))
-                if pacing:
-                    pacing.keep(at(halt))
                 if progress:
                     progress(at(halt))
         finally:

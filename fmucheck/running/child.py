@@ -8,7 +8,6 @@ report too.
 import json
 import pickle
 import secrets
-import sys
 import time
 import traceback
 from dataclasses import dataclass, field
@@ -17,13 +16,14 @@ from pathlib import Path
 from typing import IO, Any
 
 from stickslip.fmi.process import sandbox
+from stickslip.fmi.process.child import limit
 from stickslip.fmucheck import rules
 from stickslip.fmucheck.description.model import Description
 from stickslip.fmucheck.running.bench import Bench, Spent
 from stickslip.fmucheck.running.calls import CallFailed
 from stickslip.fmucheck.running.plain_run import GATES, LOADING, settings
 
-MEMORY = 4 * 1024**3
+MEMORY = 4096.0  # MB
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Job:
 def main(job_file: str, report_file: str) -> None:
     """Try every rule of the job's stage that was not tried yet, on every interface."""
     before = settings()
-    _limit()
+    limit(MEMORY)
     job: Job = pickle.loads(Path(job_file).read_bytes())  # noqa: S301 (written by the parent)
     with Path(report_file).open("a", encoding="utf-8") as report:
         if job.sandbox:
@@ -96,12 +96,3 @@ def _claims(bench: Bench, rule: rules.Rule) -> tuple[list[tuple[str, str]], dict
 def _tell(job: Job, report: IO[str], **what: object) -> None:
     report.write(f"\n{job.token}{json.dumps(what)}\n")
     report.flush()
-
-
-def _limit() -> None:
-    """Limit memory and leave no core files, where the system can do that."""
-    if sys.platform != "win32":
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

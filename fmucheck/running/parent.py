@@ -245,7 +245,7 @@ class _Child:
         if sandbox.unavailable():
             return None
         writable = [str(room), str(self.folder)]
-        return Guard.of_python(_PACKAGES, [], writable, allow, MEMORY / 1e6)
+        return Guard.of_python(_PACKAGES, [], writable, allow, MEMORY)
 
     def _wait(
         self, process: subprocess.Popen[bytes], report: Path, output: Path, limits: Limits

@@ -115,7 +115,10 @@ def pack(head: Mapping[str, Any], record: Record) -> dict[str, Any]:
 
 def unpack(head: Mapping[str, Any], state: Mapping[str, Any]) -> Iterator[Told]:
     """Yield what was told, generation after generation."""
-    seed_of(state)
+    if not isinstance(state, Mapping) or state.get("format") != FORMAT:
+        raise StateError(
+            f"this is no checkpoint of format {FORMAT}; it is damaged or from another version"
+        )
     for part, expected in head.items():
         if expected != state.get(part):
             raise StateError(
@@ -138,18 +141,6 @@ def unpack(head: Mapping[str, Any], state: Mapping[str, Any]) -> Iterator[Told]:
     yield from generations
 
 
-def seed_of(state: Mapping[str, Any]) -> int:
-    """Return the seed of a checkpoint."""
-    if not isinstance(state, Mapping) or state.get("format") != FORMAT:
-        raise StateError(
-            f"this is no checkpoint of format {FORMAT}; it is damaged or from another version"
-        )
-    seed = state.get("seed")
-    if not isinstance(seed, int):
-        raise StateError(f"the checkpoint is damaged (its seed is {seed!r:.40}); start afresh")
-    return seed
-
-
 def write(path: Path, state: Mapping[str, Any], about: str) -> None:
     """Write a checkpoint atomically."""
     atomic_write(path, json.dumps({"about": about, **state}, allow_nan=False) + "\n")
@@ -157,31 +148,17 @@ def write(path: Path, state: Mapping[str, Any], about: str) -> None:
 
 def read(path: Path, about: str) -> dict[str, Any]:
     """Read the state from a checkpoint."""
-    state = _load(path)
-    if state.get("about", about) != about:
-        raise StateError(
-            f"{path}: the checkpoint is about {state['about']!r:.80}, expected {about!r}; resume "
-            "with that or start afresh"
-        )
-    return state
-
-
-def check(path: Path) -> None:
-    """Check that a file is a checkpoint, of whatever run."""
-    state = _load(path)
-    try:
-        seed_of(state)
-    except StateError as error:
-        raise StateError(f"{path}: {error}") from None
-
-
-def _load(path: Path) -> dict[str, Any]:
     try:
         state = parse_json(read_limited(path, MOST))
     except ValueError as error:
         raise StateError(f"{path}: this is no checkpoint ({error}); start afresh") from None
     if not isinstance(state, dict):
         raise StateError(f"{path}: this is no checkpoint, it holds no object; start afresh")
+    if state.get("about", about) != about:
+        raise StateError(
+            f"{path}: the checkpoint is about {state['about']!r:.80}, expected {about!r}; resume "
+            "with that or start afresh"
+        )
     return state
 
 

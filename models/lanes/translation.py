@@ -15,13 +15,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from pycparser import c_ast, c_generator
+from pycparser import c_ast
 
 from stickslip.models.errors import ModelError
 from stickslip.models.export.description import Model
 from stickslip.models.export.sources import shared_files, variables_header
 from stickslip.models.firmware.c99 import needed, pieces
-from stickslip.models.firmware.program import parsed
+from stickslip.models.firmware.program import parsed, spelt, walk
 
 ROOTS = ("model_start", "model_step", "model_outputs")
 # type in C -> in one lane, and where it is one for all lanes; truth values are masks
@@ -108,12 +108,12 @@ class Translation:
                     self.lines.append(f"enum {{ {', '.join(map(self._enumerator, values))} }};")
                 case c_ast.Decl(type=c_ast.TypeDecl(), init=c_ast.Node()):
                     self.names[node.name] = Type("double")
-                    self.lines.append(f"{_spelt(node)};")
+                    self.lines.append(f"{spelt(node)};")
                 case c_ast.FuncDef() if node.decl.name in (*order, "law_scaled"):
                     self.lines += _Function(self, node).lines
 
     def _enumerator(self, node: c_ast.Enumerator) -> str:
-        return f"{node.name} = {_spelt(node.value).replace('(double)', '(V)')}"
+        return f"{node.name} = {spelt(node.value).replace('(double)', '(V)')}"
 
     def _struct(self, name: str, members: list[c_ast.Decl]) -> None:
         own = {one.name: self.type_of(one.type) for one in members}
@@ -128,7 +128,7 @@ class Translation:
         """Return the type of a declaration, in lanes."""
         sizes = []
         while isinstance(node, c_ast.ArrayDecl):
-            size = _spelt(node.dim) if node.dim else ""
+            size = spelt(node.dim) if node.dim else ""
             sizes.append(size)
             node = node.type
         is_pointer = isinstance(node, c_ast.PtrDecl)
@@ -136,7 +136,7 @@ class Translation:
             node = node.type
         names = getattr(node.type, "names", None)
         if names is None:
-            raise ModelError(f"cannot translate the type {_spelt(node)!r}")
+            raise ModelError(f"cannot translate the type {spelt(node)!r}")
         is_const = "const" in node.quals
         return Type(_LANES.get(names[-1], names[-1]), tuple(sizes), is_pointer, is_const)
 
@@ -167,7 +167,7 @@ class _Function:
         self.blocks = [_Block(0)]
         parameters = ", ".join(declared(t, one.name) for one, t in zip(given, types, strict=True))
         head = f"INLINE {self.returns.name} {self.name}(M live, {parameters}) {{"
-        self.masked = sum(1 for one in _walk(node.body) if isinstance(one, c_ast.Return)) > 1
+        self.masked = sum(1 for one in walk(node.body) if isinstance(one, c_ast.Return)) > 1
         body = node.body.block_items or []
         self.lines = [head]
         for one in self.known:
@@ -187,7 +187,7 @@ class _Function:
         return f"{base}_{self.fresh}"
 
     def refused(self, node: c_ast.Node) -> ModelError:
-        return ModelError(f"{self.name}: cannot translate {_spelt(node)!r}")
+        return ModelError(f"{self.name}: cannot translate {spelt(node)!r}")
 
     def expression(self, node: c_ast.Node) -> Text:
         """Return an expression."""
@@ -219,7 +219,7 @@ class _Function:
                     raise self.refused(node)
                 return Text(f"gathered(live, {array.text}, {place.to('I')})", element)
             case c_ast.UnaryOp(op="sizeof"):
-                return Text(_spelt(node).replace("(double)", "(V)"), Type("int64_t"))
+                return Text(spelt(node).replace("(double)", "(V)"), Type("int64_t"))
             case c_ast.UnaryOp(op="*"):
                 inner = self.expression(node.expr)
                 return Text(f"(*{inner.text})", inner.type.element)
@@ -294,7 +294,7 @@ class _Function:
             yes, no = self.expression(node.iftrue), self.expression(node.iffalse)
             name = self._common(yes, no)
             return Text(f"({condition.text} ? {yes.to(name)} : {no.to(name)})", Type(name))
-        if not any(map(_is_long, _walk(node))):
+        if not any(map(_is_long, walk(node))):
             yes, no = self.expression(node.iftrue), self.expression(node.iffalse)
             name = _VECTORS.get(common := self._common(yes, no), common)
             mask = self._mask(condition.text, name)
@@ -553,7 +553,7 @@ class _Function:
 
     def _branch(self, node: c_ast.Node) -> None:
         """Add a branch; what is long is left out where no lane takes it."""
-        if any(map(_is_long, _walk(node))):
+        if any(map(_is_long, walk(node))):
             self.emit("if (any(live))")
         self._block(node)
 
@@ -566,8 +566,8 @@ class _Function:
     ) -> None:
         self.emit("{")
         known, depths = dict(self.known), dict(self.depths)
-        assigned = {_root(one) for one in _walk(body) if _root(one)}
-        stepped = {_root(one) for one in _walk(step) if _root(one)} if step else set()
+        assigned = {_root(one) for one in walk(body) if _root(one)}
+        stepped = {_root(one) for one in walk(step) if _root(one)} if step else set()
         decls = getattr(init, "decls", [])
         counted = {one.name for one in decls} - assigned
         self.counters |= counted
@@ -576,10 +576,10 @@ class _Function:
         counted &= {n for n in self.known if self.known[n].name in ("int64_t", "uint64_t")}
         condition = self.condition(cond) if cond is not None else Text("true", Type("bool"))
         ends = any(
-            isinstance(one, c_ast.Break | c_ast.Return | c_ast.Continue) for one in _walk(body)
+            isinstance(one, c_ast.Break | c_ast.Return | c_ast.Continue) for one in walk(body)
         )
         if condition.type.name == "bool" and not ends and stepped <= counted:
-            text = _spelt(step) if step else ""
+            text = spelt(step) if step else ""
             self.emit(f"for (; {condition.text}; {text})")
             self._block(body)
         else:
@@ -600,7 +600,7 @@ class _Function:
             self.emit("live |= later_lanes;")
             for one in step.exprs if isinstance(step, c_ast.ExprList) else [step] if step else []:
                 if _root(one) in counted:
-                    self.emit(f"{_spelt(one)};")
+                    self.emit(f"{spelt(one)};")
                 else:
                     self._statement(one)
         self.emit("} live = left_lanes;")
@@ -624,16 +624,6 @@ def _is_long(node: c_ast.Node) -> bool:
     """Whether it is worth a branch to leave it out where no lane needs it."""
     kinds = c_ast.FuncCall | c_ast.For | c_ast.While
     return isinstance(node, kinds) or (isinstance(node, c_ast.BinaryOp) and node.op == "/")
-
-
-def _walk(node: c_ast.Node) -> Iterator[c_ast.Node]:
-    yield node
-    for inner in node:
-        yield from _walk(inner)
-
-
-def _spelt(node: c_ast.Node) -> str:
-    return " ".join(c_generator.CGenerator().visit(node).split())
 
 
 def translated(model: Model) -> str:

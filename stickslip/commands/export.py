@@ -23,7 +23,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     """Declare what the command exports."""
     exports = parser.add_subparsers(
         dest="what",
-        metavar="compensator|observer|position_force|deploy|components|drive|rig|FILE.ssp",
+        metavar="compensator|observer|position_force|deploy|drive|rig|FILE.ssp",
         required=True,
     )
     exports.choices = exports._name_parser_map = _Parsers()  # noqa: SLF001 - no public way

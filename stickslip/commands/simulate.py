@@ -84,8 +84,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "smallest of its FMUs, or 1/500 of the run",
         "--tolerance REL": "relative tolerance of the solvers, instead of that of the FMUs",
         "--until S": "halt at this time, before the stop",
-        "--real-time FACTOR": "simulated seconds per second (default: full speed)",
-        "--look S": "simulated seconds between two looks at the clock (default: 0.01)",
     }
     add_options(parser, numbers, type=float)
     add_set_option(parser, "start values: component.variable=VALUE; arrays as 'x=1 2 3'")
@@ -134,8 +132,6 @@ def run(options: argparse.Namespace) -> Answer:
     library, extra = LIBRARIES.get(options.out.suffix, ("", "")) if options.out else ("", "")
     if library and find_spec(library) is None:  # before a run whose result it would lose
         raise UsageError(f"{options.out}: needs {library}; install it with {installing(extra)}")
-    if options.look is not None and options.real_time is None:
-        raise UsageError("--look is for --real-time; give it")
     if options.hold and not options.input:
         raise UsageError("--hold names columns of --input; give one")
     read = [file.resolve() for file in (options.file, options.input) if file]
@@ -170,17 +166,13 @@ def _simulate(options: argparse.Namespace) -> Answer:
         isolation=isolation_of(options),
     )
     with prepared as simulation:
-        pace = options.real_time
-        if pace is not None and options.look is not None:
-            pace = cosim.RealTimePacing(pace, options.look)
-        how = {"inputs": inputs, "until": options.until, "real_time": pace}
+        how = {"inputs": inputs, "until": options.until}
         if options.resume:
             result = simulation.resume(options.resume, **how)
         else:
             result = simulation.run(**how)
         if options.save:
             simulation.save(options.save)
-        pacing = simulation.pacing
     _warn(options, model, inputs, simulation.spec.step)
     written = []
     if options.out:
@@ -195,11 +187,6 @@ def _simulate(options: argparse.Namespace) -> Answer:
     last = {name: texts[-1] for name, texts in result.texts.items() if texts}
     for name, text in last.items():
         print(f"{name:32} {json.dumps(text, ensure_ascii=False)} at the end")
-    if pacing:
-        print(
-            f"real time: late {pacing.overruns} of {pacing.looks} times by more than"
-            f" {pacing.interval} s, at most {max(0.0, pacing.worst):.3g} s"
-        )
     if options.plot is not None:
         written += _plot(result, options.plot, options.file)
     for file in written:

@@ -376,7 +376,7 @@ def test_arguments_are_parsed_before_anything_large_is_loaded():
     [
         ("sim", {"simulate"}),
         ("learn log.csv --criterion ", {"auto", "inverse", "loop"}),
-        ("simulate --re", {"--real-time", "--record", "--resume"}),
+        ("simulate --re", {"--record", "--resume"}),
         ("simulate --stop=1 ./", {"./a.fmu", "./b.ssp", "./deep/"}),
         ("simulate a.fmu --stop ", set()),
         ("learn log.csv --compensator ek", {"ekbf", "ekbf2"}),

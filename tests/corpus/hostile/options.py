@@ -35,7 +35,6 @@ CASES = [
     _case("allow-missing", "access to a folder that is not there", "allow is 'files=missing', expected a folder that exists", "simulate a.fmu --allow files=missing"),
     _case("allow-nothing", "access to no folder, which would be the present one", "allow is 'files=', expected a folder", "simulate a.fmu --allow files="),
     _case("until-nan", "an end at NaN", "until = nan s is not a point in time", "simulate a.fmu --until nan"),
-    _case("look-nan", "a look at the clock every NaN s", "interval nan s: expected positive", "simulate a.fmu --real-time 10 --look nan"),
     _case("mass-tiny", "a mass of 1e-300 kg", "m is 1e-300 kg; expected 1e-18 to 1e12", "design --mass 1e-300"),
     _case("negative-exponent", "a negative bandwidth with an exponent", "bandwidth is -0.01 Hz", "design --bandwidth -1e-2"),
     _case("travel-units", "a travel in millimetres below and in degrees above", "--travel is in deg, but the motion is linear", "plan --travel 10mm 5deg"),

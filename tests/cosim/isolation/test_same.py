@@ -88,7 +88,7 @@ def test_events_and_model_exchange_behind_the_general_path(tmp_path):
     assert_same(*both(system, {}, inputs={"u": 20.0}))
 
 
-def test_state_progress_and_pace(tmp_path):
+def test_state_and_progress(tmp_path):
     models = pytest.importorskip("models")
     system = one(models.build_fmu("stage", tmp_path), u="u", name="stage")
     spec = cosim.Specification(system, STEP, STOP)
@@ -102,8 +102,6 @@ def test_state_progress_and_pace(tmp_path):
         assert np.array_equal(rest["stage.v"], whole["stage.v"][200:])
         assert reached[-1] == STOP
         assert reached == sorted(reached)
-        there.run(inputs={"u": 20.0}, real_time=50.0)
-        assert there.pacing.looks == 50
 
 
 def test_a_run_that_an_fmu_ends(make):

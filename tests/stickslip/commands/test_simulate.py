@@ -52,11 +52,6 @@ def test_a_run_is_saved_and_resumed(stage, force, tmp_path):
     pd.testing.assert_frame_equal(whole[10:].reset_index(drop=True), rest, check_exact=True)
 
 
-def test_real_time_is_reported(stage, capsys):
-    simulate(stage, "--real-time", "10")
-    assert "real time: late" in capsys.readouterr().out
-
-
 def test_an_fmu_of_another_tool_with_dots_in_names_and_no_step(stage, force, edited, tmp_path):
     name, path = force
     changes = {f'name="{name}"': f'name="axis.{name}"', r' stepSize="[^"]*"': ""}
