@@ -1,5 +1,5 @@
 /* Steps components one after the other, led by the table of components. In place of this file,
- * unrolled.py writes one for a certain system. */
+ * kernel/__init__.py writes one for a certain system. */
 #ifndef COSIM_STEPS_H
 #define COSIM_STEPS_H
 
