@@ -41,7 +41,7 @@ from stickslip.commandline.log_options import (
     logs_given,
     rig_of,
 )
-from stickslip.commandline.progress import TerminalProgress, add_live_option
+from stickslip.commandline.progress import TerminalProgress
 from stickslip.compensators.names import part_names, require_parts
 from stickslip.errors import RecordingError, UsageError
 from stickslip.output import Answer
@@ -96,7 +96,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(search, seeds, type=at_least(1), default=1)
     add_seed_option(search)
     add_algorithm_option(search)
-    add_live_option(search)
     add_workers_option(add_rare_group(parser, "where the search runs"), "candidates")
     parser.set_defaults(run=run)
 
@@ -184,7 +183,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
     from stickslip.studies.learn.verdict import verdict_of
 
     with (
-        TerminalProgress(live=options.live, findings=options.verbose) as progress,
+        TerminalProgress(findings=options.verbose) as progress,
         rig_of(options.rig, options.out, options.law) as (rig, limits),
     ):
         learned = learn(
