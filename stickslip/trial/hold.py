@@ -20,7 +20,7 @@ from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.storage.codec import entry
 from stickslip.thresholds import caution
-from stickslip.trial.benefit import Bench, Variant
+from stickslip.trial.benefit import Bench, Variant, feed_of
 from stickslip.trial.family import Drive, axis_values, in_loop
 
 SHORTEST, LONGEST, PERIODS = 1.0, 20.0, 8.0
@@ -99,7 +99,7 @@ def _held(bench: Bench, drive: Drive, variant: Variant) -> Hold:
     loop, step = bench.loop, bench.datasheet.encoder_step
     n = round(hold_time(loop, drive.parameters, step) / loop.T_s)
     v_cmd, begins = _motions(bench.commands[0].v_cmd, step, n, loop.T_s)
-    feed = bench.feed_of(variant.chain)
+    feed = feed_of(variant.chain)
     system = build_loop(bench.folder_of(drive.law), loop, variant.chain, feed)
     values = {**axis_values(loop, bench.datasheet), **drive.parameters}
     system.parameters |= in_loop(values)

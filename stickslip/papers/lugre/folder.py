@@ -118,7 +118,6 @@ def command_of(options: Options, **more: object) -> dict[str, object]:
         "set": {f"drive.{name}": value for name, value in options.truth.items()},
         "seed": options.seed,
         "preset": options.preset,
-        "coarse": dict(options.coarse),
         **({} if options.law == "lugre" else {"law": options.law}),
         **more,
     }
@@ -145,8 +144,6 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "parameters": state(learned.estimates, unit_of),
-        "start": state({n: known.value for n, known in reproduction.start.items()}, unit_of),
-        "coarse": dict(options.coarse),
         "result": learned.chosen,
         "slow_motions": learned.remark or None,
         "cost": {"value": learned.cost, "unit": "m2/s2"},
@@ -154,7 +151,6 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
         "runs": learned.runs,
         "seed": options.seed,
         "preset": options.preset,
-        "feed": "nominal",
         "loop": loop_document(reproduction.identification.loop),
         "loop_learning": _loop_learning_entry(reproduction),
         "validation": validation_document(VALIDATION),

@@ -16,7 +16,7 @@ from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.evaluation.comparison import Evaluation
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.evaluation.validation import PHASES, Validation, validate
-from stickslip.identification.stages import Estimate, Identification
+from stickslip.identification.stages import Identification
 from stickslip.output import Progress
 from stickslip.papers.lugre.fmpy_check import SecondOpinion
 from stickslip.papers.lugre.loop_tuning import LoopTuning, validate_loops
@@ -49,9 +49,6 @@ class Options:
     # how many seeds search the loop and learn as published, ``seed`` the first; 0 for no loop
     seeds: int = 5
     complete: bool = False  # take all steps: learn as published and from one recording, too
-    # factors by name on what identification found, to begin learning there; see
-    # ``stickslip/tuning/learning.py``
-    coarse: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def all_seeds(self) -> range:
@@ -88,7 +85,6 @@ class Reproduction(BaseResult):
     """All that was computed with the three experiments, and by running the drive."""
 
     identification: Identification
-    start: Mapping[str, Estimate]  # the tuned parameters that learning began with
     refinement: Refinement  # what was known in the end
     cost_without: float  # of the training run without compensation [m^2/s^2]
     # the loop as it was learned, and what each step before it brings, if it was learned
@@ -112,7 +108,7 @@ class Reproduction(BaseResult):
 
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was found."""
-        return table2(self.identification, self.start, self.refinement, self.truth)
+        return table2(self.identification, self.refinement, self.truth)
 
     def table4(self) -> pd.DataFrame:
         """Return Table 4, with a column for each step once all motions were run."""
@@ -158,7 +154,7 @@ def reproduce(options: Options, fmus: Path, progress: Progress, workers: int = 1
     show what is looked for, or its loop cannot be designed.
     """
     rig = build_rig(options, fmus, progress)
-    found = learn_on_rig(rig, seed=options.seed, coarse=options.coarse, progress=progress)
+    found = learn_on_rig(rig, seed=options.seed, progress=progress)
     searched = None
     if options.seeds:
         searched = _tuned(options, rig, found, progress, workers)
@@ -166,7 +162,6 @@ def reproduce(options: Options, fmus: Path, progress: Progress, workers: int = 1
     return Reproduction(
         **vars(result),
         identification=found.identification,
-        start=found.start,
         refinement=found.refinement,
         searched=searched,
         cost_without=found.study.cost_without(),
@@ -189,7 +184,7 @@ def _tuned(
         progress.stage(f"learning the loop, seed {seed}")
         learned.append(learn_loop(replace(searched, seed=seed), progress.generation, workers))
     progress.stage("what each step brings")
-    identified = {name: one.value for name, one in found.start.items()}
+    identified = {name: one.value for name, one in found.identification.tuned.items()}
     return validate_loops(
         study,
         searched,

@@ -19,7 +19,6 @@ from stickslip.catalog.parameters import unit_of
 from stickslip.commandline import (
     FLAG,
     SEVERAL,
-    add_old_spelling,
     add_options,
     add_rare_group,
     at_least,
@@ -84,14 +83,13 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(add_log_options(parser), {"--fixed-gains": fixed}, **FLAG)
 
     search = add_rare_group(parser, "the search")
-    criterion = search.add_argument(
+    search.add_argument(
         "--criterion",
         choices=sorted(CRITERIA),
         default="auto",
         help="loop: output error of the simulated closed loop; inverse: force predicted from the "
         "motion; auto: the one that the log allows",
     )
-    add_old_spelling(search, "--judge", criterion)
     seeds = {"--seeds N": "number of searches, each with its own seed"}
     add_options(search, seeds, type=at_least(1), default=1)
     add_seed_option(search)

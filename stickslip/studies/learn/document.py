@@ -62,7 +62,6 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         document["position_force"] = tables.position_force(estimation).by_key()
     if loop is not None:
         document |= {
-            "feed": "nominal",
             "loop": loop_document(loop),
             "validation": validation_document(VALIDATION, rotary=rotary),
         }

@@ -13,11 +13,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stickslip.commandline import FLAG, SEVERAL, add_options, at_least, warn
+from stickslip.commandline import FLAG, add_options, at_least, warn
 from stickslip.commandline.assignments import (
     add_law_option,
     add_set_option,
-    coarse_factors,
     drive_changes,
 )
 from stickslip.commandline.execution import (
@@ -54,14 +53,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, flags, **FLAG)
     seeds = "number of seeds that learn the loop, as published and by least squares (default 5)"
     add_options(parser, {"--seeds N": seeds}, type=at_least(1), default=5, dest="number")
-    coarse = (
-        "start learning at these factors times the identified values, e.g. F_s=0.7 F_c=0.7 v_s=3 "
-        "sigma_0=0.5 sigma_1=0.5; a parameter not named has the factor 1"
-    )
-    add_options(parser, {"--coarse NAME=FACTOR": coarse}, **SEVERAL)
     add_algorithm_option(
         parser,
-        "--preset",
         default="CMA-ES for the loop, which needs half of the "
         "candidates of our genetic algorithm, and that for a recording",
     )
@@ -145,7 +138,7 @@ def _published(
 def run(options: argparse.Namespace) -> Answer:
     """Reproduce, write the results and print the main figures."""
     _check(options)
-    truth, coarse = drive_changes(options.set), coarse_factors(options.coarse, options.law)
+    truth = drive_changes(options.set)
     from stickslip.papers.lugre.folder import FILES, PUBLISHED_FILES
     from stickslip.papers.lugre.record import RECORD_FILES
     from stickslip.papers.lugre.reproduction import Options, drive_truth
@@ -157,7 +150,6 @@ def run(options: argparse.Namespace) -> Answer:
         preset=options.algorithm,
         seeds=options.number,
         complete=options.complete,
-        coarse=coarse,
     )
     drive_truth(chosen.truth, chosen.law)  # before anything is done
     compute, files = {
@@ -179,12 +171,12 @@ def _check(options: argparse.Namespace) -> None:
     """Raise where two options exclude each other."""
     published, complete, record = options.as_published, options.complete, options.mode == "record"
     law = f"--law {options.law}", options.law != "lugre"
-    coarse, steps = ("--coarse", bool(options.coarse)), ("--complete", complete)
+    steps = "--complete", complete
     algorithm = f"--algorithm {options.algorithm}", options.algorithm not in ("default", "paper")
     exclusive = {
-        "--mode record": (record, coarse, steps),
+        "--mode record": (record, steps),
         "--complete": (complete, law),
-        "--as-published": (published, ("--mode record", record), law, coarse, algorithm, steps),
+        "--as-published": (published, ("--mode record", record), law, algorithm, steps),
     }
     for first, (given, *others) in exclusive.items():
         for second, also in others:

@@ -14,7 +14,7 @@ from stickslip.evaluation.validation import PHASES, Validation
 from stickslip.identification.stages import friction_map, inertia
 from stickslip.papers.lugre import tables
 from stickslip.papers.lugre.loop_tuning import FRICTION
-from stickslip.papers.lugre.page import curves, diagrams
+from stickslip.papers.lugre.page import curves
 from stickslip.papers.lugre.published import PAPER_COST, SQUARES, PublishedStudy
 from stickslip.papers.lugre.reproduction import BaseResult, Reproduction
 from stickslip.papers.lugre.steps import FILTERED, LEARNED, STEPS, TRAPEZOID, UNCOMPENSATED
@@ -34,8 +34,7 @@ TITLE = "Friction compensator of a linear motor, learned"
 FIG5 = "fig5_as_published"  # Name of the figure of the learning as published
 FIGURES = (
     "loop_tuning",
-    *("fig2_loops", "fig3_scheme", "fig4_flow", "fig5_fitness", "fig6_tracking"),
-    *("steps", "motions", FIG5),
+    *("fig5_fitness", "fig6_tracking", "steps", "motions", FIG5),
     *("identification_inertia", "identification_friction", "identification_presliding"),
 )
 FILES = ("report.html", *picture_files(FIGURES))  # What ``write_report`` writes
@@ -74,7 +73,7 @@ def sections(reproduction: Reproduction) -> Sequence[Section]:
     of_stages = {"sliding": friction_map, "inertia": inertia}
     found = [
         _head(reproduction),
-        loops_section("The loop", "loop", reproduction),
+        section("The loop", "loop", reproduction),
         section("Identification", "identification", reproduction, experiments, **of_stages),
         section("Learning the friction", "learning", reproduction),
         _loop_learning(reproduction),
@@ -115,26 +114,15 @@ def _head(reproduction: Reproduction) -> Section:
     )
 
 
-def loops_section(title: str, template: str, result: BaseResult) -> Section:
-    """Return a section with the loops, Fig. 2."""
-    plain, law = result.learned.designed.plain, result.options.law
-    draw = {"fig2_loops": partial(diagrams.draw_loops, plain, result.truth, law)}
-    return section(title, template, result, draw)
-
-
 def _loop_learning(reproduction: Reproduction) -> Section:
-    """Return the learning of the loop: Figs. 3 to 5, and what was learned."""
+    """Return the learning of the loop, Fig. 5, and what was learned."""
     models = reproduction.loops.study.models
     found, fed = "what was identified", ""
     if models[0].fitted:
         titles = [friction_law(model.law).title for model in models]
         found = f"{' or '.join(titles)}, fitted to the drive’s errors"
         fed = f" The feedforward has the {titles[0]} friction, too."
-    figures = {
-        "fig3_scheme": partial(diagrams.draw_scheme, reproduction),
-        "fig4_flow": partial(diagrams.draw_flow, reproduction),
-        "fig5_fitness": partial(curves.draw_fitness, reproduction.loops),
-    }
+    figures = {"fig5_fitness": partial(curves.draw_fitness, reproduction.loops)}
     values = {"learning": loop_learning, "search": search, "seconds": training_motion().duration}
     values |= {"found": found, "fed": fed, "kept": kept, "mismatch": models[0].mismatch}
     return section(

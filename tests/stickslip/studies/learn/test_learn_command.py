@@ -146,7 +146,7 @@ def test_it_prints_and_writes_whether_compensation_helps(learned):
 
 def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsys, monkeypatch):
     """The check before learning sees only clear masses; here it sees none."""
-    arguments = ["learn", "--log", str(log), "--scale", "force=5e-5", "--judge", "inverse"]
+    arguments = ["learn", "--log", str(log), "--scale", "force=5e-5", "--criterion", "inverse"]
     arguments += ["--out", str(tmp_path)]
     assert main(arguments) == 1
     assert "kg, less than 0.001 kg" in capsys.readouterr().err
