@@ -109,7 +109,7 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
         tables = {
             "table2": reproduction.table2(),
             "table4": reproduction.validation.table(),
-            "fitness": estimation.searches.algorithm.convergence(),
+            "fitness": estimation.searched.convergence(),
             "profiles": estimation.fitted.profiles,
             "recording": _table(estimation.recording),
         }

@@ -18,7 +18,6 @@ from stickslip.evaluation.motions import VALIDATION
 from stickslip.evaluation.validation import PHASES, Validation, validate
 from stickslip.identification.stages import Identification
 from stickslip.output import Progress
-from stickslip.papers.lugre.fmpy_check import SecondOpinion
 from stickslip.papers.lugre.loop_tuning import LoopTuning, validate_loops
 from stickslip.papers.lugre.published import PublishedStudy
 from stickslip.papers.lugre.steps import with_steps
@@ -90,8 +89,6 @@ class Reproduction(BaseResult):
     # the loop as it was learned, and what each step before it brings, if it was learned
     searched: LoopTuning | None = None
     extras: Extras | None = None  # the same on the drive with all effects on, if that was asked for
-    # what FMPy makes of the compensator, once its FMU is written
-    opinion: SecondOpinion | None = None
     motions: Evaluation | None = None  # all motions with each step, once they were run
     published: PublishedStudy | None = None  # the learning as published, where that was asked for
 

@@ -21,7 +21,6 @@ from stickslip.commandline import (
     SEVERAL,
     add_options,
     add_rare_group,
-    at_least,
     complete_with,
     positive,
     warn,
@@ -90,8 +89,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
         help="loop: output error of the simulated closed loop; inverse: force predicted from the "
         "motion; auto: the one that the log allows",
     )
-    seeds = {"--seeds N": "number of searches, each with its own seed"}
-    add_options(search, seeds, type=at_least(1), default=1)
     add_seed_option(search)
     add_algorithm_option(search)
     add_workers_option(add_rare_group(parser, "where the search runs"), "candidates")
@@ -192,7 +189,6 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             law=options.law,
             criterion=CRITERIA[options.criterion],
             seed=options.seed,
-            seeds=options.seeds,
             search=Search(options.algorithm, workers=options.workers),
             compensator=options.compensator,
             absent=options.without,
@@ -296,9 +292,6 @@ def print_estimation(estimation: Estimation, predicted: Sequence[PredictedLog] =
     if estimation.position_force:
         print("\nforce of position, beside mass and friction")
         print(tables.position_force(estimation).text(), tables.HELD, sep="\n", end="\n\n")
-    if (number := len(estimation.searches.table)) > 1:
-        spread = [f"{name} {100 * value:.2g} %" for name, value in estimation.spread().items()]
-        print(f"spread over {number} searches: {', '.join(spread)}")
     for name, value in estimation.figures.errors().items():
         if math.isfinite(value):
             print(f"relative error {100 * value:9.4g} %  {FIGURES[name]}")

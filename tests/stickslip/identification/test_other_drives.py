@@ -97,7 +97,7 @@ def test_wherever_the_search_ends_the_mean_force_finds_the_valley(candidates, mo
     learned = learn(Task(candidates, recorded(1.0, 1e-7)))
     assert learned.criterion == "inverse model"
     for name in ("m", "F_c", "F_s", "sigma_0"):
-        assert learned.searches.table[name][0] == pytest.approx(DRIVE[name], rel=0.06), name
+        assert learned.parameters[name] == pytest.approx(DRIVE[name], rel=0.06), name
 
 
 @pytest.mark.thorough

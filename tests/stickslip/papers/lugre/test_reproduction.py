@@ -1,17 +1,16 @@
 """The claims of the paper, on the FMUs and by FMPy."""
 
-import fmpy
 import numpy as np
 import pytest
 
 from stickslip import models
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.motions import TRAINING, VALIDATION
-from stickslip.papers.lugre.fmpy_check import second_opinion
 from stickslip.papers.lugre.reproduction import Options, reproduce
 from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.systems import Compensator, build_fmus, deployed, paper_loop
 from stickslip.servo.velocity_loop import design_velocity_loop
+from tests.stickslip.papers.lugre.fmpy_check import second_opinion
 
 pytestmark = pytest.mark.slow
 
@@ -90,9 +89,8 @@ def opinion(fmus, folder, own, fmi=2):
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_fmpy_computes_the_same_bits(fmus, tmp_path, capfd, fmi):
     found = opinion(fmus, tmp_path, TUNED, fmi)
-    assert found.tool == f"FMPy {fmpy.__version__}"
-    assert found.comparisons.keys() == COMMANDS.keys()
-    for comparison in found.comparisons.values():
+    assert found.keys() == COMMANDS.keys()
+    for comparison in found.values():
         assert (comparison.samples, comparison.different, comparison.largest) == (len(T), 0, 0.0)
     assert "missing input" not in "".join(capfd.readouterr())
 
@@ -100,6 +98,6 @@ def test_fmpy_computes_the_same_bits(fmus, tmp_path, capfd, fmi):
 @pytest.mark.parametrize("name", ["F_c", "sigma_0"])
 def test_another_parameter_in_the_last_digits_is_seen(fmus, tmp_path, name):
     other = {**TUNED, name: TUNED[name] * (1 + 1e-12)}
-    for comparison in opinion(fmus, tmp_path, other).comparisons.values():
+    for comparison in opinion(fmus, tmp_path, other).values():
         assert comparison.different > 100
         assert 0.0 < comparison.largest < 1e-9

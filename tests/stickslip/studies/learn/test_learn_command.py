@@ -24,7 +24,7 @@ from stickslip.studies.learn.folder import FILES
 pytestmark = pytest.mark.slow
 
 
-ARGUMENTS = ["--criterion", "inverse", "--seeds", "2", "--seed", "3"]
+ARGUMENTS = ["--criterion", "inverse", "--seed", "3"]
 ARGUMENTS += ["--compensator", "static+ekbf"]
 STEPS: list[tuple[int, int]] = []
 

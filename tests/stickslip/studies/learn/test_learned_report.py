@@ -15,7 +15,7 @@ from stickslip.evaluation.tracking import FEEDFORWARD, FRICTIONLESS, NONE, Track
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
 from stickslip.identification.estimation import Estimation, Identifiability
-from stickslip.identification.estimation.estimation import FittedLaw, Searches
+from stickslip.identification.estimation.estimation import FittedLaw
 from stickslip.identification.estimation.faults import HeldOut
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
@@ -105,9 +105,7 @@ def made(kind="loop", n=30_000):
                 [profile(name, 100.0 if name == steep else 1.0) for name in space.friction]
             ),
         ),
-        searches=Searches(
-            pd.DataFrame([{"seed": 0, "evaluations": 252, "cost": 0.02, **values}]), algorithm()
-        ),
+        searched=algorithm(),
         held_out=HeldOut((), ()),
         figures=GoodnessOfFit(
             0.1234, 0.2, *loop, t, force + noise, force, simulated, v, 0.0, slice(65, -65)
