@@ -15,7 +15,7 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.identification.criteria.runs import require_bounded
-from stickslip.servo.measurement import Array
+from stickslip.servo.measurement import Array, turns
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.storage.codec import entry
@@ -132,12 +132,4 @@ def _motions(v_cmd: Array, step: float, n: int, T_s: float) -> tuple[Array, list
 
 def reversals(x: Array, least: float) -> int:
     """Return how often a position (n,) turns back by half of its range and ``least`` [m]."""
-    least, count, way = max(0.5 * float(np.ptp(x)), least), 0, 0
-    low = high = float(x[0])
-    for value in x.tolist():
-        low, high = min(low, value), max(high, value)
-        if way >= 0 and high - value > least:
-            count, way, low = count + way, -1, value
-        elif way <= 0 and value - low > least:
-            count, way, high = count - way, 1, value
-    return count
+    return turns(x, max(0.5 * float(np.ptp(x)), least))

@@ -32,7 +32,7 @@ from stickslip.catalog.parameters import (
 )
 from stickslip.identification.stages import Estimate
 from stickslip.rigs.contract import Rig, TrialLog
-from stickslip.servo.measurement import CUTOFF, Array, smoothed
+from stickslip.servo.measurement import Array, smoothed
 from stickslip.servo.systems import feedforward
 from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -78,7 +78,6 @@ class VelocityCost:
     """Sum of (v - v_r)^2 [m^2/s^2] over the samples of a run on the drive."""
 
     T_s: float  # sample period [s]
-    cutoff: float | None = CUTOFF  # of the low-pass of v - v_r [Hz], None for none
 
     def __call__(self, result: TrialLog) -> float:
         """Return the cost of the recorded ``drive.x_enc`` [m] and ``nominal.v_r`` [m/s]."""
@@ -88,8 +87,7 @@ class VelocityCost:
     def gap(self, result: TrialLog) -> Array:
         """Return v - v_r (n,) [m/s]."""
         v = np.gradient(result["drive.x_enc"], self.T_s)
-        gap = v - result["nominal.v_r"]
-        return gap if self.cutoff is None else smoothed(gap, self.T_s, self.cutoff)
+        return smoothed(v - result["nominal.v_r"], self.T_s)
 
 
 @dataclass(frozen=True)

@@ -1,16 +1,16 @@
 """What a reproduction is compared with: a drive with all effects, other motions and learning."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 
-from stickslip import ga, models
+from stickslip import models
 from stickslip.evaluation.comparison import evaluate
 from stickslip.evaluation.validation import PHASES
 from stickslip.fmi.errors import Fault
 from stickslip.identification.estimation import Search
-from stickslip.output import Factors, Progress
+from stickslip.output import Progress
 from stickslip.papers.lugre.published import OURS, SQUARES, study_as_published
 from stickslip.papers.lugre.record import learn_from_recording
 from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, reproduce
@@ -58,12 +58,12 @@ def with_motions(
 def reproduce_with_extras(options: Options, fmus: Path, progress: Progress) -> Extras:
     """Take the steps on the drive with all effects on; ``fmus`` is made."""
     fmus.mkdir()
-    stages = _ExtrasProgress(progress)
+    progress.stage("the same on the drive with all extras on")
     parameters = (v for v in models.load_model("drive").variables if v.role == "parameter")
     effects = {v.name: True for v in parameters if v.type == "boolean"}
     options = replace(options, seeds=0, truth={**options.truth, **effects})
     try:
-        found = reproduce(options, fmus, stages)
+        found = reproduce(options, fmus, progress)
         return Extras(step_by_step(found, fmus))
     except Fault as fault:
         return Extras(None, reason=str(fault))
@@ -76,16 +76,3 @@ def step_by_step(found: Reproduction, fmus: Path) -> pd.DataFrame:
     entries = steps(found.identification, found.learned)
     evaluation = evaluate(rig, entries, motions=[TRAPEZOID], phases=PHASES)
     return with_steps(found.validation.table(), evaluation)
-
-
-@dataclass(frozen=True)
-class _ExtrasProgress(Progress):
-    """Tells stages with the drive that they are of."""
-
-    progress: Progress
-
-    def stage(self, name: str) -> None:
-        self.progress.stage(f"all extras on: {name}")
-
-    def generation(self, algorithm: ga.Optimiser, scale: Factors | None = None) -> None:
-        self.progress.generation(algorithm, scale)
