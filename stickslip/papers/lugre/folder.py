@@ -36,12 +36,9 @@ from stickslip.tuning.loop_runs import GENES
 FMU = "compensator"  # Name of the compensator's model and FMU
 LEARNED_LOOP = ("learned_loop.ssp", "learned_compensator.fmu", "learned_observer.fmu")
 """The learned loop, and its feedforward and observer where it has them."""
-PREFIX = "as_published_"  # Of the tables of the learning as published
 FILES = (
-    *("table2.csv", "table4.csv", "table4_all_extras.csv", "motions.csv"),
-    *("fitness.csv", "loop_tuning.csv"),
+    *("table2.csv", "table4.csv", "motions.csv", "fitness.csv", "loop_tuning.csv"),
     *("learned.json", "compensator.fmu", "loop.ssp", *LEARNED_LOOP),
-    *(f"{PREFIX}{name}.csv" for name in TABLES),
     *REPORT,
 )
 """What ``write_results`` writes."""
@@ -59,11 +56,6 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
     loops = reproduction.loops
     with staged(folder, command_of(reproduction.options), without=LEARNED_LOOP) as staging:
         tables = {"table2": reproduction.table2(), "table4": reproduction.table4()}
-        if reproduction.extras and reproduction.extras.table4 is not None:
-            tables["table4_all_extras"] = reproduction.extras.table4
-        if reproduction.published:
-            published = reproduction.published.tables()
-            tables |= {f"{PREFIX}{name}": table for name, table in published.items()}
         if reproduction.motions:
             tables["motions"] = reproduction.motions.table()
         write_tables(tables | {"loop_tuning": loops.table, "fitness": loops.fitness()}, staging)

@@ -13,14 +13,13 @@ import pandas as pd
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import estimated, friction_law
-from stickslip.evaluation.comparison import Evaluation
+from stickslip.evaluation.comparison import Evaluation, evaluate
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.evaluation.validation import PHASES, Validation, validate
 from stickslip.identification.stages import Identification
 from stickslip.output import Progress
 from stickslip.papers.lugre.loop_tuning import LoopTuning, validate_loops
-from stickslip.papers.lugre.published import PublishedStudy
-from stickslip.papers.lugre.steps import with_steps
+from stickslip.papers.lugre.steps import steps, with_steps
 from stickslip.papers.lugre.tables import table2
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
@@ -47,7 +46,6 @@ class Options:
     preset: str = "default"
     # how many seeds search the loop and learn as published, ``seed`` the first; 0 for no loop
     seeds: int = 5
-    complete: bool = False  # take all steps: learn as published and from one recording, too
 
     @property
     def all_seeds(self) -> range:
@@ -57,15 +55,6 @@ class Options:
     def rig(self, fmus: Path) -> FmuRig:
         """Return the drive whose FMUs are in a folder, on its test bench."""
         return FmuRig(fmus, Datasheet(), LOOP.T_s, self.law)
-
-
-@dataclass(frozen=True)
-class Extras:
-    """The result on the drive with all effects on, which the compensator does not model."""
-
-    # with a column for each step; None where identification or learning failed
-    table4: pd.DataFrame | None
-    reason: str = ""  # why they failed
 
 
 @dataclass(frozen=True)
@@ -86,16 +75,14 @@ class Reproduction(BaseResult):
     identification: Identification
     refinement: Refinement  # what was known in the end
     cost_without: float  # of the training run without compensation [m^2/s^2]
-    # the loop as it was learned, and what each step before it brings, if it was learned
+    # the loop as it was learned, and what each step before it brings, if that was asked for
     searched: LoopTuning | None = None
-    extras: Extras | None = None  # the same on the drive with all effects on, if that was asked for
     motions: Evaluation | None = None  # all motions with each step, once they were run
-    published: PublishedStudy | None = None  # the learning as published, where that was asked for
 
     @property
     def loops(self) -> LoopTuning:
         """The loop as it was learned, for what is of a reproduction with it."""
-        assert self.searched is not None  # noqa: S101 - only the drive with extras has none
+        assert self.searched is not None  # noqa: S101 - the command always asks for it
         return self.searched
 
     def learned_system(self) -> cosim.System:
@@ -163,6 +150,14 @@ def reproduce(options: Options, fmus: Path, progress: Progress, workers: int = 1
         searched=searched,
         cost_without=found.study.cost_without(),
     )
+
+
+def with_motions(reproduction: Reproduction, fmus: Path, workers: int = 1) -> Reproduction:
+    """Return a reproduction, whose FMUs are in a folder, with what its steps do in all motions."""
+    entries = steps(reproduction.identification, reproduction.learned)
+    rig = reproduction.options.rig(fmus)
+    motions = evaluate(rig, entries, phases=PHASES, workers=workers)
+    return replace(reproduction, motions=motions)
 
 
 def _tuned(

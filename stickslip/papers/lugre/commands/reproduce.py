@@ -44,13 +44,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "from one recording of 20 s"
     )
     add_options(parser, {"--mode": mode}, choices=["drive", "record"], default="drive")
-    flags = {
-        "--as-published": "only the paper's learning as published, from coarse starts over several "
-        "seeds, beside the same with logarithmic genes and least squares",
-        "--complete": "also learn as published and from one recording, and compare all steps; "
-        "takes two minutes on two cores",
-    }
-    add_options(parser, flags, **FLAG)
+    published = (
+        "only the paper's learning as published, from coarse starts over several seeds, beside the "
+        "same with logarithmic genes and least squares"
+    )
+    add_options(parser, {"--as-published": published}, **FLAG)
     seeds = "number of seeds that learn the loop, as published and by least squares (default 5)"
     add_options(parser, {"--seeds N": seeds}, type=at_least(1), default=5, dest="number")
     add_algorithm_option(
@@ -73,11 +71,11 @@ def _drive(
     options: Options, fmus: Path, progress: TerminalProgress, workers: int, out: Path
 ) -> Show:
     from stickslip.papers.lugre.folder import write_results
-    from stickslip.papers.lugre.reproduction import reproduce
-    from stickslip.papers.lugre.studies import with_studies
+    from stickslip.papers.lugre.reproduction import reproduce, with_motions
 
     reproduction = reproduce(options, fmus, progress, workers)
-    reproduction = with_studies(reproduction, fmus, progress, workers)
+    progress.stage("all motions")
+    reproduction = with_motions(reproduction, fmus, workers)
     progress.stage("writing the report")
     write_results(reproduction, out)
     return partial(_print_drive, reproduction)
@@ -149,7 +147,6 @@ def run(options: argparse.Namespace) -> Answer:
         seed=options.seed,
         preset=options.algorithm,
         seeds=options.number,
-        complete=options.complete,
     )
     drive_truth(chosen.truth, chosen.law)  # before anything is done
     compute, files = {
@@ -168,17 +165,14 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _check(options: argparse.Namespace) -> None:
-    """Raise where two options exclude each other."""
-    published, complete, record = options.as_published, options.complete, options.mode == "record"
-    law = f"--law {options.law}", options.law != "lugre"
-    steps = "--complete", complete
-    algorithm = f"--algorithm {options.algorithm}", options.algorithm not in ("default", "paper")
-    exclusive = {
-        "--mode record": (record, steps),
-        "--complete": (complete, law),
-        "--as-published": (published, ("--mode record", record), law, algorithm, steps),
+    """Raise where an option means nothing to the learning as published."""
+    others = {
+        "--mode record": options.mode == "record",
+        f"--law {options.law}": options.law != "lugre",
+        f"--algorithm {options.algorithm}": options.algorithm not in ("default", "paper"),
     }
-    for first, (given, *others) in exclusive.items():
-        for second, also in others:
-            if given and also:
-                raise UsageError(f"{first} and {second} exclude each other; leave out one of them")
+    for other, given in others.items():
+        if options.as_published and given:
+            raise UsageError(
+                f"--as-published and {other} exclude each other; leave one of them out"
+            )

@@ -34,7 +34,7 @@ TITLE = "Friction compensator of a linear motor, learned"
 FIG5 = "fig5_as_published"  # Name of the figure of the learning as published
 FIGURES = (
     "loop_tuning",
-    *("fig5_fitness", "fig6_tracking", "steps", "motions", FIG5),
+    *("fig5_fitness", "fig6_tracking", "steps", "motions"),
     *("identification_inertia", "identification_friction", "identification_presliding"),
 )
 FILES = ("report.html", *picture_files(FIGURES))  # What ``write_report`` writes
@@ -63,8 +63,8 @@ def section(
 
 
 def sections(reproduction: Reproduction) -> Sequence[Section]:
-    """Return the sections of the page; a study that was not made has none."""
-    study, loop = reproduction.published, reproduction.identification.loop
+    """Return the sections of the page; motions that were not run have none."""
+    loop = reproduction.identification.loop
     experiments = {
         "identification_inertia": partial(curves.draw_inertia, reproduction),
         "identification_friction": partial(curves.draw_friction, reproduction),
@@ -83,9 +83,6 @@ def sections(reproduction: Reproduction) -> Sequence[Section]:
         draw = {"steps": partial(curves.draw_steps, reproduction)}
         loops = {"own": loop, "tuned": tuned_pi(loop), "peak": peak_sensitivity(loop)}
         found.append(section("Comparison of the steps", "steps", reproduction, draw, **loops))
-    if study is not None:
-        found.append(study_section(study))
-    if reproduction.motions is not None:
         found.append(_motions(reproduction, reproduction.motions.table()))
     return [*found, section("Using the results", "use", reproduction)]
 

@@ -130,7 +130,6 @@ def test_all_files_are_there_and_tell_the_seed(folder):
     [
         ["--mode", "record"],
         ["--algorithm", "cma"],
-        ["--complete"],
     ],
     ids=" ".join,
 )
