@@ -12,7 +12,7 @@ from stickslip.identification.stages import Identification, identify
 from stickslip.models import build_fmu
 from stickslip.output import SILENT, Progress
 from stickslip.papers.lugre.folder import write_results
-from stickslip.papers.lugre.reproduction import Options, Reproduction, reproduce, with_motions
+from stickslip.papers.lugre.reproduction import Options, Reproduction, reproduce
 from stickslip.planning import LINEAR, plan
 from stickslip.presentation.page import Picture
 from stickslip.rigs.contract import COMMISSIONING
@@ -47,7 +47,7 @@ def blank(*_):
 
 
 def reproduced(fmus: Path) -> Reproduction:
-    return with_motions(reproduce(Options(seeds=1), fmus, SILENT, 2), fmus)
+    return reproduce(Options(seeds=1), fmus, SILENT, 2)
 
 
 @pytest.fixture(scope="session")

@@ -55,10 +55,14 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
     """
     loops = reproduction.loops
     with staged(folder, command_of(reproduction.options), without=LEARNED_LOOP) as staging:
-        tables = {"table2": reproduction.table2(), "table4": reproduction.table4()}
-        if reproduction.motions:
-            tables["motions"] = reproduction.motions.table()
-        write_tables(tables | {"loop_tuning": loops.table, "fitness": loops.fitness()}, staging)
+        tables = {
+            "table2": reproduction.table2(),
+            "table4": reproduction.table4(),
+            "motions": reproduction.motions.table(),
+            "loop_tuning": loops.table,
+            "fitness": loops.fitness(),
+        }
+        write_tables(tables, staging)
         options, loop = reproduction.options, reproduction.identification.loop
         _build(Compensator(FMU, FMU, reproduction.refinement.values), loop, options, staging)
         best = loops.best.tuned

@@ -75,9 +75,9 @@ class Reproduction(BaseResult):
     identification: Identification
     refinement: Refinement  # what was known in the end
     cost_without: float  # of the training run without compensation [m^2/s^2]
+    motions: Evaluation  # all motions with each step
     # the loop as it was learned, and what each step before it brings, if that was asked for
     searched: LoopTuning | None = None
-    motions: Evaluation | None = None  # all motions with each step, once they were run
 
     @property
     def loops(self) -> LoopTuning:
@@ -95,9 +95,8 @@ class Reproduction(BaseResult):
         return table2(self.identification, self.refinement, self.truth)
 
     def table4(self) -> pd.DataFrame:
-        """Return Table 4, with a column for each step once all motions were run."""
-        table = self.validation.table()
-        return with_steps(table, self.motions) if self.motions else table
+        """Return Table 4, with a column for each step."""
+        return with_steps(self.validation.table(), self.motions)
 
 
 def drive_truth(changes: Changes, law: str = "lugre") -> dict[str, float]:
@@ -143,21 +142,17 @@ def reproduce(options: Options, fmus: Path, progress: Progress, workers: int = 1
     if options.seeds:
         searched = _tuned(options, rig, found, progress, workers)
     result = validated(options, rig, found, progress)
+    progress.stage("all motions")
+    entries = steps(found.identification, found)
+    motions = evaluate(rig, entries, phases=PHASES, workers=workers)
     return Reproduction(
         **vars(result),
         identification=found.identification,
         refinement=found.refinement,
+        motions=motions,
         searched=searched,
         cost_without=found.study.cost_without(),
     )
-
-
-def with_motions(reproduction: Reproduction, fmus: Path, workers: int = 1) -> Reproduction:
-    """Return a reproduction, whose FMUs are in a folder, with what its steps do in all motions."""
-    entries = steps(reproduction.identification, reproduction.learned)
-    rig = reproduction.options.rig(fmus)
-    motions = evaluate(rig, entries, phases=PHASES, workers=workers)
-    return replace(reproduction, motions=motions)
 
 
 def _tuned(

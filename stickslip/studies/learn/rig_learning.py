@@ -60,7 +60,7 @@ def learn_on_rig(
     study = Study(rig, loop, found.tuned, v_cmd, seed=seed)
     progress.stage("fitting the friction to runs of the drive")
     refinement = refine(study)
-    return LearnedOnRig(refinement.values, Loops(loop, loop), found, study, refinement)
+    return LearnedOnRig(refinement.values, Loops(loop, loop), found, study, refinement=refinement)
 
 
 def validate(rig: Rig, learned: Learned, command: Trapezoid = VALIDATION) -> Validation:

@@ -71,11 +71,9 @@ def _drive(
     options: Options, fmus: Path, progress: TerminalProgress, workers: int, out: Path
 ) -> Show:
     from stickslip.papers.lugre.folder import write_results
-    from stickslip.papers.lugre.reproduction import reproduce, with_motions
+    from stickslip.papers.lugre.reproduction import reproduce
 
     reproduction = reproduce(options, fmus, progress, workers)
-    progress.stage("all motions")
-    reproduction = with_motions(reproduction, fmus, workers)
     progress.stage("writing the report")
     write_results(reproduction, out)
     return partial(_print_drive, reproduction)

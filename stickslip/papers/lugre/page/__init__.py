@@ -63,7 +63,7 @@ def section(
 
 
 def sections(reproduction: Reproduction) -> Sequence[Section]:
-    """Return the sections of the page; motions that were not run have none."""
+    """Return the sections of the page."""
     loop = reproduction.identification.loop
     experiments = {
         "identification_inertia": partial(curves.draw_inertia, reproduction),
@@ -71,20 +71,19 @@ def sections(reproduction: Reproduction) -> Sequence[Section]:
         "identification_presliding": partial(curves.draw_presliding, reproduction),
     }
     of_stages = {"sliding": friction_map, "inertia": inertia}
-    found = [
+    steps = {"steps": partial(curves.draw_steps, reproduction)}
+    loops = {"own": loop, "tuned": tuned_pi(loop), "peak": peak_sensitivity(loop)}
+    return [
         _head(reproduction),
         section("The loop", "loop", reproduction),
         section("Identification", "identification", reproduction, experiments, **of_stages),
         section("Learning the friction", "learning", reproduction),
         _loop_learning(reproduction),
         validation_section(reproduction.validation, reproduction.table4()),
+        section("Comparison of the steps", "steps", reproduction, steps, **loops),
+        _motions(reproduction, reproduction.motions.table()),
+        section("Using the results", "use", reproduction),
     ]
-    if reproduction.motions is not None:
-        draw = {"steps": partial(curves.draw_steps, reproduction)}
-        loops = {"own": loop, "tuned": tuned_pi(loop), "peak": peak_sensitivity(loop)}
-        found.append(section("Comparison of the steps", "steps", reproduction, draw, **loops))
-        found.append(_motions(reproduction, reproduction.motions.table()))
-    return [*found, section("Using the results", "use", reproduction)]
 
 
 def _head(reproduction: Reproduction) -> Section:

@@ -95,7 +95,6 @@ BEFORE = 0.05  # What is drawn before the first of the spans [s]
 
 def draw_motions(reproduction: Reproduction) -> Figure:
     """Draw the command, the motion without compensation and with what was learned."""
-    assert reproduction.motions is not None  # noqa: S101 - it is drawn once they were run
     figure = style.new_figure(style.PAGE, 66.0)
     panels = figure.subplots(1, 3)
     shown = (

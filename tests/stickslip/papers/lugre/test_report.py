@@ -188,16 +188,6 @@ def test_every_number_of_the_tables_is_on_the_page(whole, text, cells):
     assert f"|after least squares|{cost}|" in cells
 
 
-def test_without_the_slow_motions_the_page_has_nothing_of_them(whole):
-    less = replace(whole, motions=None)
-    drawn = {name for section in sections(less) for name in section.figures}
-    assert drawn < set(FIGURES)
-    assert "motions" not in drawn
-    page = render_page(less).lower()
-    assert "three slow motions" not in page
-    assert "motions.csv" not in page
-
-
 def test_page_states_where_compensation_does_not_help(whole, text):
     assert "makes none of these errors larger" in text
     errors = whole.motions.errors
