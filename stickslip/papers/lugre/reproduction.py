@@ -44,7 +44,7 @@ class Options:
     # what searches, a name in ``ga.ALGORITHMS``; ``default`` is CMA-ES for the loop, and our
     # genetic algorithm for a recording
     preset: str = "default"
-    # how many seeds search the loop and learn as published, ``seed`` the first; 0 for no loop
+    # how many seeds search the loop or learn as published, ``seed`` the first
     seeds: int = 5
 
     @property
@@ -76,14 +76,7 @@ class Reproduction(BaseResult):
     refinement: Refinement  # what was known in the end
     cost_without: float  # of the training run without compensation [m^2/s^2]
     motions: Evaluation  # all motions with each step
-    # the loop as it was learned, and what each step before it brings, if that was asked for
-    searched: LoopTuning | None = None
-
-    @property
-    def loops(self) -> LoopTuning:
-        """The loop as it was learned, for what is of a reproduction with it."""
-        assert self.searched is not None  # noqa: S101 - the command always asks for it
-        return self.searched
+    loops: LoopTuning  # the loop as it was learned, and what each step before it brings
 
     def learned_system(self) -> cosim.System:
         """Return the loop that was learned, as a system of FMUs."""
@@ -138,9 +131,7 @@ def reproduce(options: Options, fmus: Path, progress: Progress, workers: int = 1
     """
     rig = build_rig(options, fmus, progress)
     found = learn_on_rig(rig, seed=options.seed, progress=progress)
-    searched = None
-    if options.seeds:
-        searched = _tuned(options, rig, found, progress, workers)
+    loops = _tuned(options, rig, found, progress, workers)
     result = validated(options, rig, found, progress)
     progress.stage("all motions")
     entries = steps(found.identification, found)
@@ -150,7 +141,7 @@ def reproduce(options: Options, fmus: Path, progress: Progress, workers: int = 1
         identification=found.identification,
         refinement=found.refinement,
         motions=motions,
-        searched=searched,
+        loops=loops,
         cost_without=found.study.cost_without(),
     )
 

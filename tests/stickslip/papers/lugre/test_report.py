@@ -63,7 +63,7 @@ def made(reproduction):
             reproduction,
             options=replace(reproduction.options, **own),
             refinement=replace(reproduction.refinement, chosen=chosen),
-            searched=searched(reproduction.loops, preset),
+            loops=searched(reproduction.loops, preset),
             **others,
         )
 
