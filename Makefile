@@ -14,8 +14,8 @@ help: ## show this list
 
 setup: .venv/installed ## install stickslip into .venv
 
-reproduce: .venv/installed ## reproduce the paper into results/paper, with all that it is compared with
-	$(BIN)/stickslip reproduce --complete
+reproduce: .venv/installed ## reproduce the paper into results/paper
+	$(BIN)/stickslip reproduce
 
 test: .venv/tested ## run the tests, on all cores
 	$(BIN)/python -m pytest $(SPREAD)

@@ -233,7 +233,7 @@ def learned_files() -> list[bytes]:
 def read_learned(file: Path) -> None:
     learned = LearnedFile(file)
     for entry in (
-        *("compensator", "drive", "drive_errors", "feed", "loop"),
+        *("compensator", "drive", "drive_errors", "loop"),
         *("validation", "datasheet"),
     ):
         getattr(learned, entry)

@@ -40,7 +40,6 @@ from stickslip.output import Progress as Progress
 from stickslip.planning import Limits as Limits
 from stickslip.planning import plan as plan
 from stickslip.presentation.bode import draw_bode as draw_bode
-from stickslip.rigs.ads_rig import AdsRig as AdsRig
 from stickslip.rigs.contract import Command as Command
 from stickslip.rigs.contract import Log as Log
 from stickslip.rigs.contract import Rig as Rig

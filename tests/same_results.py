@@ -23,7 +23,7 @@ COMMANDS = {
     " --gain K_p=1681 K_i=137167 tau_f=5e-4 --encoder-step 4e-7",  # by the output error
     "learn_inverse": "learn --log log.csv --column force=F_motor",  # by the inverse model
 }
-COMPLETE = {"complete": "reproduce --complete"}
+PUBLISHED = {"published": "reproduce --as-published"}
 
 
 def simulate_log(path: Path, seed: int = 0) -> None:
@@ -128,9 +128,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("commits", nargs=2, metavar="COMMIT")
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="of results, to use again")
-    parser.add_argument("--complete", action="store_true", help="also run reproduce --complete")
+    parser.add_argument("--published", action="store_true", help="also run --as-published")
     options = parser.parse_args()
-    commands = COMMANDS | (COMPLETE if options.complete else {})
+    commands = COMMANDS | (PUBLISHED if options.published else {})
     with tempfile.TemporaryDirectory() as temporary:
         keep = (options.keep or Path(temporary)).resolve()
         folders = [results(commit, commands, keep) for commit in options.commits]

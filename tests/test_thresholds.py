@@ -61,8 +61,7 @@ from stickslip.loops.family_cost import FamilyCost
 from stickslip.loops.other_gains import OtherGains
 from stickslip.planning import LINEAR, Limits, arrange
 from stickslip.planning.shown import DataSheet, not_shown
-from stickslip.rigs import ads_rig, contract, remote, served_drive
-from stickslip.rigs.ads_rig import AdsRig
+from stickslip.rigs import contract, served_drive, socket_rig
 from stickslip.rigs.contract import Command, Log
 from stickslip.rigs.limits import RigLimits
 from stickslip.servo import observer
@@ -881,7 +880,7 @@ def is_refused_log(error):
 
 def remote_rig(**values):
     limits = RigLimits((-1.0, 1.0), 1.0, 1.0, 1.0)
-    known = {"name": "rig", "T_s": T_S, "_motion": 0, "_number": 0, "_heartbeat": 0.0, "chunk": 9}
+    known = {"name": "rig", "T_s": T_S, "_motion": 0, "_number": 0, "_heartbeat": 0.0}
     return namespace(**known, _limits=limits, _understood=nullcontext, **values)
 
 
@@ -889,7 +888,7 @@ def returns(x):
     """Return whether a drive that stands away from where motions begin has returned."""
     loop = namespace(changed=lambda **_: design_velocity_loop(AXIS, LOOP))
     rig = remote_rig(_request=lambda *_, **__: {"position": x}, _run=lambda *_: None, loop=loop)
-    return not raises(lambda: remote.RemoteRig._return(rig), RigError)
+    return not raises(lambda: socket_rig.SocketRig._return(rig), RigError)
 
 
 def is_stopped(quiet):
@@ -906,20 +905,8 @@ def is_stopped(quiet):
 
     rig = remote_rig(_request=request, _stop=id)
     command = Command(T_S, design_velocity_loop(AXIS, LOOP), velocity=np.zeros(9))
-    with patch.object(remote, "time", namespace(monotonic=lambda: next(clock), sleep=id)):
-        return raises(lambda: remote.RemoteRig._run(rig, command, rig._limits), RigError)
-
-
-def keeps_pace(took, shown):
-    """Return whether a motion is refused that took a time here, and another on the controller."""
-    clock, there = iter([0.0, took]), iter([0.0, shown])
-    rig = AdsRig.__new__(AdsRig)
-    vars(rig).update(name="rig", T_s=T_S, _clock=lambda: next(there))
-    with (
-        patch.object(ads_rig, "time", namespace(monotonic=lambda: next(clock))),
-        patch.object(remote.RemoteRig, "_run", lambda *_: None),
-    ):
-        return not raises(lambda: rig._run(None, None), RigError)
+    with patch.object(socket_rig, "time", namespace(monotonic=lambda: next(clock), sleep=id)):
+        return raises(lambda: socket_rig.SocketRig._run(rig, command, rig._limits), RigError)
 
 
 def braked(v=0.0, resting=9.0, stopping=0.0):
@@ -1139,8 +1126,6 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "rig_motion.SPACING": (lambda: is_refused_log(0.015), True, False),
     "rig_motion.RETURNED": (lambda: returns(3e-5), False, True),
     "rig_motion.STALL": (lambda: is_stopped(15.0), True, False),
-    "rig_motion.PACE": (lambda: keeps_pace(1.0, 2.0), False, True),
-    "rig_motion.PACED": (lambda: keeps_pace(0.7, 7.0), False, True),
     "rig_motion.AT_REST": (lambda: braked(v=1.5e-3), "stopping", "idle"),
     "rig_motion.SETTLED": (lambda: braked(resting=0.15), "idle", "stopping"),
     "rig_motion.LONGEST_STOP": (lambda: braked(1.0, stopping=4.0), "idle", "stopping"),

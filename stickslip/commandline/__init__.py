@@ -89,17 +89,6 @@ def warn(message: str) -> None:
     LOG.warning("%s", message)
 
 
-def add_old_spelling(parser: argparse._ActionsContainer, old: str, action: argparse.Action) -> None:
-    """Accept an option of one value also as ``old``, which the help does not list."""
-    parser.add_argument(
-        old,
-        dest=action.dest,
-        choices=action.choices,
-        default=argparse.SUPPRESS,
-        help=argparse.SUPPRESS,
-    )
-
-
 def or_(names: Iterable[str]) -> str:
     """Return names as ``a, b or c``."""
     *most, last = names

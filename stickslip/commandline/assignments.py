@@ -1,10 +1,9 @@
-"""``--set``, ``--coarse``, ``--source`` and ``--law`` on the command line."""
+"""``--set`` and ``--law`` on the command line."""
 
-import math
 from argparse import ArgumentParser, _ActionsContainer
 from collections.abc import Collection, Iterable
 
-from stickslip.commandline import SEVERAL, add_old_spelling, add_options
+from stickslip.commandline import SEVERAL, add_options
 from stickslip.errors import UsageError
 from stickslip.fmi.messages import suggestion
 
@@ -15,18 +14,6 @@ def add_set_option(parser: ArgumentParser, what: str = "") -> None:
     """Declare ``--set``, of the simulated drive where nothing else is given."""
     what = what or "parameters of the simulated drive: drive.NAME=VALUE, drive.law=NAME"
     add_options(parser, {"--set NAME=VALUE": what}, **SEVERAL)
-
-
-def add_source_option(parser: ArgumentParser) -> None:
-    """Declare ``--source``, with which signal the compensator is driven."""
-    action = parser.add_argument(
-        "--source",
-        dest="feed",
-        choices=("nominal", "command"),
-        default="nominal",
-        help="velocity input of the compensator: that of the nominal loop, or the command",
-    )
-    add_old_spelling(parser, "--feed", action)
 
 
 def add_law_option(parser: _ActionsContainer, *further: str, more: str = "") -> None:
@@ -40,26 +27,6 @@ def add_law_option(parser: _ActionsContainer, *further: str, more: str = "") -> 
         default=default,
         help=f"friction law of the compensator (default {default}){more}",
     )
-
-
-def coarse_factors(texts: Iterable[str], law: str = "lugre") -> dict[str, float]:
-    """Return factors on identified parameters by name.
-
-    Raises UsageError when a name is not one of the law's, or a factor is not a positive finite
-    number.
-    """
-    from stickslip.catalog.parameters import estimated, friction_law
-
-    names = estimated(friction_law(law))
-    factors: dict[str, float] = {}
-    for name, value in split_assignments(texts, "--coarse").items():
-        factor = _number("--coarse", name, value)
-        if name not in names or not 0.0 < factor < math.inf:
-            raise UsageError(
-                f"--coarse {name}={value}: expected one of {', '.join(names)} and a positive number"
-            )
-        factors[name] = factor
-    return factors
 
 
 def split_assignments(

@@ -8,13 +8,11 @@ from stickslip.work.jobs import processors
 
 
 def add_algorithm_option(
-    parser: argparse._ActionsContainer, *aliases: str, default: str = "our genetic algorithm"
+    parser: argparse._ActionsContainer, default: str = "our genetic algorithm"
 ) -> None:
-    """Declare ``--algorithm``, under other names too; ``default`` says what the default is."""
+    """Declare ``--algorithm``; ``default`` says what the default is."""
     parser.add_argument(
         "--algorithm",
-        *aliases,
-        dest="algorithm",
         choices=ga.ALGORITHMS,
         default="default",
         help=f"default: {default}; paper: the paper's, with linear genes, as published; "

@@ -23,11 +23,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
     """Declare what the command exports."""
     exports = parser.add_subparsers(
         dest="what",
-        metavar="compensator|observer|position_force|deploy|drive|rig|FILE.ssp",
+        metavar="compensator|observer|position_force|deploy|drive|FILE.ssp",
         required=True,
     )
     exports.choices = exports._name_parser_map = _Parsers()  # noqa: SLF001 - no public way
-    for add in (add_compensators, add_drive, add_rig, add_system):
+    for add in (add_compensators, add_drive, add_system):
         add(exports)
 
 
@@ -71,29 +71,6 @@ def export_drive(options: argparse.Namespace) -> Answer:
     path = robots.export_drive(drive, options.out, options.form)
     for sentence in robots.robot_model(drive, options.form).lost:
         warn(f"{path}: {sentence}")
-    return written(path)
-
-
-def add_rig(exports: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = exports.add_parser("rig", help="what runs motions in a Beckhoff controller: PLC code")
-    parser.description = (
-        "Write the function block StickslipRig in structured text. A Beckhoff controller that "
-        "calls it runs the motions that ss.AdsRig asks for; docs/rig.md says how."
-    )
-    out = {"--out DIR": "folder to write into (default .)"}
-    add_options(parser, out, type=Path, default=Path())
-    parser.set_defaults(run=export_rig)
-
-
-def export_rig(options: argparse.Namespace) -> Answer:
-    """Write the function block and print its path."""
-    from stickslip.fmi.files import atomic_write  # late: loads more than the command line needs
-    from stickslip.rigs.ads_rig import CODE
-
-    options.out.mkdir(parents=True, exist_ok=True)
-    path = options.out / CODE.name
-    atomic_write(path, CODE.read_text(encoding="utf-8"))
     return written(path)
 
 

@@ -319,11 +319,6 @@ class Entrant:
         return loop.changed(m_ff=loop.axis.m, K_x=position_loop(loop).K_x)
 
     @property
-    def knows_friction(self) -> bool:
-        """Whether it assumes how friction depends on the motion."""
-        return any(part.friction for part in self.parts)
-
-    @property
     def learned(self) -> dict[str, str]:
         """Parameters that take over what a run has learned, and the variables that show it."""
         return {

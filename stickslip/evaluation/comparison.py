@@ -21,7 +21,6 @@ from stickslip.fmi.process import Threads
 from stickslip.identification.criteria.runs import Diverged, require_bounded
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.measurement import Array
-from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 
 Key = tuple[str, str, str, str, str]  # an error, by the columns of ``KEYS``
@@ -63,7 +62,6 @@ class Evaluation:
 def evaluate(
     rig: FmuRig,
     entries: Mapping[str, Entry],
-    feed: Feed = "nominal",
     motions: Sequence[Motion] = MOTIONS,
     phases: Sequence[float] = ONCE,
     workers: int = 1,
@@ -78,7 +76,7 @@ def evaluate(
     def one(motion: Motion, v_cmd: Array) -> tuple[dict[str, Run], dict[str, pd.DataFrame]]:
         runs: dict[str, Run] = {}
         errors: dict[str, list[dict[Key, float]]] = {}
-        for name, repeated in _runs(rig, entries, feed, v_cmd, phases=phases):
+        for name, repeated in _runs(rig, entries, v_cmd, phases=phases):
             runs.setdefault(name, repeated[0])
             errors.setdefault(name, []).extend(motion_errors(run, motion, top) for run in repeated)
         return runs, {name: repetitions(found, KEYS) for name, found in errors.items()}
@@ -91,19 +89,19 @@ def evaluate(
 
 
 def _runs(
-    rig: FmuRig, entries: Mapping[str, Entry], feed: Feed, v_cmd: Array, phases: Sequence[float]
+    rig: FmuRig, entries: Mapping[str, Entry], v_cmd: Array, phases: Sequence[float]
 ) -> Iterator[tuple[str, list[Run]]]:
     """Run one motion; the FMUs are prepared once for all compensators in the same loop."""
     alike: dict[int, list[str]] = {}
     for name, entry in entries.items():
         if entry.compensator is None:
-            yield name, next(runs_of(rig, entry.loop, [None], v_cmd, feed=feed, phases=phases))
+            yield name, next(runs_of(rig, entry.loop, [None], v_cmd, phases=phases))
         else:
             alike.setdefault(id(entry.loop), []).append(name)
     for names in alike.values():
         tried = [(n, one) for n in names for one in (entries[n].compensator, *entries[n].others)]
         loop, compensators = entries[names[0]].loop, [one for _, one in tried]
-        found = runs_of(rig, loop, compensators, v_cmd, feed=feed, phases=phases)
+        found = runs_of(rig, loop, compensators, v_cmd, phases=phases)
         yield from zip((name for name, _ in tried), found, strict=True)
 
 

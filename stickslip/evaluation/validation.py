@@ -22,7 +22,7 @@ from stickslip.identification.criteria.runs import require_bounded
 from stickslip.rigs.contract import Rig
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.measurement import Array, measured_velocity
-from stickslip.servo.systems import Feed, paper_loop
+from stickslip.servo.systems import paper_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 
 Key = TypeVar("Key", bound=Hashable)
@@ -183,7 +183,6 @@ def validate(
     loop: VelocityLoop,
     compensator: Mapping[str, float],
     command: cosim.Trapezoid,
-    feed: Feed = "nominal",
     plain: VelocityLoop | None = None,
     phases: Sequence[float] = ONCE,
 ) -> Validation:
@@ -206,7 +205,7 @@ def validate(
     """
     v_cmd = command.sample(rig.samples(trapezoid(command).duration))
     without, compensated = (
-        next(runs_of(rig, used, [values], v_cmd, feed=feed, phases=phases))
+        next(runs_of(rig, used, [values], v_cmd, phases=phases))
         for used, values in ((plain or loop, None), (loop, compensator))
     )
     for run in (*without, *compensated):
@@ -221,7 +220,6 @@ def runs_of(
     loop: VelocityLoop,
     compensators: Sequence[Mapping[str, float] | None],  # one that is None, for none, stands alone
     v_cmd: Array,
-    feed: Feed = "nominal",
     phases: Sequence[float] = ONCE,
 ) -> Iterator[list[Run]]:
     """Run a velocity command (n,) [m/s], one value a sample, with each of several compensators.
@@ -230,10 +228,10 @@ def runs_of(
     """
     if not isinstance(rig, FmuRig):
         for compensator in compensators:
-            yield [_moved(rig, loop, compensator, v_cmd, feed=feed)]
+            yield [_moved(rig, loop, compensator, v_cmd)]
         return
     connected: dict[str, float] | None = None if compensators[0] is None else {}
-    system = paper_loop(rig.fmus, loop, connected, feed)
+    system = paper_loop(rig.fmus, loop, connected)
     stop, commands = (len(v_cmd) - 1) * rig.T_s, loop.commands(v_cmd)
     starts = beginnings(system, phases) if tuple(phases) != ONCE else [{}]
     with system.prepare(step=rig.T_s, stop=stop, record=RECORD) as simulation:
@@ -249,10 +247,10 @@ def runs_of(
 
 
 def _moved(
-    rig: Rig, loop: VelocityLoop, compensator: Mapping[str, float] | None, v_cmd: Array, feed: Feed
+    rig: Rig, loop: VelocityLoop, compensator: Mapping[str, float] | None, v_cmd: Array
 ) -> Run:
     """Run a command on a drive whose truth is not known."""
-    with rig.trials(v_cmd, loop, feed, compensated=compensator is not None) as trial:
+    with rig.trials(v_cmd, loop, compensated=compensator is not None) as trial:
         found = trial(compensator or {})
     x_enc, unknown = found["drive.x_enc"], np.full(len(v_cmd), np.nan)
     return Run(

@@ -18,7 +18,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from functools import cached_property
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -49,7 +49,7 @@ from stickslip.logs import Recording
 from stickslip.models import Law, Model, StartValueError, UnknownLaw, load_model
 from stickslip.models.export.units import motion_unit
 from stickslip.servo.axis import LOOP, Axis, Datasheet
-from stickslip.servo.systems import FEEDS, Compensator, Feed, deployed
+from stickslip.servo.systems import Compensator, deployed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 from stickslip.trial.benefit import Bench, bench_of
@@ -136,7 +136,7 @@ class LearnedFile:
     ) -> AbstractContextManager[Bench]:
         """Return the drives of the file in a loop, by default with the data sheet of the file."""
         sheet, command = datasheet or self.datasheet, self.validation
-        further: dict[str, Any] = {"command": command, "datasheet": sheet, "feed": self.feed}
+        further: dict[str, Any] = {"command": command, "datasheet": sheet}
         return bench_of(self.law, loop, self.friction, self.drives, workers=workers, **further)
 
     @property
@@ -243,14 +243,6 @@ class LearnedFile:
         return {**self.friction, **rest, **self._values("F_0, delay", entries)}
 
     @property
-    def feed(self) -> Feed:
-        """The input of the compensator; the nominal loop by default."""
-        feed = self.document.get("feed", "nominal")
-        if feed not in FEEDS:
-            raise UsageError(f"{self.path}: feed is {feed!r}; expected {' or '.join(FEEDS)}")
-        return cast(Feed, feed)
-
-    @property
     def rotary(self) -> bool:
         """Whether the drive is rotary."""
         return self.document.get("motion") == "rotary"
@@ -289,7 +281,7 @@ class LearnedFile:
 
     def deployed(self, share: float) -> Compensator:
         """Return a share of the feedforward as a controller takes it; see ``servo.systems``."""
-        loop = self.loop if self.feed == "nominal" else None
+        loop = self.loop
         entry = self.document.get("T_s", {"value": loop.T_s if loop else LOOP.T_s})
         return deployed(self.at(share), loop, self._values("T_s", {"T_s": entry})["T_s"])
 

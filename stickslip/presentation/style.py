@@ -101,10 +101,10 @@ class PageFigure(Figure):
         return content.getvalue()
 
 
-def new_figure(width: float, height: float, *, free: bool = False) -> Figure:
-    """Return an empty figure of a size in mm; ``free`` leaves the placing of axes to the caller."""
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure of a size in mm."""
     size = (width / 25.4, height / 25.4)
-    return PageFigure(figsize=size, layout=None if free else "constrained")
+    return PageFigure(figsize=size, layout="constrained")
 
 
 def name_panel(axes: Axes, letter: str, title: str) -> None:

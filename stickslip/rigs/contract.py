@@ -4,26 +4,24 @@ Identification and learning get a rig, never the drive's parameters or its true 
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from threading import Lock
 from typing import Self
 
 import numpy as np
 import pandas as pd
 
 from stickslip import cosim
-from stickslip.catalog.parameters import estimated, friction_law
+from stickslip.catalog.parameters import friction_law
 from stickslip.errors import LimitError, RigError, UsageError
 from stickslip.fmi.process import temporary_folder
-from stickslip.ga import CandidateFailed, SimulatedCost
 from stickslip.rigs.limits import RigLimits, Watch
 from stickslip.servo.axis import Datasheet, LoopSpecification
 from stickslip.servo.measurement import Array
-from stickslip.servo.systems import Feed, build_fmus, feedforward
+from stickslip.servo.systems import build_fmus, feedforward
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 from stickslip.thresholds import rig_motion
 
@@ -243,7 +241,7 @@ class Rig(ABC):
         self._runs += 1
         try:
             log = self.move(command)
-        except (RigError, CandidateFailed, cosim.CosimError):
+        except (RigError, cosim.CosimError):
             raise
         except Exception as fault:
             what = " ".join(f"{type(fault).__name__}: {fault}".split())
@@ -297,7 +295,6 @@ class Rig(ABC):
         self,
         v_cmd: Array,
         loop: VelocityLoop,
-        feed: Feed = "nominal",
         *,
         compensated: bool = True,
     ) -> Iterator[Trial]:
@@ -311,10 +308,10 @@ class Rig(ABC):
         ----------
         compensated : whether the compensator's force reaches the drive
         """
-        whole = self._simulated(v_cmd, loop, feed, compensated=compensated)
+        whole = self._simulated(v_cmd, loop, compensated=compensated)
         record = ("nominal.v_r", "compensator.F_mean")
         specification = whole or cosim.Specification(
-            feedforward(self.fmus, loop, {}, feed),
+            feedforward(self.fmus, loop, {}),
             step=self.T_s,
             stop=(len(v_cmd) - 1) * self.T_s,
             record=record,
@@ -334,32 +331,11 @@ class Rig(ABC):
 
             yield run
 
-    def cost_of(
-        self,
-        v_cmd: Array,
-        loop: VelocityLoop,
-        cost: Callable[[TrialLog], float],
-        feed: Feed = "nominal",
-        *,
-        compensated: bool = True,
-    ) -> AbstractContextManager[Callable[[Array], float]]:
-        """Return the cost function of a compensator on the drive, with ``trials`` for candidates.
-
-        Its argument are the parameters (k,) in the order of the law; ``cost`` evaluates the
-        recorded ``drive.x_enc`` and ``nominal.v_r``. Of a simulated drive without limits it
-        pickles, and its runs go side by side.
-        """
-        if whole := self._simulated(v_cmd, loop, feed, compensated=compensated):
-            names = [f"compensator.{name}" for name in estimated(self.law)]
-            return SimulatedCost(whole, names, cost, loop.commands(v_cmd))
-        trials = self.trials(v_cmd, loop, feed, compensated=compensated)
-        return _trial_cost(trials, estimated(self.law), cost)
-
     def _simulated(
-        self, v_cmd: Array, loop: VelocityLoop, feed: Feed, *, compensated: bool
+        self, v_cmd: Array, loop: VelocityLoop, *, compensated: bool
     ) -> cosim.Specification | None:
         """Return a run of drive and compensator, connected or not; None of a real drive."""
-        del v_cmd, loop, feed, compensated
+        del v_cmd, loop, compensated
         return None
 
     def close(self) -> None:
@@ -371,29 +347,3 @@ class Rig(ABC):
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-@contextmanager
-def _trial_cost(
-    trials: AbstractContextManager[Trial],
-    names: Sequence[str],
-    cost: Callable[[TrialLog], float],
-) -> Iterator[Callable[[Array], float]]:
-    """Give the cost of a candidate on a rig.
-
-    A candidate whose motion a limit refuses or aborts has failed; what else goes wrong ends the
-    learning.
-    """
-    one = Lock()  # workers wait for the drive, of which there is one
-    with trials as run:
-
-        def evaluate(values: Array) -> float:
-            try:
-                with one:
-                    recorded = run(dict(zip(names, values.tolist(), strict=True)))
-            except LimitError as fault:
-                raise CandidateFailed(str(fault)) from fault
-            return cost(recorded)
-
-        evaluate.fatal = (RigError,)  # type: ignore[attr-defined]
-        yield evaluate

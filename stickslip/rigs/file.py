@@ -165,8 +165,8 @@ def open_rig(path: Path | str, law: str = "lugre") -> tuple[Rig, Limits]:
     """Connect to the rig that a TOML file describes; return it with the limits of experiments.
 
     One key names the kind of rig, an entry point of the group ``stickslip.rigs``, and its value
-    says where the drive is, such as ``socket = "HOST:PORT"`` or ``ads = "NETID"``. Other keys are
-    keyword arguments of that class; the sections are ``[datasheet]``, ``[limits]`` (``RigLimits``)
+    says where the drive is, such as ``socket = "HOST:PORT"``. Other keys are keyword
+    arguments of that class; the sections are ``[datasheet]``, ``[limits]`` (``RigLimits``)
     and ``[experiment]`` (``Limits``). All values are in SI units.
 
     Parameters

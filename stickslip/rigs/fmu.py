@@ -1,16 +1,17 @@
 """A drive FMU as a rig."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from stickslip import cosim
+from stickslip import cosim, ga
+from stickslip.catalog.parameters import estimated
 from stickslip.fmi.process import temporary_folder
-from stickslip.rigs.contract import Command, Log, Rig
+from stickslip.rigs.contract import Command, Log, Rig, TrialLog
 from stickslip.rigs.limits import RigLimits
 from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.measurement import Array
-from stickslip.servo.systems import Changes, Feed, build_fmus, paper_loop, servo_loop
+from stickslip.servo.systems import Changes, build_fmus, paper_loop, servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 
 MEASURED = ("drive.x_enc", "drive.F_m")
@@ -58,14 +59,27 @@ class FmuRig(Rig):
             result = simulation.run(inputs=command.signals)
         return Log(result.time, *(result[measured] for measured in MEASURED))
 
+    def cost_of(
+        self, v_cmd: Array, loop: VelocityLoop, cost: Callable[[TrialLog], float]
+    ) -> ga.SimulatedCost:
+        """Return the cost of a compensator on a velocity command (n,) [m/s], without limits.
+
+        Its argument are the parameters (k,) in the order of the law; ``cost`` evaluates the
+        recorded ``drive.x_enc`` and ``nominal.v_r``. It pickles, and its runs go side by side.
+        """
+        names = [f"compensator.{name}" for name in estimated(self.law)]
+        whole = self._loop(v_cmd, loop, compensated=True)
+        return ga.SimulatedCost(whole, names, cost, loop.commands(v_cmd))
+
     def _simulated(
-        self, v_cmd: Array, loop: VelocityLoop, feed: Feed, *, compensated: bool
+        self, v_cmd: Array, loop: VelocityLoop, *, compensated: bool
     ) -> cosim.Specification | None:
         """Return a run of the loop with a compensator, where there are no limits to check."""
-        if self.limits is not None:
-            return None
+        return self._loop(v_cmd, loop, compensated=compensated) if self.limits is None else None
+
+    def _loop(self, v_cmd: Array, loop: VelocityLoop, *, compensated: bool) -> cosim.Specification:
         return cosim.Specification(
-            paper_loop(self.fmus, loop, {} if compensated else None, feed),
+            paper_loop(self.fmus, loop, {} if compensated else None),
             step=self.T_s,
             stop=(len(v_cmd) - 1) * self.T_s,
             record=("drive.x_enc", "nominal.v_r"),

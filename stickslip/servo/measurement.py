@@ -1,4 +1,4 @@
-"""Velocity from a log of encoder positions."""
+"""Velocity from a log of encoder positions, and how often a signal turns."""
 
 from collections.abc import Mapping
 from ctypes import CDLL, c_int64, c_void_p
@@ -109,3 +109,16 @@ def level(p: Mapping[str, float], v: Array | float) -> Array:
 
 def _rest(p: Mapping[str, float], v: Array | float) -> Array:
     return np.asarray(np.exp(-((np.asarray(v) / p["v_s"]) ** p.get("delta", 1.0))))
+
+
+def turns(x: Array, swing: float) -> int:
+    """Return how often x (n,) turns after a change by more than a swing, in the unit of x."""
+    count, way = 0, 0
+    low = high = float(x[0])
+    for value in x.tolist():
+        low, high = min(low, value), max(high, value)
+        if way >= 0 and high - value > swing:
+            count, way, low = count + way, -1, value
+        elif way <= 0 and value - low > swing:
+            count, way, high = count - way, 1, value
+    return count

@@ -13,7 +13,6 @@ from stickslip.servo.velocity_loop import VelocityLoop
 
 Feed = Literal["nominal", "command"]
 NOMINAL_ORDER = 8  # states that the nominal-loop FMU has room for
-FEEDS: tuple[Feed, ...] = ("nominal", "command")
 COMPONENTS = ("controller", "drive", "filter", "nominal")
 """Names in a loop beside those of the compensators."""
 
@@ -119,27 +118,22 @@ def servo_loop(fmus: Path, loop: VelocityLoop) -> cosim.System:
     return system
 
 
-def feedforward(
-    fmus: Path, loop: VelocityLoop, compensator: Mapping[str, float], feed: Feed = "nominal"
-) -> cosim.System:
+def feedforward(fmus: Path, loop: VelocityLoop, compensator: Mapping[str, float]) -> cosim.System:
     """Return nominal loop and compensator without a drive, with the inputs of ``loop.commands``.
 
-    The compensator is its parameters by name; the feed is what drives it, the nominal loop's
-    response or the command.
+    The compensator is its parameters by name.
     """
     system = cosim.System("feedforward")
     chain = [Compensator("compensator", "compensator", compensator)]
     system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
-    _, referenced = _add_feedforward(system, fmus, loop, chain, feed=feed)
-    _expose(system, loop, ["nominal"], referenced if feed == "command" else [])
+    _, referenced = _add_chain(system, fmus, loop, chain)
+    _follow(system, referenced)
+    _expose(system, loop, ["nominal"])
     return system
 
 
 def paper_loop(
-    fmus: Path,
-    loop: VelocityLoop,
-    compensator: Mapping[str, float] | None,
-    feed: Feed = "nominal",
+    fmus: Path, loop: VelocityLoop, compensator: Mapping[str, float] | None
 ) -> cosim.System:
     """Return Fig. 2a: servo loop, compensator, nominal loop, with the inputs of ``loop.commands``.
 
@@ -147,7 +141,7 @@ def paper_loop(
     velocity filter takes the compensator's force for known friction.
     """
     chain = [Compensator("compensator", "compensator", compensator or {})]
-    return build_loop(fmus, loop, chain, feed, connected=compensator is not None)
+    return build_loop(fmus, loop, chain, connected=compensator is not None)
 
 
 def build_loop(
@@ -167,7 +161,9 @@ def build_loop(
     """
     system = cosim.System("loop")
     system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
-    force, referenced = _add_feedforward(system, fmus, loop, compensators, feed=feed)
+    force, referenced = _add_chain(system, fmus, loop, compensators)
+    if feed == "nominal":
+        _follow(system, referenced)
     _add_servo(system, fmus, loop, drive)
     _expose(system, loop, ["controller", "nominal"], referenced if feed == "command" else [])
     for role, place in _measured(compensators):
@@ -205,19 +201,10 @@ def _measured(compensators: Sequence[Compensator]) -> Iterator[tuple[str, str]]:
                 yield role, f"{one.name}.{variable}"
 
 
-def _add_feedforward(
-    system: cosim.System,
-    fmus: Path,
-    loop: VelocityLoop,
-    compensators: Sequence[Compensator],
-    feed: Feed,
-) -> tuple[str | None, list[str]]:
-    """Add compensators behind a nominal loop; return the last force and the reference inputs."""
-    force, referenced = _add_chain(system, fmus, loop, compensators)
-    if feed == "nominal":
-        for place in referenced:
-            system.connect("nominal.v_r", place)
-    return force, referenced
+def _follow(system: cosim.System, referenced: Sequence[str]) -> None:
+    """Connect the velocity of the nominal loop to the reference inputs of compensators."""
+    for place in referenced:
+        system.connect("nominal.v_r", place)
 
 
 def _add_chain(

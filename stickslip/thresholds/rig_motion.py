@@ -8,10 +8,6 @@ RETURNED = Threshold(2e-5, unit="m")
 """Distance from where motions begin up to which a drive has returned."""
 STALL = Threshold(10.0, unit="s")
 """Time without a new sample after which a motion is stopped."""
-PACE = Threshold(1.5)
-"""Ratio of the controller's clock to ours, or its inverse, above which a motion is refused."""
-PACED = Threshold(0.5, unit="s")
-"""Duration of a motion up to which that ratio is not known."""
 AT_REST = Threshold(1e-3, unit="m/s")
 """Speed below which a drive that is stopped is at rest."""
 SETTLED = Threshold(0.1, unit="s")

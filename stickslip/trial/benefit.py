@@ -102,6 +102,11 @@ class Variant:
 NONE = Variant("none")
 
 
+def feed_of(chain: Sequence[Compensator]) -> Feed:
+    """Return what gives the velocity: the command, where no feedforward hands on another."""
+    return "nominal" if any(one.name == FEEDFORWARD for one in chain) else "command"
+
+
 def feedforward(
     values: Mapping[str, float], name: str = "feedforward", model: str = FEEDFORWARD
 ) -> Variant:
@@ -314,7 +319,6 @@ class Bench:
     loop: VelocityLoop
     drives: Sequence[Drive]
     commands: Sequence[Command]
-    feed: Feed = "nominal"
     datasheet: Datasheet = field(default_factory=Datasheet)
     workers: int = 1  # number of runs in parallel
     onsets: Sequence[float] = ()  # displacements from which observers may act [m]
@@ -329,10 +333,6 @@ class Bench:
         for name in others:  # with the same compensators
             shutil.copytree(self.folder_of(own), self.folder_of(name))
             models.build_fmu("drive", self.folder_of(name), law=name)
-
-    def feed_of(self, chain: Sequence[Compensator]) -> Feed:
-        """Return what gives the velocity: the command, where no feedforward hands on another."""
-        return self.feed if any(one.name == FEEDFORWARD for one in chain) else "command"
 
     @property
     def laws(self) -> tuple[str, ...]:
@@ -510,7 +510,6 @@ def bench_of(
     command: Trapezoid,  # at the highest speed; see ``commands``
     datasheet: Datasheet,
     *,
-    feed: Feed = "nominal",
     workers: int = 1,
 ) -> Iterator[Bench]:
     """Build the loop in which variants are tried."""
@@ -532,7 +531,6 @@ def bench_of(
             loop,
             drives,
             commands=tried,
-            feed=feed,
             datasheet=datasheet,
             workers=workers,
             onsets=onsets(law, drives, command, step),
@@ -586,7 +584,7 @@ class LoopRuns(ExitStack):
         """Return the loop with drives of a law, prepared once."""
         if law not in self._runs:
             bench, T_s = self._bench, self._loop.T_s
-            feed = bench.feed_of(self._chain)
+            feed = feed_of(self._chain)
             system = build_loop(bench.folder_of(law), self._loop, self._chain, feed)
             stop = (bench.samples - 1) * T_s
             whole = cosim.Specification(system, step=T_s, stop=stop, record=self._record)

@@ -15,12 +15,12 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.identification.criteria.runs import require_bounded
-from stickslip.servo.measurement import Array
+from stickslip.servo.measurement import Array, turns
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.storage.codec import entry
 from stickslip.thresholds import caution
-from stickslip.trial.benefit import Bench, Variant
+from stickslip.trial.benefit import Bench, Variant, feed_of
 from stickslip.trial.family import Drive, axis_values, in_loop
 
 SHORTEST, LONGEST, PERIODS = 1.0, 20.0, 8.0
@@ -99,7 +99,7 @@ def _held(bench: Bench, drive: Drive, variant: Variant) -> Hold:
     loop, step = bench.loop, bench.datasheet.encoder_step
     n = round(hold_time(loop, drive.parameters, step) / loop.T_s)
     v_cmd, begins = _motions(bench.commands[0].v_cmd, step, n, loop.T_s)
-    feed = bench.feed_of(variant.chain)
+    feed = feed_of(variant.chain)
     system = build_loop(bench.folder_of(drive.law), loop, variant.chain, feed)
     values = {**axis_values(loop, bench.datasheet), **drive.parameters}
     system.parameters |= in_loop(values)
@@ -132,12 +132,4 @@ def _motions(v_cmd: Array, step: float, n: int, T_s: float) -> tuple[Array, list
 
 def reversals(x: Array, least: float) -> int:
     """Return how often a position (n,) turns back by half of its range and ``least`` [m]."""
-    least, count, way = max(0.5 * float(np.ptp(x)), least), 0, 0
-    low = high = float(x[0])
-    for value in x.tolist():
-        low, high = min(low, value), max(high, value)
-        if way >= 0 and high - value > least:
-            count, way, low = count + way, -1, value
-        elif way <= 0 and value - low > least:
-            count, way, high = count - way, 1, value
-    return count
+    return turns(x, max(0.5 * float(np.ptp(x)), least))

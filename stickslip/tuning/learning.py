@@ -31,19 +31,13 @@ from stickslip.catalog.parameters import (
     unit_of,
 )
 from stickslip.identification.stages import Estimate
-from stickslip.models import Law
 from stickslip.rigs.contract import Rig, TrialLog
-from stickslip.servo.measurement import CUTOFF, Array, smoothed
-from stickslip.servo.systems import Feed, feedforward
+from stickslip.servo.measurement import Array, smoothed
+from stickslip.servo.systems import feedforward
 from stickslip.servo.velocity_loop import VelocityLoop
 
-
-def spread_of(law: Law) -> dict[str, float]:
-    """Return the standard deviations by name of the logarithms of factors for a law."""
-    return {name: law.parameters[name].spread or 0.0 for name in estimated(law)}
-
-
-SPREAD = spread_of(friction_law())
+_LAW = friction_law()
+SPREAD = {name: _LAW.parameters[name].spread or 0.0 for name in estimated(_LAW)}
 """Standard deviation of the natural logarithm of each factor, from law.toml: "coarsely".
 
 Forces to 20 %, as single slow runs show them; the two presliding parameters to a factor of 1.4;
@@ -51,17 +45,17 @@ the Stribeck velocity, which no single experiment isolates, to a factor of 2.
 """
 
 
-def draw_factors(seed: int, width: float = 1.0) -> dict[str, float]:
-    """Draw log-normal factors by name, as accurate as ``SPREAD`` times ``width``."""
+def draw_factors(seed: int) -> dict[str, float]:
+    """Draw log-normal factors by name, as accurate as ``SPREAD``."""
     rng = np.random.Generator(np.random.PCG64(seed))
-    logs = rng.standard_normal(len(SPREAD)) * [width * one for one in SPREAD.values()]
+    logs = rng.standard_normal(len(SPREAD)) * list(SPREAD.values())
     return dict(zip(SPREAD, np.exp(logs).tolist(), strict=True))
 
 
 def coarsened(
-    estimates: Mapping[str, Estimate], factors: Mapping[str, float], law: Law | None = None
+    estimates: Mapping[str, Estimate], factors: Mapping[str, float]
 ) -> dict[str, Estimate]:
-    """Return the estimates of a law's parameters times factors, with standard errors of ``SPREAD``.
+    """Return the estimates of LuGre's parameters times factors, with standard errors of ``SPREAD``.
 
     The paper identifies its drive "coarsely" and does not say how coarsely. Here the three
     experiments find Coulomb friction to 0.02 %, so there is nothing to learn. A coarse start
@@ -70,12 +64,10 @@ def coarsened(
     Static friction below Coulomb friction, which no experiment would report, is exchanged with it.
     A factor that is missing is 1.
     """
-    law = law or friction_law()
-    spread = spread_of(law)
-    values = {name: estimates[name].value * factors.get(name, 1.0) for name in spread}
-    for name, bound in ParameterSpace.of(law).bounded.items():
+    values = {name: estimates[name].value * factors.get(name, 1.0) for name in SPREAD}
+    for name, bound in ParameterSpace.of(_LAW).bounded.items():
         values[bound], values[name] = sorted((values[bound], values[name]))
-    return {name: Estimate(value, spread[name] * value) for name, value in values.items()}
+    return {name: Estimate(value, SPREAD[name] * value) for name, value in values.items()}
 
 
 BOUNDS = (0.1, 100.0)  # times the identified value, as in the paper
@@ -86,7 +78,6 @@ class VelocityCost:
     """Sum of (v - v_r)^2 [m^2/s^2] over the samples of a run on the drive."""
 
     T_s: float  # sample period [s]
-    cutoff: float | None = CUTOFF  # of the low-pass of v - v_r [Hz], None for none
 
     def __call__(self, result: TrialLog) -> float:
         """Return the cost of the recorded ``drive.x_enc`` [m] and ``nominal.v_r`` [m/s]."""
@@ -96,8 +87,7 @@ class VelocityCost:
     def gap(self, result: TrialLog) -> Array:
         """Return v - v_r (n,) [m/s]."""
         v = np.gradient(result["drive.x_enc"], self.T_s)
-        gap = v - result["nominal.v_r"]
-        return gap if self.cutoff is None else smoothed(gap, self.T_s, self.cutoff)
+        return smoothed(v - result["nominal.v_r"], self.T_s)
 
 
 @dataclass(frozen=True)
@@ -110,7 +100,6 @@ class Study:
     # of their identification, SI units
     start: Mapping[str, Estimate]
     v_cmd: Array  # (n,) training command [m/s], one value a sample
-    feed: Feed = "nominal"
     seed: int = 0  # of the small changes between repeated runs
 
     @cached_property
@@ -124,12 +113,9 @@ class Study:
 
     def cost_without(self) -> float:
         """Return the cost of the training run without compensation [m^2/s^2]."""
-        criterion = VelocityCost(self.rig.T_s)
-        any_values = np.array([one.value for one in self.start.values()])
-        with self.rig.cost_of(
-            self.v_cmd, self.loop, criterion, self.feed, compensated=False
-        ) as cost:
-            return cost(any_values)
+        values = {name: one.value for name, one in self.start.items()}  # any
+        with self.rig.trials(self.v_cmd, self.loop, compensated=False) as run:
+            return VelocityCost(self.rig.T_s)(run(values))
 
 
 def genes(start: Mapping[str, Estimate]) -> list[ga.Gene]:
@@ -188,7 +174,7 @@ class Bench:
     def _gaps(self, study: Study, values: Mapping[str, float]) -> Array:
         """Return v - v_r (REPEATS, n) [m/s]."""
         criterion, gaps = VelocityCost(study.rig.T_s), []
-        with study.rig.trials(study.v_cmd, study.loop, study.feed) as run:
+        with study.rig.trials(study.v_cmd, study.loop) as run:
             for _ in range(REPEATS):
                 self.runs += 1
                 change = np.exp(JITTER * self._rng.standard_normal(len(study.start)))
@@ -220,7 +206,7 @@ def fit(study: Study, runs: Runs) -> Fit:
     power = [gap @ gap / len(gap) * correlation_length(gap) for gap in runs.means]
     scale = np.sqrt(np.mean(power))
     numerator, denominator = _transfer(study)
-    system = feedforward(study.rig.fmus, study.loop, {}, study.feed)
+    system = feedforward(study.rig.fmus, study.loop, {})
     T_s = study.rig.T_s
     longest = max(map(len, runs.commands))
     stop = (longest - 1) * T_s

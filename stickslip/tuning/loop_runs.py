@@ -16,7 +16,7 @@ from stickslip.servo.axis import ControlError, Datasheet
 from stickslip.servo.measurement import Array, blended_velocity
 from stickslip.servo.observer import FORCE_NOISE
 from stickslip.servo.sensitivity import peak_sensitivity
-from stickslip.servo.systems import Compensator, Feed, build_loop, nominal_parameters
+from stickslip.servo.systems import Compensator, build_loop, nominal_parameters
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 
@@ -151,7 +151,6 @@ class LoopBench:
     rig: FmuRig
     reference: VelocityLoop  # whose gains are tuned without a model, see ``tuned_pi``
     friction: Mapping[str, float]  # parameters of the compensator's law, as identified, by name
-    feed: Feed = "nominal"
 
     def loop(self, genes: Mapping[str, float]) -> TunedLoop:
         """Return the loop of a candidate."""
@@ -179,7 +178,7 @@ class LoopRuns:
         loop = bench.reference.changed(m_ff=bench.reference.axis.m)
         shown = ("x_enc", "F_m", *(["v"] if law else []))
         specification = cosim.Specification(
-            build_loop(rig.fmus, loop, CHAIN, bench.feed, drive=self.drive),
+            build_loop(rig.fmus, loop, CHAIN, drive=self.drive),
             step=rig.T_s,
             stop=(len(self.v_cmd) - 1) * rig.T_s,
             record=tuple(f"{self.drive}.{name}" for name in shown),

@@ -12,8 +12,7 @@ from stickslip.identification.stages import Identification, identify
 from stickslip.models import build_fmu
 from stickslip.output import SILENT, Progress
 from stickslip.papers.lugre.folder import write_results
-from stickslip.papers.lugre.reproduction import Extras, Options, Reproduction, reproduce
-from stickslip.papers.lugre.studies import step_by_step, with_motions
+from stickslip.papers.lugre.reproduction import Options, Reproduction, reproduce
 from stickslip.planning import LINEAR, plan
 from stickslip.presentation.page import Picture
 from stickslip.rigs.contract import COMMISSIONING
@@ -48,7 +47,7 @@ def blank(*_):
 
 
 def reproduced(fmus: Path) -> Reproduction:
-    return with_motions(reproduce(Options(seeds=1), fmus, SILENT, 2), fmus)
+    return reproduce(Options(seeds=1), fmus, SILENT, 2)
 
 
 @pytest.fixture(scope="session")
@@ -58,14 +57,12 @@ def reproduction() -> Reproduction:
 
 @pytest.fixture(scope="session")
 def results(reproduction) -> Path:
-    """Return a folder of results; the drive with all extras, which takes long, is the drive."""
+    """Return a folder of results."""
 
     def written(folder: Path) -> Path:
-        fmus = reproduction.system.components["drive"].path.parent
-        extras = Extras(step_by_step(reproduction, fmus))
         with pytest.MonkeyPatch.context() as patch:  # test_report.py draws the figures
             patch.setattr("stickslip.presentation.page.Picture.of", blank)
-            write_results(replace(reproduction, extras=extras), folder)
+            write_results(reproduction, folder)
         return folder
 
     return kept("results", written)

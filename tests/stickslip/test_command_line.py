@@ -18,9 +18,7 @@ import pytest
 import stickslip as ss
 from stickslip import cli, cosim, models
 from stickslip.cli import COMMANDS, main
-from stickslip.commandline.assignments import coarse_factors
 from stickslip.commands.simulate import add_isolation, isolation_of
-from stickslip.errors import UsageError
 from stickslip.fmi.messages import installing
 from stickslip.fmi.toolchain import PLATFORMS
 from tests.stickslip.logs.rigid_drive import rigid_drive
@@ -326,23 +324,6 @@ def test_only_foreign_fmus_are_isolated_unless_asked(monkeypatch):
         "--isolate": ss.cosim.Isolation(),
         "--timeout 3": ss.cosim.Isolation(timeout=3.0),
     }
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("m=2", "expected one of F_s, F_c"),
-        ("F_c=0", "positive number"),
-        ("F_c=nan", "positive number"),
-        ("F_c=inf", "positive number"),
-        ("F_c=much", "must be a number"),
-        ("F_c", "expected NAME=VALUE"),
-    ],
-)
-def test_a_coarse_start_that_makes_no_sense_is_refused(text, message):
-    assert coarse_factors(["F_c=0.7", "v_s=3"]) == {"F_c": 0.7, "v_s": 3.0}
-    with pytest.raises(UsageError, match=f"--coarse.*{message}"):
-        coarse_factors([text])
 
 
 def test_help_and_version_come_at_once():

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
 import pandas as pd
 
 from stickslip import ga
@@ -58,22 +57,6 @@ class FittedLaw:
 
 
 @dataclass(frozen=True)
-class Searches:
-    """The global searches, one for each seed."""
-
-    table: pd.DataFrame  # for each: seed, evaluations, cost, values of the local fit after it
-    algorithm: ga.Optimiser  # the search that led to the result
-
-    def restored(self, scale: Scale) -> Searches:
-        """Return the searches on a scaled recording with values in SI units."""
-        table = self.table.copy()
-        for name in table.columns.drop(["seed", "evaluations", "cost"]):
-            table[name] /= scale.of(name)
-        table["cost"] /= scale.force**2
-        return replace(self, table=table)
-
-
-@dataclass(frozen=True)
 class Estimation:
     """The result of an estimation."""
 
@@ -82,7 +65,7 @@ class Estimation:
     reason: str  # why it is that
     start: Start  # a straight line through the force, and the friction curve without a law
     fitted: FittedLaw  # the law with its values
-    searches: Searches  # that came before the fit
+    searched: ga.Optimiser  # the global search that came before the fit, on the scaled recording
     held_out: HeldOut  # what the law, and others that were tried, predict there
     figures: GoodnessOfFit  # goodness of fit
     controller: ControllerCheck | None  # the check of the controller; None when it is not known
@@ -113,15 +96,6 @@ class Estimation:
     def friction_curve(self) -> FrictionCurve | None:
         """Friction against speed without a law; None where the drive slides too little."""
         return self.start.curve
-
-    def spread(self) -> dict[str, float]:
-        """Return the largest relative difference between searches by parameter; 0 for one search.
-
-        It is that of the fits after the searches, by the inverse model. A difference shows
-        several local minima, while standard errors take only one into account.
-        """
-        values = self.searches.table
-        return {name: float(np.ptp(values[name]) / values[name].abs().max()) for name in self.known}
 
     @property
     def F_0(self) -> float:  # noqa: N802 - the symbol
@@ -160,7 +134,6 @@ def restored(estimation: Estimation, scale: Scale) -> Estimation:
         recording=back.recording(estimation.recording),
         start=estimation.start.restored(scale),
         fitted=estimation.fitted.restored(scale),
-        searches=estimation.searches.restored(scale),
         figures=estimation.figures.scaled(back),
         controller=check
         and replace(check, force=check.force / scale.force, gains=scale.restored(check.gains)),

@@ -26,7 +26,7 @@ from stickslip.identification.criteria.motion import (
     recording_scale,
 )
 from stickslip.identification.estimation.agreement import contradictions
-from stickslip.identification.estimation.estimation import Estimation, FittedLaw, Searches, restored
+from stickslip.identification.estimation.estimation import Estimation, FittedLaw, restored
 from stickslip.identification.estimation.faults import (
     change_of_friction,
     check_held_out,
@@ -118,7 +118,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
         compared = None
         if task.choice:
             compared = {**start.line, **scale.values(task.choice.chosen.parameters)}
-        found, searches = _search(
+        searched, found = _search(
             task, inverse, start, lambda one: progress.generation(one, scale), compared=compared
         )
         corrected = None
@@ -189,7 +189,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
             plausible=plausible(best, task.settings.seed, DRAWS),
             largest_friction=largest,
         ),
-        searches=searches,
+        searched=searched,
         held_out=held_out,
         figures=goodness,
         controller=check,
@@ -228,29 +228,16 @@ def _search(
     start: Start,
     on_generation: Callable[[ga.Optimiser], object],
     compared: Values | None,  # the fit of the law when it was compared with others
-) -> tuple[Fit, Searches]:
-    """Search with each seed, finish each locally, and return the best with a table of all."""
-    fits, algorithms, rows = [], [], []
-    how, first, seeds = task.settings.search, task.settings.seed, task.settings.seeds
-    for seed in range(first, first + seeds):
-        algorithm = search(inverse, start, seed, how, on_generation=on_generation)
-        values = solve_linear(inverse, start, algorithm.best.values)
-        found = best_fit(inverse, start, values, compared)
-        found = found if start.rise else without_stribeck(inverse, found)
-        selection = select(variants(inverse, found), _sure(inverse))
-        found = replace(selection.fit, covariance=selection.fit.covariance + selection.ambiguity)
-        fits.append(found)
-        algorithms.append(algorithm)
-        rows.append(
-            {
-                "seed": seed,
-                "evaluations": algorithm.evaluations,
-                "cost": found.noise,
-                **{name: found.parameters[name] for name in start.space.reported},
-            }
-        )
-    best = int(np.argmin([found.noise for found in fits]))
-    return fits[best], Searches(pd.DataFrame(rows), algorithms[best])
+) -> tuple[ga.Optimiser, Fit]:
+    """Search, and finish locally."""
+    settings = task.settings
+    searched = search(inverse, start, settings.seed, settings.search, on_generation=on_generation)
+    values = solve_linear(inverse, start, searched.best.values)
+    found = best_fit(inverse, start, values, compared)
+    found = found if start.rise else without_stribeck(inverse, found)
+    selection = select(variants(inverse, found), _sure(inverse))
+    covariance = selection.fit.covariance + selection.ambiguity
+    return searched, replace(selection.fit, covariance=covariance)
 
 
 def _sure(inverse: InverseModel) -> float:

@@ -31,7 +31,6 @@ class LearnSettings:
     law : of the catalogue, or ``auto`` for the one that predicts best where it is not fitted
     criterion : compares candidates with the recording; ``auto`` takes the one that it allows
     seed : of the search
-    seeds : number of searches, each with a seed of its own
     search : which algorithm searches, and where it runs
     compensator : what is written: ``auto`` for the best on the drives that the log supports, or a
         name such as ``static+ekbf``
@@ -45,7 +44,6 @@ class LearnSettings:
     law: str = "auto"
     criterion: CriterionName = "auto"
     seed: int = 0
-    seeds: int = 1
     search: Search = field(default_factory=Search)
     compensator: str = "auto"
     friction_range: tuple[float, float] = field(default_factory=harm.levels)

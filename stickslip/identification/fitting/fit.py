@@ -66,13 +66,6 @@ class Fit:
         """Return the standard errors of the values by name, in SI units."""
         return value_errors(self.space, self.q, self.covariance)
 
-    def correlations(self) -> Array:
-        """Return how errors of values go together (n, n), in their order; NaN where one is held."""
-        slopes = self.space.jacobian(self.q)
-        deviation = np.array([*self.errors().values()])
-        deviation[deviation == 0.0] = np.nan
-        return np.asarray(slopes @ self.covariance @ slopes.T / np.outer(deviation, deviation))
-
 
 DRAWS = 3  # draws from the covariance of a fit, on which a compensator is tried
 

@@ -10,7 +10,7 @@ import pandas as pd
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import start_unit, unit_of
-from stickslip.evaluation.motions import TRAINING, VALIDATION
+from stickslip.evaluation.motions import VALIDATION
 from stickslip.fmi.process import temporary_folder
 from stickslip.learned.writing import (
     SCHEMA,
@@ -20,7 +20,6 @@ from stickslip.learned.writing import (
     validation_document,
     versions,
 )
-from stickslip.papers.lugre.fmpy_check import SecondOpinion, second_opinion
 from stickslip.papers.lugre.page import FIG5, study_section, write_report
 from stickslip.papers.lugre.page import FILES as REPORT
 from stickslip.papers.lugre.published import START, TABLES, PublishedStudy
@@ -30,19 +29,16 @@ from stickslip.servo.systems import Compensator, deployed, for_all_platforms
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.simulation import pack_input
 from stickslip.storage import staged
-from stickslip.storage.codec import encode, state
+from stickslip.storage.codec import state
 from stickslip.storage.writing import write_json, write_tables
 from stickslip.tuning.loop_runs import GENES
 
 FMU = "compensator"  # Name of the compensator's model and FMU
 LEARNED_LOOP = ("learned_loop.ssp", "learned_compensator.fmu", "learned_observer.fmu")
 """The learned loop, and its feedforward and observer where it has them."""
-PREFIX = "as_published_"  # Of the tables of the learning as published
 FILES = (
-    *("table2.csv", "table4.csv", "table4_all_extras.csv", "motions.csv"),
-    *("fitness.csv", "loop_tuning.csv"),
+    *("table2.csv", "table4.csv", "motions.csv", "fitness.csv", "loop_tuning.csv"),
     *("learned.json", "compensator.fmu", "loop.ssp", *LEARNED_LOOP),
-    *(f"{PREFIX}{name}.csv" for name in TABLES),
     *REPORT,
 )
 """What ``write_results`` writes."""
@@ -59,17 +55,16 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
     """
     loops = reproduction.loops
     with staged(folder, command_of(reproduction.options), without=LEARNED_LOOP) as staging:
-        tables = {"table2": reproduction.table2(), "table4": reproduction.table4()}
-        if reproduction.extras and reproduction.extras.table4 is not None:
-            tables["table4_all_extras"] = reproduction.extras.table4
-        if reproduction.published:
-            published = reproduction.published.tables()
-            tables |= {f"{PREFIX}{name}": table for name, table in published.items()}
-        if reproduction.motions:
-            tables["motions"] = reproduction.motions.table()
-        write_tables(tables | {"loop_tuning": loops.table, "fitness": loops.fitness()}, staging)
+        tables = {
+            "table2": reproduction.table2(),
+            "table4": reproduction.table4(),
+            "motions": reproduction.motions.table(),
+            "loop_tuning": loops.table,
+            "fitness": loops.fitness(),
+        }
+        write_tables(tables, staging)
         options, loop = reproduction.options, reproduction.identification.loop
-        fmu = _build(Compensator(FMU, FMU, reproduction.refinement.values), loop, options, staging)
+        _build(Compensator(FMU, FMU, reproduction.refinement.values), loop, options, staging)
         best = loops.best.tuned
         own = replace(options, law=best.law.name)
         if best.share:
@@ -78,7 +73,6 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
             for one in observers:
                 name = f"learned_{one.name}"
                 models.build_fmu(one.model, staging, start=one.values, called=name)
-        reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu, loop))
         write_json(reproduction_document(reproduction), staging / "learned.json")
         write_loop(reproduction.system, loop, staging / "loop.ssp", options)
         write_loop(reproduction.learned_system(), best.loop, staging / LEARNED_LOOP[0], own)
@@ -87,10 +81,10 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
 
 def _build(
     one: Compensator, loop: VelocityLoop, options: Options, folder: Path, called: str = FMU
-) -> Path:
+) -> None:
     """Build the FMU of a feedforward, from the commands of a loop to its force."""
     block = deployed(one, loop, loop.T_s)
-    return models.build_fmu(block.model, folder, start=block.values, law=options.law, called=called)
+    models.build_fmu(block.model, folder, start=block.values, law=options.law, called=called)
 
 
 def write_published_results(study: PublishedStudy, options: Options, folder: Path) -> None:
@@ -101,16 +95,6 @@ def write_published_results(study: PublishedStudy, options: Options, folder: Pat
         write_page(staging, PUBLISHED_TITLE, [study_section(study)])
 
 
-def opinion_of(reproduction: Reproduction, fmu: Path, loop: VelocityLoop) -> SecondOpinion:
-    """Return what FMPy makes of the compensator over the training and the validation command."""
-    t = np.arange(round(TRAINING.duration / loop.T_s) + 1) * loop.T_s
-    commands = {
-        "training": TRAINING.sample(np.asarray(t)),
-        "validation": reproduction.validation.compensated.v_cmd,
-    }
-    return second_opinion(fmu, reproduction.system, loop, commands)
-
-
 def command_of(options: Options, **more: object) -> dict[str, object]:
     """Return what the manifest says of a reproduction."""
     return {
@@ -118,7 +102,6 @@ def command_of(options: Options, **more: object) -> dict[str, object]:
         "set": {f"drive.{name}": value for name, value in options.truth.items()},
         "seed": options.seed,
         "preset": options.preset,
-        "coarse": dict(options.coarse),
         **({} if options.law == "lugre" else {"law": options.law}),
         **more,
     }
@@ -141,12 +124,10 @@ def write_loop(system: cosim.System, loop: VelocityLoop, path: Path, options: Op
 
 def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
     """Return the content of learned.json as plain data, values in SI units."""
-    learned, options, opinion = reproduction.refinement, reproduction.options, reproduction.opinion
+    learned, options = reproduction.refinement, reproduction.options
     return {
         "schema": SCHEMA,
         "parameters": state(learned.estimates, unit_of),
-        "start": state({n: known.value for n, known in reproduction.start.items()}, unit_of),
-        "coarse": dict(options.coarse),
         "result": learned.chosen,
         "slow_motions": learned.remark or None,
         "cost": {"value": learned.cost, "unit": "m2/s2"},
@@ -154,11 +135,9 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
         "runs": learned.runs,
         "seed": options.seed,
         "preset": options.preset,
-        "feed": "nominal",
         "loop": loop_document(reproduction.identification.loop),
         "loop_learning": _loop_learning_entry(reproduction),
         "validation": validation_document(VALIDATION),
-        "second_opinion": opinion and {"output": "F_ff", **encode(opinion)},
         **law_entry(reproduction.identification.law),
         "versions": versions(),
     }

@@ -173,7 +173,7 @@ def motion_errors(
     t = rig.samples(motion.duration)
     v_cmd = motion.command.sample(t)
     inside = [covered(t, spans) for spans in motion.regions.values()]
-    system = build_loop(rig.fmus, loop.changed(m_ff=loop.axis.m), CHAIN, study.feed)
+    system = build_loop(rig.fmus, loop.changed(m_ff=loop.axis.m), CHAIN)
     begun, still = beginnings(system, PHASES), {"a_cmd": np.zeros(len(v_cmd))}
     relative = motion.name in RELATIVE
 

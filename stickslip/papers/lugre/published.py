@@ -164,16 +164,16 @@ def study_as_published(
 
 
 def _search(
-    searched: Sequence[ga.Gene], settings: ga.Settings, seed: int, cost: Callable[[Array], float]
+    searched: Sequence[ga.Gene], settings: ga.Settings, seed: int, cost: ga.SimulatedCost
 ) -> SeedRun:
     @cache  # the drive FMU repeats itself bit for bit
     def known(key: bytes) -> float:
-        return cost(np.frombuffer(key))
+        return float(cost(np.frombuffer(key)))
 
     def evaluate(values: Array) -> float:
         return known(values.tobytes())
 
-    evaluate.fatal = getattr(cost, "fatal", ())  # type: ignore[attr-defined]
+    evaluate.fatal = cost.fatal  # type: ignore[attr-defined]
     algorithm = ga.GeneticAlgorithm(searched, settings, seed)
     ga.learn(algorithm, evaluate)
     best = algorithm.best

@@ -16,7 +16,7 @@ from stickslip.identification.estimation import Estimation, LearnSettings, Searc
 from stickslip.logs import Recording, check_recording
 from stickslip.output import Progress
 from stickslip.papers.lugre.folder import command_of, write_loop
-from stickslip.papers.lugre.page import loops_section, validation_section
+from stickslip.papers.lugre.page import section, validation_section
 from stickslip.papers.lugre.reproduction import BaseResult, Options, build_rig, validated
 from stickslip.papers.lugre.tables import table2_of_recording
 from stickslip.presentation.page import Section, picture_files
@@ -91,7 +91,7 @@ def reproduce_from_recording(
 RECORD_FILES = (
     *("table2.csv", "table4.csv", "fitness.csv", "profiles.csv"),
     *("recording.csv", "recording.toml", "learned.json", "compensator.fmu", "loop.ssp"),
-    *picture_files(["fig2_loops", "fig6_tracking"]),
+    *picture_files(["fig6_tracking"]),
     *REPORT,
 )
 """What ``write_record_results`` writes."""
@@ -109,7 +109,7 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
         tables = {
             "table2": reproduction.table2(),
             "table4": reproduction.validation.table(),
-            "fitness": estimation.searches.algorithm.convergence(),
+            "fitness": estimation.searched.convergence(),
             "profiles": estimation.fitted.profiles,
             "recording": _table(estimation.recording),
         }
@@ -123,8 +123,8 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
 
 def _sections(reproduction: RecordReproduction) -> list[Section]:
     validation = reproduction.validation
-    loops = loops_section("The loops", "record", reproduction)
-    return [validation_section(validation, validation.table()), loops]
+    loop = section("The loop", "record", reproduction)
+    return [validation_section(validation, validation.table()), loop]
 
 
 def _table(recording: Recording) -> pd.DataFrame:

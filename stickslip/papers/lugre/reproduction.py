@@ -13,15 +13,13 @@ import pandas as pd
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import estimated, friction_law
-from stickslip.evaluation.comparison import Evaluation
+from stickslip.evaluation.comparison import Evaluation, evaluate
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.evaluation.validation import PHASES, Validation, validate
-from stickslip.identification.stages import Estimate, Identification
+from stickslip.identification.stages import Identification
 from stickslip.output import Progress
-from stickslip.papers.lugre.fmpy_check import SecondOpinion
 from stickslip.papers.lugre.loop_tuning import LoopTuning, validate_loops
-from stickslip.papers.lugre.published import PublishedStudy
-from stickslip.papers.lugre.steps import with_steps
+from stickslip.papers.lugre.steps import steps, with_steps
 from stickslip.papers.lugre.tables import table2
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
@@ -46,12 +44,8 @@ class Options:
     # what searches, a name in ``ga.ALGORITHMS``; ``default`` is CMA-ES for the loop, and our
     # genetic algorithm for a recording
     preset: str = "default"
-    # how many seeds search the loop and learn as published, ``seed`` the first; 0 for no loop
+    # how many seeds search the loop or learn as published, ``seed`` the first
     seeds: int = 5
-    complete: bool = False  # take all steps: learn as published and from one recording, too
-    # factors by name on what identification found, to begin learning there; see
-    # ``stickslip/tuning/learning.py``
-    coarse: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def all_seeds(self) -> range:
@@ -61,15 +55,6 @@ class Options:
     def rig(self, fmus: Path) -> FmuRig:
         """Return the drive whose FMUs are in a folder, on its test bench."""
         return FmuRig(fmus, Datasheet(), LOOP.T_s, self.law)
-
-
-@dataclass(frozen=True)
-class Extras:
-    """The result on the drive with all effects on, which the compensator does not model."""
-
-    # with a column for each step; None where identification or learning failed
-    table4: pd.DataFrame | None
-    reason: str = ""  # why they failed
 
 
 @dataclass(frozen=True)
@@ -88,22 +73,10 @@ class Reproduction(BaseResult):
     """All that was computed with the three experiments, and by running the drive."""
 
     identification: Identification
-    start: Mapping[str, Estimate]  # the tuned parameters that learning began with
     refinement: Refinement  # what was known in the end
     cost_without: float  # of the training run without compensation [m^2/s^2]
-    # the loop as it was learned, and what each step before it brings, if it was learned
-    searched: LoopTuning | None = None
-    extras: Extras | None = None  # the same on the drive with all effects on, if that was asked for
-    # what FMPy makes of the compensator, once its FMU is written
-    opinion: SecondOpinion | None = None
-    motions: Evaluation | None = None  # all motions with each step, once they were run
-    published: PublishedStudy | None = None  # the learning as published, where that was asked for
-
-    @property
-    def loops(self) -> LoopTuning:
-        """The loop as it was learned, for what is of a reproduction with it."""
-        assert self.searched is not None  # noqa: S101 - only the drive with extras has none
-        return self.searched
+    motions: Evaluation  # all motions with each step
+    loops: LoopTuning  # the loop as it was learned, and what each step before it brings
 
     def learned_system(self) -> cosim.System:
         """Return the loop that was learned, as a system of FMUs."""
@@ -112,12 +85,11 @@ class Reproduction(BaseResult):
 
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was found."""
-        return table2(self.identification, self.start, self.refinement, self.truth)
+        return table2(self.identification, self.refinement, self.truth)
 
     def table4(self) -> pd.DataFrame:
-        """Return Table 4, with a column for each step once all motions were run."""
-        table = self.validation.table()
-        return with_steps(table, self.motions) if self.motions else table
+        """Return Table 4, with a column for each step."""
+        return with_steps(self.validation.table(), self.motions)
 
 
 def drive_truth(changes: Changes, law: str = "lugre") -> dict[str, float]:
@@ -158,17 +130,18 @@ def reproduce(options: Options, fmus: Path, progress: Progress, workers: int = 1
     show what is looked for, or its loop cannot be designed.
     """
     rig = build_rig(options, fmus, progress)
-    found = learn_on_rig(rig, seed=options.seed, coarse=options.coarse, progress=progress)
-    searched = None
-    if options.seeds:
-        searched = _tuned(options, rig, found, progress, workers)
+    found = learn_on_rig(rig, seed=options.seed, progress=progress)
+    loops = _tuned(options, rig, found, progress, workers)
     result = validated(options, rig, found, progress)
+    progress.stage("all motions")
+    entries = steps(found.identification, found)
+    motions = evaluate(rig, entries, phases=PHASES, workers=workers)
     return Reproduction(
         **vars(result),
         identification=found.identification,
-        start=found.start,
         refinement=found.refinement,
-        searched=searched,
+        motions=motions,
+        loops=loops,
         cost_without=found.study.cost_without(),
     )
 
@@ -189,7 +162,7 @@ def _tuned(
         progress.stage(f"learning the loop, seed {seed}")
         learned.append(learn_loop(replace(searched, seed=seed), progress.generation, workers))
     progress.stage("what each step brings")
-    identified = {name: one.value for name, one in found.start.items()}
+    identified = {name: one.value for name, one in found.identification.tuned.items()}
     return validate_loops(
         study,
         searched,

@@ -25,24 +25,13 @@ STEPS = {
     UNCOMPENSATED: "None",
     "tuned_pi": "Tuned PI alone",
     IDENTIFIED: "Identified",
-    "as_published": "As published",
-    "least_squares_coarse": "Least squares, coarse",
     LEARNED: "Default",
     FILTERED: "Default, filter",
-    "one_recording": "One recording",
-    "velocity_filter": "And filter",
 }
-"""The steps by the names of their columns, in the order in which they are shown.
-
-Those from coarse starts are in ``stickslip/papers/lugre/published.py``, over seeds.
-"""
+"""The steps by the names of their columns, in the order in which they are shown."""
 
 
-def steps(
-    identification: Identification,
-    learned: Learned,  # by the default
-    recorded: Learned | None = None,  # from one recording
-) -> dict[str, Entry]:
+def steps(identification: Identification, learned: Learned) -> dict[str, Entry]:
     """Return the steps that there are, in the order of ``STEPS``."""
     loop = identification.loop
     identified = {name: one.value for name, one in identification.tuned.items()}
@@ -55,11 +44,7 @@ def steps(
     with suppress(ControlError):
         filtered = with_velocity_filter(loop, Datasheet(), learned.friction["F_c"])
         found[FILTERED] = Entry(with_inertia(filtered), learned.friction)
-    if recorded is not None:
-        plain, filtered, _ = recorded.designed
-        found["one_recording"] = Entry(plain, recorded.friction)
-        found["velocity_filter"] = Entry(filtered, recorded.friction)
-    return {name: found[name] for name in STEPS if name in found}
+    return found
 
 
 def by_step(table4: pd.DataFrame) -> pd.DataFrame:

@@ -40,16 +40,12 @@ from stickslip.tuning.refinement import Refinement
 
 
 def table2(
-    identification: Identification,
-    start: Mapping[str, Estimate],
-    learned: Refinement,
-    truth: Mapping[str, float],
+    identification: Identification, learned: Refinement, truth: Mapping[str, float]
 ) -> pd.DataFrame:
     """Return Table 2 with what was found, in SI units.
 
     Columns parameter, unit, paper, drive (the proxy's truth), identified, learned, spread (standard
-    error of the learned value), identified_spread, remark, start (where learning began). m and b
-    are not learned.
+    error of the learned value), identified_spread, remark. m and b are not learned.
     """
     rows = []
     for name, before in identification.estimates.items():
@@ -61,8 +57,7 @@ def table2(
                 "learned": after.value if after else None,
                 "spread": after.standard_error if after else None,
                 "identified_spread": before.standard_error,
-                "remark": _remark(name, identification, start, learned, truth[name]),
-                "start": start[name].value if name in start else None,
+                "remark": _remark(name, identification, learned, truth[name]),
             }
         )
     return pd.DataFrame(rows)
@@ -97,18 +92,12 @@ def _head(name: str, truth: Mapping[str, float]) -> dict[str, Any]:
     return {"parameter": name, "unit": unit_of(name), **known}
 
 
-def _remark(
-    name: str,
-    identification: Identification,
-    start: Mapping[str, Estimate],
-    learned: Refinement,
-    truth: float,
-) -> str:
+def _remark(name: str, identification: Identification, learned: Refinement, truth: float) -> str:
     """Say how well a parameter is known, and whether learning took it away from the truth."""
-    if name not in start:
+    if name not in learned.estimates:
         return "identified only, not learned"
     before, after = identification.estimates[name], learned.estimates[name]
-    prior = start[name].standard_error / start[name].value
+    prior = before.standard_error / before.value
     if learned.chosen == "start":
         remark = "as learning began: the training run alone would know it to "
         remark += f"+-{100 * learned.alone[name]:.2g} %"

@@ -7,14 +7,13 @@ stickslip arena --drive axis/learned.json --compensators static ekbf --out arena
 from __future__ import annotations
 
 import argparse
-from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip import models
 from stickslip.commandline import FLAG, SEVERAL, add_options, at_least, complete_with, require_files
 from stickslip.commandline.execution import add_worker_options
-from stickslip.commandline.progress import TerminalProgress, add_live_option
+from stickslip.commandline.progress import TerminalProgress
 from stickslip.compensators.names import part_names, require_parts
 from stickslip.errors import UsageError
 from stickslip.output import Answer
@@ -65,7 +64,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(where="processes")
     resume = "keep what an interrupted run has found with the same options"
     add_options(parser, {"--resume": resume}, **FLAG)
-    add_live_option(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
     parser.set_defaults(run=run)
 
@@ -77,17 +75,11 @@ def run(options: argparse.Namespace) -> Answer:
     from stickslip.studies.arena.table import arena_table, entrant_table
     from stickslip.studies.arena.writing import FILES, write_arena
 
-    with reserved(options.out, FILES), TerminalProgress(live=options.live) as progress:
+    with reserved(options.out, FILES), TerminalProgress() as progress:
         cells = len(plan.drives) * len(plan.entrants)
-        run_on = Counter({drive.name: 0 for drive in plan.drives})
 
         def on_done(done: int, of: int, cell: Cell) -> None:
-            run_on[cell.drive.name] += 1
-            rows = {
-                name: (count / len(plan.entrants), f"{count} of {len(plan.entrants)} compensators")
-                for name, count in run_on.items()
-            }
-            progress.done(done, of, cell.name, "cell", rows)
+            progress.done(done, of, cell.name, "cell")
 
         progress.stage(f"{cells} cells: {len(plan.entrants)} entrants on {len(plan.drives)} drives")
         progress.move(0, cells, "cell")

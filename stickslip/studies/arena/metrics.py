@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.evaluation.motions import Span
-from stickslip.servo.measurement import Array, measured_velocity
+from stickslip.servo.measurement import Array, measured_velocity, turns
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.studies.arena.motion_commands import Command
 
@@ -147,7 +147,7 @@ def _hunting(command: Command, trace: Trace) -> Figures:
     left = float(np.abs(trace.within(trace.position_error, span).mean()))
     return {
         ERROR: (float(np.ptp(x)), "m"),
-        "reversals at rest": (float(_swings(x, COUNTS * trace.encoder_step)), "1"),
+        "reversals at rest": (float(turns(x, COUNTS * trace.encoder_step)), "1"),
         "rest error": (left, "m"),
         "variation at rest": (rate, "N/s"),
     }
@@ -168,21 +168,6 @@ MEASURES: dict[str, Callable[[Command, Trace], Figures]] = {
     "path": _path,
 }
 """By the kind of the command."""
-
-
-def _swings(x: Array, size: float) -> int:
-    """Return how often x (n,) turns after a swing of more than a size."""
-    if np.ptp(x) <= size:
-        return 0
-    found, direction, low, high = 0, 0, x[0], x[0]
-    for value in x.tolist():
-        high = max(high, value) if direction >= 0 else high
-        low = min(low, value) if direction <= 0 else low
-        if direction >= 0 and high - value > size:
-            found, direction, low = found + direction, -1, value
-        elif direction <= 0 and value - low > size:
-            found, direction, high = found - direction, 1, value
-    return found
 
 
 def _rms(values: Array) -> float:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import time
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -18,16 +17,13 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from stickslip import cosim, models
-from stickslip.compensators.entrants import SPEED, Entrant, Part, TunedEntrant, entrant
+from stickslip import models
+from stickslip.compensators.entrants import SPEED, Entrant, Part, entrant
 from stickslip.compensators.names import content
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.files import digest
 from stickslip.fmi.process import temporary_folder
 from stickslip.learned.writing import versions
-from stickslip.servo.chain_response import sliding
-from stickslip.servo.systems import lone_chain
-from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.storage.codec import encode
 from stickslip.studies.arena import STARTS, TUNINGS, Budget
 from stickslip.studies.arena.course import build_entrants
@@ -45,7 +41,6 @@ from stickslip.studies.arena.validation import (
 from stickslip.work.jobs import Execution, Outcome, ended_by_signals
 from stickslip.work.kept_jobs import KeptJobs
 
-STEPS, REPEATS = 4000, 3  # Samples, and runs, over which the time of a sample is measured
 REFERENCES = ("pi", "none")  # Entrants to which errors are relative, the preferred one first
 
 
@@ -118,16 +113,12 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
     plan, drive = cell.plan, cell.drive
     one, sheet, loop = plan.entrant(cell.entrant), drive.sheet, drive.loop
     document: dict[str, Any] = {"tuned": {}, "validated": {}}
-    begun, factor = time.thread_time(), drive.speed / SPEED
+    factor = drive.speed / SPEED
     tuned_by = [
         tune(cell.fmus, loop, one, plan.budget, seed + k, sheet, drive.speed)
         for k in range(plan.tunings if cell.entrant in content()["scattered"] else 1)
     ]
     found = min(tuned_by, key=lambda result: result.cost)
-    # What a clock shows is no result: it differs from run to run.
-    document["time"] = {"tuning": time.thread_time() - begun}
-    measured = found.tuned(one, loop, sheet), found.coarse.friction
-    document["time"] |= _seconds_per_step(cell.fmus, loop, one, *measured)
     document["footprint"] = _footprint(cell.fmus, one)
     tries = {drive.name: found}
     commands = [command.scaled(factor) for command in COMMANDS.values()]
@@ -175,31 +166,6 @@ def _footprint(fmus: Path, one: Entrant) -> dict[str, float]:
     if not any(part.own_fmu for part in parts):
         found["states"] = float(sum(len(part.kept) for part in parts))
     return found
-
-
-def _seconds_per_step(
-    fmus: Path, loop: VelocityLoop, one: Entrant, tuned: TunedEntrant, friction: float
-) -> dict[str, float]:
-    """Return the processor time of a sample of its FMUs [s], in motion against a friction [N].
-
-    Nothing where it has none, or where one fails.
-    """
-    if not one.chain:
-        return {}
-    system, force = lone_chain(fmus, loop, one.chain)
-    taken = []
-    record = cosim.Record((force,), keep="last")
-    moving = sliding(loop, friction, STEPS + 1)
-    inputs = {role: moving[role] for role in system.inputs}
-    with system.prepare(step=loop.T_s, stop=STEPS * loop.T_s, record=record) as simulation:
-        for _ in range(REPEATS):
-            begun = time.thread_time()
-            try:
-                simulation.run(tuned.parameters, inputs)
-            except cosim.SimulationError:
-                return {}
-            taken.append(time.thread_time() - begun)
-    return {"step": min(taken) / STEPS}
 
 
 def run_arena(

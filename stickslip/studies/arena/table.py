@@ -61,18 +61,6 @@ def arena_table(arena: Arena) -> pd.DataFrame:
     return table.reset_index(drop=True)
 
 
-def time_table(arena: Arena) -> pd.DataFrame:
-    """Return measured processor times: of tuning, and of a sample of the FMUs, overhead included.
-
-    They differ from run to run, and are no part of the result.
-    """
-    rows = [
-        (drive, name, document["time"]["tuning"], document["time"].get("step", 0.0))
-        for (drive, name), document in arena.documents.items()
-    ]
-    return pd.DataFrame(rows, columns=["drive", "compensator", "tuning [s]", "sample [s]"])
-
-
 def relative_errors(
     table: pd.DataFrame, plan: Plan, *, carried: bool, command: str = ALL
 ) -> pd.DataFrame:

@@ -22,13 +22,12 @@ from stickslip.studies.arena.table import (
     entrant_table,
     relative_errors,
     robust,
-    time_table,
 )
 from stickslip.studies.arena.tuning import TuningResult
 
-TABLE, RANKING, TIMES = "arena.csv.gz", "ranking.csv", "time.csv"
+TABLE, RANKING = "arena.csv.gz", "ranking.csv"
 PAGE, FOLDER = "arena.html", "winners"
-FILES = (TABLE, RANKING, TIMES, PAGE, *picture_files(FIGURES))
+FILES = (TABLE, RANKING, PAGE, *picture_files(FIGURES))
 """What ``write_arena`` writes."""
 
 
@@ -42,7 +41,7 @@ def write_arena(arena: Arena, table: pd.DataFrame, folder: Path) -> None:
     drives, entrants = [drive.name for drive in plan.drives], list(plan.entrants)
     command = {"name": "arena", "drives": drives, "compensators": entrants}
     ranking = entrant_table(table, plan).frame()
-    tables = {TABLE: table, RANKING: ranking, TIMES: time_table(arena)}
+    tables = {TABLE: table, RANKING: ranking}
     errors, within = relative_errors(table, plan, carried=False), robust(table)
     with completed(folder, command, FILES, tables) as staging:
         write_page(staging, TITLE, sections(plan, table), PAGE)

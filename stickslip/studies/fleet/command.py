@@ -6,7 +6,6 @@ stickslip fleet logs.csv --out fleet
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from stickslip.commandline import FLAG, add_options, at_least, require_files
 from stickslip.commandline.execution import add_worker_options
-from stickslip.commandline.progress import TerminalProgress, add_live_option, spread_of
+from stickslip.commandline.progress import TerminalProgress
 from stickslip.output import Answer
 from stickslip.storage import reserved
 from stickslip.work.jobs import Execution
@@ -39,7 +38,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_worker_options(parser, "drives")
     resume = "keep what an earlier run learned from the same rows, files, seed and versions"
     add_options(parser, {"--resume": resume}, **FLAG)
-    add_live_option(parser)
     parser.set_defaults(run=run)
 
 
@@ -59,17 +57,13 @@ def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> Answer:
     from stickslip.studies.fleet.writing import fleet_table, summary, write_fleet
 
     execution = Execution(options.workers, options.where, resume=options.resume)
-    with TerminalProgress(live=options.live) as progress:
+    with TerminalProgress() as progress:
         done = 0
-        learned: dict[str, list[float]] = {}
 
         def on_done(drive: Drive, outcome: Outcome) -> None:
             nonlocal done
             done += 1
-            for name, one in json.loads(outcome.learned or "{}").get("parameters", {}).items():
-                learned.setdefault(name, []).append(one["value"])
-            what = f"{drive.name} {outcome.reason or 'learned'}"
-            progress.done(done, len(drives), what, "drive", rows=spread_of(learned))
+            progress.done(done, len(drives), f"{drive.name} {outcome.reason or 'learned'}", "drive")
 
         progress.stage(f"learning {len(drives)} drives")
         progress.move(0, len(drives), "drive")

@@ -19,10 +19,8 @@ from stickslip.catalog.parameters import unit_of
 from stickslip.commandline import (
     FLAG,
     SEVERAL,
-    add_old_spelling,
     add_options,
     add_rare_group,
-    at_least,
     complete_with,
     positive,
     warn,
@@ -41,7 +39,7 @@ from stickslip.commandline.log_options import (
     logs_given,
     rig_of,
 )
-from stickslip.commandline.progress import TerminalProgress, add_live_option
+from stickslip.commandline.progress import TerminalProgress
 from stickslip.compensators.names import part_names, require_parts
 from stickslip.errors import RecordingError, UsageError
 from stickslip.output import Answer
@@ -84,19 +82,15 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(add_log_options(parser), {"--fixed-gains": fixed}, **FLAG)
 
     search = add_rare_group(parser, "the search")
-    criterion = search.add_argument(
+    search.add_argument(
         "--criterion",
         choices=sorted(CRITERIA),
         default="auto",
         help="loop: output error of the simulated closed loop; inverse: force predicted from the "
         "motion; auto: the one that the log allows",
     )
-    add_old_spelling(search, "--judge", criterion)
-    seeds = {"--seeds N": "number of searches, each with its own seed"}
-    add_options(search, seeds, type=at_least(1), default=1)
     add_seed_option(search)
     add_algorithm_option(search)
-    add_live_option(search)
     add_workers_option(add_rare_group(parser, "where the search runs"), "candidates")
     parser.set_defaults(run=run)
 
@@ -184,7 +178,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
     from stickslip.studies.learn.verdict import verdict_of
 
     with (
-        TerminalProgress(live=options.live, findings=options.verbose) as progress,
+        TerminalProgress(findings=options.verbose) as progress,
         rig_of(options.rig, options.out, options.law) as (rig, limits),
     ):
         learned = learn(
@@ -195,7 +189,6 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             law=options.law,
             criterion=CRITERIA[options.criterion],
             seed=options.seed,
-            seeds=options.seeds,
             search=Search(options.algorithm, workers=options.workers),
             compensator=options.compensator,
             absent=options.without,
@@ -299,9 +292,6 @@ def print_estimation(estimation: Estimation, predicted: Sequence[PredictedLog] =
     if estimation.position_force:
         print("\nforce of position, beside mass and friction")
         print(tables.position_force(estimation).text(), tables.HELD, sep="\n", end="\n\n")
-    if (number := len(estimation.searches.table)) > 1:
-        spread = [f"{name} {100 * value:.2g} %" for name, value in estimation.spread().items()]
-        print(f"spread over {number} searches: {', '.join(spread)}")
     for name, value in estimation.figures.errors().items():
         if math.isfinite(value):
             print(f"relative error {100 * value:9.4g} %  {FIGURES[name]}")

@@ -46,9 +46,8 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
             "laws": tables.laws(estimation).records(),
             "choice": estimation.choice and estimation.choice.reason,
         },
-        "evaluations": int(estimation.searches.table["evaluations"].sum()),
+        "evaluations": estimation.searched.evaluations,
         "seed": learned.seed,
-        "spread_over_searches": estimation.spread(),
     }
     if learned.hashes:
         document["sha256"] = dict(learned.hashes)
@@ -62,7 +61,6 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         document["position_force"] = tables.position_force(estimation).by_key()
     if loop is not None:
         document |= {
-            "feed": "nominal",
             "loop": loop_document(loop),
             "validation": validation_document(VALIDATION, rotary=rotary),
         }

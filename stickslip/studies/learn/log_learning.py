@@ -234,7 +234,6 @@ def learn(
     limits: Limits = LINEAR,
     search: Search | None = None,
     seed: int = 0,
-    seeds: int = 1,
     progress: Progress = SILENT,
 ) -> LearnedFromRecording:
     """Learn a drive from a log of it, or several, or on a rig.
@@ -246,7 +245,7 @@ def learn(
         its own. The compensator is tried in the loop of the first log.
     description : of its columns and of the controller, or its file (TOML); by default the columns
         are detected
-    law, compensator, fixed_gains, friction_range, absent, criterion, limits, search, seed, seeds :
+    law, compensator, fixed_gains, friction_range, absent, criterion, limits, search, seed :
         as of ``LearnSettings``; law and compensator are chosen unless they are given
     validate : logs whose force is predicted, but not learned from
     progress : is told of stages, findings and generations
@@ -272,7 +271,6 @@ def learn(
         limits=limits,
         search=search or Search(),
         seed=seed,
-        seeds=seeds,
     )
     chosen = replace(asked, law=law_of(asked.compensator, asked.law, asked.absent))
     # Threads of linear algebra would wait for those of other work on the same cores.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from stickslip.cosim import SineSweep, Trapezoid
@@ -10,14 +9,13 @@ from stickslip.errors import HarmfulError
 from stickslip.evaluation import validation
 from stickslip.evaluation.motions import TRAINING, VALIDATION
 from stickslip.evaluation.validation import Validation
-from stickslip.identification.stages import Estimate, Identification, identify
+from stickslip.identification.stages import Identification, identify
 from stickslip.output import SILENT, Progress
 from stickslip.rigs.contract import Rig
 from stickslip.servo.axis import LOOP, LoopSpecification
-from stickslip.servo.systems import Feed
 from stickslip.studies.learn.learned import Learned
 from stickslip.trial.compensator_trial import Loops
-from stickslip.tuning.learning import Study, coarsened
+from stickslip.tuning.learning import Study
 from stickslip.tuning.refinement import Refinement, refine
 
 
@@ -27,7 +25,6 @@ class LearnedOnRig(Learned):
 
     identification: Identification
     study: Study = field(repr=False)  # what least squares needed
-    start: Mapping[str, Estimate]  # the tuned parameters that learning began with
     refinement: Refinement  # what was known in the end
 
 
@@ -36,9 +33,7 @@ def learn_on_rig(
     specification: LoopSpecification = LOOP,
     training: SineSweep = TRAINING,
     *,
-    feed: Feed = "nominal",
     seed: int = 0,
-    coarse: Mapping[str, float] | None = None,
     progress: Progress = SILENT,
 ) -> LearnedOnRig:
     """Identify a drive by three experiments, then fit the friction to repeated runs of it.
@@ -50,9 +45,7 @@ def learn_on_rig(
     ----------
     specification : of the velocity loop, whose gains the drive must take
     training : velocity command of the runs [m/s]
-    feed : what drives the compensator
     seed : of the small changes between repeated runs
-    coarse : factors by name on what identification found, to begin learning there
 
     Raises
     ------
@@ -62,21 +55,15 @@ def learn_on_rig(
         When the drive does not show what is looked for, or its loop cannot be designed.
     """
     found = identify(rig, specification, lambda name: progress.stage(f"identifying: {name}"))
-    start, loop = found.tuned, found.loop
-    if coarse:
-        start = coarsened(start, coarse, rig.law)
+    loop = found.loop
     v_cmd = training.sample(rig.samples(training.duration))
-    study = Study(rig, loop, start, v_cmd, feed=feed, seed=seed)
+    study = Study(rig, loop, found.tuned, v_cmd, seed=seed)
     progress.stage("fitting the friction to runs of the drive")
     refinement = refine(study)
-    return LearnedOnRig(
-        refinement.values, Loops(loop, loop), found, study, start=start, refinement=refinement
-    )
+    return LearnedOnRig(refinement.values, Loops(loop, loop), found, study, refinement=refinement)
 
 
-def validate(
-    rig: Rig, learned: Learned, command: Trapezoid = VALIDATION, feed: Feed = "nominal"
-) -> Validation:
+def validate(rig: Rig, learned: Learned, command: Trapezoid = VALIDATION) -> Validation:
     """Run a trapezoid on a drive without and with the learned compensator.
 
     Parameters
@@ -96,4 +83,4 @@ def validate(
     if learned.refusal:
         raise HarmfulError(f"{rig.name}: learn does not recommend it: {learned.refusal}; not run")
     plain, loop, _ = learned.designed
-    return validation.validate(rig, loop, learned.friction, command, feed=feed, plain=plain)
+    return validation.validate(rig, loop, learned.friction, command, plain=plain)

@@ -188,16 +188,6 @@ def compensators(compared: CompensatorComparison) -> Table:
     return Table(columns, rows)
 
 
-def searches(estimation: Estimation) -> Table:
-    """Return the cost and the parameters that each search found."""
-    columns = (
-        Column("seed", head="Seed", words=True),
-        Column("cost", head="Cost"),
-        *(Column(name, head=symbol(name)) for name in estimation.fit.space.friction),
-    )
-    return Table.of(columns, estimation.searches.table)
-
-
 def findings(estimation: Estimation, found: Iterable[Finding]) -> Table:
     """Return what reading and checks found and what was done about it, errors first."""
     found = [*found]

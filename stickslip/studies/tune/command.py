@@ -15,7 +15,7 @@ from stickslip.commandline import SEVERAL, add_options, at_least, positive, requ
 from stickslip.commandline.assignments import split_assignments
 from stickslip.commandline.execution import add_algorithm_option
 from stickslip.commandline.log_options import add_rig_option, rig_of
-from stickslip.commandline.progress import TerminalProgress, add_live_option
+from stickslip.commandline.progress import TerminalProgress
 from stickslip.errors import UsageError
 from stickslip.output import Answer
 from stickslip.storage import reserved
@@ -56,7 +56,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, workers, type=at_least(1), default=processors())
     add_options(parser, {"--seed S": "random seed of the search"}, type=at_least(0), default=0)
     add_algorithm_option(parser)
-    add_live_option(parser)
     parser.set_defaults(run=run)
 
 
@@ -104,7 +103,7 @@ def _of_drive(
     given: dict[str, Any] = {name: getattr(options, name) for name in names}
     learned = LearnedFile(options.file)
     with (
-        TerminalProgress(live=options.live) as progress,
+        TerminalProgress() as progress,
         rig_of(options.rig, options.out, learned.law.name) as (rig, _),
     ):
         if rig is not None and "observer.fmu" in learned.written:
@@ -138,7 +137,7 @@ def _of_system(
     given: dict[str, Any] = {name: getattr(options, name) for name in names}
     if options.input:
         given["inputs"] = cosim.read_tables(options.input)
-    with TerminalProgress(live=options.live) as progress:
+    with TerminalProgress() as progress:
         progress.stage(f"tuning {', '.join(ranges)}")
         found: Any = tune(options.file, ranges, options.cost, progress=progress, **given)
     print(changed(found).text(), f"\n{sentence_of(found)}", sep="\n")

@@ -169,8 +169,7 @@ class RigTest:
         v_cmd = np.append(motion.v_cmd, np.zeros(self._hold))
         added = None
         if one.feedforward is not None:
-            reference = one.loop if self.learned.feed == "nominal" else None
-            drive = LearnedDrive(one.law.name, {}, one.feedforward, reference)
+            drive = LearnedDrive(one.law.name, {}, one.feedforward, one.loop)
             added = feedforward(self._recording(v_cmd, *np.zeros((2, len(v_cmd)))), drive)
         return Command(self._T_s, one.loop, velocity=v_cmd, added_force=added)
 

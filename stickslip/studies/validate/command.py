@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.commandline import add_options, require_files, warn, write_files
-from stickslip.commandline.assignments import add_source_option
 from stickslip.commandline.log_options import (
     add_log_options,
     add_rig_option,
@@ -44,7 +43,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_rig_option(
         parser, "run a motion without and with the compensator on the drive of this file"
     )
-    add_source_option(parser)
     add_options(parser, {"--out DIR": "folder for tables, figures and page"}, type=Path)
     add_log_options(parser)
     parser.set_defaults(run=run)
@@ -136,7 +134,7 @@ def _on_rig(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
         if rig is None:
             raise UsageError("--rig: expected a file")
         progress.stage("validating")
-        found = validate(rig, rig.loop, compensator, command, feed=options.feed)
+        found = validate(rig, rig.loop, compensator, command)
     print(found)
     table = found.errors()
     about = {"name": "validate", "rig": str(options.rig), "parameters": compensator}

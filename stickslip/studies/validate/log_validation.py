@@ -95,8 +95,7 @@ def validate_log(log: LogInLoop, learned: LearnedFile) -> LogPrediction:
 
 def drive_of(learned: LearnedFile) -> LearnedDrive:
     """Return the drive of a file, and the compensator as it is exported."""
-    reference = learned.loop if learned.feed == "nominal" else None
-    return LearnedDrive(learned.law.name, learned.drive, learned.feedforward, reference)
+    return LearnedDrive(learned.law.name, learned.drive, learned.feedforward, learned.loop)
 
 
 def compare_logs(compensated: LogInLoop, without: LogInLoop, learned: LearnedFile) -> LogComparison:

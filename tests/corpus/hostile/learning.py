@@ -49,7 +49,6 @@ DOCUMENTS = [
     _learned("loop-unstable", "a loop that is not stable", "unstable", changed("loop", "K_p", to={"value": -1e9}), _EXPORT),
     _learned("loop-period", "a sample period of 0", "T_s is 0 s", changed("loop", "T_s", to={"value": 0.0}), _EXPORT),
     _learned("validation-long", "a command of 1e300 s", "samples", changed("validation", "plateau", to={"value": 1e300}), _EXPORT),
-    _learned("feed", "a feed that is none", "feed is 3", changed("feed", to=3), _EXPORT),
 ]  # fmt: skip
 
 CHECKPOINTS = [

@@ -195,7 +195,7 @@ def test_a_loop_comes_back_as_it_was(learned, name):
 
 def test_what_an_older_file_lacks_has_a_default_and_the_rest_comes_back(learned):
     file = LearnedFile(learned())
-    assert (file.loop, file.feed, file.drive_errors) == (None, "nominal", {})
+    assert (file.loop, file.drive_errors) == (None, {})
     assert (file.validation, file.datasheet) == (VALIDATION, Datasheet())
     assert LearnedFile(learned(validation=validation_document(SLOW))).validation == SLOW
     sheet = Datasheet(peak_force=40.0, tau_i=0.0, encoder_step=1e-6)

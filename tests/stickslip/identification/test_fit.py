@@ -14,7 +14,6 @@ from stickslip.identification.fitting.fit import (
     fit,
     inverse_information,
     linearised,
-    plausible,
 )
 from stickslip.identification.fitting.identifiability import identifiability
 from stickslip.servo.measurement import derivative
@@ -86,17 +85,6 @@ def test_it_finds_what_linear_least_squares_finds(space):
     np.testing.assert_allclose(found.q, expected, atol=1e-6)
     classic = 0.1**2 * np.linalg.inv(line.regressors.T @ line.regressors)
     np.testing.assert_allclose(np.diag(found.covariance), np.diag(classic), rtol=0.6)
-
-
-def test_correlations_of_values_are_those_of_draws(space):
-    rng = np.random.default_rng(4)
-    mixed = rng.standard_normal((K, K))
-    line = line_of(rng, rng.uniform(0.1, 1.0, K), rng.standard_normal(N), space)
-    found = replace(fit(line, [np.zeros(K)]), covariance=1e-8 * mixed @ mixed.T)
-    draws = [list(values.values()) for values in plausible(found, 0, 4000)]
-    names = list(found.parameters)
-    expected = np.corrcoef([[v[names.index(name)] for v in draws[1:]] for name in space.names])
-    np.testing.assert_allclose(found.correlations(), expected, atol=0.05)
 
 
 def test_a_coordinate_that_leaves_its_bounds_stops_there(space):

@@ -9,6 +9,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 
+from stickslip.identification.criteria.motion import recording_scale
 from stickslip.identification.estimation import Task, learn
 from stickslip.logs import Recording
 
@@ -94,10 +95,12 @@ def test_wherever_the_search_ends_the_mean_force_finds_the_valley(candidates, mo
         return {**start.line, **{name: by * start.line[name] for name, by in stiff.items()}}
 
     monkeypatch.setattr(module, "solve_linear", stuck)
-    learned = learn(Task(candidates, recorded(1.0, 1e-7)))
+    recording = recorded(1.0, 1e-7)
+    learned = learn(Task(candidates, recording))
     assert learned.criterion == "inverse model"
+    found = recording_scale(recording).restored(learned.fit.parameters)
     for name in ("m", "F_c", "F_s", "sigma_0"):
-        assert learned.searches.table[name][0] == pytest.approx(DRIVE[name], rel=0.06), name
+        assert found[name] == pytest.approx(DRIVE[name], rel=0.06), name
 
 
 @pytest.mark.thorough

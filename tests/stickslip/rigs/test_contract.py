@@ -6,15 +6,20 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip import Command, FmuRig, Limits, Log, Rig, RigLimits, ga, learn, validate
+from stickslip import Command, FmuRig, Limits, Log, Rig, RigLimits, learn, validate
 from stickslip.errors import HarmfulError, LimitError, RigError, UsageError
 from stickslip.evaluation.motions import TRAINING
+from stickslip.identification.stages import Estimate
 from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.studies.learn.log_learning import check_rig
 from stickslip.studies.learn.recorded import read_rig
-from stickslip.tuning.learning import VelocityCost
+from stickslip.tuning.learning import Study, VelocityCost
+from stickslip.tuning.refinement import refine
 
 WIDE = RigLimits(travel=(-1.0, 1.0), speed=1.0, force=300.0, following_error=0.1)
+
+
+FRICTION = {"F_s": 9.0, "F_c": 8.0, "v_s": 1e-3, "sigma_0": 1e5, "sigma_1": 300.0}
 
 
 class Ideal(Rig):
@@ -34,12 +39,11 @@ class Ideal(Rig):
 @pytest.mark.parametrize("compensated", [True, False])
 def test_a_candidate_costs_the_same_as_in_the_loop_of_fmus(fmus, compensated):
     rig, limited = (FmuRig(fmus, Datasheet(), LOOP.T_s, limits=one) for one in (None, WIDE))
-    v_cmd, values = TRAINING.sample(rig.samples(0.5)), np.array([9.0, 8.0, 1e-3, 1e5, 300.0])
+    v_cmd = TRAINING.sample(rig.samples(0.5))
     costs = []
     for one in (rig, limited):
-        how = {"compensated": compensated}
-        with one.cost_of(v_cmd, one.loop, VelocityCost(one.T_s), **how) as cost:
-            costs.append(cost(values))
+        with one.trials(v_cmd, one.loop, compensated=compensated) as run:
+            costs.append(VelocityCost(one.T_s)(run(FRICTION)))
     assert costs[0] == costs[1]
 
 
@@ -77,18 +81,6 @@ def test_a_limit_aborts_a_motion(fmus, limits, push, message):
         rig.push(np.full(400, 30.0)) if push else rig.follow(np.full(400, 0.01), rig.loop)
 
 
-def test_a_candidate_that_a_limit_aborts_has_failed_and_another_fault_ends_the_learning(fmus):
-    rig = Ideal(replace(WIDE, force=5.0))
-    rig.fmus = fmus
-    v_cmd, strong = TRAINING.sample(rig.samples(0.1)), np.array([900.0, 800.0, 1e-3, 1e5, 300.0])
-    with rig.cost_of(v_cmd, rig.loop, VelocityCost(rig.T_s)) as cost:
-        with pytest.raises(Exception, match="nothing has moved") as failed:
-            cost(strong)
-        assert type(failed.value).__name__ == "CandidateFailed"
-        assert cost.fatal == (RigError,)
-    assert not rig.moved
-
-
 def test_learn_records_the_rig_in_its_loop_and_limits_hold_for_the_experiment():
     with pytest.raises(LimitError, match="nothing has moved: speed"):
         learn(Ideal(replace(WIDE, speed=0.03)))
@@ -122,13 +114,11 @@ def test_an_error_of_move_ends_the_learning_after_that_motion(fmus, kind):
 
     rig = Failing(WIDE)
     rig.fmus = fmus
-    v_cmd, start = TRAINING.sample(rig.samples(0.05)), np.array([9.0, 8.0, 1e-3, 1e5, 300.0])
-    genes = [ga.Gene(f"g{k}", 0.5 * one, 2.0 * one, one, "") for k, one in enumerate(start)]
-    algorithm = ga.GeneticAlgorithm(genes, ga.Settings(population=4, surrogates=False), seed=1)
+    start = {name: Estimate(value, 0.1 * value) for name, value in FRICTION.items()}
+    study = Study(rig, rig.loop, start, TRAINING.sample(rig.samples(0.05)))
     message = f"drive: motion 3: {kind.__name__}: the fieldbus is down; expected a log from move"
-    costs = rig.cost_of(v_cmd, rig.loop, VelocityCost(rig.T_s))
-    with costs as cost, pytest.raises(RigError, match=message):
-        ga.learn(algorithm, cost)
+    with pytest.raises(RigError, match=message):
+        refine(study)
     assert rig.moved == 3
 
 

@@ -18,6 +18,7 @@ from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_filter import Observer, VelocityFilter
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 from stickslip.thresholds import offer
+from stickslip.trial import benefit as trial_benefit
 from stickslip.trial.benefit import (
     Bench,
     Benefit,
@@ -57,7 +58,7 @@ def compared():
         yield lambda **asked: compare(bench, own, FRICTION, MASSES, **asked)
 
 
-def test_an_observer_alone_is_tried_with_the_command_as_its_reference():
+def test_an_observer_alone_is_tried_with_the_command_as_its_reference(monkeypatch):
     """What the nominal loop gives, no block hands to it."""
     values = {name: FRICTION[name] for name in ("F_s", "F_c", "v_s", "sigma_0", "sigma_1")}
     observer = Compensator("observer", "lugre_observer", {"k_e": 1.0, **values})
@@ -66,13 +67,16 @@ def test_an_observer_alone_is_tried_with_the_command_as_its_reference():
     drives = [Drive("friction as fitted", LAW.name, {**FRICTION, "m": AXIS.m, "b": AXIS.b})]
     command = replace(VALIDATION, height=0.2, slope=5 * VALIDATION.slope)
     errors = {}
-    for feed in ("nominal", "command"):
-        with bench_of(LAW, LOOP, FRICTION, drives, command, Datasheet(1e4), feed=feed) as bench:
+    for feed in ("own", "nominal", "command"):
+        if feed != "own":
+            monkeypatch.setattr(trial_benefit, "feed_of", lambda _, feed=feed: feed)
+        with bench_of(LAW, LOOP, FRICTION, drives, command, Datasheet(1e4)) as bench:
             for one in (alone, behind):
                 (benefit,) = bench.benefits([one], shares=(1.0,))
                 errors[one.name, feed] = [row.compensated for row in benefit.rows]
-    assert errors["alone", "nominal"] == errors["alone", "command"]
-    assert errors["behind", "nominal"] != errors["behind", "command"]
+    for name, feed, other in (("alone", "command", "nominal"), ("behind", "nominal", "command")):
+        assert errors[name, "own"] == errors[name, feed]
+        assert errors[name, "own"] != errors[name, other]
 
 
 def test_the_best_is_chosen_and_robust(compared):

@@ -13,11 +13,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stickslip.commandline import FLAG, SEVERAL, add_options, at_least, warn
+from stickslip.commandline import FLAG, add_options, at_least, warn
 from stickslip.commandline.assignments import (
     add_law_option,
     add_set_option,
-    coarse_factors,
     drive_changes,
 )
 from stickslip.commandline.execution import (
@@ -45,23 +44,15 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "from one recording of 20 s"
     )
     add_options(parser, {"--mode": mode}, choices=["drive", "record"], default="drive")
-    flags = {
-        "--as-published": "only the paper's learning as published, from coarse starts over several "
-        "seeds, beside the same with logarithmic genes and least squares",
-        "--complete": "also learn as published and from one recording, and compare all steps; "
-        "takes two minutes on two cores",
-    }
-    add_options(parser, flags, **FLAG)
+    published = (
+        "only the paper's learning as published, from coarse starts over several seeds, beside the "
+        "same with logarithmic genes and least squares"
+    )
+    add_options(parser, {"--as-published": published}, **FLAG)
     seeds = "number of seeds that learn the loop, as published and by least squares (default 5)"
     add_options(parser, {"--seeds N": seeds}, type=at_least(1), default=5, dest="number")
-    coarse = (
-        "start learning at these factors times the identified values, e.g. F_s=0.7 F_c=0.7 v_s=3 "
-        "sigma_0=0.5 sigma_1=0.5; a parameter not named has the factor 1"
-    )
-    add_options(parser, {"--coarse NAME=FACTOR": coarse}, **SEVERAL)
     add_algorithm_option(
         parser,
-        "--preset",
         default="CMA-ES for the loop, which needs half of the "
         "candidates of our genetic algorithm, and that for a recording",
     )
@@ -81,10 +72,8 @@ def _drive(
 ) -> Show:
     from stickslip.papers.lugre.folder import write_results
     from stickslip.papers.lugre.reproduction import reproduce
-    from stickslip.papers.lugre.studies import with_studies
 
     reproduction = reproduce(options, fmus, progress, workers)
-    reproduction = with_studies(reproduction, fmus, progress, workers)
     progress.stage("writing the report")
     write_results(reproduction, out)
     return partial(_print_drive, reproduction)
@@ -145,7 +134,7 @@ def _published(
 def run(options: argparse.Namespace) -> Answer:
     """Reproduce, write the results and print the main figures."""
     _check(options)
-    truth, coarse = drive_changes(options.set), coarse_factors(options.coarse, options.law)
+    truth = drive_changes(options.set)
     from stickslip.papers.lugre.folder import FILES, PUBLISHED_FILES
     from stickslip.papers.lugre.record import RECORD_FILES
     from stickslip.papers.lugre.reproduction import Options, drive_truth
@@ -156,8 +145,6 @@ def run(options: argparse.Namespace) -> Answer:
         seed=options.seed,
         preset=options.algorithm,
         seeds=options.number,
-        complete=options.complete,
-        coarse=coarse,
     )
     drive_truth(chosen.truth, chosen.law)  # before anything is done
     compute, files = {
@@ -176,17 +163,14 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _check(options: argparse.Namespace) -> None:
-    """Raise where two options exclude each other."""
-    published, complete, record = options.as_published, options.complete, options.mode == "record"
-    law = f"--law {options.law}", options.law != "lugre"
-    coarse, steps = ("--coarse", bool(options.coarse)), ("--complete", complete)
-    algorithm = f"--algorithm {options.algorithm}", options.algorithm not in ("default", "paper")
-    exclusive = {
-        "--mode record": (record, coarse, steps),
-        "--complete": (complete, law),
-        "--as-published": (published, ("--mode record", record), law, coarse, algorithm, steps),
+    """Raise where an option means nothing to the learning as published."""
+    others = {
+        "--mode record": options.mode == "record",
+        f"--law {options.law}": options.law != "lugre",
+        f"--algorithm {options.algorithm}": options.algorithm not in ("default", "paper"),
     }
-    for first, (given, *others) in exclusive.items():
-        for second, also in others:
-            if given and also:
-                raise UsageError(f"{first} and {second} exclude each other; leave out one of them")
+    for other, given in others.items():
+        if options.as_published and given:
+            raise UsageError(
+                f"--as-published and {other} exclude each other; leave one of them out"
+            )

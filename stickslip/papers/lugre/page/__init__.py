@@ -14,7 +14,7 @@ from stickslip.evaluation.validation import PHASES, Validation
 from stickslip.identification.stages import friction_map, inertia
 from stickslip.papers.lugre import tables
 from stickslip.papers.lugre.loop_tuning import FRICTION
-from stickslip.papers.lugre.page import curves, diagrams
+from stickslip.papers.lugre.page import curves
 from stickslip.papers.lugre.published import PAPER_COST, SQUARES, PublishedStudy
 from stickslip.papers.lugre.reproduction import BaseResult, Reproduction
 from stickslip.papers.lugre.steps import FILTERED, LEARNED, STEPS, TRAPEZOID, UNCOMPENSATED
@@ -34,8 +34,7 @@ TITLE = "Friction compensator of a linear motor, learned"
 FIG5 = "fig5_as_published"  # Name of the figure of the learning as published
 FIGURES = (
     "loop_tuning",
-    *("fig2_loops", "fig3_scheme", "fig4_flow", "fig5_fitness", "fig6_tracking"),
-    *("steps", "motions", FIG5),
+    *("fig5_fitness", "fig6_tracking", "steps", "motions"),
     *("identification_inertia", "identification_friction", "identification_presliding"),
 )
 FILES = ("report.html", *picture_files(FIGURES))  # What ``write_report`` writes
@@ -64,31 +63,27 @@ def section(
 
 
 def sections(reproduction: Reproduction) -> Sequence[Section]:
-    """Return the sections of the page; a study that was not made has none."""
-    study, loop = reproduction.published, reproduction.identification.loop
+    """Return the sections of the page."""
+    loop = reproduction.identification.loop
     experiments = {
         "identification_inertia": partial(curves.draw_inertia, reproduction),
         "identification_friction": partial(curves.draw_friction, reproduction),
         "identification_presliding": partial(curves.draw_presliding, reproduction),
     }
     of_stages = {"sliding": friction_map, "inertia": inertia}
-    found = [
+    steps = {"steps": partial(curves.draw_steps, reproduction)}
+    loops = {"own": loop, "tuned": tuned_pi(loop), "peak": peak_sensitivity(loop)}
+    return [
         _head(reproduction),
-        loops_section("The loop", "loop", reproduction),
+        section("The loop", "loop", reproduction),
         section("Identification", "identification", reproduction, experiments, **of_stages),
         section("Learning the friction", "learning", reproduction),
         _loop_learning(reproduction),
         validation_section(reproduction.validation, reproduction.table4()),
+        section("Comparison of the steps", "steps", reproduction, steps, **loops),
+        _motions(reproduction, reproduction.motions.table()),
+        section("Using the results", "use", reproduction),
     ]
-    if reproduction.motions is not None:
-        draw = {"steps": partial(curves.draw_steps, reproduction)}
-        loops = {"own": loop, "tuned": tuned_pi(loop), "peak": peak_sensitivity(loop)}
-        found.append(section("Comparison of the steps", "steps", reproduction, draw, **loops))
-    if study is not None:
-        found.append(study_section(study))
-    if reproduction.motions is not None:
-        found.append(_motions(reproduction, reproduction.motions.table()))
-    return [*found, section("Using the results", "use", reproduction)]
 
 
 def _head(reproduction: Reproduction) -> Section:
@@ -115,26 +110,15 @@ def _head(reproduction: Reproduction) -> Section:
     )
 
 
-def loops_section(title: str, template: str, result: BaseResult) -> Section:
-    """Return a section with the loops, Fig. 2."""
-    plain, law = result.learned.designed.plain, result.options.law
-    draw = {"fig2_loops": partial(diagrams.draw_loops, plain, result.truth, law)}
-    return section(title, template, result, draw)
-
-
 def _loop_learning(reproduction: Reproduction) -> Section:
-    """Return the learning of the loop: Figs. 3 to 5, and what was learned."""
+    """Return the learning of the loop, Fig. 5, and what was learned."""
     models = reproduction.loops.study.models
     found, fed = "what was identified", ""
     if models[0].fitted:
         titles = [friction_law(model.law).title for model in models]
         found = f"{' or '.join(titles)}, fitted to the drive’s errors"
         fed = f" The feedforward has the {titles[0]} friction, too."
-    figures = {
-        "fig3_scheme": partial(diagrams.draw_scheme, reproduction),
-        "fig4_flow": partial(diagrams.draw_flow, reproduction),
-        "fig5_fitness": partial(curves.draw_fitness, reproduction.loops),
-    }
+    figures = {"fig5_fitness": partial(curves.draw_fitness, reproduction.loops)}
     values = {"learning": loop_learning, "search": search, "seconds": training_motion().duration}
     values |= {"found": found, "fed": fed, "kept": kept, "mismatch": models[0].mismatch}
     return section(

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
@@ -96,7 +95,6 @@ BEFORE = 0.05  # What is drawn before the first of the spans [s]
 
 def draw_motions(reproduction: Reproduction) -> Figure:
     """Draw the command, the motion without compensation and with what was learned."""
-    assert reproduction.motions is not None  # noqa: S101 - it is drawn once they were run
     figure = style.new_figure(style.PAGE, 66.0)
     panels = figure.subplots(1, 3)
     shown = (
@@ -140,21 +138,10 @@ LOOKS = {
 
 
 def draw_steps(reproduction: Reproduction) -> Figure:
-    """Draw the errors on the drive's true velocity, and on that of the drive with all effects."""
-    drives = {"Simulated drive": reproduction.table4()}
-    if reproduction.extras and reproduction.extras.table4 is not None:
-        drives["Simulated drive, all extras on"] = reproduction.extras.table4
+    """Draw the errors on the drive's true velocity."""
     figure = style.new_figure(style.PAGE, 78.0)
-    panels = figure.subplots(1, len(drives), sharey=True, squeeze=False)[0]
-    for axes, letter, (name, table) in zip(panels, "ab", drives.items(), strict=False):
-        _step_errors(axes, table)
-        style.name_panel(axes, letter, name)
-    panels[0].set_ylabel("Error on the true velocity [mm/s]")
-    style.legend_below(panels[0], 3)
-    return figure
-
-
-def _step_errors(axes: Axes, table: pd.DataFrame) -> None:
+    axes = figure.subplots()
+    table = reproduction.table4()
     true = by_step(table[table["velocity"] == "true"])
     names = [name for name in STEPS if name in true]
     axes.set_yscale("log")
@@ -175,7 +162,10 @@ def _step_errors(axes: Axes, table: pd.DataFrame) -> None:
         label = f"real stage (paper), {which}"
         axes.axhspan(min(values), max(values), color=colour, alpha=0.13, lw=0, label=label)
     labels = [STEPS[name] for name in names]
-    axes.set_xticks(range(len(names)), labels, rotation=35, ha="right", rotation_mode="anchor")
+    axes.set_xticks(range(len(names)), labels)
+    axes.set_ylabel("Error on the true velocity [mm/s]")
+    style.legend_below(axes, 3)
+    return figure
 
 
 POINTS: Any = {"mec": style.WITHOUT, "ecolor": style.WITHOUT, "capsize": 2.0, "elinewidth": 0.8}

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from stickslip.fmi.files import atomic_write
@@ -18,11 +16,9 @@ from stickslip.identification.fitting.identifiability import IDENTIFIABLE, LEVEL
 from stickslip.logs import Finding
 from stickslip.presentation.page import Section, picture_files, write_page
 from stickslip.presentation.quantity import percentage
-from stickslip.presentation.scale import WORDS, force_scale, velocity_scale
-from stickslip.servo.measurement import Array
+from stickslip.presentation.scale import WORDS, force_scale
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.page.figures import (
-    draw_correlations,
     draw_force,
     draw_profiles,
     draw_recording,
@@ -31,14 +27,13 @@ from stickslip.studies.learn.page.figures import (
 )
 from stickslip.studies.learn.page.signals import (
     measures_friction,
-    residual,
     simulated_position,
     steady_name,
 )
 from stickslip.thresholds import control_match, harm, offer
 from stickslip.trial.candidates import CompensatorComparison
 
-FIGURES = ("recording", "force", "residual", "profiles", "correlations")
+FIGURES = ("recording", "force", "residual", "profiles")
 FILES = ("parameters.csv", "report.html", *picture_files(FIGURES))
 """What ``write_estimation_report`` writes."""
 ERRORS = {
@@ -54,7 +49,6 @@ MEANT = {
     "velocity": "Velocity, differences of the same signals",
     "closed_loop_force": "{0}, recorded against commanded in the simulated loop",
 }
-STANDING_OUT = 5  # Stretches of the residual that are named
 MEANINGS = {
     "parameters.csv": "the parameters with units and intervals, unrounded, in SI units",
     "learned.json": "the same with criterion, relative errors, seed and versions",
@@ -64,9 +58,6 @@ MEANINGS = {
     "compensator and before the observer",
     "deploy": "the same as C and for PLCs behind one call; steps.html tells how to put it to work",
 }
-WINDOW = 0.05  # In which the largest value counts [s]
-USUAL = 0.9  # Share of the windows whose largest value is usual
-OUT = 2.0  # Ratio to the largest usual value from which one stands out; that of noise is about 1.3
 
 
 def _section(
@@ -103,7 +94,7 @@ def sections(
 ) -> list[Section]:
     """Return the sections of the page."""
     section, motion = partial(_section, estimation), estimation.recording.motion
-    check, left = estimation.controller, residual(estimation)
+    check = estimation.controller
     learned = section(
         "Learned parameters",
         "learned",
@@ -126,15 +117,11 @@ def sections(
         {"force": draw_force, "residual": draw_residual},
         steady=steady_name(estimation),
         simulated=simulated_position(estimation) is not None,
-        outliers=stretches(left.t, left.values, left.velocity),
-        most=STANDING_OUT,
-        scale=left.scale,
-        speeds=velocity_scale(motion, left.velocity),
     )
     identifiability = section(
         "How well each parameter is identified",
         "identifiability",
-        {"profiles": draw_profiles, "correlations": draw_correlations},
+        {"profiles": draw_profiles},
         unresolved=unresolved(estimation),
     )
     tried = bool(estimation.held_out.predictions)
@@ -204,40 +191,6 @@ def compensation(compared: CompensatorComparison) -> Section:
         GAIN=offer.GAIN,
         LIMIT=offer.SENSITIVITY,
     )
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """A stretch of time in which a residual stands out."""
-
-    # [s]
-    begin: float
-    end: float
-    peak: float  # value of the largest magnitude, in the unit of the residual
-    ratio: float  # of its magnitude to the largest usual one
-    speed: float  # in its middle, in the unit of the velocity
-
-
-def stretches(t: Array, residual: Array, velocity: Array) -> list[Stretch]:
-    """Return where a residual (n,) stands out, the largest first; t (n,) [s] is even."""
-    n = max(round(WINDOW / (t[1] - t[0])), 1)
-    windows = [slice(k, k + n) for k in range(0, len(t), n)]
-    peaks = np.array([np.abs(residual[of]).max() for of in windows])
-    usual = float(np.quantile(peaks, USUAL))
-    out = np.flatnonzero(peaks > OUT * usual)
-    found = []
-    for run in np.split(out, np.flatnonzero(np.diff(out) > 1) + 1):
-        if len(run) and usual > 0.0:
-            begin, end = windows[run[0]].start, min(windows[run[-1]].stop, len(t))
-            peak = begin + int(np.abs(residual[begin:end]).argmax())
-            found.append(
-                Stretch(
-                    *(float(t[begin]), float(t[end - 1]), float(residual[peak])),
-                    ratio=float(abs(residual[peak])) / usual,
-                    speed=abs(float(velocity[peak])),
-                )
-            )
-    return sorted(found, key=lambda one: -one.ratio)
 
 
 def write_estimation_report(

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -105,8 +104,6 @@ def _legend_above(axes: Axes, room: float, loc: Any = "upper right") -> Any:
     axes.set_ylim(low, high + room * (high - low))
     return axes.legend(loc=loc, ncols=2)
 
-
-CORRELATED = LinearSegmentedColormap.from_list("correlation", [WITHOUT, "white", WITH])
 
 OPENED = 3000  # Stretches of time of which a signal that opens has the least and the largest value
 
@@ -286,26 +283,6 @@ def _spectrum(axes: Axes, signal: Array, T_s: float, unit: str) -> None:
     axes.set(xlabel="Frequency [Hz]", ylabel=f"Density [{unit}/√Hz]", xlim=f[[1, -1]])
     axes.grid(visible=True)
     style.name_panel(axes, "d", "Its amplitude spectral density")
-
-
-def draw_correlations(estimation: Estimation) -> Figure:
-    """Draw the correlations between the errors of all values."""
-    names = [symbol(name) for name in estimation.fit.space.names]
-    shares = estimation.fit.correlations()
-    n = len(names)
-    figure = style.new_figure(style.COLUMN, 10.0 + 6.8 * n)
-    axes = figure.subplots()
-    image = axes.imshow(shares, cmap=CORRELATED, vmin=-1.0, vmax=1.0, aspect="auto")
-    for i, j in np.ndindex(n, n):
-        if i != j and np.isfinite(shares[i, j]):
-            colour = "white" if abs(shares[i, j]) > 0.6 else style.INK
-            shown = f"{round(float(shares[i, j]), 2) + 0.0:.2f}".replace("-", "−")
-            axes.text(j, i, shown, ha="center", va="center", size=6.5, color=colour)
-    axes.set(xticks=range(n), yticks=range(n), xticklabels=names, yticklabels=names)
-    axes.tick_params(length=0)
-    axes.spines[:].set_visible(False)
-    figure.colorbar(image, ax=axes, shrink=0.8, label="Correlation")
-    return figure
 
 
 def _encoder_step(axes: Axes, step: float, scale: Scale) -> None:

@@ -35,15 +35,12 @@ class Tolerance:
 
 TABLES = {
     "table2": Tolerance(0.01),  # identified 1e-9; fitted to runs, v_s 0.6 % from a coarse start
-    **dict.fromkeys(("table4", "table4_all_extras"), Tolerance(unit="mm/s")),
+    "table4": Tolerance(unit="mm/s"),
     "motions": Tolerance(),
     # A search goes another way where one candidate does: with b x (1 +- 1e-9) the medians of two
     # seeds of 150 candidates moved by 0.68 of the range over seeds, of five by 0.56; other stages
     # by nothing.
     "loop_tuning": Tolerance(of_range=1.0, by=("stage", "motion", "friction", "unit")),
-    "as_published_panel": Tolerance(),
-    "as_published_fitness": Tolerance(1e-3),  # mean cost 3e-4: most candidates stick and slip
-    "as_published_learned": Tolerance(0.1),  # cost after least squares 6 %
 }
 """By name of the table."""
 

@@ -130,8 +130,6 @@ def test_all_files_are_there_and_tell_the_seed(folder):
     [
         ["--mode", "record"],
         ["--algorithm", "cma"],
-        ["--coarse", "F_c=2"],
-        ["--complete"],
     ],
     ids=" ".join,
 )

@@ -1,17 +1,16 @@
 """The claims of the paper, on the FMUs and by FMPy."""
 
-import fmpy
 import numpy as np
 import pytest
 
 from stickslip import models
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.motions import TRAINING, VALIDATION
-from stickslip.papers.lugre.fmpy_check import second_opinion
 from stickslip.papers.lugre.reproduction import Options, reproduce
 from stickslip.servo.axis import LOOP, Datasheet
-from stickslip.servo.systems import FEEDS, Compensator, build_fmus, deployed, paper_loop
+from stickslip.servo.systems import Compensator, build_fmus, deployed, paper_loop
 from stickslip.servo.velocity_loop import design_velocity_loop
+from tests.stickslip.papers.lugre.fmpy_check import second_opinion
 
 pytestmark = pytest.mark.slow
 
@@ -49,7 +48,7 @@ def test_a_parameter_that_learning_made_worse_is_remarked(reproduction):
 @pytest.mark.thorough
 def test_a_changed_drive_is_learned_as_well(tmp_path, quiet):
     truth = {"m": 9.0, "F_c": 3.0, "F_s": 5.1, "sigma_0": 8e5}
-    found = reproduce(Options(truth=truth, seeds=0), tmp_path, quiet)
+    found = reproduce(Options(truth=truth, seeds=1), tmp_path, quiet)
     assert found.refinement.values["F_c"] == pytest.approx(3.0, rel=0.01)
     table = measured(found.validation.table())
     assert (table.reduction > table.paper_reduction).all()
@@ -78,23 +77,20 @@ COMMANDS = {
 TUNED = {name: 1.07 * PAPER[name] for name in LUGRE}
 
 
-def opinion(fmus, folder, own, feed="nominal", fmi=2):
+def opinion(fmus, folder, own, fmi=2):
     """Return FMPy's opinion of a compensator with ``own`` start values, the loop having TUNED."""
     loop = design_velocity_loop(Datasheet().axis(PAPER["m"], PAPER["b"]), LOOP)
-    known = loop if feed == "nominal" else None
-    block = deployed(Compensator("compensator", "compensator", own), known, loop.T_s)
+    block = deployed(Compensator("compensator", "compensator", own), loop, loop.T_s)
     values = {"lead": loop.axis.tau_i, **block.values}
     fmu = models.build_fmu(block.model, folder, start=values, fmi=fmi, called="compensator")
-    return second_opinion(fmu, paper_loop(fmus, loop, TUNED, feed), loop, COMMANDS)
+    return second_opinion(fmu, paper_loop(fmus, loop, TUNED), loop, COMMANDS)
 
 
-@pytest.mark.parametrize("feed", FEEDS)
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_fmpy_computes_the_same_bits(fmus, tmp_path, capfd, feed, fmi):
-    found = opinion(fmus, tmp_path, TUNED, feed, fmi)
-    assert found.tool == f"FMPy {fmpy.__version__}"
-    assert found.comparisons.keys() == COMMANDS.keys()
-    for comparison in found.comparisons.values():
+def test_fmpy_computes_the_same_bits(fmus, tmp_path, capfd, fmi):
+    found = opinion(fmus, tmp_path, TUNED, fmi)
+    assert found.keys() == COMMANDS.keys()
+    for comparison in found.values():
         assert (comparison.samples, comparison.different, comparison.largest) == (len(T), 0, 0.0)
     assert "missing input" not in "".join(capfd.readouterr())
 
@@ -102,6 +98,6 @@ def test_fmpy_computes_the_same_bits(fmus, tmp_path, capfd, feed, fmi):
 @pytest.mark.parametrize("name", ["F_c", "sigma_0"])
 def test_another_parameter_in_the_last_digits_is_seen(fmus, tmp_path, name):
     other = {**TUNED, name: TUNED[name] * (1 + 1e-12)}
-    for comparison in opinion(fmus, tmp_path, other).comparisons.values():
+    for comparison in opinion(fmus, tmp_path, other).values():
         assert comparison.different > 100
         assert 0.0 < comparison.largest < 1e-9

@@ -3,7 +3,6 @@
 import hashlib
 import json
 from pathlib import Path
-from types import SimpleNamespace
 
 import fmpy
 import numpy as np
@@ -11,23 +10,20 @@ import pandas as pd
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from stickslip import models
 from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.cli import main
-from stickslip.errors import IdentificationError
 from stickslip.evaluation.motions import MOTIONS, TRAINING, VALIDATION
 from stickslip.evaluation.validation import PHASES, covered, runs_of, validate
-from stickslip.papers.lugre import studies
 from stickslip.papers.lugre.folder import FILES
-from stickslip.papers.lugre.reproduction import Options
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
+from tests.stickslip.papers.lugre.fmpy_check import second_opinion
 from tests.stickslip.papers.lugre.result_tolerance import differences
 
 
 def test_all_files_are_there_and_the_manifest_knows_them(results):
     present = {path.name for path in results.iterdir()} - {"manifest.json"}
-    assert present == {name for name in FILES if "as_published" not in name}  # with --complete
+    assert present == {*FILES}
     assert present >= {"table2.csv", "table4.csv", "motions.csv", "fitness.csv", "loop_tuning.csv"}
     assert present >= {"learned.json", "report.html", "compensator.fmu", "loop.ssp"}
     hashes = json.loads((results / "manifest.json").read_text())["sha256"]
@@ -71,13 +67,15 @@ def test_the_compensators_start_with_what_was_learned(results, reproduction):
     assert found["loop"]["K_p"]["value"] == best.tuned.loop.K_p
 
 
-def test_fmpy_agrees_with_the_kernel_on_the_compensator_that_is_written(results):
-    opinion = json.loads((results / "learned.json").read_text())["second_opinion"]
-    assert opinion["runs"].keys() == {"training", "validation"}
-    assert opinion["runs"]["training"]["samples"] == 20001
-    for run in opinion["runs"].values():
-        assert run["different"] == 0
-        assert run["largest_difference"] == {"value": 0.0, "unit": "N"}
+def test_fmpy_agrees_with_the_kernel_on_the_compensator_that_is_written(results, reproduction):
+    loop = reproduction.identification.loop
+    t = np.arange(round(TRAINING.duration / loop.T_s) + 1) * loop.T_s
+    commands = {"training": TRAINING.sample(t)}
+    commands["validation"] = reproduction.validation.compensated.v_cmd
+    runs = second_opinion(results / "compensator.fmu", reproduction.system, loop, commands)
+    assert runs["training"].samples == 20001
+    for run in runs.values():
+        assert (run.different, run.largest) == (0, 0.0)
 
 
 def test_the_cost_without_compensation_is_that_of_the_training_run(results, reproduction):
@@ -121,40 +119,6 @@ def test_the_learned_loop_is_packed_as_it_was_learned(results, reproduction, tmp
     assert 1e3 * np.sqrt(np.mean(squares)) == pytest.approx(expected, rel=0.1)
 
 
-def run(tmp_path, quiet, monkeypatch, outcome):
-    """Return what came out, and the call that ``reproduce`` got."""
-    calls = []
-
-    def reproduce(options, fmus, _):
-        calls.append((options, fmus))
-        assert fmus.is_dir()
-        if isinstance(outcome, BaseException):
-            raise outcome
-        return SimpleNamespace(validation=outcome)
-
-    monkeypatch.setattr(studies, "reproduce", reproduce)
-    options = Options(truth={"F_c": 4.0, "dac": False}, seed=3)
-    monkeypatch.setattr(studies, "step_by_step", lambda *_: "step by step")
-    extras = studies.reproduce_with_extras(options, tmp_path / "extras", quiet)
-    return extras, *calls
-
-
-def test_the_drive_with_all_extras_has_every_effect_and_the_same_options(
-    tmp_path, quiet, monkeypatch
-):
-    extras, (options, fmus) = run(tmp_path, quiet, monkeypatch, "validated")
-    assert (extras.table4, extras.reason) == ("step by step", "")
-    booleans = {v.name for v in models.load_model("drive").variables if v.type == "boolean"}
-    assert options == Options(truth={"F_c": 4.0, **dict.fromkeys(booleans, True)}, seed=3, seeds=0)
-    assert {"asymmetric", "position_dependent", "ripple", "noise"} <= booleans
-    assert fmus.name == "extras"
-
-
-def test_a_drive_that_cannot_be_learned_with_all_extras_is_reported(tmp_path, quiet, monkeypatch):
-    extras, _ = run(tmp_path, quiet, monkeypatch, IdentificationError("it sticks"))
-    assert (extras.table4, extras.reason) == (None, "it sticks")
-
-
 ROOT = Path(__file__).parents[4]
 COMMITTED = ROOT / "results" / "paper"
 
@@ -183,10 +147,8 @@ def test_the_documents_quote_the_committed_table():
     for file, column, label in (
         ("table4", "paper_without", "without compensation, real stage (paper)"),
         ("table4", "without", "without compensation, simulated drive, calibrated to this row"),
-        ("table4_all_extras", "without", "without compensation, simulated drive, all extras on"),
         ("table4", "paper_with", "with compensation, real stage (paper)"),
         ("table4", "with", "with compensation, simulated drive"),
-        ("table4_all_extras", "with", "with compensation, simulated drive, all extras on"),
     ):
         table = pd.read_csv(COMMITTED / f"{file}.csv").query("velocity == 'measured'")
         figures = " | ".join(f"{value:.2f}" for value in table[column])

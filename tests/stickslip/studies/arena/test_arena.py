@@ -273,9 +273,6 @@ def test_the_table_has_every_cell(arena):
     states = table[(table["metric"] == "states") & (table["compensator"] == "lugre")]
     kept = [v for v in models.load_model("compensator", "lugre").variables if v.role in KEPT]
     assert (states["median"] == len(kept)).all()
-    times = pd.read_csv(folder / "time.csv")
-    assert (times["tuning [s]"] > 0.0).all()
-    assert ((times["sample [s]"] > 0.0) == times["compensator"].isin(["static", "lugre"])).all()
     peaks = table[table["metric"] == "Ms"]["median"]
     assert (peaks <= 2.2).all()
     assert not (folder / UNFINISHED).exists()

@@ -15,7 +15,7 @@ from stickslip.evaluation.tracking import FEEDFORWARD, FRICTIONLESS, NONE, Track
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
 from stickslip.identification.estimation import Estimation, Identifiability
-from stickslip.identification.estimation.estimation import FittedLaw, Searches
+from stickslip.identification.estimation.estimation import FittedLaw
 from stickslip.identification.estimation.faults import HeldOut
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
@@ -26,9 +26,7 @@ from stickslip.presentation.scale import thinned
 from stickslip.presentation.style import house_style
 from stickslip.studies.learn.page import (
     FIGURES,
-    OUT,
     sections,
-    stretches,
     use,
     write_estimation_report,
 )
@@ -105,9 +103,7 @@ def made(kind="loop", n=30_000):
                 [profile(name, 100.0 if name == steep else 1.0) for name in space.friction]
             ),
         ),
-        searches=Searches(
-            pd.DataFrame([{"seed": 0, "evaluations": 252, "cost": 0.02, **values}]), algorithm()
-        ),
+        searched=algorithm(),
         held_out=HeldOut((), ()),
         figures=GoodnessOfFit(
             0.1234, 0.2, *loop, t, force + noise, force, simulated, v, 0.0, slice(65, -65)
@@ -250,27 +246,6 @@ def test_a_thinned_signal_keeps_its_extremes_and_its_order():
     assert (shown.min(), shown.max()) == (-9.0, 9.0)
     assert np.all(np.diff(fewer) > 0.0)
     assert np.array_equal(np.interp(fewer, t, signal), shown)
-
-
-T = np.arange(0.0, 20.0, 5e-4)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_only_what_was_added_to_noise_stands_out(seed):
-    rng = np.random.default_rng(seed)
-    noise = rng.normal(0.0, 1e-7, len(T)) * (1.0 + (np.sin(T) > 0.0))  # twice as loud at times
-    assert not stretches(T, noise, np.ones(len(T)))
-    bumps = sum(h * np.exp(-(((T - at) / 0.1) ** 2)) for at, h in ((8.0, -2e-6), (3.0, 5e-6)))
-    first, second = stretches(T, noise + bumps, -0.5 * T)
-    assert first.begin < 3.0 < first.end < second.begin < 8.0 < second.end
-    assert first.peak == pytest.approx(5e-6, rel=0.2)
-    assert second.peak == pytest.approx(-2e-6, rel=0.2)
-    assert first.ratio > second.ratio > OUT
-    assert second.speed == pytest.approx(4.0, rel=0.05)
-
-
-def test_a_residual_of_nothing_has_no_stretches():
-    assert not stretches(T, np.zeros(len(T)), T)
 
 
 def tracked(measured=None):

@@ -118,7 +118,7 @@ def logs(tmp_path_factory):
         columns |= {"x_enc [m]": shown["encoder"], "F_motor [N]": shown["commanded"]}
         pd.DataFrame(columns).to_csv(folder / f"{name}.csv", index=False, float_format="%.9g")
     parameters = {name: {"value": x} for name, x in {**values, "m": 5.5, "b": 7.0}.items()}
-    document = {"parameters": parameters, "delta": {"value": 1.0}, "feed": "command"}
+    document = {"parameters": parameters, "delta": {"value": 1.0}}
     document |= {"share": {"value": 0.8}}
     (folder / "learned.json").write_text(json.dumps(document))
     return folder

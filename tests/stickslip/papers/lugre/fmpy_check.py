@@ -1,4 +1,4 @@
-"""What FMPy makes of the compensator that was learned: its force.
+"""What FMPy makes of a compensator: its force.
 
 FMPy steps ``compensator.fmu`` alone over the commands of a run of the whole loop. A force that
 differs from the recorded one in any bit would mean that other tools do not get the compensator that
@@ -6,16 +6,15 @@ was learned.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from importlib.metadata import version
+from dataclasses import dataclass
 from pathlib import Path
 
+import fmpy
 import numpy as np
 
 from stickslip import cosim
 from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_loop import VelocityLoop
-from stickslip.storage.codec import entry
 
 RECORDED, OUTPUT = "compensator.F_mean", "F_ff"
 
@@ -26,21 +25,12 @@ class Comparison:
 
     samples: int  # values of the force that were compared, the initial one included
     different: int  # how many of them are not the same double
-    largest: float = field(metadata=entry("N", key="largest_difference"))  # largest difference [N]
-
-
-@dataclass(frozen=True)
-class SecondOpinion:
-    """What FMPy says of an FMU."""
-
-    tool: str  # name and version
-    # by the name of the command that was run
-    comparisons: Mapping[str, Comparison] = field(metadata=entry(key="runs"))
+    largest: float  # difference [N]
 
 
 def second_opinion(
     fmu: Path, system: cosim.System, loop: VelocityLoop, commands: Mapping[str, Array]
-) -> SecondOpinion:
+) -> dict[str, Comparison]:
     """Run the loop over velocity commands (n,) [m/s], and the compensator alone in FMPy.
 
     The FMU is the compensator as it is deployed, the system ``paper_loop`` with it.
@@ -56,7 +46,7 @@ def second_opinion(
         difference = np.abs(force - recorded)
         unlike = force.view(np.int64) != recorded.view(np.int64)
         comparisons[name] = Comparison(len(force), int(unlike.sum()), float(difference.max()))
-    return SecondOpinion(f"FMPy {version('fmpy')}", comparisons)
+    return comparisons
 
 
 def _stepped_by_fmpy(fmu: Path, commands: Mapping[str, Array], T_s: float) -> Array:
@@ -64,8 +54,6 @@ def _stepped_by_fmpy(fmu: Path, commands: Mapping[str, Array], T_s: float) -> Ar
 
     A command that the loop does not take is 0.
     """
-    import fmpy  # takes half a second, and only this needs it
-
     variables = fmpy.read_model_description(str(fmu)).modelVariables
     names = [one.name for one in variables if one.causality == "input"]
     table = np.zeros(len(commands["v_cmd"]), [(name, float) for name in ("time", *names)])
