@@ -19,7 +19,7 @@ from stickslip.cosim.run import resets
 from stickslip.cosim.run.checkpoint import Checkpoint, differences, identity, put_back, taken
 from stickslip.cosim.run.guards import Exclusive, RealTimePacing
 from stickslip.cosim.run.instances import Instances
-from stickslip.cosim.run.result import Result
+from stickslip.cosim.run.result import Result, Take, taking
 from stickslip.cosim.run.reuse import Reuse
 from stickslip.cosim.run.stepping import Discarded, NotReset, Stepper
 from stickslip.cosim.signals.signals import Array, Table
@@ -92,6 +92,7 @@ class Simulation:
         until: float | None = None,
         real_time: RealTimePacing | float | None = None,
         progress: Callable[[float], object] | None = None,
+        out: str | os.PathLike[str] | Take | None = None,
     ) -> Result:
         """Run from the start: reset, set start values, initialise, step.
 
@@ -113,6 +114,10 @@ class Simulation:
         real_time : simulated s per s, or a RealTimePacing that also says how often to look at the
             clock; as fast as can be if left out. ``pacing`` tells how well the clock was kept
         progress : is called with the time reached (s) now and then
+        out : FILE.csv for all points, or a function that is called with parts of the result, each a
+            Result whose values the next one overwrites. With ``Record(keep="range")`` this is done
+            as the run goes, which then needs no memory for the points. A run that has to begin
+            again starts the file anew, or gives the first part again
 
         Raises
         ------
@@ -128,19 +133,43 @@ class Simulation:
         signals = signals_of(inputs)
         jumps = any(isinstance(signal, Table) for signal in signals.values())
         changes = signals_of(tunable)
-        same_as = None if changes or jumps else last
+        same_as = None if changes or jumps else (last, out is None)
 
-        def go(repeated: bool) -> Result:
-            self.pacing = None if real_time is None else RealTimePacing.of(real_time)
-            return self._stepper.go(0, last, self.pacing, None if repeated else progress)
+        def attempt(take: Take | None) -> Result:
+            def go(repeated: bool) -> Result:
+                return self._go(0, last, real_time, *(() if repeated else (progress, take)))
 
-        def attempt() -> Result:
             external = self._stepper.follow(values, signals, changes)
             repeats = real_time is None
             return self._reuse.run(values, external, go, repeats=repeats, same_as=same_as)
 
-        with self._exclusive:
-            return self._with_retries(attempt)
+        with self._exclusive, taking(out) as take:
+            return self._with_retries(lambda: attempt(take))
+
+    def _go(
+        self,
+        first: int,
+        last: int,
+        real_time: RealTimePacing | float | None,
+        progress: Callable[[float], object] | None = None,
+        take: Take | None = None,
+    ) -> Result:
+        """Step from the first to the last of the points in time, and hand the result on."""
+        pacing = self.pacing = None if real_time is None else RealTimePacing.of(real_time)
+        if take is None or self._plan.record.keep != "range":
+            result = self._stepper.go(first, last, pacing, progress)
+            if take:
+                take(result)
+            return result
+        kept: Result | None = None
+
+        def add(part: Result) -> Result:
+            nonlocal kept
+            take(part)
+            kept = part.range(kept)
+            return kept
+
+        return add(self._stepper.go(first, last, pacing, progress, add))
 
     def start(
         self,
@@ -233,6 +262,7 @@ class Simulation:
         until: float | None = None,
         real_time: RealTimePacing | float | None = None,
         progress: Callable[[float], object] | None = None,
+        out: str | os.PathLike[str] | Take | None = None,
     ) -> Result:
         """Go on from a saved state; return what follows, the time of the state included.
 
@@ -260,17 +290,16 @@ class Simulation:
         parameters = self.spec.system.parameters
         signals, changes = signals_of(inputs), signals_of(tunable)
 
-        def go(_: bool) -> Result:
-            put_back(self._stepper, checkpoint, path)
-            self.pacing = None if real_time is None else RealTimePacing.of(real_time)
-            return self._stepper.go(checkpoint.step, last, self.pacing, progress)
+        def attempt(take: Take | None) -> Result:
+            def go(_: bool) -> Result:
+                put_back(self._stepper, checkpoint, path)
+                return self._go(checkpoint.step, last, real_time, progress, take)
 
-        def attempt() -> Result:
             external = self._stepper.follow({**parameters, **checkpoint.starts}, signals, changes)
             return self._reuse.run(parameters, external, go, repeats=False, resumed=True)
 
-        with self._exclusive:
-            return self._with_retries(attempt)
+        with self._exclusive, taking(out) as take:
+            return self._with_retries(lambda: attempt(take))
 
     def learned(self) -> dict[str, float]:
         """Return what the components have learned in the last run: parameter -> start value.
