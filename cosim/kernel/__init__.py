@@ -137,7 +137,9 @@ def lines_of(time: NDArray[np.float64], rows: NDArray[np.float64]) -> memoryview
     numbers = map(doubles, map(np.ascontiguousarray, (time, rows)))
     write = load().write_lines
     write.restype = c_int64
-    length = write(c_void_p(text.ctypes.data), *numbers, c_int64(n), c_int64(width), _powers())
+    texts = (c_int64 * (2 * width))()
+    shape = map(c_int64, (n, width))
+    length = write(c_void_p(text.ctypes.data), *numbers, *shape, _powers(), texts)
     return text[:length].data
 
 

@@ -12,12 +12,18 @@ typedef struct {
     int exponent; /* of ten */
 } Decimal;
 
+typedef struct {
+    const char *begin;
+    int64_t length;
+} Text; /* of the last other number of a column */
+
 enum { LOWEST = -292 }; /* power of ten in the table */
 
 /* Write lines of a time (n) and numbers (n, width), with commas between; return the length. powers:
- * of ten from LOWEST on, 128 bits each, rounded up. A number takes up to 25 characters. */
+ * of ten from LOWEST on, 128 bits each, rounded up. A number takes up to 25 characters; one that is
+ * that of the line before is copied, by way of texts (width). */
 EXPORT int64_t write_lines(char *text, const double *times, const double *rows, int64_t n,
-                           int64_t width, const uint64_t (*powers)[2]);
+                           int64_t width, const uint64_t (*powers)[2], Text *texts);
 
 static int log2_of_power_of_10(int e) { return (e * 1741647) >> 19; }
 
@@ -125,13 +131,19 @@ static char *put_number(char *to, double number, const uint64_t (*powers)[2]) {
 }
 
 int64_t write_lines(char *text, const double *times, const double *rows, int64_t n, int64_t width,
-                    const uint64_t (*powers)[2]) {
+                    const uint64_t (*powers)[2], Text *texts) {
     char *to = text;
     for (int64_t i = 0; i < n; i++) {
         to = put_number(to, times[i], powers);
-        for (int64_t j = 0; j < width; j++) {
+        for (int64_t j = 0; j < width; j++, rows++) {
             *to++ = ',';
-            to = put_number(to, *rows++, powers);
+            char *begin = to;
+            if (i && memcmp(rows, rows - width, sizeof *rows) == 0) {
+                to = put(to, texts[j].begin, (int)texts[j].length);
+            } else {
+                to = put_number(to, *rows, powers);
+                texts[j] = (Text){begin, to - begin};
+            }
         }
         *to++ = '\n';
     }
