@@ -117,7 +117,7 @@ class Simulation:
         out : FILE.csv for all points, or a function that is called with parts of the result, each a
             Result whose values the next one overwrites. With ``Record(keep="range")`` this is done
             as the run goes, which then needs no memory for the points. A run that has to begin
-            again starts the file anew, or gives the first part again
+            again starts the file again, or gives the first part again
 
         Raises
         ------
