@@ -8,7 +8,7 @@ import math
 import operator
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -273,14 +273,11 @@ def writing(path: Path) -> Iterator[Take]:
         yield take
 
 
-@contextmanager
-def taking(out: str | os.PathLike[str] | Take | None) -> Iterator[Take | None]:
+def taking(
+    out: str | os.PathLike[str] | Take | None,
+) -> AbstractContextManager[Take | None]:
     """Return what takes parts: a function as it is, a file as one that writes it."""
-    if out is None or callable(out):
-        yield out
-        return
-    with writing(Path(out)) as take:
-        yield take
+    return nullcontext(out) if out is None or callable(out) else writing(Path(out))
 
 
 def _reduced(rows: Array) -> Array:
